@@ -121,7 +121,7 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
 
 def _law(table: dict[str, Any], folder: Path) -> InterfaceLaw:
     law = _kind("law", table, LAWS)
-    names = [one.name for one in fields(law)]  # type: ignore[arg-type]
+    names = [one.name for one in fields(law)]
     _known("law.", table, ("kind", *names))
     values = {
         key: value if key in _WORDS else _field(f"law.{key}", value, folder)
