@@ -91,6 +91,7 @@ __all__ = [
     "Uniform",
     "ViscousFriction",
     "ZoneDerivative",
+    "critical_wavelength",
     "find_interface",
     "find_scene",
     "fit",
@@ -104,6 +105,7 @@ __all__ = [
     "solve",
     "solve_pair",
     "strain",
+    "supershear_strength",
     "sweep",
 ]
 
@@ -125,6 +127,7 @@ _LATER = {
     "semianalytic.engine.named": ("find_interface",),
     "semianalytic.engine.result": ("Run",),
     "semianalytic.engine.run": ("run",),
+    "semianalytic.engine.stability": ("critical_wavelength", "supershear_strength"),
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
     "semianalytic.inversion.fitting": ("Fit", "fit"),
     "semianalytic.inversion.gauges": ("Gauge",),
@@ -156,6 +159,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.engine.named import find_interface
     from semianalytic.engine.result import Run
     from semianalytic.engine.run import run
+    from semianalytic.engine.stability import critical_wavelength, supershear_strength
     from semianalytic.field.derived import fringe_order, fringes, strain
     from semianalytic.inversion.fitting import Fit, fit
     from semianalytic.inversion.gauges import Gauge

@@ -72,6 +72,7 @@ _NAMES = {
         "Uniform",
         "ViscousFriction",
         "ZoneDerivative",
+        "critical_wavelength",
         "find_interface",
         "find_scene",
         "fit",
@@ -85,6 +86,7 @@ _NAMES = {
         "solve",
         "solve_pair",
         "strain",
+        "supershear_strength",
         "sweep",
     ),
     "fem": (
