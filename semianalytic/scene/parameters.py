@@ -7,6 +7,7 @@ from dataclasses import Field, fields
 from typing import Any, NamedTuple
 
 from semianalytic.scene.friction import FrictionLaw
+from semianalytic.scene.incident import IncidentWave, Load, MovingLoad
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.units import PARAMETERS
 
@@ -27,6 +28,19 @@ TRACTIONS: Mapping[str, Parameter] = {
     "pressure": Parameter(PARAMETERS["pressure"], "pressure, positive in compression"),
     "shear": Parameter(PARAMETERS["shear"], "shear traction, either sign"),
 }
+_WAVE: Mapping[str, Parameter] = {
+    "kind": Parameter("", "a plane step wave; its front reaches the slot's tip at t = 0"),
+    "wave": Parameter("", "P or SV; SH in antiplane shear"),
+    "angle": Parameter("degrees", "from the normal; negative: it meets the contact first"),
+    "velocity": Parameter("length / time", "step of particle velocity"),
+    "stress": Parameter("stress", "rho c times that step, in its place"),
+    "from": Parameter("", "below or above: the body it arrives from"),
+}
+_MOVING: Mapping[str, Parameter] = {
+    "kind": Parameter("", "tractions that advance over the slot from its tip"),
+    "speed": Parameter("length / time", "speed of their front; negative: towards the tip"),
+    **TRACTIONS,
+}
 _OF_PARTS: Mapping[str, Parameter] = {
     "rise_time": Parameter(PARAMETERS["rise_time"], "in which it rises evenly from 0 to 1"),
     "duration": Parameter(PARAMETERS["duration"], "after which it is over"),
@@ -39,6 +53,13 @@ _OF_PARTS: Mapping[str, Parameter] = {
     "rate": Parameter(PARAMETERS["rate"], "relative slip rate at which half of that is lost"),
     "distance": Parameter(PARAMETERS["distance"], "accumulated slip over which it is lost"),
 }
+
+
+def load_parameters(load: Load) -> Mapping[str, Parameter]:
+    """Return the parameters of a load by the keys of its document."""
+    if isinstance(load, IncidentWave):
+        return _WAVE
+    return _MOVING if isinstance(load, MovingLoad) else TRACTIONS
 
 
 def part_parameters(kind: type[LoadHistory] | type[FrictionLaw]) -> dict[str, Parameter]:

@@ -18,8 +18,21 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.incident import (
+    IncidentWave,
+    Load,
+    MovingLoad,
+    load_document,
+    load_from_document,
+)
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
-from semianalytic.scene.parameters import MATERIAL, TRACTIONS, Parameter, part_parameters
+from semianalytic.scene.parameters import (
+    MATERIAL,
+    TRACTIONS,
+    Parameter,
+    load_parameters,
+    part_parameters,
+)
 from semianalytic.scene.scene import (
     Material,
     Scene,
@@ -49,6 +62,8 @@ _LAWS: tuple[FrictionLaw, ...] = (
     SlipWeakening(0.5, 0.05),
 )
 """Examples in units mu = rho = 1, under tractions of 1."""
+_WAVE, _MOVING = IncidentWave("SV", angle=-30.0, velocity=0.5), MovingLoad(0.5, 0.0, 1.0)
+"""Examples of other loads, in the same units."""
 _SAYINGS: Mapping[type, str] = {
     Step: "on at t = 0, and stays",
     Ramp: "rises evenly, then stays",
@@ -92,10 +107,8 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
     digits = 15 if solid is None else 3
     solid = Material(*SI_SOLID, material.poisson_ratio) if solid is None else solid
     scales = _scales(solid, SI_STRESS)
-    base, load = (
-        Tractions(SI_STRESS * one.pressure, SI_STRESS * one.shear)
-        for one in (scene.base, scene.load)
-    )
+    base, load = (_load_in(scales, one) for one in (scene.base, scene.load))
+    assert isinstance(base, Tractions)
     return Scene(
         solid,
         scene.friction,
@@ -108,6 +121,17 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
         load_on=scene.load_on,
         units=SI,
     )
+
+
+def _load_in(scales: Mapping[str, float], load: Load) -> Load:
+    """Convert a load from units mu = rho = 1 to those of the scales."""
+    document = load_document(load)
+    # particle velocities are in the unit of slip rate, the speed of a front in that of waves
+    units = {**scales, "length / time": scales["1 / time"]} if "speed" in document else scales
+    for name, (dimension, _) in load_parameters(load).items():
+        if dimension in units and document.get(name) is not None:
+            document[name] = float(f"{units[dimension] * document[name]:.12g}")
+    return load_from_document(document)
 
 
 def scene_text(scene: Scene, origin: str = "", remark: str = "") -> str:
@@ -135,17 +159,27 @@ def _lines(scene: Scene, origin: str, remark: str) -> Iterator[str]:
     yield '# "SI": m, s, kg and Pa. Left out: any consistent set of units.'
     yield ("" if scene.units else "# ") + f'units = "{SI}"'
     yield f'mode = "{scene.mode}"  # in-plane: shear and slip along x; antiplane: along z, the edge'
-    yield f'load_on = "{scene.load_on}"  # slot: taken off its faces; remote: arrives from far away'
+    if isinstance(scene.load, Tractions):
+        said = "slot: taken off its faces; remote: arrives from far away"
+        yield f'load_on = "{scene.load_on}"  # {said}'
     yield f"friction = {_value(scene.friction)}  # Coulomb friction coefficient f, 0 or more"
+    said_of_load = "what comes at t = 0, where load_on says"
+    if not isinstance(scene.load, Tractions):
+        said_of_load = "its front reaches the tip of the slot at t = 0"
     for table, said, parameters in (
         ("material", "of both bodies", MATERIAL),
         ("base", "in place before the load, on the whole line y = 0", TRACTIONS),
-        ("load", "what comes at t = 0, where load_on says", TRACTIONS),
+        ("load", said_of_load, load_parameters(scene.load)),
     ):
         yield f"\n[{table}]  # {said}"
         if table == "material" and remark:
             yield from (f"# {line}" for line in wrap(remark, 96))
         yield from _values(document[table], parameters, scene.units)
+    for example in (_WAVE, _MOVING):
+        if type(example) is not type(scene.load):
+            other = _load_in(_scales(scene.material, _largest(scene)), example)
+            for line in _values(load_document(other), load_parameters(other), scene.units):
+                yield f"# {line}"
     yield "\n[pressure_history]  # how the pressure of the load comes, over time"
     yield from _part(scene, scene.pressure_history, _HISTORIES)
     yield "\n[shear_history]  # how the shear of the load comes, over time"
@@ -200,7 +234,7 @@ def _value(value: Any) -> str:
 
 def _largest(scene: Scene) -> float:
     """Return the largest traction of a scene [stress], 1 if there is none."""
-    tractions = (scene.load, scene.base)
+    tractions = (scene.superposition.taken_off, scene.base)
     return max(max(abs(one.pressure), abs(one.shear)) for one in tractions) or 1.0
 
 

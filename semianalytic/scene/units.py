@@ -5,6 +5,7 @@ Dimensions are written as in the docstrings: "length / time", "stress sqrt(lengt
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Mapping
 
@@ -25,6 +26,7 @@ _SI_UNITS: Mapping[str, str] = {
     "stress sqrt(length)": "Pa sqrt(m)",
     "stress length": "J/m^2",
     "stress length^2": "J/m",
+    "angle": "degree",
 }
 _PREFIXES: Mapping[str, float] = {
     **{"": 1.0, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3},
@@ -38,6 +40,7 @@ _SIZES: Mapping[str, Mapping[str, float]] = {
     "mass / length^3": {"kg/m^3": 1.0, "kg/m3": 1.0, "g/cm^3": 1e3, "g/cm3": 1e3},
     "length / time": {f"{prefix}m/s": size for prefix, size in _PREFIXES.items() if size < 1e6},
     "stress time / length": {"Pa s/m": 1.0, "kPa s/m": 1e3, "MPa s/m": 1e6, "GPa s/m": 1e9},
+    "angle": {**dict.fromkeys(("deg", "degree", "degrees", "°"), 1.0), "rad": math.degrees(1.0)},
     "1": {"": 1.0, "1": 1.0, "%": 1e-2},
 }
 """Sizes of the units that need no library, by dimension."""
@@ -49,6 +52,7 @@ _SHOWN: Mapping[str, str] = {
     "mass / length^3": "kg/m^3 or g/cm^3",
     "length / time": "m/s, mm/s or km/s",
     "stress time / length": "Pa s/m or MPa s/m",
+    "angle": "deg or rad",
     "1": "% or none",
 }
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*\Z", re.DOTALL)
@@ -69,6 +73,12 @@ PARAMETERS: Mapping[str, str] = {
     "reduction": "1",
     "rate": "length / time",
     "distance": "length",
+    "angle": "angle",
+    "velocity": "length / time",
+    "stress": "stress",
+    "speed": "length / time",
+    "wave_velocity": "length / time",
+    "wave_stress": "stress",
 }
 """Dimensions of the parameters of a scene and of its parts, by name."""
 ARGUMENTS: Mapping[str, str] = {

@@ -31,6 +31,7 @@ from semianalytic.results.reading import (
     self_similar_reading,
     slip_of_rates,
 )
+from semianalytic.results.renamed import renamed
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.quantities import asked_in_units
@@ -207,7 +208,7 @@ class Solution:
         """Return the total shear traction sigma_xy [stress], base included; raises like
         `slip_rate`."""
         change = self._evaluate(x, t, self.profile.shear_change)
-        return traction_ahead(self.scene, "shear", t) + self.stress_unit * change
+        return traction_ahead(self.scene, "shear", x, t) + self.stress_unit * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the contact pressure [stress], base included, 0 where open; slip does not change
@@ -216,7 +217,7 @@ class Solution:
         Raises what `slip_rate` raises.
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
-        pressure = traction_ahead(self.scene, "pressure", t) + self.stress_unit * change
+        pressure = traction_ahead(self.scene, "pressure", x, t) + self.stress_unit * change
         return np.where(self._is_open(x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -285,7 +286,11 @@ class Solution:
         scene = self.scene
         unit = Tractions(1.0, 1.0)
         mode_one, sheared = stress_intensity(scene.material, unit, t, scene.shear_mode)
-        pressure = scene.superposition.taken_off.pressure
+        pressure, factors = scene.superposition.taken_off.pressure, self.profile.fields.factors
+        # K of a front that moves is M_+(0) / M_+(-p) of that of a step.
+        slowness = self.profile.fields.load.slowness
+        if pressure:
+            pressure *= factors.m_plus_at_zero["I"] / factors.m_plus_at_load(slowness, "I")
         if self.normal is not None:
             pressure = -self.stress_unit * float(self.normal.profile.edge_intensity)
         mode_one = pressure * mode_one + 0.0  # 0 where open, not -0
@@ -524,6 +529,11 @@ class Solution:
         """
         return np.array([(zone.inner, zone.outer) for zone in self.zones]).reshape(-1, 2)
 
+    front_speeds = renamed("front_speeds", "edge_speeds", "0.3")
+    heat = renamed("heat", "frictional_work", "0.3")
+    friction_work = renamed("friction_work", "work_density", "0.3")
+    energy_flux = renamed("energy_flux", "frictional_power", "0.3")
+
     @cached_property
     def _surroundings(self) -> Surroundings:
         """Neighbouring sets of zones, which all derivatives share."""
@@ -639,6 +649,7 @@ class Solution:
         """Return the particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 
         It is logarithmically infinite at the Rayleigh front. In antiplane shear the first is v_z.
+        An incident wave is part of it.
 
         Raises
         ------
@@ -648,6 +659,9 @@ class Solution:
         x = np.asarray(x, dtype=float)
         if np.any(x >= 0):
             raise SceneError("the slot is x < 0; ask for negative positions.")
+        if not isinstance(self.scene.load, Tractions):
+            rows = self.velocity(x, 0.0, t)
+            return rows[-1 if self.scene.antiplane else 0], rows[1]
         # The velocity of one face has half the unit of the relative slip rate.
         unit = self._rate_unit / 2
         both = self._evaluate(-x, t, lambda v: np.stack(self.profile.slot_velocity(v)))

@@ -142,6 +142,17 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "Where the load acts: on the faces of the slot, or arriving from far away (remote).",
         *LOADED,
     ),
+    "wave": _option(
+        str,
+        _SCENE_PANEL,
+        "Kind of a plane wave that arrives, in place of the load: P or SV, SH in antiplane shear.",
+        "P",
+        "SV",
+        "SH",
+    ),
+    "wave_from": _option(
+        str, _SCENE_PANEL, "Body the wave arrives from: below or above.", "below", "above"
+    ),
     "units": _option(
         str,
         _SCENE_PANEL,
@@ -164,6 +175,12 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "base_shear": "Shear traction in place before the load [stress].",
         "load_pressure": "Pressure of the load, from t = 0 [stress].",
         "load_shear": "Shear traction of the load, from t = 0 [stress].",
+        "angle": "Angle of the wave from the normal [degrees]; negative: it meets the contact "
+        "first.",
+        "wave_velocity": "Step of particle velocity of the wave [length / time].",
+        "wave_stress": "Impedance times that step, in its place [stress].",
+        "load_speed": "Speed of the load over the slot, away from its tip [length / time]; "
+        "negative: towards the tip.",
         "viscosity": "Viscosity of a film: shear strength over slip rate [stress time / length].",
     }.items()
 }

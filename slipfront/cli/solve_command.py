@@ -16,7 +16,12 @@ from semianalytic.prediction import chosen_method
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.named import find_scene, override_scene, scene_label
+from semianalytic.scene.named import (
+    describes_line,
+    find_scene,
+    override_scene,
+    scene_label,
+)
 from slipfront.cli import terminal
 from slipfront.cli.marching import march_command
 from slipfront.cli.options import (
@@ -93,11 +98,41 @@ def solve_command(
     With --x 5cm --t 30us a table says when slip comes to x, and slip, slip rate and tractions at t,
     each with the bar of its error; numbers may have units if the scene is in those of the SI.
 
-    Step loads are self-similar and solved exactly; other load histories are marched in time.  The
+    Step loads are self-similar and solved exactly; other load histories are marched in time.  Whole
+    lines without a slot, and loads that grow as a power of time, are solved exactly as well.  The
     exit code is 4 if the solution has not converged, or if the error estimate of a march exceeds
     --rtol; the best answer is printed all the same.
     """
-    scene, label = override_scene(find_scene(scene_name), **overrides), scene_label(scene_name)
+    label = scene_label(scene_name)
+    if describes_line(scene_name):
+        from slipfront.cli.scenes.lines import line_command, slot_scene_of  # which need scipy
+
+        alike = slot_scene_of(scene_name, overrides)
+        if alike is None:
+            if march_options:
+                raise SceneError(
+                    f"{option_name(next(iter(march_options)))} is for the space-time solver, which "
+                    f"takes scenes with a slot; leave it out for {label}."
+                )
+            if x is not None or t is not None:
+                raise SceneError(
+                    f"--x and --t are for scenes with a slot; leave them out for {label}, and ask "
+                    "its answer in Python for slip at points (docs/whole_line.md)."
+                )
+            line_command(
+                scene_name,
+                label,
+                overrides,
+                end_time,
+                method=method,
+                as_json=as_json,
+                plot=plot,
+                figure=figure,
+            )
+            return
+        scene = alike
+    else:
+        scene = override_scene(find_scene(scene_name), **overrides)
     draw = _drawing(plot, figure)
     end_time, points = asked(scene, "end_time", end_time, "time"), points_of(scene, x, t)
     if chosen_method(scene, method) == "space-time":

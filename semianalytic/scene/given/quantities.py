@@ -61,7 +61,8 @@ def in_units_of(units: str, what: str, value: Any, dimension: str) -> Any:
     SceneError
         If the scene has no units, or the quantity is of another dimension.
     """
-    if units != SI and is_quantity(value):
+    # angles and shares are the same in all systems of units
+    if units != SI and dimension not in ("angle", "1") and is_quantity(value):
         raise SceneError(
             f"{what} has a unit, but the scene does not say which units its own numbers have; "
             'say units = "SI" in the scene (--units SI), or give a number alone.'

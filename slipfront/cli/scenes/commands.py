@@ -15,7 +15,7 @@ from rich.table import Table
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
 from compare.output.files import write_text
 from compare.output.places import check_file
-from semianalytic import Scene
+from semianalytic import Scene, WholeLine
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.solids import SOLIDS, find_solid
@@ -38,6 +38,7 @@ from semianalytic.scene.plugins import (
 from semianalytic.scene.scene import FRICTION_LAWS, HISTORY_KINDS, scene_document
 from semianalytic.scene.template import in_si_units, scene_text
 from semianalytic.scene.units import SI
+from semianalytic.whole_line.named import NAMED_LINES
 from slipfront.cli.options import AsJson
 from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
 from slipfront.cli.scenes.completion import one_of, scene_names
@@ -56,7 +57,7 @@ _OWN: Mapping[str, Collection[str]] = {
 
 def scenes(as_json: AsJson = False) -> None:
     """List all scenes, and the scenes, laws, histories and figures of other packages."""
-    rows = [*_own_rows(), *map(_brought_row, plugins(SCENES))]
+    rows = [*_own_rows(), *_line_rows(), *map(_brought_row, plugins(SCENES))]
     others = [_row(plugin) for group in (LAWS, HISTORIES, FIGURES) for plugin in plugins(group)]
     if as_json:
         units = {"scenes": _units(find_scene(DEFAULT_SCENE))}
@@ -82,6 +83,19 @@ def _own_rows() -> Iterator[dict[str, Any]]:
             "problem": "",
             "summary": named.summary,
             "scene": scene_document(named.scene),
+        }
+
+
+def _line_rows() -> Iterator[dict[str, Any]]:
+    """Yield the problems that are no scenes, which solve takes; the JSON has no scene of them."""
+    for name, named in NAMED_LINES.items():
+        yield {
+            "name": name,
+            "what": "whole line" if isinstance(named.problem, WholeLine) else "growing load",
+            "package": None,
+            "problem": "",
+            "summary": named.summary,
+            "scene": None,
         }
 
 
