@@ -138,16 +138,6 @@ class Answer(Protocol):
         """Return the opening of the contact [length], 0 where it is closed."""
         ...
 
-    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
-        """First time at which the sides move along one another at x, or come apart [time].
-
-        `of` is "slip" for either sense, "forward" for slip towards +x alone, "reverse" for slip
-        towards -x alone, or "opening".  The sides of an open part slip too, where they move along
-        one another.  It is inf where that never happens, or not until the end of what was
-        recorded, and 0 where the contact slips ahead of all waves.
-        """
-        ...
-
     def max_slip(self, t: ArrayLike) -> Array:
         """Largest |slip| on the contact at times t [length]."""
         ...

@@ -24,9 +24,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SAMPLED_SAFETY = 1.6
-"""Bar of a sampled value over the difference from the companion with half the nodes.  With the
-stencil below, the errors of 40 random marches and 8 simulations of step loads lie within the bars
-at SHARE_COVERED of the points; half the value loses points, twice the value doubles the bars."""
+"""Bar of a sampled value over the difference from the companion with half the nodes, as
+`Marched.error_of` has it.  With the stencil and the mean below, the errors of 37 random marches of
+step loads on 400 nodes lie within the bars at 99.9 % of the points, and those of 12 simulations of
+resolution 64 at 99.7 %; without the mean, 96.5 % of the values of slip do."""
 _STENCIL = (-2, -1, 0, 1, 2)
 """Places around a point, in node distances of the companion, whose differences count for it: the
 curves of a march and of its companion cross, and at the crossing alone nothing would differ."""
@@ -65,7 +66,7 @@ class Reading:
         Positions [length] and times [time].
     arrivals : dict of str to Measured
         First times [time] of "slip", of slip in the sense "forward" (+1) and "reverse" (-1), and of
-        "opening", inf where there is none; see `Answer.arrival`.
+        "opening", inf where there is none; see `Solution.arrival`.
     slip, slip_rate, shear_traction, pressure, gap : Measured
         Fields at x and t, as the methods of these names return them.
     status : str

@@ -76,8 +76,8 @@ SOLIDS: Mapping[str, Solid] = {
 def find_material(name: str) -> Material:
     """Return a solid that is known by name, in SI units.
 
-    A scene that is made of it is one in SI units.  docs/scenes.md, "Solids", says where the numbers
-    come from; replace them by those of your own specimen.
+    A scene that is made of it is one in SI units.  docs/commands.md, "Solids", says where the
+    numbers come from; replace them by those of your own specimen.
 
     Parameters
     ----------

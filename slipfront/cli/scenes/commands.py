@@ -173,7 +173,7 @@ def init(
     scene = find_scene(from_)
     solid = None if material is None else find_solid(material)
     if units or solid:
-        scene = in_si_units(scene, solid and solid.material)
+        scene = in_si_units(scene, None if solid is None else solid.material)
     text = scene_text(scene, from_, f"{material}: {solid.source}." if solid else "")
     if file != STDOUT:
         check_file(file)

@@ -1,12 +1,14 @@
 """Numbers with units: quantities of pint in scenes and questions, all converted at one place."""
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pint
 import pytest
 
 import slipfront as sf
+from semianalytic.scene.given.solids import SOLIDS
 from semianalytic.scene.units import measure
 
 UNITS = pint.UnitRegistry()
@@ -91,6 +93,17 @@ def test_known_solids_make_scenes_in_si_units():
     granite = sf.find_material("granite")  # speeds that Leet and Ewing measured
     assert granite.shear_speed == pytest.approx(2480, rel=0.01)
     assert granite.longitudinal_speed == pytest.approx(4960, rel=0.01)
+
+
+def test_solids_are_those_of_the_page():
+    page = (Path(__file__).parents[3] / "docs" / "commands.md").read_text(encoding="utf-8")
+    for name, solid in SOLIDS.items():
+        material = solid.material
+        row = (
+            f"| `{name}` | {material.shear_modulus / 1e9:g} GPa | {material.density:g} kg/m³ | "
+            f"{material.poisson_ratio:g} |"
+        )
+        assert row in page
 
 
 @pytest.mark.parametrize(
