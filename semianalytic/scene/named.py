@@ -13,11 +13,14 @@ from typing import Any
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
+from semianalytic.scene.given.load_tables import with_tables
+from semianalytic.scene.given.quantities import in_units_of
 from semianalytic.scene.incident import IncidentWave, MovingLoad, overridden_load
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
+from semianalytic.scene.units import PARAMETERS
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
@@ -253,7 +256,8 @@ def read_scene(path: str | Path) -> Scene:
     and from ("below" or "above"), or ``kind = "moving"`` with speed, pressure and shear.
     It may hold ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time =
     0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance =
-    1e-5``).  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
+    1e-5``).  A history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header
+    has units.  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
     "remote"`` lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s
     and Pa.
 
@@ -293,7 +297,7 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
     if lower is not None:
         _check_keys(path, f"{LOWER_MATERIAL}.", lower, TABLES["material"])
     try:
-        scene = scene_from_document(document)
+        scene = scene_from_document(with_tables(path, document))
         return scene, None if lower is None else Material(**lower)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
@@ -332,19 +336,40 @@ def override_scene(
     wave_stress: float | None = None,
     wave_from: str | None = None,
     load_speed: float | None = None,
+    units: str | None = None,
 ) -> Scene:
     """Return a scene with every parameter replaced that is not None.
 
     Dimensions are those of `Scene`, `Material` and `Tractions`.  A viscosity turns constant
     friction into viscous friction, and 0 turns it back.  `wave`, `angle`, `wave_velocity` or
     `wave_stress` and `wave_from` are those of an `IncidentWave`, in place of whatever the scene's
-    load is; `load_speed` is that of a `MovingLoad`, which takes the scene's tractions.
+    load is; `load_speed` is that of a `MovingLoad`, which takes the scene's tractions.  Numbers
+    with units, as quantities of pint, need a scene in SI units.
 
     Raises
     ------
     SceneError
         If the resulting scene is not admissible, or a viscosity is given for friction that weakens.
     """
+    scene = scene if units is None else replace(scene, units=units)
+    given = {
+        "shear_modulus": shear_modulus,
+        "density": density,
+        "poisson_ratio": poisson_ratio,
+        "friction": friction,
+        "base_pressure": base_pressure,
+        "base_shear": base_shear,
+        "load_pressure": load_pressure,
+        "load_shear": load_shear,
+        "load_speed": load_speed,
+        "angle": angle,
+        "wave_velocity": wave_velocity,
+        "wave_stress": wave_stress,
+        "viscosity": viscosity,
+    }
+    for name, value in given.items():
+        parameter = name.removeprefix("base_").removeprefix("load_")
+        in_units_of(scene.units, name.replace("_", " "), value, PARAMETERS[parameter])
     return replace(
         scene,
         material=_replace_given(
@@ -405,7 +430,8 @@ def _check_keys(
     for key, value in table.items():
         if key not in known:
             close = difflib.get_close_matches(key, known, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
+            others = f"known are {', '.join(known)} (docs/not_here.md)."
+            hint = f"did you mean {close[0]}?" if close else others
             hint = _NAMED_OTHERWISE.get(prefix + key, hint)
             raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
         if key in (*TABLES, *OPTIONAL_TABLES):

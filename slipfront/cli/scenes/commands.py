@@ -18,6 +18,7 @@ from compare.output.places import check_file
 from semianalytic import Scene, WholeLine
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
+from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.named import (
     DEFAULT_SCENE,
     NAMED_SCENES,
@@ -152,6 +153,14 @@ def init(
             autocompletion=one_of(SI),
         ),
     ] = None,
+    material: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SOLID",
+            help=f"Real solid to begin with, in SI units: {', '.join(SOLIDS)}.",
+            autocompletion=one_of(*SOLIDS),
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -162,8 +171,10 @@ def init(
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
     scene = find_scene(from_)
-    scene = in_si_units(scene) if units else scene
-    text = scene_text(scene, from_)
+    solid = None if material is None else find_solid(material)
+    if units or solid:
+        scene = in_si_units(scene, None if solid is None else solid.material)
+    text = scene_text(scene, from_, f"{material}: {solid.source}." if solid else "")
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:
