@@ -448,7 +448,7 @@ class Solution:
         SceneError
             If a position is not positive, or x or t is not finite.
         """
-        load, base = self.scene.load, self.scene.base
+        base, load = self.scene.superposition
         largest = max(abs(load.pressure), abs(load.shear))
         time, gaps = np.maximum(np.asarray(t, dtype=float), 0.0), 0.0
         for part in self.openings:  # the largest gap over time, on a fine grid
