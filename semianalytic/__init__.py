@@ -42,6 +42,8 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless a
 __all__ = [
     "Answer",
     "ComputationError",
+    "Contact",
+    "Coulomb",
     "CoulombFriction",
     "DataFileError",
     "Derivative",
@@ -53,7 +55,10 @@ __all__ = [
     "HalfLine",
     "Harmonic",
     "IncidentWave",
+    "Interface",
+    "InterfaceFile",
     "InterfaceHistory",
+    "InterfaceLaw",
     "LineSolution",
     "LoadHistory",
     "LogNormal",
@@ -74,14 +79,19 @@ __all__ = [
     "PointForce",
     "Pulse",
     "Ramp",
+    "RateAndState",
+    "RateDependent",
     "RateFriction",
     "RateWeakening",
     "Reading",
+    "Run",
     "Scene",
     "SceneError",
     "Setup",
+    "ShearLoad",
     "SlidingStability",
     "SlidingWave",
+    "SlipDependent",
     "SlipInterval",
     "SlipWeakening",
     "SlipZone",
@@ -90,6 +100,7 @@ __all__ = [
     "Statistics",
     "Step",
     "Sweep",
+    "Table",
     "Tabulated",
     "TensionError",
     "Tractions",
@@ -97,6 +108,8 @@ __all__ = [
     "ViscousFriction",
     "WholeLine",
     "ZoneDerivative",
+    "critical_wavelength",
+    "find_interface",
     "find_line",
     "find_material",
     "find_scene",
@@ -106,12 +119,14 @@ __all__ = [
     "march",
     "march_on",
     "predict",
+    "run",
     "sliding_stability",
     "solve",
     "solve_growing",
     "solve_line",
     "solve_pair",
     "strain",
+    "supershear_strength",
     "sweep",
 ]
 
@@ -124,6 +139,16 @@ _LATER = {
     ),
     "semianalytic.dissimilar_slot.solution": ("PairSolution", "PairStatistics"),
     "semianalytic.dissimilar_slot.solver": ("solve_pair",),
+    "semianalytic.engine.contact": ("Contact",),
+    "semianalytic.engine.fields": ("Table",),
+    "semianalytic.engine.interface": ("Interface", "ShearLoad"),
+    "semianalytic.engine.law": ("InterfaceLaw",),
+    "semianalytic.engine.laws": ("Coulomb", "RateAndState", "RateDependent", "SlipDependent"),
+    "semianalytic.engine.files": ("InterfaceFile",),
+    "semianalytic.engine.named": ("find_interface",),
+    "semianalytic.engine.result": ("Run",),
+    "semianalytic.engine.run": ("run",),
+    "semianalytic.engine.stability": ("critical_wavelength", "supershear_strength"),
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
     "semianalytic.inversion.fitting": ("Fit", "fit"),
     "semianalytic.inversion.gauges": ("Gauge",),
@@ -151,6 +176,16 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     )
     from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics
     from semianalytic.dissimilar_slot.solver import solve_pair
+    from semianalytic.engine.contact import Contact
+    from semianalytic.engine.fields import Table
+    from semianalytic.engine.files import InterfaceFile
+    from semianalytic.engine.interface import Interface, ShearLoad
+    from semianalytic.engine.law import InterfaceLaw
+    from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
+    from semianalytic.engine.named import find_interface
+    from semianalytic.engine.result import Run
+    from semianalytic.engine.run import run
+    from semianalytic.engine.stability import critical_wavelength, supershear_strength
     from semianalytic.field.derived import fringe_order, fringes, strain
     from semianalytic.inversion.fitting import Fit, fit
     from semianalytic.inversion.gauges import Gauge

@@ -21,6 +21,7 @@ ARROWS = {
         "field": "scene halfplane cut",
         "selfsimilar": "scene results halfplane cut separation field",
         "spacetime": "scene results halfplane field",
+        "engine": "scene results spacetime",
         "dissimilar": "scene halfplane",
         "dissimilar_slot": "scene results halfplane selfsimilar dissimilar",
         "whole_line": "scene results halfplane selfsimilar",
@@ -194,6 +195,7 @@ _DERIVATIVES = (
 LATER = (
     "dissimilar",
     "dissimilar_slot",
+    "engine",
     "inversion",
     "prediction",
     "reference",

@@ -181,7 +181,8 @@ class _Checkout:
 
     def run(self, job: str, judge: bool) -> Found:
         """Run a job once."""
-        assert self._process.stdin is not None and self._process.stdout is not None
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
         print(json.dumps([job, judge]), file=self._process.stdin, flush=True)
         answer = self._process.stdout.readline()
         if not answer:

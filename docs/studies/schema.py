@@ -301,6 +301,25 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             ),
         },
     ),
+    "run": (
+        {
+            "interface": Key("name or file of the interface", TEXT),
+            "nodes": Key("nodes of one period", WHOLE),
+            "end_time": Key("time that was reached", NUMBER),
+            "steps": Key("number of steps", WHOLE),
+            "shortest_step": Key("shortest step", NUMBER),
+            "longest_step": Key("longest step", NUMBER),
+            "frames": Key("number of times at which fields were kept", WHOLE),
+            "largest_slip": Key("largest slip of the contact at the end", NUMBER),
+            "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
+            "slipping": Key("share of the contact that slips at the end", NUMBER),
+            "error_estimates": Key(
+                "relative L1 errors of slip, slip rate and the change of shear traction; empty "
+                "without a second run",
+                _of(NUMBER),
+            ),
+        },
+    ),
     "simulate": (
         {
             "scene": _SCENE_KEY,

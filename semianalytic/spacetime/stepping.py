@@ -28,7 +28,13 @@ from semianalytic.spacetime.grid_pressure import (
 from semianalytic.spacetime.marched import Grid, Marched, MarchState
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.recursion import Recursion
-from semianalytic.spacetime.tuning import AVERAGED_BREAKS, BLOCK_STEPS, CELL_WIDTH, STEP_VALUES, SWEEPS
+from semianalytic.spacetime.tuning import (
+    AVERAGED_BREAKS,
+    BLOCK_STEPS,
+    CELL_WIDTH,
+    STEP_VALUES,
+    SWEEPS,
+)
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -318,7 +324,10 @@ class Walk:
     def state(self) -> MarchState:
         """The state that is reached; its memory is complete between segments only."""
         return MarchState(
-            self.time, self._modes, self._lasting, *(field[self._last].copy() for field in self._fields)
+            self.time,
+            self._modes,
+            self._lasting,
+            *(field[self._last].copy() for field in self._fields),
         )
 
     @property
@@ -332,9 +341,7 @@ class Walk:
         self._go_back()
         self._segment = segment
         phase = grid.wavenumbers * scene.material.shear_speed * segment.time_step
-        recursion = Recursion(
-            marched.memory, phase, marched.damping, self._modes, self._lasting
-        )
+        recursion = Recursion(marched.memory, phase, marched.damping, self._modes, self._lasting)
         self._recursion = recursion
         self._feedback = -self._line.impedance * self._recursion.feedback
         self._levels = _levels(scene, segment, self._pressure, self._edge_sense)
