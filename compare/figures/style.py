@@ -23,6 +23,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from compare.comparison.scales import WAVE_SYMBOLS, stress_scale
 from semianalytic import CoulombFriction, Scene
 from semianalytic.scene.loading import REMOTE
+from semianalytic.scene.units import unit
 
 LineStyle = Literal["-", "--", "-.", ":"]
 P = ParamSpec("P")
