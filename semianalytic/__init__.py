@@ -4,11 +4,13 @@ The modules that `solve` needs are imported at once, the others when one of thei
 used.
 """
 
+import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.reading import Measured, Reading
 from semianalytic.scene.errors import (
     ComputationError,
     DataFileError,
@@ -26,12 +28,16 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.solids import find_material
+from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
 
 __all__ = [
     "Answer",
@@ -44,16 +50,23 @@ __all__ = [
     "Fit",
     "FrictionLaw",
     "Gauge",
+    "GrowingSlot",
+    "GrowingSolution",
+    "HalfLine",
     "Harmonic",
+    "IncidentWave",
     "Interface",
     "InterfaceFile",
     "InterfaceHistory",
     "InterfaceLaw",
+    "LineSolution",
     "LoadHistory",
     "LogNormal",
     "Marched",
     "Material",
+    "Measured",
     "MissingLibraryError",
+    "MovingLoad",
     "Normal",
     "OpenDerivative",
     "OpenInterval",
@@ -61,13 +74,16 @@ __all__ = [
     "Pair",
     "PairSolution",
     "PairStatistics",
+    "Patch",
     "PluginError",
+    "PointForce",
     "Pulse",
     "Ramp",
     "RateAndState",
     "RateDependent",
     "RateFriction",
     "RateWeakening",
+    "Reading",
     "Run",
     "Scene",
     "SceneError",
@@ -90,9 +106,12 @@ __all__ = [
     "Tractions",
     "Uniform",
     "ViscousFriction",
+    "WholeLine",
     "ZoneDerivative",
     "critical_wavelength",
     "find_interface",
+    "find_line",
+    "find_material",
     "find_scene",
     "fit",
     "fringe_order",
@@ -103,6 +122,8 @@ __all__ = [
     "run",
     "sliding_stability",
     "solve",
+    "solve_growing",
+    "solve_line",
     "solve_pair",
     "strain",
     "supershear_strength",
@@ -138,6 +159,11 @@ _LATER = {
     "semianalytic.spacetime.march": ("march", "march_on"),
     "semianalytic.spacetime.marched": ("Marched",),
     "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
+    "semianalytic.whole_line.growing": ("GrowingSlot", "GrowingSolution", "solve_growing"),
+    "semianalytic.whole_line.line": ("HalfLine", "Patch", "PointForce", "WholeLine"),
+    "semianalytic.whole_line.named": ("find_line",),
+    "semianalytic.whole_line.solution": ("LineSolution",),
+    "semianalytic.whole_line.solver": ("solve_line",),
 }
 """Modules that a plain solution does not need, with the public names they define."""
 
@@ -170,6 +196,11 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.spacetime.march import march, march_on
     from semianalytic.spacetime.marched import Marched
     from semianalytic.sweeps.sweep import Sweep, sweep
+    from semianalytic.whole_line.growing import GrowingSlot, GrowingSolution, solve_growing
+    from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
+    from semianalytic.whole_line.named import find_line
+    from semianalytic.whole_line.solution import LineSolution
+    from semianalytic.whole_line.solver import solve_line
 else:
 
     def __getattr__(name: str) -> Any:
