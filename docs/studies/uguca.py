@@ -44,7 +44,7 @@ def main(folder: Path) -> None:
     every = 20 * 0.35 * 50 / found.interface.material.shear_speed
     times = [every * k for k in range(FRAMES)]
     ours, seconds = {}, {}
-    for nodes in (720, 1440, 2880, 5760):
+    for nodes in (360, 720, 1440, 2880):
         began = time.process_time()
         ours[nodes] = sf.run(
             found.interface, times[-1], nodes, step_ratio=0.35, times=times, estimate=False
@@ -63,7 +63,7 @@ def main(folder: Path) -> None:
             for nodes, run in ours.items():
                 field = getattr(run, name)
                 thin = field[:, :: max(1, nodes // 1440)]
-                common = slice(None, None, 2) if nodes == 720 else slice(None)
+                common = slice(None, None, max(1, 1440 // nodes))
                 change = math.nan
                 if 2 * nodes in ours:
                     step = 2

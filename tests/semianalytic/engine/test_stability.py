@@ -76,6 +76,7 @@ def test_supershear_strength_of_slower_cracks():
     assert sf.supershear_strength(0.25, 0.99) == pytest.approx(1.5998262, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_tpv101_on_a_coarse_grid():
     """Slip at 14.95 s against a march of 5,760 nodes made independently for this project."""
     found = sf.find_interface("tpv101")
