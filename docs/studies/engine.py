@@ -100,11 +100,11 @@ def marched_growth(mode: str, ratio: float, inertia: float, kappa: float, step: 
 
 def dispersion() -> Iterator[Row]:
     """Yield growing waves of rate-and-state friction, marched, against the dispersion relation."""
-    worst: dict[float, list[float]] = {0.1: [], 0.05: []}
+    worst: dict[float, list[float]] = {0.1: []}
     for mode in MODES:
-        for ratio in (1.1, 1.4, 2.0):
+        for ratio in (1.4, 2.0):
             for inertia in (0.01, 0.3, 1.0):
-                for share in (0.5, 0.7, 0.9):
+                for share in (0.5, 0.9):
                     kappa = share * critical_wavenumber(ratio, inertia, MODES[mode])
                     known = growth(ratio, inertia, kappa, MODES[mode])
                     if known.real < 0.01:  # not tenfold within 250 L / V0
@@ -124,17 +124,44 @@ def dispersion() -> Iterator[Row]:
 
 
 def patches() -> Iterator[Row]:
-    """Yield the edge of slip around an over-stressed patch that grows steadily."""
+    """Yield slip around an over-stressed patch |x| < 0.3 c_t t, whose edges and rate are known.
+
+    The slip rate is C / (pi p sqrt(p^2 - s^2)) artanh or arcoth of v sqrt(p^2 - s^2) / (p sqrt(v^2
+    - s^2)) at slowness v = t/x, with p, s the slownesses of patch and edge and C = 2 p sqrt(p^2 -
+    s^2) / |Im G(-i/p)|.  The load rises over 8 nodes, without which its steps send noise.
+    """
     solid = sf.Material(1.0, 1.0, 1 / 3)
-    for mode, known in (("in-plane", 0.395154), ("antiplane", 0.384265)):
+    in_plane = InPlane(solid.shear_speed / solid.longitudinal_speed)
+    cases: tuple[tuple[str, float, Impedance], ...] = (
+        ("in-plane", 0.395154, in_plane),
+        ("antiplane", 0.384265, Antiplane()),
+    )
+    for mode, edge, impedance in cases:
+        p, s = 1 / 0.3, 1 / edge
+        root = math.sqrt(p * p - s * s)
+        strength = 2 * p * root / abs(impedance(np.array([1e-300 - 1j / p]))[0].imag)
         for nodes in (1024, 4096):
-            load = sf.ShearLoad(
-                lambda x, t, n=nodes: np.clip((0.3 * t - np.abs(x)) * n / 2.5 + 0.5, 0, 1), None
-            )
+
+            def shear(x: NDArray[np.float64], t: float, n: int = nodes) -> NDArray[np.float64]:
+                rise = np.clip((0.3 * t - np.abs(x)) * n / 20 + 0.5, 0, 1)
+                return np.asarray(rise * rise * (3 - 2 * rise))
+
+            load = sf.ShearLoad(shear, history=None)
             fault = sf.Interface(solid, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
             done = sf.run(fault, 1.0, nodes, times=[1.0], estimate=False)
-            edge = float(done.x[done.slip_rate[0] > 1e-9].max())
-            yield compared(f"over-stressed patch, {mode}, {nodes} nodes", "edge", known, edge, 6)
+            v = 1 / done.x[1:]
+            y = v * root / (p * np.sqrt(np.maximum(v * v - s * s, 1e-12)))
+            inner = np.arctanh(np.minimum(np.minimum(y, 1 / y), 1 - 1e-15))
+            known = np.where(v > s, 2 * strength / (math.pi * p * root) * inner, 0.0)
+            yield profile(
+                f"over-stressed patch, {mode}, {nodes} nodes", "slip rate", known,
+                done.slip_rate[0][1:],
+            )  # fmt: skip
+            if nodes == 4096:
+                found = float(done.x[done.slip_rate[0] > 1e-9].max())
+                yield compared(
+                    f"over-stressed patch, {mode}, {nodes} nodes", "edge", edge, found, 6
+                )
 
 
 def statics() -> Iterator[Row]:

@@ -19,6 +19,7 @@ from semianalytic.engine.tuning import (
     LADDER,
     LARGEST_HORIZON,
     LEAST_HORIZON,
+    RATE_SHARE,
     STATE_SHARE,
     SWEEPS,
     TOLERANCE,
@@ -45,6 +46,8 @@ class State:
         Work of friction so far [stress length].
     rung : int
         Rung of the ladder of the last step.
+    pace : float
+        Change of slip rate in the last step, over the largest rate and the step [1 / time].
     """
 
     time: float
@@ -54,6 +57,7 @@ class State:
     state: Array
     work: Array
     rung: int = 0
+    pace: float = 0.0
 
 
 class Stepper:
@@ -186,6 +190,8 @@ class Stepper:
         slope = np.asarray(self.law.rate_slope(self.pressure, speed, now.state))
         least = float(slope.min()) if self.touching.all() else 0.0
         limit = min(self._bound * (max(least, 0.0) + self.impedance), self._longest)
+        if now.pace > 0:
+            limit = min(limit, RATE_SHARE / now.pace)
         with np.errstate(divide="ignore"):
             limit = min(limit, float(np.min(self._state_share * self._state_slip / speed)))
         rung = 0
@@ -225,6 +231,8 @@ class Stepper:
         mean = (old + np.abs(rate[self.touching])) / 2
         state = self.law.evolved(now.state, mean, length)
         half = length / 2
+        new, turned = rate[self.touching], np.abs(rate - now.rate)[self.touching]
+        fastest = max(float(np.abs(new).max()), float(old.max()), 1e-300)
         return State(
             time,
             rate,
@@ -233,6 +241,7 @@ class Stepper:
             state,
             now.work + half * (now.traction * now.rate + traction * rate) * self.touching,
             rung,
+            float(turned.max()) / fastest / length,
         )
 
     def _amplitudes(self, rate: Array) -> Array:

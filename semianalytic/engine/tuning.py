@@ -12,6 +12,10 @@ SWEEPS = 2
 """Iterations of a step, an even number: a free face grows without bounds with 1 or 3."""
 STATE_SHARE = 0.25
 """Largest slip of a step over the slip in which the state of friction changes, xi."""
+RATE_SHARE = 0.2
+"""Change of the slip rate in a step, over the largest rate, above which steps become shorter.
+With 0.2 and 0.1 slip of TPV101 on 1,440 nodes is off by 1.2e-4, without it by 2.1e-3: what a load
+does to a slow interface is not in the other bounds."""
 BOUND_SHARE = 0.7
 """Share of the longest step at which the iteration of a step still converges."""
 TOLERANCE = 1e-7

@@ -111,7 +111,6 @@ def test_the_command_saves_and_goes_on(folder, capsys):
                  "--netcdf", "c.nc"]) == 0  # fmt: skip
     assert "t = 1.5" in capsys.readouterr().out
     assert (folder / "c.nc").stat().st_size > 1000
-    assert main(["run", "a.toml", "--nodes", "16"]) in (0, 4)
 
 
 def test_unknown_names_and_saved_files(folder, capsys):

@@ -69,7 +69,7 @@ def patch(nodes, mode, end=1.0):
 def test_edge_of_an_over_stressed_patch(mode, edge):
     """theory: (C/pi) int M(i n) dn / ((e_p^2 + n^2) sqrt(e_s^2 + n^2)) = S - d; three grids."""
     off = []
-    for nodes in (256, 512, 1024):
+    for nodes in (128, 256, 512):
         done = patch(nodes, mode)
         slips = done.slip_rate[-1] > 1e-9
         off.append(abs(done.x[slips].max() - edge) / (2.5 / nodes))
@@ -85,7 +85,7 @@ def test_second_order_with_state():
         sf.Material(1.0, 1.0, 0.25), law, 16.0, shear=0.6, rate=1e-3, loads=[push], even=True
     )
     slips = []
-    for count in (100, 200, 400, 1600):
+    for count in (50, 100, 200, 800):
         stepper = Stepper(fault, 64, 0.5, end_time=4.0)
         now = stepper.begin()
         for _ in range(count):
@@ -93,7 +93,7 @@ def test_second_order_with_state():
         slips.append(now.slip)
     errors = [np.abs(slip - slips[-1]).max() for slip in slips[:-1]]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert errors[-1] < 1e-4 * slips[-1].max()
+    assert errors[-1] < 4e-4 * slips[-1].max()
     assert orders.min() > 1.7
 
 
@@ -103,7 +103,7 @@ def test_odd_sweeps_are_unstable_on_a_free_face_and_even_ones_are_not():
         scene = sf.Interface(
             UNIT, sf.Coulomb(9.0), 8.0, loads=[slot], contact=sf.Contact([(1.0, 3.0)])
         )
-        done = sf.run(scene, 20.0, 128, step_ratio=0.6, estimate=False, sweeps=sweeps)
+        done = sf.run(scene, 8.0, 64, step_ratio=0.6, estimate=False, sweeps=sweeps)
         return np.abs(done.slip_rate).max()
 
     assert largest(2) < 10

@@ -89,11 +89,11 @@ def test_the_estimate_covers_the_error_and_rtol_is_met():
     load = sf.ShearLoad(lambda x: np.exp(-(x**2)), history=sf.Ramp(1.0))
     fault = sf.Interface(UNIT, sf.SlipDependent(0.6, 0.2, 1.0), 8.0, loads=[load], even=True)
     times = [0.5, 1.0, 2.0]
-    best = run(fault, 2.0, 2048, times=times, estimate=False)
-    done = run(fault, 2.0, 64, rtol=2e-3, times=times)
-    assert done.nodes > 64
-    assert done.error_estimates["slip"] <= 2e-3
-    step = 2048 // done.nodes
+    best = run(fault, 2.0, 1024, times=times, estimate=False)
+    done = run(fault, 2.0, 32, rtol=5e-3, times=times)
+    assert done.nodes > 32
+    assert done.error_estimates["slip"] <= 5e-3
+    step = 1024 // done.nodes
     error = np.abs(done.slip - best.slip[:, ::step]).sum() / np.abs(done.slip).sum()
     assert 0 < error < done.error_estimates["slip"]
 
@@ -119,6 +119,7 @@ def test_two_edges_against_the_exact_solver():
     assert errors[1] < 1e-3
 
 
+@pytest.mark.slow
 def test_cattaneo_and_mindlin_in_the_slow_limit():
     """Stick |x| < c of a contact |x| < 1 under uniform pressure, on a periodic line of 8."""
     found = sf.find_interface("cattaneo")
