@@ -19,7 +19,7 @@ from compare.comparison.quantities.history_rows import PROBES, SENSE_THRESHOLD
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.halfplane.stuck_histories import intensity_history
-from semianalytic.scene.parameters import MATERIAL, TRACTIONS, part_parameters
+from semianalytic.scene.parameters import EVERY_LOAD, MATERIAL, TRACTIONS, part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
 
@@ -45,7 +45,7 @@ SCENE_DIMENSIONS: Dimensions = {
     "friction": "1",
     "material": {name: one.dimension for name, one in MATERIAL.items()},
     "base": _TRACTIONS,
-    "load": _TRACTIONS,
+    "load": {name: one.dimension for name, one in EVERY_LOAD.items() if one.dimension},
     **{
         name: _dimensions_of(name) for name in ("pressure_history", "shear_history", "friction_law")
     },
