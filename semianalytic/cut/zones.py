@@ -325,9 +325,7 @@ class ZoneFields:
         """Amounts r that make the slip rate vanish where it must, (1,) or (k, 1) each."""
         if not self._vanishing:
             return ()
-        values, zone = self.canonical.values, np.array(self.layout.zone)
-        given = sum(amount * self._share(edge) for edge, amount in self.closing)
-        plain = self._slope_of(values * (self._cauchy + self._driven + given))
+        zone, plain = np.array(self.layout.zone), self._given_slope
         totals = np.stack(
             [self.panels.integrals(plain), *(sharp.totals for sharp in self._sharp)], axis=-1
         )
@@ -477,10 +475,18 @@ class ZoneFields:
         """
         if not self.borders:
             return self._slope_of(self._reduced)
-        slope = self._slope_of(self.canonical.values * (self._cauchy + self._driven))
+        slope = self._given_slope
         for amount, sharp in zip(self._amounts, self._sharp, strict=True):
             slope = slope + amount * sharp.density
         return slope
+
+    @cached_property
+    def _given_slope(self) -> Array:
+        """dV/dv without the terms that make the slip rate vanish, (p, ..., n)."""
+        driven = self._cauchy + self._driven
+        for edge, amount in self.closing:
+            driven = driven + amount * self._share(edge)
+        return self._slope_of(self.canonical.values * driven)
 
     def rate_integral(self, tail: float | Array = 0.0) -> RunningIntegral:
         """Return V on panels that slip as a running integral; `tail` as of `RunningIntegral`."""

@@ -274,6 +274,16 @@ class RayleighFactors:
         return float(impedance / (self.in_plane.kappa * self.m_plus(-k, mode)))
 
     @cached_property
+    def log_m_plus_far(self) -> tuple[float, float]:
+        """Coefficients (l_1, l_2) of ln(M_+(k) / sqrt(k)) = l_1 / k + l_2 / k^2 + ..., large k."""
+        r = self.root_slowness
+        if not self.has_rayleigh_wave:
+            return 0.5 * r, -0.25 * r * r
+        c, (at, density) = self.in_plane.c, self.in_plane._phase_rule
+        moments = float(density.sum()), float(density @ at.v)
+        return c - r / 2 - moments[0], -c * c / 2 + r * r / 4 + moments[1]
+
+    @cached_property
     def _spurious_roots(self) -> tuple[float, float]:
         """Coefficients (e1, e0) of z^2 + e1 z + e0, z = v^2: roots of R R* other than c^2."""
         lead, c2 = 16 * (1 - self.a**2), self.c**2

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import checked_number, checked_size
+from semianalytic.scene.given.quantities import with_quantities
 
 if TYPE_CHECKING:
     from semianalytic.scene.scene import Scene
@@ -158,6 +159,7 @@ class CoulombFriction(FrictionLaw):
     fall_with_slip = 0.0
 
 
+@with_quantities
 @dataclass(frozen=True)
 class ViscousFriction(RateFriction):
     """Friction with a viscous film: strength f p + viscosity |V| (docs/rate.md).
@@ -213,6 +215,7 @@ class ViscousFriction(RateFriction):
     fall_with_rate = 0.0
 
 
+@with_quantities
 @dataclass(frozen=True)
 class RateWeakening(RateFriction):
     """Friction that falls with slip rate: strength f p (1 - reduction |V| / (|V| + rate)).
@@ -279,6 +282,7 @@ class RateWeakening(RateFriction):
         return self.reduction / self.rate
 
 
+@with_quantities
 @dataclass(frozen=True)
 class SlipWeakening(FrictionLaw):
     """Friction that falls linearly with slip: strength f p (1 - reduction min(path/distance, 1)).

@@ -15,6 +15,7 @@ from typing import Any
 
 from semianalytic.scene.checks import LARGEST, checked_number, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.quantities import with_quantities
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
 
@@ -26,6 +27,7 @@ reaches it; the tractions of a front are linear in what is left of 90 degrees, a
 that rest changes no digit of an answer's error estimate."""
 
 
+@with_quantities
 @dataclass(frozen=True)
 class IncidentWave:
     """A plane step wave that arrives from one body; its front reaches the slot's tip at t = 0.
@@ -190,6 +192,7 @@ def _scaled(tractions: Tractions, factor: float) -> Tractions:
     return Tractions(factor * tractions.pressure, factor * tractions.shear)
 
 
+@with_quantities
 @dataclass(frozen=True)
 class MovingLoad:
     """Tractions that advance over the slot faces from its tip at constant speed, from t = 0 on.

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import checked_number
+from semianalytic.scene.given.quantities import with_quantities
 
 if TYPE_CHECKING:
     from semianalytic.scene.material import Material
@@ -30,6 +31,7 @@ LOADED = (SLOT, REMOTE)
 """Places of a load: it is taken off the slot faces, or arrives as a plane wave from far away."""
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Tractions:
     """A uniform pair of tractions [stress]: pressure (positive in compression) and shear.

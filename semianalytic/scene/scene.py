@@ -28,6 +28,7 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.quantities import made_in_si, with_quantities
 from semianalytic.scene.incident import (
     IncidentWave,
     Load,
@@ -90,6 +91,7 @@ _PARTS: Mapping[str, _Part] = {
 """The parts by name of the field of a scene."""
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Scene:
     """Two identical half-planes in frictional contact, with base tractions and a load.
@@ -118,7 +120,9 @@ class Scene:
         ahead of the slot the contact then carries (P_b + P_0, Q_b + Q_0).
     units : str
         "SI" if all numbers are in metres, seconds, kilograms and pascals, which tables then state;
-        "" for any consistent set.  Scenes that differ only in their units compare as equal.
+        "" for any consistent set.  Scenes that differ only in their units compare as equal.  Where
+        numbers are given with units, as quantities of pint, all numbers are taken as those of the
+        SI and the scene says so.
 
     Raises
     ------
@@ -164,7 +168,8 @@ class Scene:
                 )
             known = [one.name for one in fields(cls)]
             close = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
+            others = f"it has {', '.join(known)} (docs/not_here.md)."
+            hint = f"did you mean {close[0]}?" if close else others
             raise SceneError(f"scene: there is no parameter {shown(name)}; {hint}")
         return super().__new__(cls)
 
@@ -186,14 +191,19 @@ class Scene:
                 known = ", ".join(kind.__name__ for kind in own.values())
                 raise SceneError(
                     f"scene: {name} must be one of {known}, or of a package that brings it "
-                    f"(docs/extending.md), got {shown(part)}."
+                    f"(docs/extending.md), got {shown(part)} (docs/not_here.md)."
                 )
         if self.mode not in MODES:
-            raise SceneError(f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)}.")
+            raise SceneError(
+                f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)} "
+                "(docs/not_here.md)."
+            )
         if self.load_on not in LOADED:
             raise SceneError(
                 f"scene: load_on must be {' or '.join(LOADED)}, got {shown(self.load_on)}."
             )
+        if made_in_si(self) and not self.units:
+            object.__setattr__(self, "units", SI)
         if self.units not in ("", SI):
             raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
         if self.friction < 0:
@@ -518,14 +528,16 @@ def _named(name: str, part: _Part, table: Any) -> Any:
         description = known_class(part.group, part.base, part.own, kind)
     if description is None:
         kinds = ", ".join((*part.own, *plugin_names(part.group, part.own)))
-        raise SceneError(f"{name}: kind must be one of {kinds}, got {shown(kind)}.")
+        raise SceneError(
+            f"{name}: kind must be one of {kinds}, got {shown(kind)} (docs/not_here.md)."
+        )
     given = {key: value for key, value in table.items() if key != "kind"}
     known = [part.name for part in fields(description)]
     unknown = [key for key in given if key not in known]
     if unknown:
         raise SceneError(
             f"{name}: kind {kind} has no {shown(unknown[0])}; "
-            f"it takes {', '.join(known) or 'nothing'}."
+            f"it takes {', '.join(known) or 'nothing'} (docs/not_here.md)."
         )
     try:
         return description(**given)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from decimal import Decimal
+from textwrap import wrap
 from typing import Any, TypeVar
 
 import numpy as np
@@ -76,10 +77,18 @@ _SAYINGS: Mapping[type, str] = {
 }
 
 
-def in_si_units(scene: Scene) -> Scene:
+def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
     """Return a scene of unit modulus and density in SI units, by `SI_SOLID` and `SI_STRESS`.
 
-    The contact slips at the same x / (c_t t); a length of 1 becomes a metre.
+    The contact slips at the same x / (c_t t), as far as the Poisson ratio is the same; a length of
+    1 becomes a metre.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene to convert.
+    solid : Material, optional
+        Solid in SI units to take in place of `SI_SOLID` and the Poisson ratio of the scene.
 
     Raises
     ------
@@ -87,14 +96,16 @@ def in_si_units(scene: Scene) -> Scene:
         If the scene is in other units, or a parameter has a dimension that is not known.
     """
     if scene.units == SI:
-        return scene
+        return scene if solid is None else replace(scene, material=solid)
     material = scene.material
     if (material.shear_modulus, material.density) != (1.0, 1.0):
         raise SceneError(
             "only scenes of unit shear modulus and density can be turned into SI units; take "
             "another scene, or leave the units out."
         )
-    solid = Material(*SI_SOLID, material.poisson_ratio)
+    # numbers to begin with need no more digits than a reader does
+    digits = 15 if solid is None else 3
+    solid = Material(*SI_SOLID, material.poisson_ratio) if solid is None else solid
     scales = _scales(solid, SI_STRESS)
     base, load = (_load_in(scales, one) for one in (scene.base, scene.load))
     assert isinstance(base, Tractions)
@@ -103,9 +114,9 @@ def in_si_units(scene: Scene) -> Scene:
         scene.friction,
         base,
         load,
-        pressure_history=_scaled(scene.pressure_history, scales),
-        shear_history=_scaled(scene.shear_history, scales),
-        friction_law=_scaled(scene.friction_law, scales),
+        pressure_history=_scaled(scene.pressure_history, scales, digits),
+        shear_history=_scaled(scene.shear_history, scales, digits),
+        friction_law=_scaled(scene.friction_law, scales, digits),
         mode=scene.mode,
         load_on=scene.load_on,
         units=SI,
@@ -123,7 +134,7 @@ def _load_in(scales: Mapping[str, float], load: Load) -> Load:
     return load_from_document(document)
 
 
-def scene_text(scene: Scene, origin: str = "") -> str:
+def scene_text(scene: Scene, origin: str = "", remark: str = "") -> str:
     """Write a scene as a TOML file with comments, which also show the other laws and histories.
 
     `find_scene` reads the same scene from the file.
@@ -134,11 +145,13 @@ def scene_text(scene: Scene, origin: str = "") -> str:
         The scene to write.
     origin : str
         Origin of the scene, for the first line.
+    remark : str
+        A sentence about the material.
     """
-    return "\n".join(_lines(scene, origin)) + "\n"
+    return "\n".join(_lines(scene, origin, remark)) + "\n"
 
 
-def _lines(scene: Scene, origin: str) -> Iterator[str]:
+def _lines(scene: Scene, origin: str, remark: str) -> Iterator[str]:
     document = scene_document(scene)
     yield f"# A scene of slipfront{origin and f', made from {origin}'}: slipfront solve FILE."
     yield "# Contact on y = 0, x > 0, an open slot on x < 0; the load comes at t = 0."
@@ -159,6 +172,8 @@ def _lines(scene: Scene, origin: str) -> Iterator[str]:
         ("load", said_of_load, load_parameters(scene.load)),
     ):
         yield f"\n[{table}]  # {said}"
+        if table == "material" and remark:
+            yield from (f"# {line}" for line in wrap(remark, 96))
         yield from _values(document[table], parameters, scene.units)
     for example in (_WAVE, _MOVING):
         if type(example) is not type(scene.load):

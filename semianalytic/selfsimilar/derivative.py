@@ -175,10 +175,10 @@ class Derivative:
 
     @property
     def _size(self) -> float:
-        """Value of the parameter in the units of `varied`; 1 if it is 0."""
-        size = abs(parameter(self.scene, self.name))
+        """Value of the parameter, by whose own unit `varied` differentiates; if that is 0, 1 or the
+        unit of stress."""
         is_traction = self.name in (*_TRACTIONS, "wave_stress")
-        return (size / self.stress if is_traction else size) or 1.0
+        return abs(parameter(self.scene, self.name)) or (self.stress if is_traction else 1.0)
 
     def __repr__(self) -> str:
         speeds = ", ".join(f"{one.inner:.4g} and {one.outer:.4g}" for one in self.zones)

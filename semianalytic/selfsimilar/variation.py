@@ -528,19 +528,24 @@ class Surroundings:
         ComputationError
             If zones on either side of these, however near, have other panels.
         """
-        load, moved = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
-        nodes, unfulfilled = NodeFields.zero(self.profile), moved
+        load, resting = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
+        differenced = load is None
+        if differenced and rates.front_excess:
+            # What a sticking base retains is linear in the tractions, however the opening moves.
+            load = Rates().of_load(self._fields.load)
+        nodes, unfulfilled = NodeFields.zero(self.profile), resting
         # The exact part: fields of the load of derivatives on the present panels.
         if load is not None:
             fixed = self._let_go(replace(self._fields, load=load, rule=self._rule), rates)
             nodes = NodeFields.of(Profile(fixed)).of_resting_panels
             unfulfilled = fixed.mismatch().reshape(-1)
-            moved = -self._inverse @ unfulfilled
-        elif len(moved):
+        along = unfulfilled
+        if differenced and len(resting):
             # A second-order difference on a loose rule suffices to find the direction de/dp.
-            first = Stencil(*_SECOND_ORDER, self._step(rates, moved))
-            beside = self._neighbours(rates, moved, first.points, self._loose_rule)
-            moved = -self._inverse @ self._unfulfilled(beside, first)
+            first = Stencil(*_SECOND_ORDER, self._step(rates, resting))
+            beside = self._neighbours(rates, resting, first.points, self._loose_rule)
+            along = unfulfilled + self._unfulfilled(beside, first)
+        moved = -self._inverse @ along
         stencil = self._stencil(rates, moved)
         if stencil is None:
             return Variation(rates, moved, nodes, None)

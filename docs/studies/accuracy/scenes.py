@@ -112,7 +112,7 @@ QUANTITIES = {
 COMPARED = tuple(
     name for name, named in NAMED_SCENES.items() if isinstance(named.scene.load, Tractions)
 )
-"""Scenes of the tables: those that finite elements simulate."""
+"""Scenes of the tables: those whose load comes everywhere at once."""
 
 FIGURES = {
     "remote-shock": "slip_rate",
