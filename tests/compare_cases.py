@@ -6,10 +6,16 @@ from dataclasses import replace
 import numpy as np
 
 from fem import EnergyHistory, Simulation, SlotHistory, simulate, with_companions
+from semianalytic import Tractions
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.named import NAMED_SCENES
 
-SELF_SIMILAR = [name for name, named in NAMED_SCENES.items() if named.scene.is_self_similar]
+SELF_SIMILAR = [
+    name
+    for name, named in NAMED_SCENES.items()
+    if named.scene.is_self_similar and isinstance(named.scene.load, Tractions)
+]
+"""Those that finite elements simulate."""
 
 
 def sampled_run(

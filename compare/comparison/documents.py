@@ -20,7 +20,7 @@ from compare.comparison.scales import reference_values, scene_fronts, speed_regi
 from semianalytic import Marched, Measured, Reading, Scene, Solution
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.results.answer import FIELDS
-from semianalytic.scene.parameters import MATERIAL, TRACTIONS, part_parameters
+from semianalytic.scene.parameters import EVERY_LOAD, MATERIAL, TRACTIONS, part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
 
@@ -46,7 +46,7 @@ SCENE_DIMENSIONS: Dimensions = {
     "friction": "1",
     "material": {name: one.dimension for name, one in MATERIAL.items()},
     "base": _TRACTIONS,
-    "load": _TRACTIONS,
+    "load": {name: one.dimension for name, one in EVERY_LOAD.items() if one.dimension},
     **{
         name: _dimensions_of(name) for name in ("pressure_history", "shear_history", "friction_law")
     },

@@ -129,8 +129,8 @@ class FieldPicture:
             interpolation="nearest",
         )
         for front in fronts(self.fields, time):
-            _draw_front(panel, front, self.window, *INK[self.quantity.kind])
-        handles = _draw_interface(panel, self.fields, time)
+            draw_front(panel, front, self.window, *INK[self.quantity.kind])
+        handles = draw_interface(panel, self.fields, time)
         self.figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
         length = unit("length", scene.units)
         panel.set(xlabel=f"x [{length}]", ylabel=f"y [{length}]")
@@ -163,7 +163,7 @@ def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float
     return rest - away, rest + away
 
 
-def _draw_front(panel: Axes, front: Front, window: Window, colour: str, around: str) -> None:
+def draw_front(panel: Axes, front: Front, window: Window, colour: str, around: str) -> None:
     """Draw a front and its mirror image, with its name if the upper one is visible."""
     line: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 0.8}
     for side in front.sides:
@@ -186,7 +186,7 @@ def _draw_front(panel: Axes, front: Front, window: Window, colour: str, around: 
         )
 
 
-def _draw_interface(panel: Axes, fields: WholeFields, time: float) -> list[Line2D]:
+def draw_interface(panel: Axes, fields: WholeFields, time: float) -> list[Line2D]:
     """Draw slot, slip, open parts and Rayleigh fronts on y = 0, and return their legend entries."""
     scene, speeds = fields.scene, scene_fronts(fields.scene)
     far = 1e3 * scene.fastest_speed * time

@@ -135,7 +135,7 @@ def _of_moving_load(scene: Scene, speeds: Mapping[str, float], time: float) -> I
                 if slowness < 0
                 else touch - np.geomspace(1e-3, far, 401)
             )
-            yield Front(f"plane {name}", x, (time - slowness * x) / rise, 0.5)
+            yield Front(f"plane {name}", x, (time - slowness * x) / rise, 0.25)
 
 
 def _incident(scene: Scene, load: IncidentWave, time: float) -> Iterator[Front]:

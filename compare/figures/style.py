@@ -22,6 +22,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from compare.comparison.scales import WAVE_SYMBOLS, stress_scale
 from semianalytic import CoulombFriction, Scene
+from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
@@ -145,6 +146,11 @@ def scene_words(scene: Scene) -> str:
     pascal = f" {unit('stress', scene.units)}" if scene.units else ""
     base = f"base ({scene.base.pressure:.3g}, {scene.base.shear:.3g}){pascal},  "
     base += "remote load,  " if scene.load_on == REMOTE else ""
+    load = scene.load
+    if isinstance(load, IncidentWave):
+        base += f"{load.kind} wave from {load.from_} at {load.angle:.3g}°,  "
+    elif isinstance(load, MovingLoad):
+        base += f"load moves at {load.speed:.3g},  "
     return (
         f"{mode}ν = {scene.material.poisson_ratio:.3g},  f = {scene.friction:.3g}{kind},  {base}"
         f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal},  V₀ = 2 τ₀ / ρcₜ"

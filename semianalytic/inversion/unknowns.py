@@ -157,7 +157,7 @@ class Unknowns:
             return -GRAZING, GRAZING
         if name == "load_speed":  # no front of no speed lies between
             least = _TINY * self.scene.material.shear_speed
-            return (least, float("inf")) if self.value(name) > 0 else (float("-inf"), -least)
+            return (least, float("inf")) if self.value(name) >= 0 else (float("-inf"), -least)
         if name in MATERIAL or name.startswith("gain"):
             return _TINY * self.size(name), float("inf")
         return float("-inf"), float("inf")

@@ -41,6 +41,8 @@ _MOVING: Mapping[str, Parameter] = {
     "speed": Parameter("length / time", "speed of their front; negative: towards the tip"),
     **TRACTIONS,
 }
+EVERY_LOAD: Mapping[str, Parameter] = {**_WAVE, **_MOVING}
+"""Parameters of all loads, tractions among them."""
 _OF_PARTS: Mapping[str, Parameter] = {
     "rise_time": Parameter(PARAMETERS["rise_time"], "in which it rises evenly from 0 to 1"),
     "duration": Parameter(PARAMETERS["duration"], "after which it is over"),

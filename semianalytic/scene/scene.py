@@ -336,6 +336,7 @@ class Scene:
             What to do with the scene, for the message.
         """
         if not isinstance(self.load, Tractions):
+            self.check_front()
             raise SceneError(
                 f"{function}: incident waves and moving loads are not known here; {instead}, or "
                 "give tractions for the load (docs/scenes.md)."
@@ -396,8 +397,8 @@ class Scene:
         """Whether the front of the load comes along the slot no faster than the first wave."""
         return self.front_slowness * self.fastest_speed >= 1 - NEAREST_FRONT
 
-    def check_self_similar(self) -> None:
-        """Raise SceneError unless all fields depend on x/t alone."""
+    def check_front(self) -> None:
+        """Raise SceneError if the front of the load leaves no self-similar answer."""
         if abs(self.front_slowness) * self.material.shear_speed > 1 / SLOWEST_FRONT:
             raise SceneError(
                 f"solve: the load moves at {abs(1 / self.front_slowness):.4g}, slower than "
@@ -418,6 +419,10 @@ class Scene:
                 "on, before anything comes from the slot; lower the wave, or raise friction or the "
                 "base pressure (docs/limits.md)."
             )
+
+    def check_self_similar(self) -> None:
+        """Raise SceneError unless all fields depend on x/t alone."""
+        self.check_front()
         if not self.is_self_similar:
             raise SceneError(
                 "the self-similar solver takes step loads only, and friction that is constant or "

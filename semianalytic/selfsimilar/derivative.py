@@ -370,8 +370,11 @@ def parameter(scene: Scene, name: str) -> float:
         return float(getattr(load, name.removeprefix("wave_"), None) or 0.0)
     if isinstance(load, MovingLoad) and name == "load_speed":
         return load.speed
+    if name in OF_FRONT:  # as the viscosity of friction that has none
+        return 0.0
     part, kind = name.split("_")
-    return float(getattr(getattr(scene, part), kind))
+    held = scene.base if part == "base" else load.tractions(scene.material)
+    return float(getattr(held, kind))
 
 
 def _compared(profile: Profile) -> Array:

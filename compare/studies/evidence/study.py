@@ -330,7 +330,10 @@ def collect(
     from compare.studies.article.cases import run_cases
     from compare.studies.article.study import judge_claims
 
-    chosen = tuple(dict.fromkeys(sources or (QUICK_SCENES if quick else NAMED_SCENES)))
+    simulated = [
+        name for name, named in NAMED_SCENES.items() if isinstance(named.scene.load, Tractions)
+    ]
+    chosen = tuple(dict.fromkeys(sources or (QUICK_SCENES if quick else simulated)))
     for source in chosen:
         find_scene(source)
     started = time.perf_counter()

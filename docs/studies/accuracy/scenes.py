@@ -23,7 +23,7 @@ from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
 from compare.figures.histories import comparison_figures
 from compare.figures.saving import figure_png
 from compare.studies.tables import Study, run_studies
-from semianalytic import Solution
+from semianalytic import Solution, Tractions
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.named import NAMED_SCENES
 
@@ -109,8 +109,10 @@ QUANTITIES = {
 }
 """Quantities of each scene in docs/scenes.md: their names there, and in the judgement."""
 
-COMPARED = tuple(NAMED_SCENES)
-"""Scenes of the tables."""
+COMPARED = tuple(
+    name for name, named in NAMED_SCENES.items() if isinstance(named.scene.load, Tractions)
+)
+"""Scenes of the tables: those whose load comes everywhere at once."""
 
 FIGURES = {
     "remote-shock": "slip_rate",

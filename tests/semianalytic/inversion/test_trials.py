@@ -11,6 +11,7 @@ from semianalytic.inversion.gauges import FIELDS, INTERFACE, component, seen
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import MATERIAL, SETUP, UNKNOWNS, Unknowns
+from semianalytic.scene.incident import OF_FRONT
 
 T = np.linspace(0.3, 2.0, 9)
 SHIFTED = Setup(0.01, 0.02, 1.1, {"beside": 0.9})
@@ -184,7 +185,7 @@ def test_what_makes_no_sense_is_refused(make, message):
 
 
 def test_every_unknown_has_a_start_bounds_and_a_range():
-    names = tuple(name for name in UNKNOWNS if name != "viscosity")
+    names = tuple(name for name in UNKNOWNS if name not in ("viscosity", *OF_FRONT))
     trial = trials([silent("slip")], names, setup=Setup())
     low, high = trial.bounds
     least, most = trial.ranges

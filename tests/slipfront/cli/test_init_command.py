@@ -26,7 +26,8 @@ def slip(scene):
     """Slip at x when a shear wave has come to 1, over the load over the shear modulus."""
     end, marched = 1 / scene.material.shear_speed, not scene.is_self_similar
     answer = march(scene, end, nodes=120, companion=False) if marched else solve(scene)
-    load = max(abs(scene.load.pressure), abs(scene.load.shear))
+    off = scene.superposition.taken_off
+    load = max(abs(off.pressure), abs(off.shear))
     return answer.slip(X, end) * scene.material.shear_modulus / load
 
 

@@ -1,0 +1,87 @@
+"""Draw P and SV waves that arrive at 30 degrees, and map what slips first over angle and friction.
+
+``python -m docs.examples.incident_waves [FOLDER]`` writes incident_waves.png.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import slipfront as sf
+from compare.figures.fields import draw_front, draw_interface
+from compare.figures.fronts import fronts
+from compare.figures.style import look
+
+SOLID, BASE = sf.Material(1.0, 1.0, 0.25), sf.Tractions(pressure=1.0, shear=0.0)
+WAVES = (sf.IncidentWave("P", -30.0, stress=1.0), sf.IncidentWave("SV", -30.0, stress=0.4))
+FRICTION, TIME, FAR = 0.2, 1.0, 2.1
+ANGLES, FRICTIONS = np.linspace(-80, 80, 33), np.linspace(0.02, 0.98, 25)
+STATES = (
+    "sticks",
+    "edge slips",
+    "edge and shear front",
+    "opens at the edge",
+    "no self-similar answer",
+)
+
+
+def state(wave: sf.IncidentWave, friction: float) -> int:
+    """Return which of `STATES` follows a wave."""
+    try:
+        solution = sf.solve(sf.Scene(SOLID, friction, BASE, wave), rtol=1e-4)
+    except sf.SceneError:  # it slips ahead of everything, or comes too slowly along the slot
+        return 4
+    if solution.openings:
+        return 3
+    zones = solution.zones
+    return 0 if not zones else 2 if zones[-1].outer > SOLID.rayleigh_speed else 1
+
+
+def maps() -> Iterator[np.ndarray]:
+    """Yield the states (frictions, angles) of both kinds of waves."""
+    for kind, stress in (("P", 1.0), ("SV", 0.3)):
+        waves = [sf.IncidentWave(kind, float(angle), stress=stress) for angle in ANGLES]
+        yield np.array([[state(wave, float(f)) for wave in waves] for f in FRICTIONS])
+
+
+@look()
+def main(folder: Path = Path(".")) -> list[sf.Solution]:
+    """Draw both waves and both maps, and return the solutions of the pictures."""
+    figure = Figure(figsize=(9, 8.4), layout="constrained")
+    above, below = figure.subplots(2, 2, height_ratios=(1.25, 1))
+    middles = (np.arange(300) + 0.5) / 150 * FAR - FAR
+    x, y = np.meshgrid(middles, middles)
+    solutions = [sf.solve(sf.Scene(SOLID, FRICTION, BASE, wave)) for wave in WAVES]
+    for panel, solution, wave in zip(above, solutions, WAVES, strict=True):
+        speed = np.hypot(*solution.velocity(x, y, TIME))
+        most = float(np.quantile(speed[np.isfinite(speed)], 0.995))
+        panel.imshow(
+            np.minimum(speed, most), extent=(-FAR, FAR, -FAR, FAR), origin="lower", cmap="viridis"
+        )
+        for front in fronts(solution, TIME):
+            draw_front(panel, front, (-FAR, FAR, -FAR, FAR), "white", "black")
+        handles = draw_interface(panel, solution, TIME)
+        panel.set(xlim=(-FAR, FAR), ylim=(-FAR, FAR), xlabel="x / c_t t", ylabel="y / c_t t")
+        panel.set_title(f"{wave.kind} wave from below at {-wave.angle:.0f}°: particle speed")
+        panel.legend(handles=handles, loc="upper left", fontsize="x-small")
+    for panel, states, kind in zip(below, maps(), ("P wave", "SV wave"), strict=True):
+        image = panel.pcolormesh(ANGLES, FRICTIONS, states, vmin=-0.5, vmax=4.5, cmap="Set2")
+        image.set_cmap(image.get_cmap().resampled(5))
+        panel.set(xlabel="angle [degrees]", ylabel="friction")
+        panel.set_title(f"{kind}: what slips first")
+        bar = figure.colorbar(image, ax=panel, ticks=range(5), location="bottom", aspect=40)
+        bar.ax.set_xticklabels([one.replace(" ", "\n", 1) for one in STATES], fontsize=6)
+    figure.savefig(folder / "incident_waves.png", dpi=100)
+    for wave, solution in zip(WAVES, solutions, strict=True):
+        ends = ", ".join(f"{zone.inner:.4f} to {zone.outer:.4f}" for zone in solution.zones)
+        print(f"{wave.kind}: slip from {ends} c_t, in the direction {solution.zones[0].sense:+d}")
+    return solutions
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:2]))
