@@ -181,12 +181,14 @@ class _Checkout:
 
     def run(self, job: str, judge: bool) -> Found:
         """Run a job once."""
-        assert self._process.stdin is not None and self._process.stdout is not None
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
         print(json.dumps([job, judge]), file=self._process.stdin, flush=True)
         answer = self._process.stdout.readline()
         if not answer:
             raise SystemExit(f"{job} failed; see above.")
-        return tuple(json.loads(answer))
+        seconds, error, nodes = json.loads(answer)
+        return seconds, error, nodes
 
     def close(self) -> None:
         """End the process."""
@@ -230,7 +232,7 @@ def compared(jobs: Sequence[str], before: Path, now: Path, times: float = 1.0) -
 
 
 def as_benchmarks(rows: Sequence[RatioRow], against: str) -> dict[str, Any]:
-    """Return rows in the form that pytest-benchmark writes, with the ratios as extra information."""
+    """Return rows in the form that pytest-benchmark writes, the ratios as extra information."""
     return {
         "against": against,
         "benchmarks": [

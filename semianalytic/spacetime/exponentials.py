@@ -99,9 +99,7 @@ class GridMemory:
         lasts = np.cumsum(self.counts).tolist()
         return [
             (slice(first, end), slice(low, high))
-            for first, end, low, high in zip(
-                [0, *ends], ends, [0, *lasts], lasts, strict=False
-            )
+            for first, end, low, high in zip([0, *ends], ends, [0, *lasts], lasts, strict=False)
         ]
 
     def values(self, size: int) -> int:

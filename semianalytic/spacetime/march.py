@@ -36,7 +36,14 @@ from semianalytic.spacetime.advancing import advance
 from semianalytic.spacetime.exponentials import GridMemory, grid_memory, impedance_of
 from semianalytic.spacetime.grid_pressure import GridPressure
 from semianalytic.spacetime.march_memory import check_size
-from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
+from semianalytic.spacetime.marched import (
+    Extremes,
+    Grid,
+    Marched,
+    MarchState,
+    MarchStatistics,
+    Partly,
+)
 from semianalytic.spacetime.resolution import (
     check_loads,
     check_weakening_seen,
@@ -363,6 +370,7 @@ class _Plan:
             memory=past,
             state=MarchState.at_rest(grid, past, single=self.tolerance >= SINGLE_TOLERANCE),
             seen=Extremes.at_rest(grid.observed),
+            partly=Partly.nowhere(),
         )
 
 
