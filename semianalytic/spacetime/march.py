@@ -116,7 +116,7 @@ def march(
     """March the interface of a scene in time, under any load history and friction law.
 
     The method is described in docs/spacetime.md; its equation is (4.40) with the right sign
-    (docs/theory.md, "Any load history").  A march needs 80 bytes per pole (about 25) and grid node
+    (docs/theory.md, "Any load history").  A march needs up to 80 bytes per pole (about 20) and grid node
     (about 1.5 per contact node), 32 bytes per stored node and level (see `GridPressure` for
     pressure that oscillates), and half as much again for the companion.  Its time grows like
     nodes^2.
@@ -151,7 +151,9 @@ def march(
         Store every n-th time level; the last is always stored.  The number is raised if the stored
         levels do not fit into the memory: see `Marched.every`.
     tolerance : float
-        Relative error of the memory's transform, above 1e-11 and up to 1e-2.
+        Relative error of the memory's transform for long waves, above 1e-11 and up to 1e-2.  From
+        1e-6 on the memory is in single precision, which rounds slip to 1e-7 of itself.  For an
+        `rtol` it is at most a fiftieth of that.
     memory : float, optional
         Memory that the march may take [bytes]; by default 70 % of what the machine has available.
     progress : callable, optional
