@@ -187,7 +187,8 @@ class _Checkout:
         answer = self._process.stdout.readline()
         if not answer:
             raise SystemExit(f"{job} failed; see above.")
-        return tuple(json.loads(answer))
+        seconds, error, nodes = json.loads(answer)
+        return seconds, error, nodes
 
     def close(self) -> None:
         """End the process."""
@@ -231,7 +232,7 @@ def compared(jobs: Sequence[str], before: Path, now: Path, times: float = 1.0) -
 
 
 def as_benchmarks(rows: Sequence[RatioRow], against: str) -> dict[str, Any]:
-    """Return rows in the form that pytest-benchmark writes, with the ratios as extra information."""
+    """Return rows in the form that pytest-benchmark writes, the ratios as extra information."""
     return {
         "against": against,
         "benchmarks": [

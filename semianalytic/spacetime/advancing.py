@@ -144,4 +144,5 @@ def _reached(marched: Marched, walk: Walk, every: int, setup: float, steps: floa
         statistics=replace(before, steps=before.steps + record.done, seconds=seconds),
         state=walk.state,
         seen=record.seen,
+        partly=record.partly(),
     )

@@ -38,7 +38,14 @@ from semianalytic.spacetime.advancing import advance
 from semianalytic.spacetime.exponentials import GridMemory, grid_memory, impedance_of
 from semianalytic.spacetime.grid_pressure import GridPressure
 from semianalytic.spacetime.march_memory import check_size
-from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
+from semianalytic.spacetime.marched import (
+    Extremes,
+    Grid,
+    Marched,
+    MarchState,
+    MarchStatistics,
+    Partly,
+)
 from semianalytic.spacetime.resolution import (
     check_loads,
     check_weakening_seen,
@@ -114,7 +121,7 @@ def march(
     """March the interface of a scene in time, under any load history and friction law.
 
     The method is described in docs/spacetime.md; its equation is (4.40) with the right sign
-    (docs/theory.md, "Any load history").  A march needs 80 bytes per pole (about 25) and grid node
+    (docs/theory.md, "Any load history").  A march needs up to 80 bytes per pole (about 20) and grid node
     (about 1.5 per contact node), 32 bytes per stored node and level (see `GridPressure` for
     pressure that oscillates), and half as much again for the companion.  Its time grows like
     nodes^2.
@@ -149,7 +156,9 @@ def march(
         Store every n-th time level; the last is always stored.  The number is raised if the stored
         levels do not fit into the memory: see `Marched.every`.
     tolerance : float
-        Relative error of the memory's transform, above 1e-11 and up to 1e-2.
+        Relative error of the memory's transform for long waves, above 1e-11 and up to 1e-2.  From
+        1e-6 on the memory is in single precision, which rounds slip to 1e-7 of itself.  For an
+        `rtol` it is at most a fiftieth of that.
     memory : float, optional
         Memory that the march may take [bytes]; by default 70 % of what the machine has available.
     progress : callable, optional
@@ -372,6 +381,7 @@ class _Plan:
             memory=past,
             state=MarchState.at_rest(grid, past, single=self.tolerance >= SINGLE_TOLERANCE),
             seen=Extremes.at_rest(grid.observed),
+            partly=Partly.nowhere(),
         )
 
 

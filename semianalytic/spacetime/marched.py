@@ -150,6 +150,31 @@ class Extremes:
 
 
 @dataclass(frozen=True, eq=False)
+class Partly:
+    """The nodes beside the end of a zone that slip on a part of their cell, at stored levels.
+
+    Their shear traction is given as that of the part that slips, the strength.  The mean over the
+    cell is what waves carry into the bodies.
+
+    Attributes
+    ----------
+    levels, nodes : (k,) integer arrays
+        Stored levels, and observed nodes.
+    above : (k,) array
+        What the traction of the part that slips is above the mean [stress].
+    """
+
+    levels: NDArray[np.intp]
+    nodes: NDArray[np.intp]
+    above: Array
+
+    @classmethod
+    def nowhere(cls) -> Partly:
+        """Return no nodes."""
+        return cls(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp), np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False)
 class MarchState:
     """The state of a march at one time, from which it can be continued.
 
@@ -184,8 +209,11 @@ class MarchState:
     def at_rest(cls, grid: Grid, memory: GridMemory, single: bool) -> MarchState:
         """Return the state before anything happens, its memory in single or double precision."""
         lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
-        kind = np.complex64 if single else np.complex128
-        modes = np.zeros(memory.values(grid.size), dtype=kind)
+        modes: NDArray[np.complex64] | NDArray[np.complex128] = np.zeros(
+            memory.values(grid.size), dtype=complex
+        )
+        if single:
+            modes = modes.astype(np.complex64)
         return cls(0.0, modes, lasting, lasting, contact, contact, contact, contact)
 
     def copy(self) -> MarchState:
@@ -283,6 +311,8 @@ class Marched(SampledAnswer):
         The grid, memory kernel and state from which a continuation starts.
     seen : Extremes
         Largest values and onset times of slip over all steps, stored or not.
+    partly : Partly
+        Nodes that slip on a part of their cell, at the stored levels.
     companion : Marched or None
         The same march on half the nodes in half the steps, to the same time.  The difference
         between the two indicates the error (see `error_of`).  It stores every other level.
@@ -320,6 +350,7 @@ class Marched(SampledAnswer):
     memory: GridMemory
     state: MarchState
     seen: Extremes
+    partly: Partly
     companion: Marched | None = None
     departure: Departure = Departure()
     rtol: float | None = None
@@ -436,7 +467,9 @@ class Marched(SampledAnswer):
 
     @cached_property
     def _bodies(self) -> MarchedBodies:
-        return MarchedBodies(self.scene, self.interface)
+        means = self.interface.shear_traction.copy()
+        means[self.partly.levels, self.partly.nodes] -= self.partly.above
+        return MarchedBodies(self.scene, replace(self.interface, shear_traction=means))
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity anywhere in the bodies [length / time].
@@ -623,4 +656,5 @@ _GROUPS = {
     "memory": GridMemory,
     "state": MarchState,
     "seen": Extremes,
+    "partly": Partly,
 }

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.spacetime.marched import Marched, MarchState
+from semianalytic.spacetime.marched import Marched, MarchState, Partly
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -60,6 +60,7 @@ class MarchRecord:
         levels = self._stored + (not self._stored) + whole + bool((before + steps) % every) + 1
         self._times = _extended(earlier.t, levels)
         self._fields = [_extended(getattr(earlier, name), levels) for name in _FIELDS]
+        self._partly = [marched.partly]
         self._summed = len(marched.totals.t)
         self._totals = [
             _extended(getattr(marched.totals, field.name), self._summed + (not before) + steps)
@@ -93,6 +94,7 @@ class MarchRecord:
         self,
         times: Sequence[float],
         pressures: Sequence[Array],
+        partly: Sequence[tuple[int, Indices, Array]],
         rates: Array,
         tractions: Array,
         slips: Array,
@@ -107,6 +109,8 @@ class MarchRecord:
             Times of the levels and of the one before them [time].
         pressures : k arrays of (contact,)
             Pressure of the contact at the levels [stress].
+        partly : sequence of (row, nodes, values)
+            Contact nodes that slip in part at the levels, counted from 1, as in `Partly`.
         rates : (k + 1, size) array
             Slip rates at `times`.
         tractions, slips, paths, works : (k + 1, contact) arrays
@@ -121,6 +125,12 @@ class MarchRecord:
         kept = reached % self._every == 0
         kept[taken - 1 :] |= self.stopped or self.done == self._steps
         rows = np.flatnonzero(kept)
+        levels = {int(row) + 1: self._stored + at for at, row in enumerate(rows)}
+        for row, nodes, above in partly:
+            if row in levels and len(nodes):
+                seen = nodes < n
+                level = np.full(int(seen.sum()), levels[row])
+                self._partly.append(Partly(level, nodes[seen], above[seen]))
         # all of them without a copy, which takes as long as the storing
         part: slice | Indices = slice(1, None) if len(rows) == taken else rows + 1
         stored = slips[part], rates[part], tractions[part], self._pressed(pressures, rows)
@@ -162,6 +172,15 @@ class MarchRecord:
         # a march ends where the contact would open, so the gap is zero throughout
         closed = np.broadcast_to(0.0, (self._stored, self._observed))
         return InterfaceHistory(self._marched.grid.x, self._times[kept], *[*fields, closed])
+
+    def partly(self) -> Partly:
+        """Return the nodes that slip in part at the stored levels."""
+        return Partly(
+            *(
+                np.concatenate([getattr(one, field.name) for one in self._partly])
+                for field in fields_of(Partly)
+            )
+        )
 
     def totals(self) -> Totals:
         """Return the totals of every step."""

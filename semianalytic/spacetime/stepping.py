@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from itertools import islice, pairwise
 
 import numpy as np
@@ -38,6 +39,7 @@ from semianalytic.spacetime.tuning import (
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -180,6 +182,7 @@ class Line:
         # rho c_t / 2: half of it because V is the relative rate of two bodies
         self.impedance = scene.material.shear_impedance / 2
         self._law, self._friction = scene.friction_law, scene.friction
+        self._sticks = scene.friction > 0
         self._coulomb = type(scene.friction_law) is CoulombFriction
         self._held, self._slot = scene.superposition.in_place.shear, grid.slot
         self._pressed = self._dry = self._opposite = np.zeros(0)
@@ -196,7 +199,7 @@ class Line:
 
     def slip_rate(
         self, stopping: Array, level: Level, path: Array, rate: Array, partly: bool = True
-    ) -> None:
+    ) -> tuple[Indices, Array]:
         """Find the relative slip rate of all nodes (size,) [length / time], written to `rate`.
 
         On the slot the shear traction is prescribed; on the contact tau = tau_stop - (rho c_t/2) V
@@ -205,8 +208,7 @@ class Line:
         Parameters
         ----------
         stopping : (size,) array
-            Shear traction at which a node would not move [stress].  At nodes that slip on a part
-            of their cell it is replaced by that of a node which slips as much (`_partly`).
+            Shear traction at which a node would not move [stress].
         level : Level
             Loads at the time of the slip rate.
         path : (contact,) array
@@ -215,8 +217,14 @@ class Line:
             Where the result is written.
         partly : bool
             Whether nodes beside the end of a zone slip on a part of their cell.
+
+        Returns
+        -------
+        (indices, array)
+            The contact nodes that slip on a part of their cell, and what the traction of the part
+            that slips, which is the strength, is above the mean over the cell [stress].
         """
-        slot = self._slot
+        slot, at, above = self._slot, _NOWHERE, _NOTHING
         on_contact, moving = stopping[slot:], rate[slot:]
         if level.pressure is not self._pressed:
             self._pressed, self._dry = level.pressure, self._friction * level.pressure
@@ -226,20 +234,20 @@ class Line:
             np.maximum(on_contact, self._opposite, out=moving)
             np.minimum(moving, self._dry, out=moving)
             np.subtract(on_contact, moving, out=moving)
-            if partly:
+            if partly and self._sticks:
                 at, mean = _partly(on_contact, self._dry, moving != 0)
                 if len(at):
                     moving[at] = mean
-                    stopping[slot + at] = mean + np.copysign(self._dry[at], mean)
+                    above = mean + np.copysign(self._dry[at], mean) - on_contact[at]
             moving *= 1 / self.impedance
         else:
             strength = self._law.strength(self._dry, 0.0, path)
             size = np.abs(on_contact)
-            if partly:
+            if partly and self._sticks:
                 at, mean = _partly(on_contact, strength, size > strength)
                 if len(at):
                     size[at] = np.abs(mean) + strength[at]
-                    stopping[slot + at] = np.copysign(size[at], mean)
+                    above = np.copysign(size[at], mean) - on_contact[at]
             speed = self._law.slip_speed(size, self._dry, self.impedance, path)
             # adding 0.0 keeps the rate of nodes that stick at +0.0
             np.add(np.copysign(speed, on_contact), 0.0, out=moving)
@@ -248,9 +256,10 @@ class Line:
         if level.spilled is not None:
             rate[slot - len(level.spilled) : slot] -= self._friction * level.spilled
         rate[:slot] *= 1 / self.impedance
+        return at, above
 
 
-def _partly(stopping: Array, strength: Array, slips: Flags) -> tuple[NDArray[np.intp], Array]:
+def _partly(stopping: Array, strength: Array, slips: Flags) -> tuple[Indices, Array]:
     """Return the nodes that slip on a part of their cell, and the mean traction that moves them.
 
     A node stands for `CELL_WIDTH` cells of the line, on which the excess of the stopping traction
@@ -259,7 +268,7 @@ def _partly(stopping: Array, strength: Array, slips: Flags) -> tuple[NDArray[np.
     """
     before = (slips[1:] ^ slips[:-1]).nonzero()[0]
     if not len(before):
-        return before, stopping[:0]
+        return _NOWHERE, _NOTHING
     at = np.concatenate([before, before + 1])
     if before[0] == 0 or before[-1] == len(slips) - 2:  # the end nodes have no slope
         at = at[(at > 0) & (at < len(slips) - 1)]
@@ -273,6 +282,7 @@ def _partly(stopping: Array, strength: Array, slips: Flags) -> tuple[NDArray[np.
 
 
 _NEIGHBOURS = np.array([[-1], [0], [1]])
+_NOWHERE, _NOTHING = np.zeros(0, dtype=np.intp), np.zeros(0)
 
 
 class Walk:
@@ -318,6 +328,7 @@ class Walk:
         for field, value in zip(self._fields, values, strict=True):
             field[0] = value
         self._last = 0
+        self._above: list[tuple[int, Indices, Array]] = []
         self._transform, self._stopping = np.empty((2, grid.size))
 
     @property
@@ -341,8 +352,9 @@ class Walk:
         self._go_back()
         self._segment = segment
         phase = grid.wavenumbers * scene.material.shear_speed * segment.time_step
-        recursion = Recursion(marched.memory, phase, marched.damping, self._modes, self._lasting)
-        self._recursion = recursion
+        self._recursion = Recursion(
+            marched.memory, phase, marched.damping, self._modes, self._lasting
+        )
         self._feedback = -self._line.impedance * self._recursion.feedback
         self._levels = _levels(scene, segment, self._pressure, self._edge_sense)
         first = next(self._levels)
@@ -369,9 +381,10 @@ class Walk:
         """
         stopping, rate = self._stopping, self._rates[0]
         from_cosines(self._line.begun(self._recursion.exerted()), stopping)
-        self._line.slip_rate(stopping, level, self._paths[0], rate)
+        at, above = self._line.slip_rate(stopping, level, self._paths[0], rate)
         contact = self.grid.contact
         self._tractions[0] = stopping[contact] - self._line.impedance * rate[contact]
+        self._tractions[0, at] += above
 
     @property
     def rates(self) -> Array:
@@ -411,7 +424,9 @@ class Walk:
         self.done += self._last
         self.time = times[-1]
         self._sum_up(half)
-        self.record.add(times, pressures, *(field[: self._last + 1] for field in self._fields))
+        fields = (field[: self._last + 1] for field in self._fields)
+        self.record.add(times, pressures, self._above, *fields)
+        self._above.clear()
 
     def _step(self, level: Level, half: float) -> None:
         """Take one step into the next row; `half` is half its length [time]."""
@@ -421,13 +436,13 @@ class Walk:
         # the path matters to laws that look at it; others are given any
         path = self._paths[new - 1 if self._by_slip else 0]
         # Fixed-point iteration for the end value; its contraction factor is the feedback (< 1).
-        # The accumulated slip is iterated with it, since friction may depend on it.  Cells that slip
-        # on a part matter in the last sweep only: errors change by 7 % at most without them before.
+        # The accumulated slip is iterated with it, since friction may depend on it.  Cells that
+        # slip in part are left to the last sweep: errors change by 7 % at most.
         for sweep in range(SWEEPS):
             transform *= self._feedback
             transform += past
             from_cosines(transform, stopping)
-            line.slip_rate(stopping, level, path, rate, sweep == SWEEPS - 1)
+            at, above = line.slip_rate(stopping, level, path, rate, sweep == SWEEPS - 1)
             if self._by_slip:
                 speeds = np.abs(self._rates[new - 1][contact]) + np.abs(rate[contact])
                 path = self._paths[new] = self._paths[new - 1] + half * speeds
@@ -439,6 +454,8 @@ class Walk:
             )
         np.multiply(rate[contact], -line.impedance, out=self._tractions[new])
         self._tractions[new] += stopping[contact]
+        self._tractions[new, at] += above
+        self._above.append((new, at, above))
 
     def _sum_up(self, half: float) -> None:
         """Add the steps of a block to slip, accumulated slip and work, in order."""
@@ -473,18 +490,19 @@ def from_cosines(amplitudes: Array, out: Array) -> None:
 @cache
 def _transform() -> Callable[[Array, int, tuple[int], int, Array], object]:
     """Return the cosine transform (values, type, axes, 0 or 2 to divide by 2 n, out)."""
-    # scipy.fft takes 12 microseconds around each of these calls, twice what 500 nodes take; where
-    # a version of scipy hides the function elsewhere, scipy.fft serves
+    # scipy.fft spends 12 microseconds around each of these calls, twice what 500 nodes take; where
+    # a version of scipy keeps the function elsewhere, scipy.fft serves
     try:
-        from scipy.fft._pocketfft import pypocketfft
+        module = import_module("scipy.fft._pocketfft.pypocketfft")
     except ImportError:
-        from scipy.fft import dct
+        from scipy.fft import dct, idct
 
         def public(values: Array, kind: int, axes: tuple[int], scaling: int, out: Array) -> None:
-            out[:] = dct(values, type=kind, norm="forward" if scaling else "backward")
+            out[:] = idct(values, type=2) if scaling else dct(values, type=2)
 
         return public
-    return pypocketfft.dct  # type: ignore[no-any-return]
+    found: Callable[[Array, int, tuple[int], int, Array], object] = module.dct
+    return found
 
 
 def _shear_loads(scene: Scene, levels: Array) -> Array:
