@@ -4,8 +4,11 @@
 `choose_mesh` says beforehand which mesh is worth it.
 """
 
+import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
 
 __all__ = ["Judgement", "MeshChoice", "Row", "Unseen", "choose_mesh", "judge"]
 

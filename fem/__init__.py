@@ -1,6 +1,10 @@
 """Finite-element simulation of a loaded slot: scikit-fem blocks, contact without a penalty."""
 
+import logging
+
 from semianalytic.scene.extras import needing
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
 
 with needing("the finite-element model"):
     from fem.budget import Cost, cost

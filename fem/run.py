@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import sys
 import warnings
@@ -20,13 +21,17 @@ from fem.results import Simulation
 from fem.snapshots import Snapshots
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.given.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
+
+_log = logging.getLogger(__name__)
 
 RUNAWAY = 2.0
 FIRST_JUDGED = 4
 """Largest kinetic energy over the work of the loads; in stable runs it is about 1 at most."""
 
 
+@taking_quantities
 def simulate(
     scene: Scene,
     end_time: float | None = None,
@@ -162,6 +167,7 @@ def run_plan(
     remarks: list[str] = []
     model = build(plan, remarks.append)
     seconds = dict(model.seconds)
+    _log.info("simulate: %s, %d unknowns, %d steps", model.plan.name, model.unknowns, model.steps)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
         record, identity = Record(model), run_identity(model)
         run = run_name(identity)
@@ -183,6 +189,7 @@ def run_plan(
                 if progress is not None and 0 < step <= model.steps:
                     progress(step, model.steps)
     unwritten = pictures.missing if pictures else ""
+    _log.info("simulate: %d steps in %.3g s", model.steps, seconds["steps"])
     return _result(model, record, seconds, run, unwritten, " ".join(remarks))
 
 
@@ -313,10 +320,46 @@ def peak_memory() -> int:
     """
     status = Path("/proc/self/status")
     if status.exists():
-        lines = dict(line.split(":", 1) for line in status.read_text().splitlines() if ":" in line)
+        lines = dict(
+            line.split(":", 1)
+            for line in status.read_text(encoding="utf-8").splitlines()
+            if ":" in line
+        )
         if "VmHWM" in lines:
             return 1024 * int(lines["VmHWM"].split()[0])
+    if sys.platform == "win32":
+        return _peak_on_windows()
     import resource
 
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak if sys.platform == "darwin" else 1024 * peak
+
+
+def _peak_on_windows() -> int:
+    """Return PeakWorkingSetSize of PROCESS_MEMORY_COUNTERS [bytes]; 0 if it is not told."""
+    import ctypes
+
+    if sys.platform != "win32":
+        return 0
+    names = (
+        "peak",
+        "working_set",
+        "paged_peak",
+        "paged",
+        "other_peak",
+        "other",
+        "file",
+        "file_peak",
+    )
+    fields = [("size", ctypes.c_uint32), ("faults", ctypes.c_uint32)]
+
+    class Counters(ctypes.Structure):
+        _fields_ = [*fields, *((name, ctypes.c_size_t) for name in names)]
+
+    counters = Counters(size=ctypes.sizeof(Counters))
+    kernel = ctypes.WinDLL("kernel32")
+    kernel.GetCurrentProcess.restype = ctypes.c_void_p
+    kernel.K32GetProcessMemoryInfo.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint32]
+    process = kernel.GetCurrentProcess()
+    told = kernel.K32GetProcessMemoryInfo(process, ctypes.byref(counters), counters.size)
+    return int(counters.peak) if told else 0

@@ -1,6 +1,10 @@
 """Meshes of the two blocks that meet along y = 0: their description, construction and cache."""
 
+import logging
+
 from semianalytic.scene.extras import needing
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
 
 with needing("the mesh of a finite-element model"):
     from meshes.blocks import Blocks, causal_blocks

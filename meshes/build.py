@@ -17,6 +17,7 @@ from meshes.blocks import GROWTH, Blocks
 from meshes.laid import LEAST_SIDES, write_laid
 from semianalytic.results.files import Seal, new_file
 from semianalytic.scene.errors import MissingLibraryError
+from semianalytic.scene.extras import how_to_install
 
 APT_PACKAGES = files("meshes").joinpath("apt-packages.txt").read_text(encoding="ascii").strip()
 """Debian packages of the shared libraries that libgmsh is linked against; CI installs them too."""
@@ -111,7 +112,7 @@ def _refusal(blocks: Blocks, error: Exception) -> str:
     what = _pattern(blocks) + ("" if triangles else " with a side of a single element")
     other = "choose squares or a graded mesh" if triangles else "make every side longer"
     if isinstance(error, ImportError):
-        remedy = "run `pip install '.[fem]'` in the folder of slipfront"
+        remedy = f"run {how_to_install('fem')}"
     else:
         remedy = f"install its libraries with `apt install {APT_PACKAGES}`"
     return f"a {what} needs gmsh, which cannot be loaded ({error}); {remedy}, or {other}."

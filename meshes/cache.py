@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 from contextlib import suppress
 from dataclasses import asdict
@@ -16,6 +17,8 @@ from meshes.build import Tell, new_mesh_file, write_mesh
 from meshes.read import read_mesh
 from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
+
+_log = logging.getLogger(__name__)
 
 FORMAT = "slipfront blocks 2"
 
@@ -59,11 +62,14 @@ def cached_mesh(blocks: Blocks, tell: Tell | None = None) -> MeshQuad | MeshTri:
     with suppress(DataFileError, OSError, ValueError):
         if path.is_file():
             check_seal(path)
-            return read_mesh(path, blocks)
+            mesh = read_mesh(path, blocks)
+            _log.debug("mesh read from %s", path)
+            return mesh
     try:
         with new_mesh_file(blocks, path) as part:
             write_mesh(blocks, part, tell)
             mesh = read_mesh(part, blocks)
+        _log.debug("mesh built and kept in %s", path)
     except DataFileError as error:
         raise DataFileError(
             f"the mesh cache {path.parent} cannot be used ({str(error).rstrip('.')}); "

@@ -3,33 +3,50 @@
 ``import slipfront as sf`` gives every public name of the package.  Scenes and semi-analytic solvers
 come from `semianalytic`, finite elements from `fem`, which needs the extra ``slipfront[fem]``, the
 judge of other codes' results from `compare.validation`, many scenes at once from
-`slipfront.surveys`, readers of gauges and samples of posteriors from `slipfront.fits`.  A module is
-imported when one of its names is first used, so that the command line starts at once.
+`slipfront.surveys`, readers of gauges and samples of posteriors from `slipfront.fits`; closed forms
+are in `sf.reference`, thresholds between regimes in `sf.regimes`.  A module is imported when one of
+its names is first used, so that the command line starts at once.
 """
 
+import logging
 import sys
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
+
 _NAMES = {
     "semianalytic": (
         "Answer",
         "ComputationError",
+        "Contact",
+        "Coulomb",
         "CoulombFriction",
         "DataFileError",
         "Derivative",
         "Fit",
         "FrictionLaw",
         "Gauge",
+        "GrowingSlot",
+        "GrowingSolution",
+        "HalfLine",
         "Harmonic",
+        "IncidentWave",
         "InterfaceHistory",
+        "LineSolution",
+        "Interface",
+        "InterfaceFile",
+        "InterfaceHistory",
+        "InterfaceLaw",
         "LoadHistory",
         "LogNormal",
         "Marched",
         "Material",
+        "Measured",
         "MissingLibraryError",
+        "MovingLoad",
         "Normal",
         "OpenDerivative",
         "OpenInterval",
@@ -37,16 +54,24 @@ _NAMES = {
         "Pair",
         "PairSolution",
         "PairStatistics",
+        "Patch",
         "PluginError",
+        "PointForce",
         "Pulse",
         "Ramp",
+        "RateAndState",
+        "RateDependent",
         "RateFriction",
         "RateWeakening",
+        "Reading",
+        "Run",
         "Scene",
         "SceneError",
         "Setup",
+        "ShearLoad",
         "SlidingStability",
         "SlidingWave",
+        "SlipDependent",
         "SlipInterval",
         "SlipWeakening",
         "SlipZone",
@@ -55,12 +80,18 @@ _NAMES = {
         "Statistics",
         "Step",
         "Sweep",
+        "Table",
         "Tabulated",
         "TensionError",
         "Tractions",
         "Uniform",
         "ViscousFriction",
+        "WholeLine",
         "ZoneDerivative",
+        "find_line",
+        "find_material",
+        "critical_wavelength",
+        "find_interface",
         "find_scene",
         "fit",
         "fringe_order",
@@ -68,10 +99,14 @@ _NAMES = {
         "march",
         "march_on",
         "predict",
+        "run",
         "sliding_stability",
         "solve",
+        "solve_growing",
+        "solve_line",
         "solve_pair",
         "strain",
+        "supershear_strength",
         "sweep",
     ),
     "fem": (
@@ -111,15 +146,23 @@ _ALL = ("semianalytic", "fem", "meshes", "compare")
 _NEEDED = {"semianalytic": ("semianalytic",), "fem": ("semianalytic", "fem", "meshes")}
 """Packages beside this one, and those that a module imports where it does without the others."""
 
+_MODULES = {"reference": "semianalytic.reference", "regimes": "semianalytic.regimes"}
+"""Modules with names that only some users need: closed forms, and thresholds between regimes."""
+_FORMER = {"History": "LoadHistory", "slip_history": "predict"}
+"""Names of 0.1, which 0.3 no longer has, and those in their place."""
+
 _PLACES = {name: module for module, names in _NAMES.items() for name in names}
 
 __all__ = ["__version__"]
 __all__ += _PLACES
+__all__ += _MODULES
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from compare.validation import *
     from fem import *
     from semianalytic import *
+    from semianalytic import reference as reference
+    from semianalytic import regimes as regimes
     from slipfront.fits import *
     from slipfront.surveys import *
 
@@ -144,6 +187,14 @@ else:
             if _PLACES[name] not in sys.modules:
                 _check_that_none_is_hidden(_NEEDED.get(_PLACES[name], _ALL))
             value = getattr(import_module(_PLACES[name]), name)
+        elif name in _MODULES:
+            _check_that_none_is_hidden(_NEEDED["semianalytic"])
+            value = import_module(_MODULES[name])
+        elif name in _FORMER:
+            from semianalytic.results.renamed import warn_of
+
+            warn_of(f"slipfront.{name}", _FORMER[name], "0.3")
+            return __getattr__(_FORMER[name])
         else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         globals()[name] = value

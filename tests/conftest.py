@@ -1,6 +1,7 @@
 """What all tests share."""
 
 import os
+import sys
 from collections import Counter
 from functools import cache
 from importlib import import_module
@@ -9,6 +10,23 @@ import pytest
 
 from meshes.build import APT_PACKAGES
 from slipfront.explore.chromium import CHROMIUM, Browser
+
+collect_ignore = (
+    []
+    if sys.platform != "win32"
+    else [
+        "compare/output/test_fault_processes.py",
+        "compare/output/test_faults.py",
+        "compare/records/test_bounds.py",
+        "compare/tasks/test_cluster.py",
+        "docs/test_validate_trial.py",
+        "fem/test_fem_checkpoint.py",
+        "fem/test_fem_disk.py",
+        "slipfront/cli/test_endings.py",
+        "slipfront/surveys/test_survey_files.py",
+    ]
+)
+"""Tests that send signals, fork, limit resources or give up rights, none of which Windows can."""
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # as many processes as cores: one thread each
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -2,7 +2,6 @@
 
 import os
 import random
-import resource
 import subprocess
 import sys
 import tempfile
@@ -180,7 +179,7 @@ def small_disk(size):
 
 
 def can_mount():
-    if os.geteuid() != 0 or not sys.platform.startswith("linux"):
+    if not sys.platform.startswith("linux") or os.geteuid() != 0:
         return False
     with suppress(OSError, subprocess.CalledProcessError), small_disk(65536):
         return True
@@ -198,6 +197,8 @@ def full_disk(how, folder):
             (place / "filler").write_bytes(bytes((1 << 20) - ROOM))
             yield place, (place / "filler").unlink
         return
+    import resource  # which Windows lacks
+
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def lift():
@@ -210,7 +211,7 @@ def full_disk(how, folder):
         lift()
 
 
-FULL = ("limit", "disk") if can_mount() else ("limit",)
+FULL = ("limit", "disk") if can_mount() else ("limit",) if sys.platform != "win32" else ()
 
 
 @contextmanager

@@ -5,6 +5,7 @@ import json
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -214,13 +215,16 @@ def test_extras_hold_what_they_are_said_to():
 
 
 def test_slipfront_holds_all_public_names_and_nothing_of_its_own():
-    public = [name for name in slipfront.__all__ if name != "__version__"]
+    others = {"__version__", "reference", "regimes"}
+    public = [name for name in slipfront.__all__ if name not in others]
     assert sorted(public) == sorted([name for source in SOURCES for name in source.__all__])
     assert len(set(public)) == len(public)
     for name in public:
         source = next(one for one in SOURCES if name in one.__all__)
         assert getattr(slipfront, name) is getattr(source, name)
-    assert slipfront.__version__ == PROJECT["project"]["version"]
+    assert slipfront.__version__ == version("slipfront")
+    assert slipfront.regimes is semianalytic.regimes
+    assert slipfront.reference is semianalytic.reference
     assert dir(slipfront) == sorted(slipfront.__all__)
     with pytest.raises(AttributeError, match="no attribute 'solved'"):
         _ = slipfront.solved

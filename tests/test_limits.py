@@ -5,6 +5,10 @@ import re
 from pathlib import Path
 
 import pytest
+from catalogue import unit_scene
+
+from semianalytic import SceneError, find_scene
+from slipfront.cli.commands import main
 
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "limits.md").read_text()
@@ -51,3 +55,50 @@ def test_tension_and_refusals_that_point_to_the_page_are_explained_there():
     assert [message for message in limits if not explained(message)] == []
     pointing = [message for message in limits if "limits.md" in message]
     assert all(re.search(r"\(docs/limits\.md\)\.?$", message) for message in pointing)
+
+
+OUTSIDE = {
+    "three dimensions": 'mode = "3-D"\n',
+    "layers": "layers = 3\n",
+    "plasticity": "yield_stress = 2.0\n",
+    "rate-and-state": '[friction_law]\nkind = "rate-and-state"\na = 0.01\n',
+    "thermal pressurisation": "[thermal_pressurisation]\ndiffusivity = 1e-6\n",
+    "anisotropic": "[stiffness]\nc11 = 3.0\n",
+    "finite size": "height = 0.5\n",
+}
+"""Lines of a scene that ask for something, by words of its row on the page."""
+SCENE = """friction = 0.3
+[material]
+shear_modulus = 1.0
+density = 1.0
+poisson_ratio = 0.3
+[base]
+pressure = 1.0
+shear = 0.0
+[load]
+pressure = 0.0
+shear = 1.0
+"""
+
+
+@pytest.mark.parametrize("words", OUTSIDE)
+def test_what_slipfront_does_not_do_is_refused_with_its_page(words, tmp_path, capsys):
+    rows = (ROOT / "docs" / "not_here.md").read_text().splitlines()
+    assert any(line.startswith("|") and words in line for line in rows)
+    path, line = tmp_path / "scene.toml", OUTSIDE[words]
+    path.write_text(SCENE)
+    find_scene(str(path))
+    path.write_text(SCENE + line if line.startswith("[") else line + SCENE)
+    assert main(["solve", str(path)]) == 2
+    assert re.search(r"\(docs/not_here\.md\)\.\n$", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("given", [{"mode": "3-D"}, {"layers": 3}, {"friction_law": "ageing"}])
+def test_parameters_of_what_slipfront_does_not_do_name_its_page(given):
+    with pytest.raises(SceneError, match=r"\(docs/not_here\.md\)\.$"):
+        unit_scene(**given)
+
+
+def test_a_misspelt_parameter_is_not_taken_for_one():
+    with pytest.raises(SceneError, match=r"did you mean friction_law\?$"):
+        unit_scene(frction_law=1)

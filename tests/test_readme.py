@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import os
 import re
 import tomllib
 from pathlib import Path
@@ -16,7 +17,9 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 COMMANDS_PAGE = (ROOT / "docs" / "commands.md").read_text()
 LAYOUT = (ROOT / "docs" / "contributing.md").read_text()
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+CHANGES = (ROOT / "CHANGELOG.md").read_text()
+SETTINGS = tomllib.loads((ROOT / "pyproject.toml").read_text())
+FALLBACK = SETTINGS["tool"]["hatch"]["version"]["fallback-version"]
 COMMANDS = {command.name or command.callback.__name__ for command in app.registered_commands} | {
     group.name for group in app.registered_groups
 }
@@ -72,7 +75,7 @@ def test_a_fit_is_ten_lines():
 def test_every_command_and_extra_has_its_line():
     assert set(re.findall(r"^\| `slipfront ([a-z]+)", COMMANDS_PAGE, re.MULTILINE)) == COMMANDS
     extras = set(re.findall(r"^\| `'\.\[(\w+)\]'`", COMMANDS_PAGE, re.MULTILINE))
-    assert extras | {"test"} == set(PROJECT["optional-dependencies"])
+    assert extras | {"test"} == set(SETTINGS["project"]["optional-dependencies"])
 
 
 @pytest.mark.parametrize("line", re.findall(r"^    slipfront (.+)$", COMMANDS_PAGE, re.MULTILINE))
@@ -98,19 +101,40 @@ def test_title_of_the_article_stands_where_it_is_cited_only():
 
 
 def test_versions_agree():
-    version = PROJECT["version"]
-    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
-    assert re.search(rf"^## {re.escape(version)}\b", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    """That of a clone without tags, of the citation, and the newest of the changelog."""
+    number = FALLBACK.removesuffix(".dev0")
+    assert number != FALLBACK  # never that of a release, which only a tag gives
+    assert f"\nversion: {number}\n" in (ROOT / "CITATION.cff").read_text()
+    assert re.search(rf"^## \[{re.escape(number)}\] - \d{{4}}-\d\d-\d\d$", CHANGES, re.M)
+
+
+def test_changelog_has_the_form_of_keep_a_changelog():
+    assert CHANGES.startswith("# Changelog\n")
+    versions = re.findall(r"^## (.+)$", CHANGES, re.M)
+    assert versions[0] == "[Unreleased]"
+    assert all(re.fullmatch(r"\[\d+\.\d+\.\d+\] - \d{4}-\d\d-\d\d", one) for one in versions[1:])
+    for part in re.split(r"^## ", CHANGES, flags=re.M)[1:]:
+        kinds = re.findall(r"^### (.+)$", part, re.M)
+        known = ["Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"]
+        assert kinds == [kind for kind in known if kind in kinds]
 
 
 def test_reference_holds_every_public_name():
-    page = (ROOT / "docs" / "api" / "slipfront.md").read_text()
-    held = re.findall(
-        r"^::: (?:semianalytic|fem|compare\.validation|slipfront\.(?:surveys|fits))\.(\w+)$",
-        page,
-        re.MULTILINE,
-    )
-    assert sorted(held) == sorted(set(PUBLIC) - {"__version__"})
+    """On one page, to which the table of all names leads."""
+    index = (ROOT / "docs" / "api" / "slipfront.md").read_text()
+    held = {}
+    for path in (ROOT / "docs" / "api").glob("*.md"):
+        names = re.findall(
+            r"^::: (?:semianalytic|fem|compare\.validation|slipfront\.(?:surveys|fits))\.(\w+)$",
+            path.read_text(),
+            re.MULTILINE,
+        )
+        held |= dict.fromkeys(names, path.name) if path.name != "verify.md" else {}
+    assert held.keys() == set(PUBLIC) - {"__version__", "reference", "regimes"}
+    rows = re.findall(r"^\| \[.+?\]\((\w+\.md)\) \| (.+) \|$", index, re.MULTILINE)
+    for page, listed in rows:
+        on_it = {name for name, place in held.items() if place == page}
+        assert on_it == set(re.findall(r"`(\w+)`", listed)) or page in ("verify.md", "meshes.md")
 
 
 def test_readme_is_read_in_two_minutes():
@@ -121,3 +145,34 @@ def test_every_page_is_in_the_site():
     site = (ROOT / "mkdocs.yml").read_text()
     pages = {str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")}
     assert set(re.findall(r": ([\w/]+\.md)$", site, re.MULTILINE)) == pages
+
+
+def test_every_recipe_installs_the_libraries_of_the_one_list():
+    """Dockerfile and workflows read it; Binder wants one name a line."""
+    libraries = (ROOT / "meshes" / "apt-packages.txt").read_text().split()
+    assert (ROOT / "binder" / "apt.txt").read_text().split() == libraries
+    for place in ("Dockerfile", ".github/workflows/tests.yml", ".github/workflows/nightly.yml"):
+        assert "$(cat meshes/apt-packages.txt)" in (ROOT / place).read_text()
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / ".github").rglob("*.yml")), ids=lambda one: one.name
+)
+def test_what_the_forge_reads_is_valid(path):
+    """YAML, and no command or file that is not there."""
+    yaml = pytest.importorskip("yaml")
+    text = path.read_text()
+    read = yaml.safe_load(text)
+    jobs = read.get("jobs", {}) if path.parent.name == "workflows" else {}
+    assert jobs or path.parent.name == "ISSUE_TEMPLATE"
+    for job in jobs.values():
+        assert job["timeout-minutes"] <= 180
+        assert all(("run" in step) != ("uses" in step) for step in job["steps"])
+    for name in re.findall(r"(?<![\w/])\.ci/\w+", text):
+        assert os.access(ROOT / name, os.X_OK)
+
+
+def test_community_files_lead_somewhere():
+    for name in ("CONTRIBUTING.md", "SECURITY.md", "CODE_OF_CONDUCT.md"):
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[\w-]+)?\)", (ROOT / name).read_text()):
+            assert (ROOT / target).exists(), target

@@ -72,7 +72,7 @@ def _readme(sheets: Sequence[Sheet]) -> list[Block]:
         Text("Write your records as the sheet says, then compare codes or resolutions:"),
         Code(
             (
-                "pip install '.[plot]'  # in the folder of slipfront",
+                "pip install 'slipfront[plot]'",
                 "slipfront benchmark score mine-50.csv mine-100.csv mine-200.csv",
                 "slipfront benchmark enter march preloaded --cells 100 --output theirs.csv",
                 "slipfront benchmark score mine-100.csv theirs.csv --output scores",

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from semianalytic.results.files import make_folder, remove_empty, try_lock
+from semianalytic.results.files import discard, make_folder, remove_empty, try_lock
 from semianalytic.scene.errors import DataFileError, SceneError
 
 LOCK = ".slipfront.lock"
@@ -63,10 +63,13 @@ def working_folder(directory: Path) -> Iterator[list[Path]]:
         yield written
         written += [path for path, mark in _marks(directory).items() if before.get(path) != mark]
     finally:
+        still_there = False
         with suppress(OSError):
-            if _is_still_there(lock, directory):
-                (directory / LOCK).unlink()
-        os.close(lock)
+            still_there = _is_still_there(lock, directory)
+        if still_there:
+            discard(directory / LOCK, lock)
+        else:
+            os.close(lock)
         remove_empty(made)
 
 

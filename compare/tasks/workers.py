@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
@@ -16,6 +17,8 @@ from types import ModuleType
 from typing import Any, TypeVar
 
 from semianalytic.scene.errors import ComputationError
+
+_log = logging.getLogger(__name__)
 
 Progress = Callable[[int, int], None]
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
@@ -63,6 +66,8 @@ def run_tasks(
         If a process is killed (on a cluster: repeatedly), or the cluster does not answer.
     """
     count = min(workers or os.cpu_count() or 1, len(tasks))
+    place = "a cluster" if client is not None else f"{max(count, 1)} processes"
+    _log.debug("%d tasks on %s", len(tasks), place)
     if client is not None:
         from compare.tasks.cluster import on_cluster
 

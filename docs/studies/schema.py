@@ -32,6 +32,7 @@ from compare.studies.wear import MostRow, WearRow
 from compare.validation.bars import JudgedRow
 from compare.validation.norms import Norm
 from semianalytic import SlidingWave
+from semianalytic.results.answer import ARRIVALS, FIELDS
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 COMMAND = "python -m docs.studies.schema --write"
@@ -109,7 +110,7 @@ _DEFINITIONS: Schema = {
         friction=NUMBER,
         material=_MATERIAL,
         base=_TRACTIONS,
-        load=_TRACTIONS,
+        load={"anyOf": [_TRACTIONS, _KIND]},
         pressure_history=_KIND,
         shear_history=_KIND,
         friction_law=_KIND,
@@ -126,6 +127,17 @@ ENVELOPE: Mapping[str, Key] = {
     "units": Key("units of all numbers, under the same names; one for a whole list", UNITS),
     "files": Key("files written", _list(TEXT)),
 }
+_LINE = _object(
+    ("mode", "units"),
+    contact=TEXT,
+    friction=NUMBER,
+    material=_MATERIAL,
+    base=_TRACTIONS,
+    load=_KIND,
+    mode=TEXT,
+    units=TEXT,
+)
+_PROBLEM: Schema = {"anyOf": [SCENE, _LINE]}
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
 _COUNTS = Key("rows by verdict", _of(WHOLE))
 _VERDICT = Key("agrees, differs or unresolved", TEXT)
@@ -153,6 +165,20 @@ _CLAIMS = Key(
     "claims of the article, with the verdict of each method",
     _list(_object(section=TEXT, claim=TEXT, base=TEXT, verdicts=_of(_row(Verdict)))),
 )
+_PART = _object(inner=NUMBER, outer=NUMBER, sense=WHOLE)
+_MEASURED = _object(value=NUMBER, error=NUMBER)
+_POINT = _object(
+    ("t", *FIELDS),
+    x=NUMBER,
+    t=NUMBER,
+    arrivals=_object(**{name: _MEASURED for name in ARRIVALS}),
+    **{name: _MEASURED for name in FIELDS},
+)
+_POINTS = Key(
+    "arrivals and fields at --x and --t, if given, each a value and the bar of its error",
+    _list(_POINT),
+    False,
+)
 _ZONE = _object(inner=NUMBER, outer=NUMBER, sense=WHOLE, inner_regime=TEXT, outer_regime=TEXT)
 
 DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
@@ -174,6 +200,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "until_end_time": Key(
                 "zones, slip and work until --end-time, if given", {"type": "object"}, False
             ),
+            "points": _POINTS,
         },
         {
             "scene": _SCENE_KEY,
@@ -195,6 +222,21 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             ),
             "stored_levels": Key("number of stored time levels of the history", WHOLE),
             "statistics": Key("cost of the computation", {"type": "object"}),
+            "points": _POINTS,
+        },
+        {
+            "line": Key("whole line or growing load, as its TOML file has it", {"type": "object"}),
+            "wave_speeds": Key("speeds of the waves that occur in the fields", _of(NUMBER)),
+            "edge_speed": Key("speed of the edges of slip or opening of a line", NUMBER),
+            "edge_amplitude": Key("rate over sqrt(1 - x/(edge speed t)) beside an edge", NUMBER),
+            "zones": Key("velocities of the edges of slip zones", _list(_PART)),
+            "openings": Key(
+                "velocities of the edges of openings", _list(_object(inner=NUMBER, outer=NUMBER))
+            ),
+            "error_estimate": _ESTIMATE,
+            "until_end_time": Key(
+                "zones, slip and work until --end-time, if given", {"type": "object"}, False
+            ),
         },
     ),
     "fit": (
@@ -267,6 +309,25 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "fields": Key(
                 "errors of snapshots",
                 _or_null(_object(band=NUMBER, frames=_list(_row(FieldError)))),
+            ),
+        },
+    ),
+    "run": (
+        {
+            "interface": Key("name or file of the interface", TEXT),
+            "nodes": Key("nodes of one period", WHOLE),
+            "end_time": Key("time that was reached", NUMBER),
+            "steps": Key("number of steps", WHOLE),
+            "shortest_step": Key("shortest step", NUMBER),
+            "longest_step": Key("longest step", NUMBER),
+            "frames": Key("number of times at which fields were kept", WHOLE),
+            "largest_slip": Key("largest slip of the contact at the end", NUMBER),
+            "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
+            "slipping": Key("share of the contact that slips at the end", NUMBER),
+            "error_estimates": Key(
+                "relative L1 errors of slip, slip rate and the change of shear traction; empty "
+                "without a second run",
+                _of(NUMBER),
             ),
         },
     ),
@@ -351,15 +412,15 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "init": ({"scene": _SCENE_KEY, "text": Key("text of the TOML file", TEXT)},),
     "benchmark": (
-        {"sheets": Key("all problem sheets", _list(_row(Sheet, marched=TRUTH, scene=SCENE)))},
+        {"sheets": Key("all problem sheets", _list(_row(Sheet, marched=TRUTH, scene=_PROBLEM)))},
     ),
     "benchmark show": (
         {
             "sheet": Key("name of the sheet", TEXT),
             "title": Key("title of the sheet", TEXT),
             "system": Key("system of units", TEXT),
-            "scene": _SCENE_KEY,
-            "si_scene": Key("the same scene in SI units", SCENE),
+            "scene": Key("the scene or whole line, as its TOML file has it", _PROBLEM),
+            "si_scene": Key("the same scene in SI units", _PROBLEM),
             "si_scales": Key("factors that convert answers to SI units", _of(NUMBER)),
             "stations": Key("positions of the stations over c_t T", _list(NUMBER)),
             "times": Key("times over T", _list(NUMBER)),
@@ -460,7 +521,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         },
     ),
 }
-"""Keys that each command adds to the `ENVELOPE`; solve has two forms."""
+"""Keys that each command adds to the `ENVELOPE`; solve has three forms."""
 
 
 def schema() -> dict[str, Any]:

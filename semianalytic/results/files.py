@@ -33,6 +33,13 @@ _SEALED = re.compile(
 _UNSEALED = "it has lost its checksum, or an earlier version wrote it"
 _LONGEST_SEAL = 160
 _CHUNK = 1 << 20
+_KEEPS_WHAT_IS_OPEN = sys.platform == "win32"
+"""Whether the system neither renames nor removes a file that is open.
+
+Such a file is closed before it gets its name.  Elsewhere it stays locked until then, so that
+another writer does not take it for what a killed one has left."""
+_LOCKED_BYTE = 2**31 - 2
+"""Byte that a lock covers on Windows, where nobody else can read or write what is locked."""
 
 
 class Seal(Enum):
@@ -75,7 +82,7 @@ def new_file(
         much is needed and free.
     """
     made: list[Path] = []
-    held: tuple[Path, int] | None = None
+    held: tuple[Path, int | None] | None = None
     try:
         place = Path(os.path.realpath(path))
         made = make_folder(place.parent)
@@ -91,17 +98,22 @@ def new_file(
                 stream.seek(0, os.SEEK_END)
                 stream.write(end)
         os.fsync(descriptor)
+        size = max(size, os.fstat(descriptor).st_size)
+        if _KEEPS_WHAT_IS_OPEN:
+            os.close(descriptor)
+            held = part, None
         os.replace(part, place)
         made = []
     except OSError as error:
         if held is not None:
-            size = max(size, os.fstat(held[1]).st_size)
-            _discard(*held)
+            if held[1] is not None:
+                size = max(size, os.fstat(held[1]).st_size)
+            discard(*held)
             held = None
         raise DataFileError(refusal(Path(path), error, size)) from error
     finally:
         if held is not None:
-            _discard(*held)
+            discard(*held)
         remove_empty(made)
 
 
@@ -246,9 +258,16 @@ def remove_empty(folders: list[Path]) -> None:
 def try_lock(descriptor: int) -> bool:
     """Try to lock an open file; the system releases the lock when the process ends.
 
-    Return whether it was locked; True where the system has no such locks.
+    Return whether it was locked; True where the file system has no such locks.
     """
     if sys.platform == "win32":
+        import msvcrt
+
+        os.lseek(descriptor, _LOCKED_BYTE, os.SEEK_SET)
+        try:
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
         return True
     import fcntl
 
@@ -270,11 +289,15 @@ def _new_part(place: Path, suffix: str) -> tuple[Path, int]:
         os.close(descriptor)
 
 
-def _discard(part: Path, descriptor: int) -> None:
-    """Remove a temporary file, if it still has that name, and close it."""
+def discard(part: Path, descriptor: int | None) -> None:
+    """Remove a file that this process has locked, if it still has that name, and close it."""
+    if descriptor is not None and _KEEPS_WHAT_IS_OPEN:
+        os.close(descriptor)
+        descriptor = None
     with suppress(OSError):
         part.unlink(missing_ok=True)
-    os.close(descriptor)
+    if descriptor is not None:
+        os.close(descriptor)
 
 
 def _sweep(place: Path) -> None:
@@ -288,10 +311,9 @@ def _sweep(place: Path) -> None:
             if not stat.S_ISREG(part.lstat().st_mode):
                 continue
             descriptor = os.open(part, os.O_RDWR)
-            try:
-                if try_lock(descriptor):
-                    part.unlink()
-            finally:
+            if try_lock(descriptor):
+                discard(part, descriptor)
+            else:
                 os.close(descriptor)
 
 

@@ -43,7 +43,7 @@ def available_memory() -> int:
 def _of_machine() -> int | None:
     """Return the memory that the machine has left [bytes]; None where it is not known."""
     try:
-        for line in _MEMINFO.read_text().splitlines():
+        for line in _MEMINFO.read_text(encoding="ascii").splitlines():
             name, _, rest = line.partition(":")
             if name == "MemAvailable":
                 return int(rest.split()[0]) * 1024

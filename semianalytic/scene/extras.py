@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
+from pathlib import Path
 
 from semianalytic.scene.errors import MissingLibraryError
 
@@ -25,6 +26,8 @@ BAYES = ("emcee",)
 UNITS = ("pint",)
 """Modules that parse the names of units in files."""
 
+_HOUSE = Path(__file__).parents[2]
+"""Folder that the packages are in: of the checkout, or that of installed packages."""
 _DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
 _EXTRAS = {
     "fem": FEM,
@@ -82,10 +85,29 @@ def _sentence(what: str, missing: list[str]) -> str:
     names = [_DISTRIBUTIONS.get(module, module) for module in missing]
     listed = " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
     extras = ",".join(_extras_of(missing))
-    return (
-        f"{what} needs {listed}, which {'is' if len(names) == 1 else 'are'} not installed; "
-        f"run `pip install '.[{extras}]'` in the folder of slipfront."
-    )
+    are = "is" if len(names) == 1 else "are"
+    return f"{what} needs {listed}, which {are} not installed; run {how_to_install(extras)}."
+
+
+def how_to_install(extras: str) -> str:
+    """Return the command that adds extras to this installation.
+
+    An installed wheel is extended by its name, also if it came from a file.  A checkout has to be
+    installed from its folder, because no index needs to have its version.
+
+    Parameters
+    ----------
+    extras : str
+        Names of extras, separated by commas.
+
+    Examples
+    --------
+    >>> how_to_install("xarray")  # from a checkout, in which the examples run
+    "`pip install '.[xarray]'` in the folder of slipfront"
+    """
+    if (_HOUSE / "pyproject.toml").is_file():
+        return f"`pip install '.[{extras}]'` in the folder of slipfront"
+    return f"`pip install 'slipfront[{extras}]'`"
 
 
 def _extras_of(missing: list[str]) -> list[str]:

@@ -7,6 +7,7 @@ the law once more, to rtol. See docs/solver.md, "Which zones".
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
@@ -51,6 +52,8 @@ from semianalytic.selfsimilar.rated import (
 )
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.separation.normal import with_opening
+
+_log = logging.getLogger(__name__)
 
 
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
@@ -140,6 +143,10 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     estimate += normal.error if normal else 0.0
     status = _status(best, estimate, wanted)
     zones = slip_zones(best.profile, scene.material)
+    _log.debug(
+        "solve: %s, %d zones, error estimate %.1e, %d Newton steps, %.3g s",
+        *(status, len(zones), estimate, best.steps, clock[-1] - clock[0]),
+    )
     return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
 
 

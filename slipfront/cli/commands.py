@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from collections.abc import Sequence
+from functools import partial
 from importlib.metadata import version
 from io import TextIOWrapper
 from typing import Annotated, Any
@@ -12,7 +14,8 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from semianalytic.scene.errors import ComputationError, DataFileError, SlipfrontError
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import ComputationError, DataFileError, SceneError, SlipfrontError
 from semianalytic.scene.extras import needing
 from slipfront.cli import study_commands as studies
 from slipfront.cli.compare_command import compare_command
@@ -24,6 +27,7 @@ from slipfront.cli.measured.benchmark_command import app as benchmark_app
 from slipfront.cli.measured.fit_command import fit_command
 from slipfront.cli.measured.validate_command import validate_command
 from slipfront.cli.refusals import in_options
+from slipfront.cli.run_command import run_command
 from slipfront.cli.scenes.commands import init, scenes
 from slipfront.cli.scenes.sliding import sliding
 from slipfront.cli.simulate_command import simulate_command
@@ -60,8 +64,44 @@ def _show_version(asked: bool) -> None:
         raise typer.Exit
 
 
+_LEVELS = ("debug", "info", "warning")
+
+
+class _ToTerminal(logging.Handler):
+    """Prints messages to the error output of the moment."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print a message with the name of its module and the time since the start."""
+        where, seconds = record.name, record.relativeCreated / 1e3
+        print(printable(f"{seconds:8.2f} s  {where}: {record.getMessage()}"), file=sys.stderr)
+
+
+def _show_messages(context: typer.Context, level: str | None) -> None:
+    """Print what the packages log at a level and above, until the command has ended."""
+    if level is None:
+        return
+    if level not in _LEVELS:
+        raise SceneError(f"--log must be one of {', '.join(_LEVELS)}, got {shown(level)}.")
+    handler = _ToTerminal()
+    for name in ("slipfront", "semianalytic", "fem", "meshes", "compare"):
+        logger = logging.getLogger(name)
+        before = logger.level
+        logger.setLevel(level.upper())
+        logger.addHandler(handler)
+        context.call_on_close(partial(logger.setLevel, before))
+        context.call_on_close(partial(logger.removeHandler, handler))
+
+
 @app.callback()
 def slipfront(
+    context: typer.Context,
+    log: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LEVEL",
+            help="Print messages of this level and above: debug, info or warning.",
+        ),
+    ] = None,
     version: Annotated[
         bool,
         typer.Option(
@@ -73,10 +113,12 @@ def slipfront(
     ] = False,
 ) -> None:
     """Where, when, how fast and which way a frictional interface slips after a sudden load."""
+    _show_messages(context, log)
 
 
 app.command("compare")(compare_command)
 app.command("solve")(solve_command)
+app.command("run")(run_command)
 app.command("simulate")(simulate_command)
 app.command("field")(field_command)
 app.command("explore")(explore_command)

@@ -196,7 +196,7 @@ def field_view(fields: WholeFields, points: int) -> FieldView:
     for front in fronts(fields, time):
         inside = (np.abs(front.x) <= 2 * far) & (np.abs(front.y) <= 2 * far)
         along, across = front.x[inside] / length, front.y[inside] / length
-        lines += [(along, across), (along, -across)]
+        lines += [(along, side * across) for side in front.sides]
     parts = [
         (part.kind, part.start / length, min(part.end, far) / length)
         for part in moving_parts(fields, time)

@@ -42,6 +42,14 @@ def scene_names(incomplete: str) -> list[str]:
     return names + _starting(_toml_files(incomplete), incomplete)
 
 
+def interface_names(incomplete: str) -> list[str]:
+    """Complete names of interfaces, and TOML files."""
+    from semianalytic.engine.named import NAMED_INTERFACES
+
+    names = _starting(NAMED_INTERFACES, incomplete)
+    return names + _starting(_toml_files(incomplete), incomplete)
+
+
 def figure_names(incomplete: str) -> list[str]:
     """Complete names of figures, of slipfront and of installed packages."""
     from semianalytic.scene.plugins import FIGURES as GROUP
@@ -52,9 +60,9 @@ def figure_names(incomplete: str) -> list[str]:
 
 def sheet_names(incomplete: str) -> list[str]:
     """Complete names of benchmark sheets."""
-    from compare.benchmarks.sheets import SHEETS
+    from compare.benchmarks.sheets import ALL_SHEETS
 
-    return _starting(SHEETS, incomplete)
+    return _starting(ALL_SHEETS, incomplete)
 
 
 def _toml_files(incomplete: str) -> list[str]:
