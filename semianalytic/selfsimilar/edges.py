@@ -16,6 +16,11 @@ from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
 from semianalytic.selfsimilar import tuning
 
+_CLOSEST = 16 * np.finfo(float).eps
+"""Least distance of an edge from an end of the opening, over its slowness: where they coincide but
+for rounding, no panel fits between them.  The edge of the scene that showed it was 1 ulp off; half
+and twice this value, and 1e-10, lead to the same status."""
+
 
 @dataclass(frozen=True)
 class Edges:
@@ -143,8 +148,9 @@ class Edges:
         return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))
 
     def ordered(self, unknowns: Array) -> bool:
-        """Return whether edges (e,) are in order."""
-        return all(p.first_below(q) for p, q in pairwise(self.points(unknowns)))
+        """Return whether edges (e,) are in order, and on their side of the opening."""
+        inward = all(p.first_below(q) for p, q in pairwise(self.points(unknowns)))
+        return inward and bool(self._keeps_off_opening(unknowns))
 
     def _keeps_off_opening(self, unknowns: Array) -> Array | bool:
         """Return whether edges stay on their side of the opening, () or (k,)."""
@@ -154,7 +160,8 @@ class Edges:
         for side, point in zip(self.sides, self.points(unknowns), strict=True):
             bound = self.opening.left if side < 0 else self.opening.right
             if side and bound is not None:
-                keeps &= (side * point.minus(bound) > 0)[..., 0]
+                least = _CLOSEST * bound.v
+                keeps &= (side * point.minus(bound) > least)[..., 0]
         return keeps
 
     def nudges(self, unknowns: Array) -> Array:

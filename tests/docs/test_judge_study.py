@@ -334,6 +334,12 @@ def test_trials_go_on_where_they_were_stopped(tmp_path, monkeypatch):
     assert run_trials(tmp_path, quick=True) == first
     assert done[-1][:3] == (rows[-1].group, judge_trials.SEED, rows[-1].index)
     assert len(done) == sum(counts.values()) + judge_trials.QUICK_POWER + 1
+    # two scenes of mistakes have the name of a map, whose points have the same indices
+    judged, tried = run_trials(tmp_path, quick=False)
+    assert {(row.group, row.index) for row in judged} == {
+        (group, index) for group, count in judge_trials.COUNTS.items() for index in range(count)
+    }
+    assert {row.scene for row in tried} == set(power_scenes())
 
 
 @pytest.mark.slow

@@ -393,6 +393,11 @@ def flawless(judgement: Judgement) -> Simulation:
     return replace(run, slot=replace(run.slot, velocity_x=along, velocity_y=across))
 
 
+_JUDGED, _SPOILT = "judged", "spoilt"
+_Key = tuple[str, str, int]
+"""Kind, group or scene, and index of a trial: two scenes have the name of a map each."""
+
+
 def run_trials(
     directory: Path, quick: bool = False, progress: Progress | None = None, client: Any = None
 ) -> tuple[list[JudgedRow], list[SpoiltRow]]:
@@ -407,17 +412,17 @@ def run_trials(
     counts = QUICK_COUNTS if quick else COUNTS
     names = list(power_scenes())[: QUICK_POWER if quick else None]
     resolution = QUICK_RESOLUTION if quick else None
-    wanted: dict[tuple[str, int], WorkerTask] = {
-        (name, index): (spoilt_rows, (name, index, resolution, not quick))
+    wanted: dict[_Key, WorkerTask] = {
+        (_SPOILT, name, index): (spoilt_rows, (name, index, resolution, not quick))
         for index, name in enumerate(names)
     }
     wanted |= {
-        (group, index): (judged_rows, (group, SEED, index, resolution))
+        (_JUDGED, group, index): (judged_rows, (group, SEED, index, resolution))
         for group, count in counts.items()
         for index in range(count)
     }
     # by index: whatever part of them is done is one of all groups
-    tasks = dict(sorted(wanted.items(), key=lambda task: task[0][1]))
+    tasks = dict(sorted(wanted.items(), key=lambda task: task[0][2]))
     part = "-quick" if quick else ""
     tables = {
         SpoiltRow: directory / f"judge-spoilt{part}.csv",
@@ -436,9 +441,11 @@ def run_trials(
     return judged, spoiled
 
 
-def _trial_of(row: JudgedRow | SpoiltRow) -> tuple[str, int]:
-    """Return the trial that a row belongs to: its group or scene, and its index."""
-    return (row.group if isinstance(row, JudgedRow) else row.scene), row.index
+def _trial_of(row: JudgedRow | SpoiltRow) -> _Key:
+    """Return the trial that a row belongs to: its kind, its group or scene, and its index."""
+    if isinstance(row, JudgedRow):
+        return _JUDGED, row.group, row.index
+    return _SPOILT, row.scene, row.index
 
 
 def _whole(rows: list[Any]) -> list[Any]:

@@ -101,3 +101,15 @@ def test_falling_friction_whose_exponent_rounds_to_zero_is_told(
     solid = Material(1.0, 1.0, poisson_ratio)
     scene = Scene(solid, friction, Tractions(0.13, 0.0), Tractions(0.0, -10.4), friction_law=law)
     assert "which no rule resolves" in solve(scene).status
+
+
+def test_an_edge_on_the_end_of_an_opening_is_told() -> None:
+    """Draw 242 of the campaign: on the way an edge came to within an ulp of where the contact
+    closes, and no panel fits between them."""
+    solid, law = Material(1.0, 1.0, 1 / 3), ViscousFriction(25.477720953237093)
+    friction, pressure = 0.12567124170729066, 2.322356715388106e-05
+    base = Tractions(pressure, friction * pressure)
+    scene = Scene(solid, friction, base, Tractions(1.0, 1.0), mode="antiplane", friction_law=law)
+    solution = solve(scene, rtol=1e-9)
+    assert solution.openings
+    assert solution.status == "converged" or "Coulomb's law" in solution.status
