@@ -54,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         address = server.stdout.readline().split()[1]
         browser = Browser(Path(profile))
         for name in SCENES:
-            _open(browser, address, name)
+            open_scene(browser, address, name)
             seen, before = int(browser.value("slipfrontTimes.length")), _processor()
             for move in range(MOVES):
                 browser.value(MOVE % move)
@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             stolen = 100 * spent[STOLEN] / spent.sum()
             rows.append(f"{name},{MOVES},{np.median(times):.0f},{times.max():.0f},{stolen:.0f}")
             print(rows[-1])
-        _open(browser, address, SCENES[0])
+        open_scene(browser, address, SCENES[0])
         picture = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
         (DOCS / "figures" / "explore.png").write_bytes(base64.b64decode(picture["data"]))
         browser.close()
@@ -83,9 +83,9 @@ def _wait(browser: Browser, count: int) -> None:
         time.sleep(0.005)
 
 
-def _open(browser: Browser, address: str, name: str) -> None:
+def open_scene(browser: Browser, address: str, name: str, width: int = 1280) -> None:
     """Show a scene, and wait for its field and map."""
-    browser.open(address + query_of(defaults(find_scene(name))), 1280)
+    browser.open(address + query_of(defaults(find_scene(name))), width)
     _wait(browser, 1)
     late = "document.getElementById('pictures').dataset.late !== 'false'"
     there = "document.querySelectorAll('#regimes span').length"

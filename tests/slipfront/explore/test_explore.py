@@ -280,8 +280,8 @@ def test_a_march_is_shown_by_its_senses():
     image = views.space_time_view(marched).image
     assert set(np.unique(image)) == {0.0, 1.0, 2.0}
     field = views.field_view(marched, 6)
-    assert field.speed.shape == (6, 6)
-    assert np.all((field.speed >= 0) & (field.speed <= field.largest))
+    assert field.size.shape == (6, 6)
+    assert np.all((field.size >= 0) & (field.size <= field.largest))
 
 
 def test_the_field_is_the_speed_around_the_edge():
@@ -289,7 +289,7 @@ def test_the_field_is_the_speed_around_the_edge():
     view = views.field_view(solution, 9)
     middle = view.reach * (2 * 7.5 / 9 - 1)
     speed = np.hypot(*solution.velocity(middle, middle, 1.0)) / 2
-    assert view.speed[7, 7] == pytest.approx(min(speed, view.largest))
+    assert view.size[7, 7] == pytest.approx(min(speed, view.largest))
 
 
 @pytest.mark.parametrize("law", [None, ViscousFriction(0.1)])
