@@ -134,7 +134,9 @@
 
   // the menu names the scene while it is that of the name
   function name(query) {
-    const known = [...by("scenes").options].find((one) => one.value === query);
+    const plain = (text) => JSON.stringify([...new URLSearchParams(text)]
+      .map(([key, value]) => [key, value !== "" && Number.isFinite(+value) ? +value : value]).sort());
+    const known = [...by("scenes").options].find((one) => plain(one.value) === plain(query));
     by("scenes").value = known ? known.value : "";
   }
 

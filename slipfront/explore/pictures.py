@@ -146,7 +146,7 @@ class InterfacePictures:
         self.slip = _panel("slip", at, "slip / (V₀ T)")
         self._lines = _source("x", "rate", "slip", "shear", "upper", "lower", "pressure")
         self._zones = _source("left", "right", "colour")
-        self._waves = _source("x", "name")
+        self._waves = _source("x", "name", "side", "offset")
         for panel in (self.rate, self.tractions, self.slip):
             panel.quad("left", "right", 1e6, -1e6, source=self._zones, color="colour")
             panel.segment("x", -1e6, "x", 1e6, source=self._waves, color="#595959", line_dash="4 3")
@@ -157,7 +157,8 @@ class InterfacePictures:
                     y_units="screen",
                     text="name",
                     source=self._waves,
-                    x_offset=3,
+                    text_align="side",
+                    x_offset="offset",
                     text_font_size="8pt",
                     text_color="#404040",
                 )
@@ -208,6 +209,8 @@ class InterfacePictures:
             self._waves,
             x=[share * at for at in space_time.waves.values()],
             name=[WAVES[name] for name in space_time.waves],
+            side=["right" if name == "Rayleigh" else "left" for name in space_time.waves],
+            offset=[-3 if name == "Rayleigh" else 3 for name in space_time.waves],
         )
         drawn = ((self.rate, rates), (self.tractions, tractions), (self.slip, view.slip_limits))
         for panel, limits in drawn:
@@ -317,7 +320,6 @@ class FieldPicture:
             source=self._names,
             text_color="white",
             text_font_size="8pt",
-            text_outline_color=BLACK,
         )
 
     def draw(self, view: FieldView) -> None:
