@@ -1,18 +1,25 @@
-"""Slot loads that rise and fall: the load that acts at each time level.
+"""Slot loads that rise and fall, or move: the load that acts at each time level.
 
 The kick at t_n stands for the interval from t_n - dt/2 to t_n + dt/2, the first one for the half
 step after t = 0.  It takes the mean of the load over that interval, so that the impulse is exact
 whatever the load does in between; a jump at a time level counts half at that level.
+
+A load whose front moves over the slot, or that an incident wave brings, acts at x from t = p x on.
+The finite elements compute what the slot scatters: the uncut body lets the wave through with known
+tractions, which the contact carries besides, and which are taken off the slot faces behind the
+front.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import Body
+from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene
 
@@ -58,8 +65,72 @@ class SlotLoad:
         self.body.load = self.amplitude * self.means[pressed, level]
 
 
-def slot_loads(scene: Scene, bodies: list[Body], step: float, steps: int) -> list[SlotLoad]:
-    """Return the loads of bodies that change with time; none if all loads are steps.
+@dataclass(frozen=True)
+class FrontLoad:
+    """The load on a body whose front moves over the slot, f(t - p x).
+
+    Parameters
+    ----------
+    body : Body
+    amplitude : (k,) array
+        dt^2 F / s on its loaded unknowns where f = 1.
+    histories : pair of LoadHistory
+        Histories f of shear and pressure.
+    delay : (k, n) array
+        Times p x >= 0 at which the front reaches places spread over the part of the slot that each
+        loaded unknown carries [time].
+    step : float
+        dt [time].
+    """
+
+    body: Body
+    amplitude: NDArray[np.float64]
+    histories: tuple[LoadHistory, LoadHistory]
+    delay: NDArray[np.float64]
+    step: float
+
+    def set(self, level: int) -> None:
+        """Set the body's load to the mean of the load over the kick and over each node's part."""
+        start, end = max(level - 0.5, 0.0) * self.step, (level + 0.5) * self.step
+        shear, pressure = (
+            (one.pieces.integral(end - self.delay) - one.pieces.integral(start - self.delay)).mean(
+                axis=1
+            )
+            / (end - start)
+            for one in self.histories
+        )
+        pressed = self.body.loaded % len(self.body.components) == 1
+        self.body.load = self.amplitude * np.where(pressed, pressure, shear)
+
+
+SPREAD = 8
+"""Places in the part of the slot of a node over which a front is spread.  A load that moves at half
+of c_t enters node by node with 1, and the mesh rings: the error of slip rate at 50 cells is then
+6.6 %, with 2, 4 and 8 places 3.3, 3.1 and 2.9 %; a faster load shows no difference."""
+
+
+def front_delays(x: NDArray[np.float64], slowness: float) -> NDArray[np.float64]:
+    """Return the times at which a front reaches the parts of nodes on the slot, (k, `SPREAD`).
+
+    Parameters
+    ----------
+    x : (k,) array
+        Positions of loaded nodes [length], in any order and any number of times.
+    slowness : float
+        p <= 0 [time / length].
+    """
+    places, which = np.unique(x, return_inverse=True)
+    borders = np.concatenate([places[:1], (places[1:] + places[:-1]) / 2, places[-1:]])
+    share = (np.arange(SPREAD) + 0.5) / SPREAD
+    within = borders[:-1, None] + np.diff(borders)[:, None] * share
+    # the mesh's own edge lies beside x = 0, where the front starts
+    return slowness * np.minimum(within, 0.0)[which]
+
+
+def slot_loads(
+    scene: Scene, bodies: list[Body], step: float, steps: int, places: list[NDArray[np.float64]]
+) -> list[SlotLoad] | list[FrontLoad]:
+    """Return the loads of bodies that change with time; none if all are steps that come at once.
 
     Parameters
     ----------
@@ -70,9 +141,65 @@ def slot_loads(scene: Scene, bodies: list[Body], step: float, steps: int) -> lis
         dt [time].
     steps : int
         Number of steps.
+    places : list of (k,) arrays
+        Positions x of the loaded unknowns of each body [length].
     """
+    histories = (scene.shear_history, scene.pressure_history)
+    if scene.front_slowness:
+        return [
+            FrontLoad(body, body.load, histories, front_delays(x, scene.front_slowness), step)
+            for body, x in zip(bodies, places, strict=True)
+        ]
     if scene.is_step:
         return []
-    histories = (scene.shear_history, scene.pressure_history)
     means = np.array([kick_means(history, step, steps) for history in histories])
     return [SlotLoad(body, body.load, means) for body in bodies]
+
+
+class Arrived(NamedTuple):
+    """The fields of an incident wave in the uncut body, where there is none 0.
+
+    Attributes
+    ----------
+    displacement, velocity : (3, n) arrays
+        In x, y and z [length] and [length / time].
+    stress : dict of (n,) arrays
+        Stress by component: xx, yy, xy, xz and yz [stress], tension positive.
+    """
+
+    displacement: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    stress: dict[str, NDArray[np.float64]]
+
+
+def arrived_wave(
+    scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64], t: float
+) -> Arrived | None:
+    """Return what an incident wave does at points of the uncut body at a time; None without one.
+
+    The simulation computes what the slot scatters of it, so that this is to be added.
+
+    Parameters
+    ----------
+    scene : Scene
+    x, y : (n,) arrays
+        Positions [length].
+    t : float
+        Time [time].
+    """
+    wave, solid = scene.load, scene.material
+    if not isinstance(wave, IncidentWave):
+        return None
+    n_x, n_y = wave.direction()
+    lag = t - (n_x * x + n_y * y) / wave.speed(solid)
+    # both histories of a wave are the same
+    history = next(iter(scene.acting_histories.values()), Step())
+    # a front that sits on a node has passed it, as in `Solution.velocity`
+    value = np.where(lag == 0, history.pieces.value(np.nextafter(lag, np.inf)), 0.0)
+    value = np.where(lag == 0, value, history.pieces.value(lag))
+    along = wave.particle_velocity(solid) * np.array(wave.polarisation())[:, None]
+    return Arrived(
+        along * history.pieces.integral(lag),
+        along * value,
+        {name: one * value for name, one in wave.stresses(solid).items()},
+    )

@@ -25,7 +25,7 @@ from fem.assembly import (
     tributary_length,
 )
 from fem.interface import Faces, Interface
-from fem.loading import SlotLoad, slot_loads
+from fem.loading import FrontLoad, SlotLoad, slot_loads
 from fem.plan import TWO_BLOCKS, Plan, Settings, make_plan
 from fem.stepping import Body, critical_step, highest_frequency, normalised
 from meshes import cached_mesh
@@ -103,7 +103,7 @@ class Model:
     numbering : Numbering
     bodies : list of Body
         One or, in lockstep, two bodies on the same mesh; the motion is their sum.
-    loads : list of SlotLoad
+    loads : list of SlotLoad or FrontLoad
         Of bodies whose load changes with time.
     interface : Interface
     contact_x, slot_x : arrays
@@ -132,7 +132,7 @@ class Model:
     space: Space
     numbering: Numbering
     bodies: list[Body]
-    loads: list[SlotLoad]
+    loads: list[SlotLoad] | list[FrontLoad]
     interface: Interface
     contact_x: NDArray[np.float64]
     slot_x: NDArray[np.float64]
@@ -243,12 +243,15 @@ def build_model(plan: Plan, space: Space) -> Model:
     slot_nodes, _ = tributary_length(space, "upper_slot")
     contact_nodes, length = tributary_length(space, "upper_contact")
     slot = slot_nodes[:-1]
+    places = [
+        space.points[0, numbering.order[body.loaded // len(body.components)]] for body in bodies
+    ]
     return Model(
         plan=plan,
         space=space,
         numbering=numbering,
         bodies=bodies,
-        loads=slot_loads(plan.scene, bodies, step, steps + half_window),
+        loads=slot_loads(plan.scene, bodies, step, steps + half_window, places),
         interface=Interface(plan.scene, length, sliding, pressing),
         contact_x=space.points[0, contact_nodes],
         slot_x=space.points[0, slot],

@@ -31,6 +31,7 @@ from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Material, Scene, checked_scene
 
 LEAST_RESOLUTION = 8
@@ -229,6 +230,12 @@ class Plan:
         object.__setattr__(self, "end_time", checked_size("simulate: end_time", self.end_time))
         if self.follows:
             check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
+        _check_front(self.scene)
+        if self.name == TWO_MATERIALS and isinstance(self.scene.load, IncidentWave):
+            raise SceneError(
+                "simulate: blocks of different materials reflect an incident wave before it comes "
+                "to the slot; leave out lower_material, or load the slot."
+            )
         if self.name == TWO_MATERIALS and self.scene.far_slip_rate:
             raise SceneError(
                 "simulate: blocks of different materials cannot slide ahead of all waves; "
@@ -327,7 +334,8 @@ class Plan:
             damping_time=self.damping_time,
             full=self.full,
             lower=not self.halves,
-            free_walls=self.name == TWO_MATERIALS,
+            # the walls let plane waves pass that come at once, and disturb those of a moving front
+            free_walls=self.name == TWO_MATERIALS or self.scene.front_slowness != 0,
             pattern=self.settings.mesh,
         )
 
@@ -368,6 +376,22 @@ class Plan:
         """Number of steps to the end time, from another critical step if one is given [time]."""
         step = self.settings.step_ratio * (critical or self.critical_step)
         return math.ceil(self.end_time / step)
+
+
+def _check_front(scene: Scene) -> None:
+    """Raise SceneError if the front of a load was on the slot or made the contact slip before."""
+    slowness = scene.front_slowness
+    if slowness > 0:
+        raise SceneError(
+            "simulate: the front of the load comes along the slot, whose faces move before t = 0, "
+            "while a simulation begins at rest; let the front meet the contact first (a negative "
+            "angle), or solve the scene."
+        )
+    if slowness and scene.far_slip_rate:
+        raise SceneError(
+            "simulate: the contact slips behind the front of the load before t = 0, while a "
+            "simulation begins at rest; raise friction or lower the load."
+        )
 
 
 def make_plan(

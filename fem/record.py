@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.assembly import X, Y, Z
+from fem.loading import arrived_wave
 from fem.model import Model
 from fem.results import EnergyHistory, Opening, SlotHistory
 from semianalytic.results.interface_history import InterfaceHistory
@@ -190,11 +191,21 @@ class Record:
             "state": self._state,
             "final_path": self._final[0],
             "final_work_density": self._final[1],
-            "slot": SlotHistory(self._slot_x, t, *self._velocity),
+            "slot": SlotHistory(self._slot_x, t, *(self._velocity + self._arrived(t))),
             "totals": Totals(dt * np.arange(steps + 1.0), *self._totals),
             "energy": EnergyHistory(np.arange(0.5, steps) * dt, *self._energy[:, 1:]),
             "opened": None if math.isinf(first) else Opening(first, place, largest, length),
         }
+
+    def _arrived(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the velocity of an incident wave on the slot, (2, m, n) as `_velocity`."""
+        scene, along = self.model.plan.scene, Z if self.model.plan.scene.antiplane else X
+        result = np.zeros(self._velocity.shape)
+        for row, t in enumerate(times):
+            wave = arrived_wave(scene, self._slot_x, np.zeros_like(self._slot_x), float(t))
+            if wave is not None:
+                result[:, row] = wave.velocity[[along, Y]]
+        return result
 
 
 def displacement_scale(scene: Scene, end_time: float) -> float:

@@ -12,8 +12,8 @@ import math
 from dataclasses import replace
 
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import process_zone
 from semianalytic.scene.loads import LoadHistory
-from semianalytic.scene.process_zone import process_zone
 from semianalytic.scene.scene import Material, Scene
 
 LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}

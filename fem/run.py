@@ -21,6 +21,7 @@ from fem.results import Simulation
 from fem.snapshots import Snapshots
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.given.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 
 _log = logging.getLogger(__name__)
@@ -30,6 +31,7 @@ FIRST_JUDGED = 4
 """Largest kinetic energy over the work of the loads; in stable runs it is about 1 at most."""
 
 
+@taking_quantities
 def simulate(
     scene: Scene,
     end_time: float | None = None,

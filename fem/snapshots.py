@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from fem.assembly import X, Y, Z
 from fem.budget import free_space
+from fem.loading import arrived_wave
 from fem.model import Model
 from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes
 from semianalytic.scene.errors import DataFileError
@@ -119,7 +120,7 @@ class Snapshots:
         name = f"fields-{number:04d}.vtu"
         path = self.directory / name
         try:
-            with new_frame(path, self._frame(), self.run):
+            with new_frame(path, self._frame(time), self.run):
                 if free_space(self.directory) < self.reserve:
                     raise DataFileError(
                         f"{path} would leave no room on the disk for the histories."
@@ -134,11 +135,16 @@ class Snapshots:
                 f"{str(error).rstrip('.')}; snapshots from t = {time:.6g} on are missing."
             )
 
-    def _frame(self) -> meshio.Mesh:
+    def _frame(self, time: float) -> meshio.Mesh:
         """Return the fields at a time level, after its kick and before its drift."""
         bodies, step = self.model.bodies, self.model.time_step
         displacement = spread(self.model, [body.displacement for body in bodies])
         velocity = spread(self.model, [(b.before + b.increment) / (2 * step) for b in bodies])
+        stress = self._stress(displacement, time)
+        wave = arrived_wave(self.model.plan.scene, self._points[:, 0], self._points[:, 1], time)
+        if wave is not None:
+            displacement = displacement + wave.displacement.T
+            velocity = velocity + wave.velocity.T
         return meshio.Mesh(
             self._points,
             self._cells,
@@ -146,17 +152,20 @@ class Snapshots:
                 "displacement": displacement.astype(PRECISION),
                 "velocity": velocity.astype(PRECISION),
             },
-            cell_data={
-                name: [field.astype(PRECISION)]
-                for name, field in self._stress(displacement).items()
-            },
+            cell_data={name: [field.astype(PRECISION)] for name, field in stress.items()},
         )
 
-    def _stress(self, displacement: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    def _stress(
+        self, displacement: NDArray[np.float64], time: float
+    ) -> dict[str, NDArray[np.float64]]:
+        """Return the stress at the centre of each element under what the slot scatters, the base
+        and an incident wave."""
         materials, scene = self.model.plan.materials, self.model.plan.scene
-        held, antiplane = scene.superposition.in_place, scene.antiplane
+        antiplane, centres = scene.antiplane, self._points[self._cells[0][1], :2].mean(axis=1)
+        wave = arrived_wave(scene, centres[:, 0], centres[:, 1], time)
+        held = scene.superposition.in_place if wave is None else scene.base
         (uxx, uxy), (uyx, uyy), (uzx, uzy) = self._gradient(displacement)
-        lower = self._points[self._cells[0][1], 1].mean(axis=1) < 0
+        lower = centres[:, 1] < 0
         mu, bulk = (
             np.where(lower, *(value(materials[name]) for name in ("lower", "upper")))
             for value in (
@@ -171,6 +180,8 @@ class Snapshots:
         }
         if antiplane:
             stress |= {"sigma_xz": mu * uzx, "sigma_yz": mu * uzy + held.shear}
+        if wave is not None:
+            stress = {name: one + wave.stress[name[-2:]] for name, one in stress.items()}
         return stress
 
     def _gradient(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:

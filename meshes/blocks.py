@@ -174,8 +174,8 @@ def causal_blocks(
     lower : bool
         Whether to include the lower block.
     free_walls : bool
-        Whether the side walls hold nothing: the left one then cuts the plane waves of the slot
-        and sends out waves from t = 0 on, so L - S >= c_l T.
+        Whether the side walls disturb the plane waves of the slot, as free walls do, and any walls
+        those of a load that moves: the left one sends out waves from t = 0 on, so L - S >= c_l T.
     pattern : str
         One of `PATTERNS`.
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.reading import Measured, Reading
 from semianalytic.scene.errors import (
     ComputationError,
     DataFileError,
@@ -27,6 +28,8 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.solids import find_material
+from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
@@ -39,19 +42,31 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless a
 __all__ = [
     "Answer",
     "ComputationError",
+    "Contact",
+    "Coulomb",
     "CoulombFriction",
     "DataFileError",
     "Derivative",
     "Fit",
     "FrictionLaw",
     "Gauge",
+    "GrowingSlot",
+    "GrowingSolution",
+    "HalfLine",
     "Harmonic",
+    "IncidentWave",
+    "Interface",
+    "InterfaceFile",
     "InterfaceHistory",
+    "InterfaceLaw",
+    "LineSolution",
     "LoadHistory",
     "LogNormal",
     "Marched",
     "Material",
+    "Measured",
     "MissingLibraryError",
+    "MovingLoad",
     "Normal",
     "OpenDerivative",
     "OpenInterval",
@@ -59,16 +74,24 @@ __all__ = [
     "Pair",
     "PairSolution",
     "PairStatistics",
+    "Patch",
     "PluginError",
+    "PointForce",
     "Pulse",
     "Ramp",
+    "RateAndState",
+    "RateDependent",
     "RateFriction",
     "RateWeakening",
+    "Reading",
+    "Run",
     "Scene",
     "SceneError",
     "Setup",
+    "ShearLoad",
     "SlidingStability",
     "SlidingWave",
+    "SlipDependent",
     "SlipInterval",
     "SlipWeakening",
     "SlipZone",
@@ -77,12 +100,18 @@ __all__ = [
     "Statistics",
     "Step",
     "Sweep",
+    "Table",
     "Tabulated",
     "TensionError",
     "Tractions",
     "Uniform",
     "ViscousFriction",
+    "WholeLine",
     "ZoneDerivative",
+    "critical_wavelength",
+    "find_interface",
+    "find_line",
+    "find_material",
     "find_scene",
     "fit",
     "fringe_order",
@@ -90,10 +119,14 @@ __all__ = [
     "march",
     "march_on",
     "predict",
+    "run",
     "sliding_stability",
     "solve",
+    "solve_growing",
+    "solve_line",
     "solve_pair",
     "strain",
+    "supershear_strength",
     "sweep",
 ]
 
@@ -106,6 +139,16 @@ _LATER = {
     ),
     "semianalytic.dissimilar_slot.solution": ("PairSolution", "PairStatistics"),
     "semianalytic.dissimilar_slot.solver": ("solve_pair",),
+    "semianalytic.engine.contact": ("Contact",),
+    "semianalytic.engine.fields": ("Table",),
+    "semianalytic.engine.interface": ("Interface", "ShearLoad"),
+    "semianalytic.engine.law": ("InterfaceLaw",),
+    "semianalytic.engine.laws": ("Coulomb", "RateAndState", "RateDependent", "SlipDependent"),
+    "semianalytic.engine.files": ("InterfaceFile",),
+    "semianalytic.engine.named": ("find_interface",),
+    "semianalytic.engine.result": ("Run",),
+    "semianalytic.engine.run": ("run",),
+    "semianalytic.engine.stability": ("critical_wavelength", "supershear_strength"),
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
     "semianalytic.inversion.fitting": ("Fit", "fit"),
     "semianalytic.inversion.gauges": ("Gauge",),
@@ -116,6 +159,11 @@ _LATER = {
     "semianalytic.spacetime.march": ("march", "march_on"),
     "semianalytic.spacetime.marched": ("Marched",),
     "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
+    "semianalytic.whole_line.growing": ("GrowingSlot", "GrowingSolution", "solve_growing"),
+    "semianalytic.whole_line.line": ("HalfLine", "Patch", "PointForce", "WholeLine"),
+    "semianalytic.whole_line.named": ("find_line",),
+    "semianalytic.whole_line.solution": ("LineSolution",),
+    "semianalytic.whole_line.solver": ("solve_line",),
 }
 """Modules that a plain solution does not need, with the public names they define."""
 
@@ -128,6 +176,16 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     )
     from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics
     from semianalytic.dissimilar_slot.solver import solve_pair
+    from semianalytic.engine.contact import Contact
+    from semianalytic.engine.fields import Table
+    from semianalytic.engine.files import InterfaceFile
+    from semianalytic.engine.interface import Interface, ShearLoad
+    from semianalytic.engine.law import InterfaceLaw
+    from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
+    from semianalytic.engine.named import find_interface
+    from semianalytic.engine.result import Run
+    from semianalytic.engine.run import run
+    from semianalytic.engine.stability import critical_wavelength, supershear_strength
     from semianalytic.field.derived import fringe_order, fringes, strain
     from semianalytic.inversion.fitting import Fit, fit
     from semianalytic.inversion.gauges import Gauge
@@ -138,6 +196,11 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.spacetime.march import march, march_on
     from semianalytic.spacetime.marched import Marched
     from semianalytic.sweeps.sweep import Sweep, sweep
+    from semianalytic.whole_line.growing import GrowingSlot, GrowingSolution, solve_growing
+    from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
+    from semianalytic.whole_line.named import find_line
+    from semianalytic.whole_line.solution import LineSolution
+    from semianalytic.whole_line.solver import solve_line
 else:
 
     def __getattr__(name: str) -> Any:

@@ -21,8 +21,10 @@ ARROWS = {
         "field": "scene halfplane cut",
         "selfsimilar": "scene results halfplane cut separation field",
         "spacetime": "scene results halfplane field",
+        "engine": "scene results spacetime",
         "dissimilar": "scene halfplane",
         "dissimilar_slot": "scene results halfplane selfsimilar dissimilar",
+        "whole_line": "scene results halfplane selfsimilar",
         "reference": "scene halfplane dissimilar",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",
@@ -136,8 +138,8 @@ def test_folders_say_what_they_are_for_and_stay_small(package):
 
 SHOWN = {"scene.py", "sampled.py", "style.py"}
 """Where the base is checked, shown, or what there is before t = 0."""
-SLOT_ALONE = {"dissimilar", "dissimilar_slot"}
-"""Folders whose loads act on slot faces only, so that the contact carries nothing but the base."""
+SLOT_ALONE = {"dissimilar", "dissimilar_slot", "whole_line"}
+"""Folders whose contact carries nothing but the base, and a load that they know themselves."""
 
 
 def of_the_base(node):
@@ -193,6 +195,7 @@ _DERIVATIVES = (
 LATER = (
     "dissimilar",
     "dissimilar_slot",
+    "engine",
     "inversion",
     "prediction",
     "reference",
@@ -200,6 +203,7 @@ LATER = (
     *_DERIVATIVES,
     "spacetime",
     "sweeps",
+    "whole_line",
 )
 """What a plain solution does without."""
 

@@ -203,14 +203,16 @@ def in_si(scene: Scene) -> Scene:
     """
     if (scene.material.shear_modulus, scene.material.density) != (1.0, 1.0):
         raise SceneError("in_si: the scene must have a shear modulus and a density of 1.")
-    law = scene.friction_law
+    scene.check_at_once("in_si")
+    law, load = scene.friction_law, scene.load
+    assert isinstance(load, Tractions)
     if isinstance(law, ViscousFriction):
         law = ViscousFriction(law.viscosity * SI_STRESS / SI_SCALES["slip_rate"])
     return replace(
         scene,
         material=Material(SI_SHEAR_MODULUS, SI_DENSITY, scene.material.poisson_ratio),
         base=_in_pascal(scene.base),
-        load=_in_pascal(scene.load),
+        load=_in_pascal(load),
         friction_law=law,
         units=SI,
     )

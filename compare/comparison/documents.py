@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike
 from compare.comparison.measures import nearest
 from compare.comparison.quantities.history_rows import PROBES, SENSE_THRESHOLD
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime
-from semianalytic import Marched, Scene, Solution
+from semianalytic import Marched, Measured, Reading, Scene, Solution
 from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.results.answer import FIELDS
 from semianalytic.scene.parameters import MATERIAL, TRACTIONS, part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
@@ -72,6 +73,16 @@ SOLUTION_DIMENSIONS: Dimensions = {
     "error_estimate": "1",
     "statistics": {"seconds": "s"},
     "until_end_time": END_DIMENSIONS,
+}
+POINT_DIMENSIONS: Dimensions = {
+    "x": "length",
+    "t": "time",
+    "arrivals": "time",
+    "slip": "length",
+    "slip_rate": "length / time",
+    "shear_traction": "stress",
+    "pressure": "stress",
+    "gap": "length",
 }
 MARCH_DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
@@ -174,6 +185,37 @@ def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
         "frictional_work": float(solution.frictional_work(end_time)),
         "stress_intensity": _intensities(solution.scene, solution.stress_intensity(end_time)),
     }
+
+
+def points_document(reading: Reading, at: bool = True) -> list[dict[str, Any]]:
+    """Return arrivals and fields at points, each a value and the bar of its error.
+
+    A time or bar that is infinite becomes null in JSON: nothing arrives, or no bar is known.
+
+    Parameters
+    ----------
+    reading : Reading
+        Arrays of positions and times of one shape.
+    at : bool
+        Whether the points have times; without, arrivals are all there is.
+    """
+    points = []
+    for place in np.ndindex(reading.x.shape):
+        point: dict[str, Any] = {"x": float(reading.x[place])}
+        if at:
+            point["t"] = float(reading.t[place])
+        point["arrivals"] = {
+            name: _measured(measured, place) for name, measured in reading.arrivals.items()
+        }
+        for name in FIELDS if at else ():
+            point[name] = _measured(getattr(reading, name), place)
+        points.append(point)
+    return points
+
+
+def _measured(measured: Measured, place: tuple[int, ...]) -> dict[str, float]:
+    value, error = (float(part[place]) for part in measured)
+    return {"value": value, "error": error}
 
 
 def _intensities(scene: Scene, values: Sequence[ArrayLike]) -> dict[str, float]:

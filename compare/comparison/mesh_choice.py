@@ -15,7 +15,7 @@ from semianalytic.results.answer import Answer
 from semianalytic.results.memory import GIGABYTE, memory_limit
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.process_zone import process_zone
+from semianalytic.scene.friction import process_zone
 
 DEFAULT_BUDGET = 20.0
 """Default budget [s], as `fem.Cost` counts time, so that every machine gets the same mesh."""

@@ -13,7 +13,7 @@ WAVE_SYMBOLS = {"Rayleigh": "c_R", "S": "c_t", "P": "c_l"}
 
 def stress_scale(scene: Scene) -> float:
     """Reference stress τ₀ [stress], positive: the larger step, or without one the larger base."""
-    for tractions in (scene.load, scene.base):
+    for tractions in (scene.superposition.taken_off, scene.base):
         largest = max(abs(tractions.pressure), abs(tractions.shear))
         if largest > 0:
             return largest

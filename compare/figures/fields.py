@@ -166,12 +166,12 @@ def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float
 def _draw_front(panel: Axes, front: Front, window: Window, colour: str, around: str) -> None:
     """Draw a front and its mirror image, with its name if the upper one is visible."""
     line: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 0.8}
-    for side in (1, -1):
+    for side in front.sides:
         panel.plot(front.x, side * front.y, **line, path_effects=outline(around, 1.6))
     x0, x1, y0, y1 = window
     at = min(int(front.share * len(front.x)), len(front.x) - 1)
-    x, y = front.x[at], front.y[at]
-    if x0 < x < x1 and y0 <= y <= y1:
+    x, y = front.x[at], front.sides[0] * front.y[at]
+    if front.name and x0 < x < x1 and y0 <= y <= y1:
         beside = front.share == 0
         panel.annotate(
             front.name,

@@ -151,7 +151,7 @@ def scene_words(scene: Scene) -> str:
 
 def _unit_name(scene: Scene) -> str:
     """Return the name of the traction that `stress_scale` is."""
-    for name, part in (("load", scene.load), ("base", scene.base)):
+    for name, part in (("load", scene.superposition.taken_off), ("base", scene.base)):
         if max(abs(part.pressure), abs(part.shear)) > 0:
             larger = "shear" if abs(part.shear) >= abs(part.pressure) else "pressure"
             return f"{larger} of the {name}"

@@ -1,4 +1,4 @@
-"""Units that files name, in those of the SI; pint knows what they are called."""
+"""Units that files name, in those of the SI; pint knows what the less common ones are called."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from semianalytic.scene.extras import needing
-from semianalytic.scene.units import SI, unit
+from semianalytic.scene.units import SI, size_of, unit
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -35,7 +35,10 @@ NO_UNIT = ("", "-", "1", "nd", "dimensionless", "none")
 LONGEST = 32
 """Characters of the name of a unit."""
 
-_BASE = {"length": "m", "time": "s", "length / time": "m/s", "stress": "Pa"}
+_BASE = {
+    **{"length": "m", "time": "s", "length / time": "m/s", "stress": "Pa", "1 / time": "Hz"},
+    **{"mass / length^3": "kg/m**3", "stress time / length": "Pa*s/m", "1": ""},
+}
 _CASES = {name.lower(): name for name in ("Pa", "kPa", "MPa", "GPa")}
 _KNOWN = re.compile(r"[A-Za-zµμ][A-Za-zµμ0-9*/^. ()⁻¹²³·⋅-]*\Z")
 _REFUSALS = (ValueError, TypeError, AssertionError, ArithmeticError, SyntaxError)
@@ -51,7 +54,7 @@ def si_size(name: str, dimension: str) -> float | None:
     name : str
         As a file has it: "mm", "µs", "mm/s", "m s^-1", "N/mm^2", "psi".
     dimension : str
-        "length", "time", "length / time" or "stress".
+        A dimension of `semianalytic.scene.units`, such as "length", "length / time" or "stress".
 
     Returns
     -------
@@ -61,11 +64,14 @@ def si_size(name: str, dimension: str) -> float | None:
     Raises
     ------
     MissingLibraryError
-        If pint is not installed and the unit is not the one of the SI itself.
+        If pint is not installed and the unit is not one of the SI with a common prefix.
     """
     text = name.strip()
     if text == unit(dimension, SI):
         return 1.0
+    common = size_of(text, dimension)
+    if common is not None:
+        return common
     if len(text) > LONGEST or not _KNOWN.match(text):
         return None
     return _size(_CASES.get(text, text), dimension)

@@ -110,7 +110,7 @@ def _without_dimension(scene: Scene) -> Iterator[System]:
 def _references(scene: Scene) -> Iterator[tuple[float, str]]:
     """Stresses that numbers without dimension may be over."""
     seen: set[float] = set()
-    for part, words in ((scene.load, "load"), (scene.base, "base")):
+    for part, words in ((scene.superposition.taken_off, "load"), (scene.base, "base")):
         for name in ("shear", "pressure"):
             size = abs(getattr(part, name))
             if size and size not in seen:

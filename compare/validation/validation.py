@@ -161,7 +161,7 @@ def validate(
     grids, guessed = arranged(read, sizes, detection.reading.sampling, noise)
     alone = conventions.slip is None and any(run.stated.faces for run in runs)
     one_face = conventions.slip == "face" or alone
-    face = one_face and bool(scene.load.pressure)
+    face = one_face and bool(scene.superposition.taken_off.pressure)
     notes = [note for run in runs for note in run.notes]
     said = (*detection.notes, *notes, *_face_notes(one_face, face), *left_out[-1], *guessed)
     exact = detection.exact

@@ -32,6 +32,7 @@ from compare.studies.wear import MostRow, WearRow
 from compare.validation.bars import JudgedRow
 from compare.validation.norms import Norm
 from semianalytic import SlidingWave
+from semianalytic.results.answer import ARRIVALS, FIELDS
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 COMMAND = "python -m docs.studies.schema --write"
@@ -153,6 +154,20 @@ _CLAIMS = Key(
     "claims of the article, with the verdict of each method",
     _list(_object(section=TEXT, claim=TEXT, base=TEXT, verdicts=_of(_row(Verdict)))),
 )
+_PART = _object(inner=NUMBER, outer=NUMBER, sense=WHOLE)
+_MEASURED = _object(value=NUMBER, error=NUMBER)
+_POINT = _object(
+    ("t", *FIELDS),
+    x=NUMBER,
+    t=NUMBER,
+    arrivals=_object(**{name: _MEASURED for name in ARRIVALS}),
+    **{name: _MEASURED for name in FIELDS},
+)
+_POINTS = Key(
+    "arrivals and fields at --x and --t, if given, each a value and the bar of its error",
+    _list(_POINT),
+    False,
+)
 _ZONE = _object(inner=NUMBER, outer=NUMBER, sense=WHOLE, inner_regime=TEXT, outer_regime=TEXT)
 
 DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
@@ -174,6 +189,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "until_end_time": Key(
                 "zones, slip and work until --end-time, if given", {"type": "object"}, False
             ),
+            "points": _POINTS,
         },
         {
             "scene": _SCENE_KEY,
@@ -195,6 +211,21 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             ),
             "stored_levels": Key("number of stored time levels of the history", WHOLE),
             "statistics": Key("cost of the computation", {"type": "object"}),
+            "points": _POINTS,
+        },
+        {
+            "line": Key("whole line or growing load, as its TOML file has it", {"type": "object"}),
+            "wave_speeds": Key("speeds of the waves that occur in the fields", _of(NUMBER)),
+            "edge_speed": Key("speed of the edges of slip or opening of a line", NUMBER),
+            "edge_amplitude": Key("rate over sqrt(1 - x/(edge speed t)) beside an edge", NUMBER),
+            "zones": Key("velocities of the edges of slip zones", _list(_PART)),
+            "openings": Key(
+                "velocities of the edges of openings", _list(_object(inner=NUMBER, outer=NUMBER))
+            ),
+            "error_estimate": _ESTIMATE,
+            "until_end_time": Key(
+                "zones, slip and work until --end-time, if given", {"type": "object"}, False
+            ),
         },
     ),
     "fit": (
@@ -267,6 +298,25 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "fields": Key(
                 "errors of snapshots",
                 _or_null(_object(band=NUMBER, frames=_list(_row(FieldError)))),
+            ),
+        },
+    ),
+    "run": (
+        {
+            "interface": Key("name or file of the interface", TEXT),
+            "nodes": Key("nodes of one period", WHOLE),
+            "end_time": Key("time that was reached", NUMBER),
+            "steps": Key("number of steps", WHOLE),
+            "shortest_step": Key("shortest step", NUMBER),
+            "longest_step": Key("longest step", NUMBER),
+            "frames": Key("number of times at which fields were kept", WHOLE),
+            "largest_slip": Key("largest slip of the contact at the end", NUMBER),
+            "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
+            "slipping": Key("share of the contact that slips at the end", NUMBER),
+            "error_estimates": Key(
+                "relative L1 errors of slip, slip rate and the change of shear traction; empty "
+                "without a second run",
+                _of(NUMBER),
             ),
         },
     ),
@@ -460,7 +510,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         },
     ),
 }
-"""Keys that each command adds to the `ENVELOPE`; solve has two forms."""
+"""Keys that each command adds to the `ENVELOPE`; solve has three forms."""
 
 
 def schema() -> dict[str, Any]:

@@ -197,7 +197,7 @@ class CanonicalFunction:
         return total / np.pi
 
     def _resistance_integral_off_cut(self, k: Array) -> Array:
-        """Return (1/pi) times the integral of that phase over w + k, at k >= 0 (m,); (..., m)."""
+        """Return (1/pi) times the integral of that phase over w + k, at k > -a (m,); (..., m)."""
         panels, slip, turn = self.panels, self.layout.slip, self._turn
         if not len(slip):
             return np.zeros((*panels.jacobian.shape[1:-1], len(k)))
@@ -207,7 +207,8 @@ class CanonicalFunction:
         for row, panel in enumerate(slip):
             left = turn.left[row]
             if panels.right[panel] is None:
-                over = np.where(k > 0, np.log1p(k / left) / np.where(k > 0, k / left, 1.0), 1.0)
+                share = np.where(k != 0, k / left, 1.0)
+                over = np.where(k != 0, np.log1p(share) / share, 1.0)
                 total = total + turn.start[row] * over
             else:
                 total = total + turn[np.array(row)].chord_integral(-left - k, -turn.right[row] - k)
@@ -234,7 +235,7 @@ class CanonicalFunction:
         return np.asarray(total / np.pi)
 
     def _phase_integral_off_cut(self, sources: np.ndarray, k: Array) -> Array:
-        """Return (1/pi) int phi(w) / (w + k) dw over panels, at k >= 0 of shape (m,); (..., m)."""
+        """Return (1/pi) int phi(w) / (w + k) dw over panels, at k > -a of shape (m,); (..., m)."""
         if not self.factors.has_rayleigh_wave:
             return np.zeros((*self.panels.jacobian.shape[1:-1], len(k)))
         phase, w = self._phase[sources], self.panels.at.v[sources]
@@ -303,18 +304,18 @@ class CanonicalFunction:
             value = value * np.abs(modulus) * np.sqrt(front)
         return np.asarray(value)
 
-    @cached_property
-    def at_zero(self) -> Array:
-        """X(0), (1,) or (k, 1)."""
-        value = np.exp(-self._phase_integral_off_cut(self.layout.stick_ahead, np.zeros(1)))
+    def off_cut(self, k: float) -> Array:
+        """Return X at a number k > -a off the cut, (1,) or (k, 1)."""
+        at = np.full(1, k)
+        value = np.exp(-self._phase_integral_off_cut(self.layout.stick_ahead, at))
         if self.resistance is not None:
-            value = value * np.exp(self._resistance_integral_off_cut(np.zeros(1)))
-        if not self.layout.slips_at_c:
-            value = value * self.factors.c
+            value = value * np.exp(self._resistance_integral_off_cut(at))
+        if self.factors.has_rayleigh_wave and not self.layout.slips_at_c:
+            value = value * (self.factors.c + k)
         if not self.layout.slips_at_root:
-            value = value * self.factors.root_slowness**self.factors.root_exponent
+            value = value * (self.factors.root_slowness + k) ** self.factors.root_exponent
         for end, exponent in self.layout.roots:
-            value = value * self.panels.ends.v[end] ** exponent
+            value = value * (self.panels.ends.v[end] + k) ** exponent
         return value
 
     def reciprocal_off_cut(self, k: Array) -> Array:

@@ -11,8 +11,8 @@ import numpy as np
 
 from semianalytic.cut import tuning
 from semianalytic.cut.layout import Layout, Zone
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
-from semianalytic.halfplane.stuck import stuck_traction, traction_of
+from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode, RayleighFactors
+from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
@@ -28,8 +28,8 @@ class Opened:
         Open part, with sense 1; right None is the contact edge.
     closing : tuple of (edge, r)
         Terms r / (k + edge) of the normal problem where the contact closes.
-    base, step : float
-        P_b, P_0 [stress unit].
+    base, step, slowness : float
+        P_b, P_0 [stress unit], and the slowness p of the front of the load.
     pressure : function
         Contact pressure [stress unit] at points on the cut, any shape.
     known : (2, n) array
@@ -42,6 +42,7 @@ class Opened:
     step: float
     pressure: Callable[[CutPoints], Array]
     known: Array
+    slowness: float = 0.0
 
     def near_pressure(self, v: Array) -> Array:
         """Return the approximate contact pressure at slownesses v, by linear interpolation."""
@@ -82,6 +83,7 @@ class Load:
         -pi g'(c) / m'(c), m = M / i, where it slips.
     linearised : LinearisedStrength, which gives both on whatever panels; None without
     opened : Opened, where the contact is open and what its pressure is; None if it is closed
+    slowness : p, that of the front of the load over the slot [b]; 0 for a load that comes at once
     """
 
     friction: float | Array
@@ -94,6 +96,15 @@ class Load:
     given_slope: Array | None = None
     linearised: LinearisedStrength | None = None
     opened: Opened | None = None
+    slowness: float = 0.0
+
+    def stuck(self, factors: RayleighFactors, mode: Mode) -> StuckTraction:
+        """Return the traction of a unit step that comes like the load, with nothing slipping."""
+        return traction_of(factors, mode, self.slowness)
+
+    def front_factor(self, at: CutPoints) -> float | Array:
+        """Return k / (k + p) at k = -v on the cut, v / (v - p); 1 for a load that comes at once."""
+        return at.v / (at.v - self.slowness) if self.slowness else 1.0
 
     @property
     def resists_rate(self) -> bool:
@@ -136,13 +147,13 @@ class Load:
             return self.opened.pressure(at)
         result = np.full(at.v.shape, self.base_pressure)
         if self.load_pressure:
-            result = result + self.load_pressure * traction_of(factors, "I").at(at)
+            result = result + self.load_pressure * self.stuck(factors, "I").at(at)
         return result
 
 
-def normal_load(base: float, step: float) -> Load:
+def normal_load(base: float, step: float, slowness: float = 0.0) -> Load:
     """Return the load of the normal problem: minus pressure for traction, and no resistance."""
-    return Load(0.0, 0.0, -base, 0.0, -step, 0.0)
+    return Load(0.0, 0.0, -base, 0.0, -step, 0.0, slowness=slowness)
 
 
 def per_set(value: float | Array) -> float | Array:
@@ -182,6 +193,7 @@ def _in_unit(
         # eta = 2 viscosity / (rho c_t).
         far_slip_rate * impedance / (2 * unit),
         2 * viscosity / impedance if viscosity else None,
+        slowness=scene.front_slowness * scene.material.shear_speed,
     )
 
 
@@ -217,5 +229,6 @@ def contact_opens(scene: Scene) -> bool:
     p*(c) < 0 (docs/separation.md, "The normal problem").
     """
     base, step = (part.pressure for part in scene.superposition)
-    stuck = stuck_traction(scene.material.poisson_ratio, "I")
+    slowness = scene.front_slowness * scene.material.shear_speed
+    stuck = stuck_traction(scene.material.poisson_ratio, "I", slowness)
     return step < -tuning.LEAST_BASE * base or base + step * stuck.at_rayleigh_front < 0

@@ -63,24 +63,32 @@ class PressurePart:
 
     @cached_property
     def amount(self) -> float | Array:
-        """s f P / M_+^I on closed panels; a number (or (k, 1)) if all of the contact is closed."""
+        """s f P / M_+^I on closed panels; a number (or (k, 1)) if all of the contact is closed and
+        the load comes at once."""
         if not self.analytic:
             return 0.0
         if self.opened is not None:
             return self._weight * self.opened
-        at_zero = self.canonical.factors.m_plus_at_zero["I"]
-        return self._weight * self.load.load_pressure / at_zero
+        return self._weight * self._unit * self.load.front_factor(self.canonical.panels.at)
+
+    @cached_property
+    def _unit(self) -> float | Array:
+        """P_0 / M_+^I(-p), the limit of P / M_+^I at the contact edge if it is closed."""
+        factors, load = self.canonical.factors, self.load
+        return load.load_pressure / factors.m_plus_at_load(load.slowness, "I")
 
     @property
     def amount_at_edge(self) -> float | Array:
         """Limit of `amount` at a stuck contact edge."""
-        if self.opened is None or not self.analytic:
-            return self.amount
+        if not self.analytic:
+            return 0.0
+        if self.opened is None:
+            return self._weight * self._unit
         return self._weight * self.opened_at_edge
 
     def amount_on(self, panels: np.ndarray | slice | int) -> float | Array:
         """Return `amount` on some panels."""
-        if self.opened is None or not self.analytic:
+        if not self.analytic or (self.opened is None and not self.load.slowness):
             return self.amount
         return np.asarray(self.amount)[panels]
 
@@ -126,7 +134,7 @@ class PressurePart:
         at = canonical.panels.at
         if factors.mode == "III":
             unit = traction_of(factors, "I").slope(factors.seen_in_plane(at))
-            slope = unit * factors.m_plus_at_zero["I"]
+            slope = unit * factors.m_plus_at_zero["I"]  # that of a load which comes at once
         else:
             (real, imag), ahead = canonical.impedance, canonical.layout.ahead
             ratio, _ = self.mode_ratio
@@ -134,7 +142,7 @@ class PressurePart:
             slope[:ahead] = -real * ratio[:ahead]
             slope /= np.pi * factors.kappa * canonical.m_plus * at.v
         if self.opened is None:
-            return np.asarray(slope * (load.load_pressure / factors.m_plus_at_zero["I"]))
+            return np.asarray(slope * (self._unit * load.front_factor(at)))
         return np.asarray(slope * np.where(self._per_panel(self.open), 0.0, self.opened))
 
     def on_stick(self, panels: slice | int) -> Array:

@@ -7,9 +7,11 @@ slip and has the phase of M_+ on stick,
     T = s f P + X (C + R),   P = P_0 M_+^I / M_+^I(0),
 
 where C is a Cauchy integral over the parts of the cut on which s f P does not satisfy its
-condition, and R is a constant that follows from T(0).  Where slip meets the resistance eta V, Im (1
-+ eta / M) T is known instead, and X has the phase of M / (M + eta) there.  Slip rate and traction
-follow from
+condition, and R is a constant that follows from T(0).  Of a load whose front moves over the slot
+with slowness p, the part of R that its amplitude makes, and P, have the factor k / (k + p), and the
+residue at k = -p takes the place of T(0) (docs/theory.md, "Loads whose front moves").  Where slip
+meets the resistance eta V, Im (1 + eta / M) T is known instead, and X has the phase of
+M / (M + eta) there.  Slip rate and traction follow from
 
     dV/dv = -Im(T / M_+) / (pi kappa v M_+(v)),    dtau/dv = Im T / (pi v).
 
@@ -179,7 +181,7 @@ class ZoneFields:
             panels = panels.seen_by(seen)
         return ZoneFields(
             factors,
-            normal_load(opened.base, opened.step),
+            normal_load(opened.base, opened.step, opened.slowness),
             (opened.zone.seen_by(seen),),
             self.rule,
             self.tail,
@@ -188,13 +190,30 @@ class ZoneFields:
         )
 
     @cached_property
-    def _first_constant(self) -> Array:
-        """R without the terms of closing edges, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
-        load, panels = self.load, self.panels
-        at_zero = load.load_shear - load.far_slip_rate
+    def amplitude(self) -> Array:
+        """Part of R that has the factor k / (k + p), (1,) or (k, 1).
+
+        It follows from the residue of T at k = -p, or from T(0) = Q_0 - mu b V(inf) for p = 0.
+        """
+        load = self.load
+        at_load = load.load_shear - load.far_slip_rate
         # P(0) = P_0: the part s f P of T(0) is subtracted before the division by X(0).
-        at_zero -= self._pressure.sense * load.friction * load.load_pressure
-        value = at_zero / self.canonical.at_zero
+        at_load -= self._pressure.sense * load.friction * load.load_pressure
+        return np.asarray(at_load / self.canonical.off_cut(-load.slowness))
+
+    @cached_property
+    def _driven(self) -> Array:
+        """R without the terms of closing edges, with its factor, at the nodes; (1,) if it is 1."""
+        factor = self.load.front_factor(self.panels.at)
+        if self.load.slowness:
+            return np.asarray(self._first_constant + self.amplitude * (factor - 1.0))
+        return self._first_constant
+
+    @cached_property
+    def _first_constant(self) -> Array:
+        """R without the terms of closing edges and far in, where its factor is 1, (1,) or (k,
+        1)."""
+        panels, value = self.panels, self.amplitude
         sources, imag = self._pressure.sources
         if len(sources):
             integrals = panels.integrals(imag / panels.at.v)
@@ -306,9 +325,7 @@ class ZoneFields:
         """Amounts r that make the slip rate vanish where it must, (1,) or (k, 1) each."""
         if not self._vanishing:
             return ()
-        values, zone = self.canonical.values, np.array(self.layout.zone)
-        given = sum(amount * self._share(edge) for edge, amount in self.closing)
-        plain = self._slope_of(values * (self._cauchy + self._first_constant + given))
+        zone, plain = np.array(self.layout.zone), self._given_slope
         totals = np.stack(
             [self.panels.integrals(plain), *(sharp.totals for sharp in self._sharp)], axis=-1
         )
@@ -353,7 +370,7 @@ class ZoneFields:
     @cached_property
     def _reduced(self) -> Array:
         """X (Re C + R) at the nodes, (p, ..., n); divided by M_+ on panels that stick."""
-        driven = self._cauchy + self._first_constant
+        driven = self._cauchy + self._driven
         for edge, amount in self._terms:
             driven = driven + amount * self._share(edge)
         return self.canonical.values * driven
@@ -387,9 +404,15 @@ class ZoneFields:
         return result
 
     def stick_transform_off_cut(self, k: Array) -> Array:
-        """Return T / M_+ at k > 0, any shape, which drives the slot faces (one set of zones)."""
-        panels, flat = self.panels, np.ravel(k)
+        """Return T / M_+ at k > 0, any shape, which drives the slot faces (one set of zones).
+
+        It has a pole at k = -p if the front of the load moves away from the edge.
+        """
+        panels, flat, slowness = self.panels, np.ravel(k), self.load.slowness
         cauchy = np.full_like(flat, self.constant[0])
+        factor = flat / (flat + slowness) if slowness else 1.0
+        if slowness:
+            cauchy += self.amplitude[0] * (factor - 1.0)
         sources, imag = self._pressure.sources
         for source in sources:
             kernel = 1 / (panels.at.v[source] + flat[:, None])
@@ -400,7 +423,7 @@ class ZoneFields:
         result = self.canonical.reciprocal_off_cut(flat) * cauchy
         if self._pressure.analytic:
             ratio = self.factors.m_plus(flat, "I") / self.factors.m_plus(flat)
-            amount = self._pressure.amount
+            amount = self._pressure.amount_at_edge * factor
             if self.normal is not None:
                 weight = self._pressure.sense * self.load.friction
                 amount = -weight * self.normal.stick_transform_off_cut(flat)
@@ -424,6 +447,9 @@ class ZoneFields:
         cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
         for edge, amount in self._terms:
             cauchy = cauchy + amount * self._pole(edge)[-1]
+        beyond = self._beyond_factor
+        if self.load.slowness:
+            cauchy = cauchy + self.amplitude * beyond
         # (1 + growth)(R + C) - R, rearranged so that no digits cancel.
         excess = growth * (cauchy + self.constant) + cauchy
         pressure = self._pressure
@@ -431,9 +457,15 @@ class ZoneFields:
             return excess
         ratio = np.expm1(pressure.log_ratio_at_edge)
         if self.normal is None:
-            return excess + pressure.amount * ratio
+            return excess + pressure.amount_at_edge * (ratio + beyond * (1 + ratio))
         gained = -pressure.sense * self.load.friction * self.normal.stick_transform_excess
         return excess + pressure.amount_on(-1) * ratio + gained
+
+    @property
+    def _beyond_factor(self) -> float | Array:
+        """v / (v - p) - 1 on the last panel, (..., n), without loss; 0 for p = 0."""
+        slowness = self.load.slowness
+        return slowness / (self.panels.at.v[-1] - slowness) if slowness else 0.0
 
     @cached_property
     def slip_rate_slope(self) -> Array:
@@ -443,10 +475,18 @@ class ZoneFields:
         """
         if not self.borders:
             return self._slope_of(self._reduced)
-        slope = self._slope_of(self.canonical.values * (self._cauchy + self._first_constant))
+        slope = self._given_slope
         for amount, sharp in zip(self._amounts, self._sharp, strict=True):
             slope = slope + amount * sharp.density
         return slope
+
+    @cached_property
+    def _given_slope(self) -> Array:
+        """dV/dv without the terms that make the slip rate vanish, (p, ..., n)."""
+        driven = self._cauchy + self._driven
+        for edge, amount in self.closing:
+            driven = driven + amount * self._share(edge)
+        return self._slope_of(self.canonical.values * driven)
 
     def rate_integral(self, tail: float | Array = 0.0) -> RunningIntegral:
         """Return V on panels that slip as a running integral; `tail` as of `RunningIntegral`."""
@@ -472,7 +512,9 @@ class ZoneFields:
         "Quadrature").
         """
         panels, (sources, imag) = self.panels, self._pressure.sources
-        driven = self._first_constant
+        driven, slowness = self._first_constant, self.load.slowness
+        if slowness:
+            driven = driven + self.amplitude * slowness / (self.factors.c - slowness)
         if len(sources):
             sums = panels.integrals(imag / panels.at.from_c)[sources].sum(axis=0)
             driven = driven - sums[..., None] / np.pi

@@ -8,6 +8,7 @@ from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
+from semianalytic.scene.given.quantities import with_quantities
 from semianalytic.scene.scene import Material, Tractions
 
 _LARGEST_CONTRAST = 1e5
@@ -16,6 +17,7 @@ loses one more for every further factor of ten (rigid bodies need no second half
 steel is 2.4e4."""
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Pair:
     """Two half-planes in contact on x > 0, with an open slot on x < 0, in plane strain.

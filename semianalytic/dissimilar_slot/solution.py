@@ -21,10 +21,12 @@ from semianalytic.dissimilar_slot.profile import (
 )
 from semianalytic.dissimilar_slot.zones import Zone
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.results.answer import OpenInterval, SlipInterval
+from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.friction import ViscousFriction
+from semianalytic.scene.given.quantities import asked_in_units
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone, over_slowness
 
 
@@ -61,6 +63,7 @@ class PairStatistics:
     seconds: dict[str, float]
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class PairSolution:
     """Self-similar slip, stick and opening between two different half-planes.
@@ -229,6 +232,34 @@ class PairSolution:
     def frictional_work(self, t: ArrayLike) -> Array:
         """Energy turned to heat on the contact until t, per unit depth [stress length^2]."""
         return self.frictional_power(t) * np.maximum(np.asarray(t, dtype=float), 0.0) / 2
+
+    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
+        """First time of slip or opening at x [time], inf without one; as `Solution.arrival`.
+
+        Slip is that of closed parts, and of either sense also the motion of open ones.
+        """
+        if checked_arrival(of) == "opening":
+            return first_times(x, self.openings)
+        if of == "slip":
+            return first_times(x, (*self.zones, *self.openings))
+        sense = 1 if of == "forward" else -1
+        return first_times(x, (zone for zone in self.zones if zone.sense == sense))
+
+    def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
+        """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""
+        pair, profile = self.pair, self.profile
+        load, base, rate = pair.load, pair.base, self._rate_unit
+        largest = max(abs(load.pressure), abs(load.shear))
+        time = np.maximum(np.asarray(t, dtype=float), 0.0)
+        scales = {
+            "slip": self.max_slip(t),
+            "slip_rate": rate * profile.largest_rate,
+            "shear_traction": base.pressure + abs(base.shear) + largest,
+            "pressure": base.pressure + abs(base.shear) + largest,
+            "gap": rate * profile.largest_gap * time if self.openings else 0.0,
+        }
+        slowest = min(pair.upper.shear_speed, pair.lower.shear_speed)
+        return self_similar_reading(self, x, t, slowest, scales)
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
         """Intervals that slip at a time [time], from the contact edge outward; none until t = 0."""

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.cut.load import Load
+from semianalytic.cut.load import normal_load
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
-from semianalytic.field.body import is_singular, upper
+from semianalytic.field.body import is_singular, reflected, upper
 from semianalytic.field.cells import Primitives
 from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loading import traction_ahead
 from semianalytic.scene.scene import Scene
 
@@ -52,20 +54,45 @@ class Bodies:
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity; see `Solution.velocity`."""
         unit = self.stress_unit / self.scene.material.shear_impedance
-        return unit * self._rows(x, y, t)[[0, 1, 7] if self.scene.antiplane else [0, 1]]
+        rows = unit * self._rows(x, y, t)[[0, 1, 7] if self.scene.antiplane else [0, 1]]
+        load = self.scene.load
+        if isinstance(load, IncidentWave):
+            speed = load.particle_velocity(self.scene.material)
+            rows += _along(load, speed * (self._lag(load, x, y, t) >= 0), len(rows))
+        return rows
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the stress; see `Solution.stress`."""
         rows = self._rows(x, y, t)[[2, 3, 4, 8, 9] if self.scene.antiplane else [2, 3, 4]]
         rows *= self.stress_unit
-        rows[1] -= traction_ahead(self.scene, "pressure", t)
-        rows[-1] += traction_ahead(self.scene, "shear", t)
+        load = self.scene.load
+        if isinstance(load, IncidentWave):
+            base, arrived = self.scene.base, self._lag(load, x, y, t) >= 0
+            names = ("xx", "yy", "xy", "xz", "yz")[: len(rows)]
+            sigma = load.stresses(self.scene.material)
+            rows += np.stack([sigma[name] * arrived for name in names])
+            rows[1] -= base.pressure
+            rows[-1] += base.shear
+            return rows
+        rows[1] -= traction_ahead(self.scene, "pressure", x, t)
+        rows[-1] += traction_ahead(self.scene, "shear", x, t)
         return rows
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the displacement; see `Solution.displacement`."""
         unit = self.stress_unit / self.scene.material.shear_modulus
-        return unit * self._rows(x, y, t)[[5, 6, 10] if self.scene.antiplane else [5, 6]]
+        rows = unit * self._rows(x, y, t)[[5, 6, 10] if self.scene.antiplane else [5, 6]]
+        load = self.scene.load
+        if isinstance(load, IncidentWave):
+            speed = load.particle_velocity(self.scene.material)
+            rows += _along(load, speed * np.maximum(self._lag(load, x, y, t), 0.0), len(rows))
+        return rows
+
+    def _lag(self, load: IncidentWave, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the time since the front of an incident wave has passed [time]."""
+        n_x, n_y = (one / load.speed(self.scene.material) for one in load.direction())
+        x, y, t = (np.asarray(one, dtype=float) for one in (x, y, t))
+        return np.asarray(t - n_x * x - n_y * y)
 
     @cached_property
     def error(self) -> float:
@@ -101,6 +128,12 @@ class Bodies:
             waved[:, part] = self._finite_or_not(*(one[part] for one in at))
         waved[[5, 6, 10] if self.scene.antiplane else [5, 6]] *= time
         rows[:, begun] = waved
+        before = ~begun
+        if before.any() and self.shear.load.slowness > 0:
+            speed = self.scene.material.shear_speed
+            place = x[before], np.abs(y[before]), speed * t[before]
+            below = np.signbit(y[before])
+            rows[:, before] = self._in_body(below, lambda part: reflected(part, *place))
         return rows
 
     def _finite_or_not(self, x: Array, y: Array, t: Array, below: np.ndarray) -> Array:
@@ -120,13 +153,17 @@ class Bodies:
 
     def _near(self, x: Array, y: Array, t: Array, below: np.ndarray, close: float) -> Array:
         """Return the rows at points (m,), those on a singularity at the distance `close`."""
+        return self._in_body(below, lambda part: upper(part, x, y, t, close))
+
+    def _in_body(self, below: np.ndarray, in_upper: Callable[[Primitives], Array]) -> Array:
+        """Return the rows in either body from those of shear and pressure in the upper one."""
         antiplane = self.scene.antiplane
-        rows = np.zeros((11 if antiplane else 7, len(x)))
+        rows = np.zeros((11 if antiplane else 7, len(below)))
         sheared, signs = (slice(7, 11), _ALONG) if antiplane else (slice(0, 7), _SHEARED)
-        rows[sheared] = upper(self._shear, x, y, t, close) * np.where(below, signs[:, None], 1)
+        rows[sheared] = in_upper(self._shear) * np.where(below, signs[:, None], 1)
         if self._normal is not None:
             mirrored = np.where(below, -_SHEARED[:, None], 1)
-            rows[:7] += upper(self._normal, x, y, t, close) * mirrored
+            rows[:7] += in_upper(self._normal) * mirrored
         return rows
 
     @cached_property
@@ -140,13 +177,18 @@ class Bodies:
         if not load.load_pressure or self.opened is not None:
             return None if self.opened is None else self._primitives(self.opened)
         factors = rayleigh_factors(self.scene.material.poisson_ratio, "I")
-        closed = Load(0.0, 0.0, -load.base_pressure, 0.0, -load.load_pressure, 0.0)
+        closed = normal_load(load.base_pressure, load.load_pressure, load.slowness)
         return self._primitives(ZoneFields(factors, closed, (), self.shear.rule))
 
     def _primitives(self, fields: ZoneFields) -> Primitives:
         rule = rule_for(self.tolerance)
         longer = replace(rule, reach=rule.reach + tuning.LONGER)
         return Primitives(Transform(replace(fields, rule=longer, tail=True)))
+
+
+def _along(load: IncidentWave, amount: ArrayLike, count: int) -> Array:
+    """Return an amount of motion (...) along the direction of a wave's motion, (count, ...)."""
+    return np.stack([part * np.asarray(amount) for part in load.polarisation()[:count]])
 
 
 def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:

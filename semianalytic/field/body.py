@@ -8,6 +8,9 @@ and real before, k_s = (-x t + sgn(x) y (s^2 r^2 - t^2)^1/2) / r^2 + i 0, where 
 waves and plane waves have come.  Written without cancellation at these it is
 -sgn(x) (t^2 - s^2 y^2) / (|x| t + y (s^2 r^2 - t^2)^1/2).  The rows of fields are v_x, v_y,
 sigma_xx, sigma_yy, sigma_xy, u_x, u_y; in antiplane shear v_z, sigma_xz, sigma_yz, u_z.
+
+If the front of the load comes along the slot with slowness p > 0, plane waves come from
+t > p x + y (s^2 - p^2)^1/2 on, and the real k_s is the one on the side of k = -p.
 """
 
 from __future__ import annotations
@@ -20,7 +23,15 @@ from semianalytic.field.waves import P_WAVE, S_WAVE, SHEAR, SUMS, Complex
 from semianalytic.halfplane.rayleigh import Array
 
 
-def slowness(x: Array, y: Array, t: Array, s: float) -> Complex:
+def arrives(x: Array, y: Array, t: Array, s: float, front: float) -> np.ndarray:
+    """Return (m,) whether a wave of slowness s may have come to points.
+
+    `front` is the slowness p > 0 of a load that comes along the slot, else 0.
+    """
+    return t > front * x + np.sqrt((s - front) * (s + front)) * y
+
+
+def slowness(x: Array, y: Array, t: Array, s: float, front: float = 0.0) -> Complex:
     """Return the slowness k_s at points (m,), y >= 0, r > 0, for a wave of slowness s."""
     square = np.square(x) + np.square(y)
     r = np.sqrt(square)
@@ -28,6 +39,9 @@ def slowness(x: Array, y: Array, t: Array, s: float) -> Complex:
     root, inside = np.sqrt(np.abs(rest)), rest >= 0
     across = np.where(inside, 1.0, np.abs(x) * t + y * root)
     before = -np.sign(x) * (t - s * y) * (t + s * y) / across
+    if front:  # where the sign at the root is that of -x, nothing cancels
+        turned = (x > 0) & (s * x < front * r)
+        before = np.where(turned, -(x * t + y * root) / square, before)
     real = np.where(inside, -x * t / square, before)
     return real + 1j * np.where(inside, y * root / square, 0.0)
 
@@ -37,7 +51,9 @@ def is_singular(primitives: Primitives, x: Array, y: Array, t: Array) -> np.ndar
     edge = (x == 0) & (y == 0)
     away = np.where(edge, t, x)
     at_front = [
-        (t >= s * y) & primitives.at_centre(slowness(away, y, t, s)) for s in primitives.slownesses
+        (t >= primitives.front * away + np.sqrt(s**2 - primitives.front**2) * y)
+        & primitives.at_centre(slowness(away, y, t, s, primitives.front))
+        for s in primitives.slownesses
     ]
     return edge | np.logical_or.reduce(at_front)
 
@@ -55,20 +71,43 @@ def upper(primitives: Primitives, x: Array, y: Array, t: Array, close: float) ->
     result = np.zeros((7, len(x)))
     a = primitives.slownesses[0]
     for s in primitives.slownesses:
-        here = np.flatnonzero((t > s * y) & ~near)
+        here = np.flatnonzero(arrives(x, y, t, s, primitives.front) & ~near)
         at = x[here], y[here], t[here]
-        values = primitives(slowness(*at, s), close)
+        values = primitives(slowness(*at, s, primitives.front), close)
         result[:, here] += _of_p(values, *at, a) if s == a else _of_s(values, *at)
     here = np.flatnonzero(near)
     result[:, here] = _beside_edge(primitives, x[here], y[here], t[here], close)
     return result / np.pi
 
 
+def reflected(primitives: Primitives, x: Array, y: Array, t: Array) -> Array:
+    """Return the fields (7, m) or (4, m) at points (m,) at times t <= 0, y >= 0.
+
+    They are the plane waves of a load that comes along the slot, and 0 without one.
+    """
+    alone = len(primitives.slownesses) == 1
+    result = np.zeros((4 if alone else 7, len(x)))
+    if not primitives.front:
+        return result
+    for s in primitives.slownesses:
+        here = np.flatnonzero(arrives(x, y, t, s, primitives.front))
+        at = x[here], y[here], t[here]
+        values = np.repeat(primitives.behind_front[:, None], len(here), axis=1)
+        if alone:
+            one, k, beta = values.imag
+            result[:, here] = one, k, beta, at[2] * one + at[0] * k + at[1] * beta
+        elif s == primitives.slownesses[0]:
+            result[:, here] += _of_p(values, *at, s)
+        else:
+            result[:, here] += _of_s(values, *at)
+    return result / np.pi
+
+
 def _antiplane(primitives: Primitives, x: Array, y: Array, t: Array, close: float) -> Array:
     result = np.zeros((4, len(x)))
-    here = np.flatnonzero(t > y)
+    here = np.flatnonzero(arrives(x, y, t, 1.0, primitives.front))
     x, y, t = x[here], y[here], t[here]
-    one, k, beta = primitives(slowness(x, y, t, 1.0), close).imag
+    one, k, beta = primitives(slowness(x, y, t, 1.0, primitives.front), close).imag
     result[:, here] = one, k, beta, t * one + x * k + y * beta
     return result / np.pi
 

@@ -17,7 +17,14 @@ import numpy as np
 
 from semianalytic.field import tuning
 from semianalytic.field.transform import Centre, Transform
-from semianalytic.field.waves import SHEAR, Complex, Slowness, densities, plane_wave
+from semianalytic.field.waves import (
+    SHEAR,
+    Complex,
+    Slowness,
+    densities,
+    plane_wave,
+    reflected_wave,
+)
 from semianalytic.halfplane.rayleigh import Array, Mode
 
 
@@ -77,7 +84,23 @@ class Primitives:
         right = [*factors.cuts, factors.front_c] if factors.has_rayleigh_wave else [factors.front_b]
         if factors.has_rayleigh_wave:
             right.insert(0, factors.front_a)
-        return [*reversed(ends), Centre(0), *(Centre(1, point) for point in right)]
+        every = [*ends, self.parting, *(Centre(1, point) for point in right)]
+        pole = self.transform.pole
+        if pole is not None and all(one.distance(pole) != 0.0 for one in every):
+            every.append(pole)
+        return sorted(every, key=lambda centre: centre.place)
+
+    @cached_property
+    def parting(self) -> Centre:
+        """The pole of the densities between -a and a, which parts what is ahead from what is
+        behind.
+
+        It is 0, or the pole of a load whose front is faster than all waves.
+        """
+        pole = self.transform.pole
+        if pole is None or not abs(pole.place) < self.slownesses[0]:
+            return Centre(0)
+        return pole
 
     @cached_property
     def _places(self) -> Array:
@@ -85,7 +108,7 @@ class Primitives:
 
     @cached_property
     def _zero(self) -> int:
-        return next(i for i, centre in enumerate(self.centres) if not centre.sign)
+        return next(i for i, centre in enumerate(self.centres) if centre is self.parting)
 
     @property
     def reach(self) -> float:
@@ -107,6 +130,16 @@ class Primitives:
     def _tops(self) -> Array:
         """Logarithms (c, 2) of the radius of each side of a centre beside the axis."""
         return np.log(self._gaps / (2 * np.cos(_STEP)))
+
+    @property
+    def front(self) -> float:
+        """Slowness p of the front of the load along the slot; 0 unless it comes along it, p > 0."""
+        return max(self.transform.fields.load.slowness, 0.0)
+
+    @property
+    def behind_front(self) -> Complex:
+        """All integrals behind the plane wave of a load that comes along the slot."""
+        return self._behind
 
     @property
     def slownesses(self) -> tuple[float, ...]:
@@ -267,6 +300,11 @@ class Primitives:
     def _behind(self) -> Complex:
         """All integrals where no wave from the edge has come, x < 0: plane waves of the load."""
         factors, load = self.transform.fields.factors, self.transform.fields.load
+        if self.transform.pole is not None:
+            if self.parting is not self.transform.pole:  # no plane wave is ahead of others
+                return self._ahead
+            reflected = reflected_wave(factors, self._mode, load.load_shear, load.slowness)
+            return self._ahead - reflected
         at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
         return self._ahead - plane_wave(at_zero, self._mode, factors.a)
 
@@ -291,8 +329,9 @@ class Primitives:
         Where they are singular, they are taken at the distance `close`.
         """
         result = np.empty((len(k), len(self._ahead)), dtype=complex)
-        still = (k.imag == 0) & (np.abs(k.real) < self.transform.fields.factors.a) & (k != 0)
-        result[still] = np.where(k[still, None].real < 0, self._ahead, self._behind)
+        parting = self.parting.place
+        still = (k.imag == 0) & (np.abs(k.real) < self.transform.fields.factors.a) & (k != parting)
+        result[still] = np.where(k[still, None].real < parting, self._ahead, self._behind)
         if not still.all():
             result[~still] = self._looked_up(k[~still], close)
         return result.T

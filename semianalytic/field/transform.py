@@ -8,6 +8,9 @@ that of a function known everywhere:
 
 in which the errors of the rule, those of a pole nearby above all, are the same above and below.
 rho falls off fast enough at infinity and has its only pole in the lower half.
+
+A load whose front moves over the slot with slowness p gives T a pole at k = -p and T(0) = 0:
+T (k + p) / k takes its place, which has neither.
 """
 
 from __future__ import annotations
@@ -100,7 +103,7 @@ class Transform:
         at which T is known.
         """
         panels, beyond = self.fields.panels, self._beyond[0]
-        knots = np.arange(len(self._borders) + 1.0)
+        knots = self._knots
         sent = panels.jacobian * self._cut.imag
         for knot in knots:
             sent = sent / -(panels.at.v + knot)
@@ -113,11 +116,36 @@ class Transform:
             result += value * np.prod((k[:, None] - others) / (knot - others), axis=1)
         return result
 
+    @property
+    def _slowness(self) -> float:
+        """Slowness p of the front of the load."""
+        return self.fields.load.slowness
+
+    @cached_property
+    def pole(self) -> Centre | None:
+        """The pole of T at k = -p; None if the load comes at once, with T(0) in its place."""
+        slowness = self._slowness
+        if not slowness:
+            return None
+        return Centre(-1 if slowness > 0 else 1, self.fields.factors.cut([abs(slowness)]))
+
+    @property
+    def _knots(self) -> Array:
+        """Points k at which T is known: 0 and more, or some away from the pole and from 0."""
+        knots = np.arange(len(self._borders) + 1.0)
+        if not self._slowness:
+            return knots
+        beside = np.abs(knots + 1.0 + self._slowness).min() < tuning.BESIDE_POLE
+        return knots + (1.5 if beside else 1.0)
+
     def _known(self, knots: Array) -> Array:
         """Return T times its factors at 0 and at some k > 0."""
         fields, load = self.fields, self.fields.load
         value = fields.stick_transform_off_cut(knots) * fields.factors.m_plus(knots)
-        value[0] = float(np.ravel(load.load_shear - load.far_slip_rate)[0])
+        if self._slowness:
+            value *= (knots + self._slowness) / knots
+        else:
+            value[0] = float(np.ravel(load.load_shear - load.far_slip_rate)[0])
         for border in self._borders:
             value = value * (knots - border.place)
         return np.asarray(value)
@@ -126,6 +154,8 @@ class Transform:
     def _cut(self) -> Complex:
         """T times its factors on the panels."""
         result, panels = self.fields.transform, self.fields.panels
+        if self._slowness:
+            result = result * (panels.at.v - self._slowness) / panels.at.v
         for border in self._borders:
             result = result * -panels.from_ends[border.end]
         return result
@@ -148,7 +178,8 @@ class Transform:
             left, right = -panels.at.v - centre.place, self._beyond[0] - a - centre.place
         else:
             right = self._beyond[0] + centre.point.first[1]
-            own = panels.from_ends[centre.end] if centre.end is not None else panels.at.from_c
+            own = panels.from_ends[centre.end] if centre.end is not None else None
+            own = panels.at.minus(centre.point) if own is None else own
             left = -own
         return np.concatenate([left.ravel(), right])
 
@@ -175,6 +206,8 @@ class Transform:
                 result[row] = above / below
         for border in self._borders:
             result /= offset + border.distance(centre)
+        if self.pole is not None:
+            result *= (centre.place + offset) / (offset + self.pole.distance(centre))
         return result
 
 

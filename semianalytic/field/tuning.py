@@ -8,6 +8,9 @@ k^1/2 at most, so the integrand falls like k^-3/2."""
 MIDDLE = 1.0
 """Point at which the axis right of the cut is divided, and the least scale of k: the pole of the
 fading factor then sees no panel under more than a right angle, within the strip of the rule."""
+BESIDE_POLE = 0.25
+"""Distance of a point at which T is taken as known from the pole of a load that moves; of points
+1/2 apart one is always farther."""
 CACHED_KERNEL = 60_000
 """Values of the kernel that are formed at once, so that they stay in the processor's cache."""
 NEGLIGIBLE = 0.01

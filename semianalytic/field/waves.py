@@ -124,6 +124,22 @@ def densities(at: Slowness, transform: Complex, mode: Mode) -> Complex:
     )
 
 
+def reflected_wave(factors: RayleighFactors, mode: Mode, load: float, slowness: float) -> Complex:
+    """Return the change of all integrals from k > -p to k < -p for a load of slowness p, |p| < a.
+
+    The path passes above the pole k = -p of the densities, at which T has the residue -p times the
+    load.  It is i pi times a plane wave, that of the load before anything comes from the edge, and
+    `plane_wave` for p -> 0.
+    """
+    k = np.array([-slowness + 0j])
+    fronts = np.array([[factors.a], [1.0], [factors.in_plane.c]])
+    at = Slowness(factors, k, k + fronts, k - fronts)
+    result = 1j * np.pi * densities(at, np.array([-slowness * load + 0j]), mode)[:, 0]
+    if mode != "III":
+        result[SHEAR] = 0.0
+    return result
+
+
 def plane_wave(transform: float, mode: Mode, a: float) -> Complex:
     """Return the change of all integrals from 0 < k < a to -a < k < 0.
 

@@ -120,7 +120,7 @@ class RayleighFamily(RayleighFactors):
 class _StuckFamily(StuckTraction):
     """Stuck tractions of a family, at slownesses u that broadcast to (..., k, n)."""
 
-    series: tuple[Array, Array]
+    series: tuple[Array, Array] = field(kw_only=True)
 
     @cached_property
     def _scale(self) -> Any:
@@ -145,8 +145,10 @@ class _StuckFamily(StuckTraction):
 
 
 @traction_of.register
-def _(factors: RayleighFamily, mode: Mode) -> StuckTraction:
-    return _StuckFamily(factors, mode, factors.tables.stuck[mode])
+def _(factors: RayleighFamily, mode: Mode, slowness: float = 0.0) -> StuckTraction:
+    if slowness:
+        raise ValueError("families hold tables of loads that come at once")
+    return _StuckFamily(factors, mode, series=factors.tables.stuck[mode])
 
 
 def _summed(x: Array, series: Array) -> Array:

@@ -254,6 +254,35 @@ class RayleighFactors:
         c, root = self.in_plane.c, 1.0 if mode == "II" else self.a
         return (c + k) * self.s_plus(k) / np.sqrt(root + k)
 
+    def m_plus_at_load(self, slowness: float, mode: Mode) -> Any:
+        """Return M_+(-p) for a load whose front moves with slowness p < a; M_+(0) for p = 0."""
+        if not slowness:
+            return self.m_plus_at_zero[mode]
+        return self.m_plus_off_cut(-slowness, mode)
+
+    def m_plus_off_cut(self, k: float, mode: Mode | None = None) -> float:
+        """Return M_+ at a number k > -a off the cut (k > -b in mode III).
+
+        Ahead of the cut, -a < k < 0, it is M(k) / (kappa M_+(-k)), where M is real.
+        """
+        mode = mode or self.mode
+        if k >= 0 or mode == "III":
+            return float(self.m_plus(k, mode))
+        alpha, beta = np.sqrt((self.a - k) * (self.a + k)), np.sqrt((1 - k) * (1 + k))
+        rayleigh = (1 - 2 * k * k) ** 2 + 4 * k * k * alpha * beta
+        impedance = rayleigh / (beta if mode == "II" else alpha)
+        return float(impedance / (self.in_plane.kappa * self.m_plus(-k, mode)))
+
+    @cached_property
+    def log_m_plus_far(self) -> tuple[float, float]:
+        """Coefficients (l_1, l_2) of ln(M_+(k) / sqrt(k)) = l_1 / k + l_2 / k^2 + ..., large k."""
+        r = self.root_slowness
+        if not self.has_rayleigh_wave:
+            return 0.5 * r, -0.25 * r * r
+        c, (at, density) = self.in_plane.c, self.in_plane._phase_rule
+        moments = float(density.sum()), float(density @ at.v)
+        return c - r / 2 - moments[0], -c * c / 2 + r * r / 4 + moments[1]
+
     @cached_property
     def _spurious_roots(self) -> tuple[float, float]:
         """Coefficients (e1, e0) of z^2 + e1 z + e0, z = v^2: roots of R R* other than c^2."""

@@ -3,6 +3,9 @@
 q*(u) and p*(u) of the article's (3.10)-(3.16) without the constant, as functions of the
 slowness u = t/x.  Each is tabulated once per Poisson ratio as Chebyshev series of what is
 left after its square-root behaviour at the wave fronts is divided out.
+
+A load whose front moves over the slot with slowness p has v - p in place of v and M_+(-p) in place
+of M_+(0) (docs/theory.md, "Loads whose front moves").
 """
 
 from __future__ import annotations
@@ -31,11 +34,16 @@ NEAR_FRONT = 0.04
 ARCTAN_SERIES = np.array([(-1) ** k / (2 * k + 3) for k in range(12)])
 """Coefficients of (r - arctan r) / r^3 in powers of r^2, which keep all digits for small r."""
 
-_DEGREE = 128
+_DEGREE, _DEGREES = 128, (128, 512, 2048)
+"""Degree of the tables, and degrees that are tried for a moving front, whose pole at v = p lies at
+an end of the first table for p -> a, and at an end of the second for p -> -inf.  0.99 a takes 564,
+-1e4 takes 800; with half of the last, p = -1e5 loses two digits of twelve, and with twice none."""
 _GAUSS = 48
 
 
-def series_behind_front(slope: Callable[[Array], Array], start: float, power: int) -> Array:
+def series_behind_front(
+    slope: Callable[[Array], Array], start: float, power: int, slowness: float = 0.0
+) -> Array:
     """Return the Chebyshev series in (s - 1)/(s + 1) of [start + int_0^s slope] / (s + 1)^power."""
     t, weight = gauss(24)
 
@@ -46,26 +54,55 @@ def series_behind_front(slope: Callable[[Array], Array], start: float, power: in
         gain = width * (slope(ends[:-1, None] + width[:, None] * t) @ weight)
         return (start + np.cumsum(gain))[::-1] / (s + 1) ** power
 
-    return chebyshev_series(series, _DEGREE)
+    return _resolved(series, slowness)
+
+
+def _resolved(series: Callable[[Array], Array], slowness: float) -> Array:
+    """Return a Chebyshev series; for a moving front, of as high a degree as it needs."""
+    for degree in _DEGREES if slowness else (_DEGREE,):
+        found = chebyshev_series(series, degree)
+        if len(found) < 0.8 * degree:
+            break
+    return found
 
 
 @dataclass(frozen=True)
 class StuckTraction:
     """The traction p* (mode I) or q* (mode II) per unit step, b = 1.
 
-    Use `stuck_traction(poisson_ratio, mode)`, which keeps the tables.
+    Use `stuck_traction(poisson_ratio, mode, slowness)`, which keeps the tables.
+
+    Attributes
+    ----------
+    factors : RayleighFactors
+    mode : "I", "II" or "III"
+    slowness : float
+        p, that of the front of the load over the slot, below the first front [b].
     """
 
     factors: RayleighFactors
     mode: Mode
+    slowness: float = 0.0
+
+    @cached_property
+    def m_plus_at_load(self) -> float:
+        """M_+(-p), M_+(0) for a load that comes at once: K and T of a unit step are over it."""
+        return float(self.factors.m_plus_at_load(self.slowness, self.mode))
 
     @cached_property
     def _scale(self) -> float:
-        """The constant 1 / (pi kappa M_+(0)) of (3.11), (3.15)."""
-        return float(1 / (np.pi * self.factors.kappa * self.factors.m_plus_at_zero[self.mode]))
+        """The constant 1 / (pi kappa M_+(-p)) of (3.11), (3.15)."""
+        return float(1 / (np.pi * self.factors.kappa * self.m_plus_at_load))
+
+    def _from_load(self, v: Array) -> Array:
+        """Return v - p, v itself for a load that comes at once."""
+        return v - self.slowness if self.slowness else v
 
     def derivative(self, u: ArrayLike) -> Array:
-        """Return d/du of the traction, Im M(-u + i0) / (pi kappa M_+(0) u M_+(u)); 0 for u < a."""
+        """Return d/du of the traction, Im M(-u + i0) / (pi kappa M_+(-p) (u - p) M_+(u)).
+
+        It is 0 for u < a.
+        """
         u = np.asarray(u, dtype=float)
         inside = np.where(u > self.factors.a, u, 2.0)
         return np.where(u > self.factors.a, self.slope(self.factors.cut(inside)), 0.0)
@@ -73,7 +110,7 @@ class StuckTraction:
     def slope(self, at: CutPoints) -> Array:
         """Return d/du of the traction at points on the cut."""
         imag = self.factors.impedance_on_cut(at, self.mode).imag
-        return self._scale * imag / (at.v * self.factors.m_plus(at.v, self.mode))
+        return self._scale * imag / (self._from_load(at.v) * self.factors.m_plus(at.v, self.mode))
 
     @cached_property
     def _before_shear_front(self) -> Array:
@@ -83,12 +120,12 @@ class StuckTraction:
 
         def series(z: Array) -> Array:
             v = a + (1 - a) * (z[:, None] + 1) / 2 * t**2
-            m = self._scale / (v * self.factors.m_plus(v, self.mode))
+            m = self._scale / (self._from_load(v) * self.factors.m_plus(v, self.mode))
             if self.mode == "II":
                 return (8 * v**2 * np.sqrt(v + a) * m * t**2) @ weight
             return -(2 * np.square(1 - 2 * v**2) / np.sqrt(v + a) * m) @ weight
 
-        return chebyshev_series(series, _DEGREE)
+        return _resolved(series, self.slowness)
 
     @cached_property
     def _behind_shear_front(self) -> Array:
@@ -100,9 +137,11 @@ class StuckTraction:
             if self.mode == "I":
                 root = np.sqrt(v * v - self.factors.a**2) / s
             rayleigh = self.factors.reduced_rayleigh(v) * (v * v - self.factors.c**2)
-            return 2 * self._scale * rayleigh / (root * v * self.factors.m_plus(v, self.mode))
+            across = root * self._from_load(v)
+            return 2 * self._scale * rayleigh / (across * self.factors.m_plus(v, self.mode))
 
-        return series_behind_front(slope, float(self._near(np.array(1 - self.factors.a))), 1)
+        start = float(self._near(np.array(1 - self.factors.a)))
+        return series_behind_front(slope, start, 1, self.slowness)
 
     @cached_property
     def at_rayleigh_front(self) -> float:
@@ -129,11 +168,14 @@ class StuckTraction:
 
 
 class AntiplaneTraction(StuckTraction):
-    """The traction q* in mode III, (2/pi) (r - arctan r), r^2 = u/b - 1, for every solid."""
+    """The traction q* in mode III, (2/pi) (r - arctan r), for every solid.
+
+    r^2 is u/b - 1, over 1 - p/b for a front of slowness p.
+    """
 
     def at(self, points: CutPoints) -> Array:
         """Return the traction at points on the cut; 0 ahead of the shear front."""
-        z = np.maximum(points.from_b, 0.0)
+        z = np.maximum(points.from_b, 0.0) / (1 - self.slowness)
         root = np.sqrt(z)
         series = z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), ARCTAN_SERIES)
         whole = np.where(z < NEAR_FRONT, series, root - np.arctan(root))
@@ -141,8 +183,10 @@ class AntiplaneTraction(StuckTraction):
 
 
 @lru_cache(maxsize=64)
-def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
+def stuck_traction(poisson_ratio: float, mode: Mode, slowness: float = 0.0) -> StuckTraction:
     """Return p* (mode I) or q* (modes II and III) for a Poisson ratio; its tables are cached.
+
+    `slowness` is that of the front of the load over the slot [b], 0 for one that comes at once.
 
     Raises
     ------
@@ -150,14 +194,14 @@ def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
         If the Poisson ratio is not in (-1, 0.5).
     """
     if mode == "III":
-        return AntiplaneTraction(rayleigh_factors(poisson_ratio, mode), mode)
-    return StuckTraction(rayleigh_factors(poisson_ratio), mode)
+        return AntiplaneTraction(rayleigh_factors(poisson_ratio, mode), mode, slowness)
+    return StuckTraction(rayleigh_factors(poisson_ratio), mode, slowness)
 
 
 @singledispatch
-def traction_of(factors: RayleighFactors, mode: Mode) -> StuckTraction:
+def traction_of(factors: RayleighFactors, mode: Mode, slowness: float = 0.0) -> StuckTraction:
     """Return p* (mode I) or q* (mode II) of the half-plane of some factors."""
-    return stuck_traction(factors.poisson_ratio, mode)
+    return stuck_traction(factors.poisson_ratio, mode, slowness)
 
 
 def stress_intensity(

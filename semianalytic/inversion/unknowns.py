@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from semianalytic.inversion.gauges import Gauge
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.incident import GRAZING, OF_FRONT, IncidentWave, MovingLoad
+from semianalytic.scene.named import override_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivative import PARAMETERS, parameter
 
@@ -22,6 +25,10 @@ UNKNOWNS = (*SOLVED, *SETUP)
 DIMENSIONS: Mapping[str, str] = {
     **dict.fromkeys(("base_pressure", "base_shear", "load_pressure", "load_shear"), "stress"),
     "viscosity": "stress time / length",
+    "angle": "degrees",
+    "wave_velocity": "length / time",
+    "wave_stress": "stress",
+    "load_speed": "length / time",
     "shear_modulus": "stress",
     "density": "mass / length^3",
     "t0": "time",
@@ -100,7 +107,7 @@ class Unknowns:
         tractions: dict[str, dict[str, float]] = {"base": {}, "load": {}}
         for name, value in zip(self.names, map(float, values), strict=True):
             part, _, kind = name.partition("_")
-            if part in tractions:
+            if part in tractions and name not in OF_FRONT:
                 tractions[part][kind] = value
             elif name in SOLVED:
                 scene = with_parameter(scene, name, value)
@@ -126,12 +133,18 @@ class Unknowns:
             return 0.1 * self.duration
         if name == "x0":
             return 0.1 * self.duration * scene.material.shear_speed
+        if name == "angle":
+            return 5.0
+        if name == "wave_velocity":
+            return 0.1 * self._stress / scene.material.shear_impedance
+        if name == "load_speed":
+            return 0.1 * scene.material.shear_speed
         return 0.1 * self._stress if name in PARAMETERS else 0.0
 
     @property
     def _stress(self) -> float:
         """The largest traction of the scene [stress]."""
-        parts = (self.scene.base, self.scene.load)
+        parts = (self.scene.base, self.scene.superposition.taken_off)
         return max(abs(one) for part in parts for one in (part.pressure, part.shear)) or 1.0
 
     def bounds(self, name: str) -> tuple[float, float]:
@@ -140,6 +153,11 @@ class Unknowns:
             return -0.95, 0.499
         if name in ("friction", "base_pressure", "viscosity"):
             return 0.0, float("inf")
+        if name == "angle":
+            return -GRAZING, GRAZING
+        if name == "load_speed":  # no front of no speed lies between
+            least = _TINY * self.scene.material.shear_speed
+            return (least, float("inf")) if self.value(name) > 0 else (float("-inf"), -least)
         if name in MATERIAL or name.startswith("gain"):
             return _TINY * self.size(name), float("inf")
         return float("-inf"), float("inf")
@@ -155,6 +173,8 @@ class Unknowns:
             return 0.0, 4 * self.size(name)
         if name in MATERIAL:
             return 0.6 * value, 1.6 * value
+        if name == "angle":
+            return max(value - 25.0, -80.0), min(value + 25.0, 80.0)
         if name.startswith("gain"):
             return 0.5 * value, 2 * value
         if name in SETUP:
@@ -179,12 +199,27 @@ def with_parameter(scene: Scene, name: str, value: float) -> Scene:
         return replace(scene, material=replace(scene.material, **{name: value}))
     if name == "viscosity":
         return replace(scene, friction_law=ViscousFriction(value))
+    if name in OF_FRONT:
+        changed: Mapping[str, Any] = {name: value}
+        return override_scene(scene, **changed)
     part, kind = name.split("_")
     return replace(scene, **{part: replace(getattr(scene, part), **{kind: value})})
 
 
+def _of_front(scene: Scene) -> tuple[str, ...]:
+    """Return the numbers of an incident wave or moving load of a scene, besides tractions."""
+    if isinstance(scene.load, IncidentWave):
+        return "angle", "wave_stress" if scene.load.velocity is None else "wave_velocity"
+    return ("load_speed",) if isinstance(scene.load, MovingLoad) else ()
+
+
 def has_similarity(scene: Scene) -> bool:
-    """Return whether modulus and density enter through units only, and through no friction law."""
+    """Return whether modulus and density enter through units only, and through no friction law.
+
+    The velocity of a wave and the speed of a moving load are in units of the solid too.
+    """
+    if isinstance(scene.load, MovingLoad) or getattr(scene.load, "velocity", None) is not None:
+        return False
     return type(scene.friction_law) is CoulombFriction
 
 
@@ -201,6 +236,17 @@ def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene)
             raise SceneError(
                 f"fit: parameters must be among {known} and gain:NAME, got {shown(name)}."
             )
+    for name in names:
+        if name in OF_FRONT and name not in _of_front(scene):
+            known = ", ".join(_of_front(scene)) or "none"
+            raise SceneError(
+                f"fit: the load of the scene has no {name}; of {', '.join(OF_FRONT)} it has "
+                f"{known}."
+            )
+    if isinstance(scene.load, IncidentWave) and {"load_pressure", "load_shear"} & set(names):
+        raise SceneError(
+            f"fit: the load is an incident wave; fit {' and '.join(_of_front(scene))}."
+        )
     if "viscosity" in names and not parameter(scene, "viscosity"):
         raise SceneError("fit: viscosity needs ViscousFriction of a positive viscosity in scene.")
     if not names or len(set(names)) < len(names):

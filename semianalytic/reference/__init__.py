@@ -20,6 +20,8 @@ Closed forms, at velocities x/t (chi = f P / Q_0):
   pressure on the slot faces;
 - `detached_opening`: it opens around the Rayleigh front, under a sudden pressure on a small base, a
   `DetachedOpening`;
+- `prescribed_crack`: a crack that grows from a point at a given speed, Kostrov's, Burridge's and
+  Broberg's, a `PrescribedCrack`;
 - `weertman_pulse`: a pulse of uniform slip along two different solids, a `WeertmanPulse`.
 
 The algorithm of section 5 and Appendix B, in every reading its text allows:
@@ -52,6 +54,7 @@ from semianalytic.reference.openings import (
     edge_speed_of_opening,
     gap_rate_of_opening,
 )
+from semianalytic.reference.prescribed_crack import PrescribedCrack, prescribed_crack
 from semianalytic.reference.published import (
     ARTICLE_POISSON_RATIO,
     ARTICLE_SHEAR_SLOWNESS,
@@ -79,6 +82,7 @@ __all__ = [
     "DEFAULT_READING",
     "REVERSE_LIMIT",
     "DetachedOpening",
+    "PrescribedCrack",
     "PublishedGrid",
     "PublishedSlip",
     "Reading",
@@ -97,6 +101,7 @@ __all__ = [
     "examine_reading",
     "gap_rate_of_opening",
     "kernel_primitives",
+    "prescribed_crack",
     "published_grid",
     "published_slip",
     "readings",

@@ -53,7 +53,8 @@ def closed_form(scene: Scene) -> KnownAnswer:
     """
     material, friction, (held, load) = scene.material, scene.friction, scene.superposition
     pressure, shear = load.pressure, load.shear
-    if not (scene.is_step and scene.friction_law == CoulombFriction()):
+    plain = scene.is_step and scene.friction_law == CoulombFriction()
+    if not plain or scene.front_slowness:
         raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
     if scene.antiplane:
         return _antiplane_form(scene)
@@ -94,6 +95,8 @@ def published_obstacle(scene: Scene) -> str:
     """
     if not scene.is_step:
         return "its loads are not steps"
+    if scene.front_slowness:
+        return "its load moves along the interface"
     if scene.friction_law != CoulombFriction():
         return "its strength depends on slip"
     if scene.antiplane:

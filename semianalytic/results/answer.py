@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.datasets import dataset
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -20,6 +22,8 @@ FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
 """Methods of positions and times."""
 TOTALS = ("max_slip", "accumulated_slip", "frictional_work")
 """Methods of times alone."""
+ARRIVALS = ("slip", "forward", "reverse", "opening")
+"""What may arrive at a position: slip of either sense, slip of one sense, an open contact."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +194,13 @@ class BodyFields(Protocol):
 @runtime_checkable
 class WholeFields(Answer, BodyFields, Protocol):
     """An answer that holds the fields in the bodies as well as those of the contact."""
+
+
+def checked_arrival(of: object) -> str:
+    """Return what arrives, one of `ARRIVALS`; raise SceneError for anything else."""
+    if of not in ARRIVALS:
+        raise SceneError(f"arrival: of must be one of {', '.join(ARRIVALS)}, got {shown(of)}.")
+    return str(of)
 
 
 def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:

@@ -18,11 +18,14 @@ from semianalytic.results.answer import (
     OpenInterval,
     SlipInterval,
     answer_dataset,
+    checked_arrival,
     sampled_history,
 )
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.reading import Reading, sampled_reading
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -31,6 +34,9 @@ _ROUNDING = 1e-9
 """Relative amount by which a time or position may exceed the last one."""
 _EDGE_STEPS = 2
 """Largest distance of an edge beyond the last sample that slips, in steps of the samples."""
+ONSET_SHARE = 0.01
+"""Fraction of the largest slip rate so far that counts as the beginning of slip.  Grids and damping
+smear a front over a few nodes: a tenth of the value would let it begin ahead of the waves."""
 _NO_SLIP = 1e-6
 """Fraction of the largest recorded slip rate that counts as none; it is exactly 0 in stick."""
 
@@ -69,6 +75,7 @@ class Totals:
         return np.asarray(np.interp(t, self.t, getattr(self, name), left=0.0))
 
 
+@asked_in_units
 class SampledAnswer:
     """An `Answer` that interpolates between samples, linearly in position and time.
 
@@ -141,6 +148,96 @@ class SampledAnswer:
         Errors are those of `max_slip`.
         """
         return self.totals.at("frictional_work", t)
+
+    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
+        """Return the first time at which the sides slip, or come apart, at x [time].
+
+        Slip has begun where its rate passes 1 % of the largest one anywhere until then, and an
+        opening at the first stored level with a gap.  Times are interpolated linearly between
+        levels and nodes.
+
+        Parameters
+        ----------
+        x : array
+            Positions [length], positive, within what was recorded.
+        of : str
+            "slip" of either sense, "forward" or "reverse" for slip towards +x or -x alone, or
+            "opening".  Slip includes the motion of open parts.
+
+        Returns
+        -------
+        array
+            Times of the shape of x; inf where it has not come by the end.
+
+        Raises
+        ------
+        SceneError
+            If a position is not finite, off the contact or beyond the nodes, or there is no such
+            arrival.
+        """
+        x, onset = np.asarray(x, dtype=float), self._onset(checked_arrival(of))
+        _check_positions(x, self.interface.x)
+        return self._between_nodes(x, onset)
+
+    def first_motion(self, x: ArrayLike, of: str = "slip") -> Array:
+        """Return the first time at which anything moves at x [time]; parameters as `arrival`.
+
+        A slip rate of a millionth of the largest one counts here, so that this is the time of the
+        slowest precursor that the grid shows.
+        """
+        x = np.asarray(x, dtype=float)
+        return self._between_nodes(x, self._onset(checked_arrival(of), _NO_SLIP))
+
+    def _between_nodes(self, x: Array, onset: Array) -> Array:
+        """Interpolate times (n,) at the nodes, some of which may be inf."""
+        left, right, along = _between(self.interface.x, x)
+        nearest = np.where(along < 0.5, onset[left], onset[right])
+        both = np.isfinite(onset[left]) & np.isfinite(onset[right])
+        first, second = (np.where(both, onset[side], 0.0) for side in (left, right))
+        return np.where(both, (1 - along) * first + along * second, nearest)
+
+    def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
+        """Return the times at which something begins at the nodes, from the stored levels (n,).
+
+        A share of the largest slip rate so far counts as slip.
+        """
+        seen = self.interface
+        if of == "opening":
+            opened = seen.gap > 0
+            return np.where(opened.any(axis=0), seen.t[opened.argmax(axis=0)], np.inf)
+        rate = {"forward": 1.0, "reverse": -1.0}.get(of, 0.0) * seen.slip_rate
+        rate = np.maximum(rate, 0.0) if of != "slip" else np.abs(seen.slip_rate)
+        largest = np.maximum.accumulate(np.abs(seen.slip_rate).max(axis=1, initial=0.0))
+        # rounding moves nodes of elements before any slip, when nothing larger was there
+        threshold = np.maximum(share * largest, _NO_SLIP * largest[-1])[:, None]
+        begun = rate > threshold
+        level = begun.argmax(axis=0)
+        before, node = np.maximum(level - 1, 0), np.arange(len(seen.x))
+        late, speed = rate[before, node], rate[level, node]
+        rise = np.where(speed > late, speed - late, 1.0)
+        along = np.clip((threshold[level, 0] - late) / rise, 0.0, 1.0)
+        times = seen.t[before] + (seen.t[level] - seen.t[before]) * along
+        return np.where(begun.any(axis=0), times, np.inf)
+
+    def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
+        """Return what happens at x until t, arrivals and fields, each with a bar of its error.
+
+        A bar is 1.6 times the largest difference from the companion with half the nodes, within
+        two of its nodes around the point and as far in time; arrivals have the time a shear wave
+        takes between two of these nodes besides.  It is inf without a companion.  Read `status`
+        too: bars do not hold where it says "unresolved".
+
+        Parameters
+        ----------
+        x, t : arrays
+            Positions [length] and times [time], which broadcast.
+
+        Raises
+        ------
+        SceneError
+            If x or t is not finite, not on the contact, or beyond what was recorded.
+        """
+        return sampled_reading(self, x, t)
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
         """Return the parts that slip at a time, from the contact edge outward.

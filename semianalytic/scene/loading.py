@@ -5,7 +5,8 @@ y = 0 carries tractions "in place".  The slot is made by taking tractions off it
 waves run out.  A load on the slot leaves the base in place and takes the load off.  A load from far
 away is a plane wave of normal incidence that both half-planes would let through as one body: from
 t = 0 on the whole line carries base and load, and the load is taken off the slot faces, which keep
-the base.
+the base.  A wave that arrives at an angle, or a load that moves over the slot, does the same behind
+a front t = p x of slowness p (`Scene.front_slowness`, semianalytic/scene/incident.py).
 """
 
 from __future__ import annotations
@@ -17,8 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import checked_number
+from semianalytic.scene.given.quantities import with_quantities
 
 if TYPE_CHECKING:
+    from semianalytic.scene.material import Material
     from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -28,6 +31,7 @@ LOADED = (SLOT, REMOTE)
 """Places of a load: it is taken off the slot faces, or arrives as a plane wave from far away."""
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Tractions:
     """A uniform pair of tractions [stress]: pressure (positive in compression) and shear.
@@ -64,6 +68,14 @@ class Tractions:
         """Return the sum of two pairs of tractions."""
         return Tractions(self.pressure + other.pressure, self.shear + other.shear)
 
+    def tractions(self, material: Material) -> Tractions:
+        """Return the tractions of this load, themselves in any solid."""
+        return self
+
+    def slowness(self, material: Material) -> float:
+        """Return the slowness of its front along x, 0: it comes everywhere at once."""
+        return 0.0
+
 
 class Superposition(NamedTuple):
     """A load in the form in which all solvers take it.
@@ -71,7 +83,8 @@ class Superposition(NamedTuple):
     Attributes
     ----------
     in_place : Tractions
-        Tractions of the contact from t = 0 on, ahead of the waves from the slot.
+        Tractions of the contact from t = 0 on, or behind the front of a wave that arrives at an
+        angle, ahead of the waves from the slot.
     taken_off : Tractions
         Tractions taken off the slot faces, each to be multiplied by its history f(t).
     """
@@ -82,9 +95,10 @@ class Superposition(NamedTuple):
 
 def superposition(scene: Scene) -> Superposition:
     """Return the tractions in place on the interface of a scene, and those taken off its slot."""
-    if scene.load_on == REMOTE:
-        return Superposition(scene.base.plus(scene.load), scene.load)
-    return Superposition(scene.base, scene.load)
+    load = scene.load.tractions(scene.material)
+    if scene.arrives:
+        return Superposition(scene.base.plus(load), load)
+    return Superposition(scene.base, load)
 
 
 def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
@@ -107,15 +121,20 @@ def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
     part, _, kind = name.partition("_")
     if part not in ("base", "load"):
         return ()
-    comes_everywhere = part == "load" and scene.load_on == REMOTE
+    comes_everywhere = part == "load" and scene.arrives
     return (f"base_{kind}", name) if comes_everywhere else (name,)
 
 
-def traction_ahead(scene: Scene, kind: Literal["pressure", "shear"], t: ArrayLike) -> Array:
+def traction_ahead(
+    scene: Scene, kind: Literal["pressure", "shear"], x: ArrayLike, t: ArrayLike
+) -> Array:
     """Return a traction of the contact ahead of the waves from the slot [stress].
 
-    It is that of the base before t = 0 and the traction in place from then on.  The shape is that
-    of the times t [time].
+    It is that of the base before the front of the load, t = p x, and the traction in place from
+    then on.  The shape is that of the positions x [length] and times t [time] together.
     """
     before, after = getattr(scene.base, kind), getattr(scene.superposition.in_place, kind)
-    return np.where(np.asarray(t, dtype=float) < 0, before, after)
+    slowness, lag = scene.front_slowness, np.asarray(t, dtype=float)
+    if slowness:
+        lag = lag - slowness * np.asarray(x, dtype=float)
+    return np.where(lag < 0, before, after)

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import LARGEST, checked_number, checked_size, finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
@@ -166,6 +167,7 @@ class Step(LoadHistory):
         return 0.0
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Ramp(LoadHistory):
     """A load that rises linearly from 0 to 1 and then stays constant.
@@ -227,6 +229,7 @@ class Ramp(LoadHistory):
         return 0.0
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Pulse(LoadHistory):
     """A load that rises and falls back to 0 within a time, with largest value 1.
@@ -295,6 +298,7 @@ class Pulse(LoadHistory):
         )
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Harmonic(LoadHistory):
     """A load that oscillates from t = 0 on: f = sin(2 pi frequency t).
@@ -352,6 +356,7 @@ def _samples(given: Iterable[float]) -> Array:
     return samples
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Tabulated(LoadHistory):
     """A load that is interpolated linearly between samples.

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from semianalytic.scene.checks import checked_number, checked_size
+from semianalytic.scene.given.quantities import with_quantities
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Material:
     """Isotropic linear elastic solid, the same on both sides of the interface.

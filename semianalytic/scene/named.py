@@ -13,10 +13,14 @@ from typing import Any
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
+from semianalytic.scene.given.load_tables import with_tables
+from semianalytic.scene.given.quantities import in_units_of
+from semianalytic.scene.incident import IncidentWave, MovingLoad, overridden_load
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
+from semianalytic.scene.units import PARAMETERS
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
@@ -25,6 +29,14 @@ TABLES = {
 }
 LOWER_MATERIAL = "lower_material"
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
+LINES = ("whole-line-patch", "point-load", "growing-load")
+"""Names of problems without a slot, or with a load that grows, that are no scenes."""
+LINE_KEYS = ("contact", "growth")
+"""Keys by which files of such problems are known."""
+_LINE_HINT = (
+    "has no slot, or a load that grows as a power of time, and only the exact solver knows it: "
+    "slipfront solve, or find_line in Python (docs/whole_line.md)."
+)
 WORDS = ("mode", "load_on", "units")
 """Optional keys whose values are words; the scene checks them."""
 
@@ -88,6 +100,18 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
         Scene(_UNIT_SOLID, 0.5, _PRELOAD, _SHEAR, mode="antiplane"),
         "constant pressure, sudden antiplane shear: one slip zone, all of it in closed form",
     ),
+    "incident-p": NamedScene(
+        Scene(_UNIT_SOLID, 0.4, _PRELOAD, IncidentWave("P", angle=-30.0, stress=-0.6)),
+        "a wave of tension at 30 degrees: the contact opens from its edge, slip runs ahead",
+    ),
+    "incident-sv": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, _PRELOAD, IncidentWave("SV", angle=-20.0, stress=0.3)),
+        "a shear wave at 20 degrees that meets the contact first: slip from the edge",
+    ),
+    "moving-load": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, _PRELOAD, MovingLoad(speed=0.5, pressure=0.0, shear=1.0)),
+        "shear that advances over the slot at half the shear wave's speed",
+    ),
     "lift-off": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, load=Tractions(-1.0, 0.0)),
         "pressure put on the slot: the contact opens from its edge",
@@ -143,8 +167,10 @@ def find_blocks(source: str) -> tuple[Scene, Material | None]:
     """Find a scene like `find_scene`, with the lower material of its file; None without one."""
     if source in NAMED_SCENES:
         return NAMED_SCENES[source].scene, None
-    if _is_file(source):
+    if is_file(source):
         return read_blocks(source)
+    if source in LINES:
+        raise SceneError(f"{source} {_LINE_HINT}")
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin), None
@@ -154,10 +180,23 @@ def find_blocks(source: str) -> tuple[Scene, Material | None]:
     raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
 
 
-def _is_file(source: str) -> bool:
+def is_file(source: str) -> bool:
     """Return whether a source is meant as a file, not as a name."""
     path = Path(source)
     return path.suffix == ".toml" or path.is_file()
+
+
+def describes_line(source: str) -> bool:
+    """Return whether a source names a whole line or a growing load, or is a file of one.
+
+    Raises
+    ------
+    SceneError
+        If it is a file that cannot be read.
+    """
+    if source in LINES:
+        return True
+    return is_file(source) and any(key in read_document(source) for key in LINE_KEYS)
 
 
 def brought_scene(plugin: Plugin) -> Scene:
@@ -187,7 +226,7 @@ def brought_summary(plugin: Plugin) -> str:
 
 def scene_label(source: str) -> str:
     """Return a short name of a scene for titles: its name, or the stem of its file."""
-    named = source in NAMED_SCENES or not _is_file(source)
+    named = source in NAMED_SCENES or not is_file(source)
     return source if named else Path(source).stem
 
 
@@ -212,11 +251,15 @@ def read_scene(path: str | Path) -> Scene:
     """Read the scene that a TOML file describes.
 
     The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
-    ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units.  It may hold
-    ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
-    ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
-    Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on = "remote"``
-    lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.
+    ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units.  ``[load]``
+    may hold ``kind = "incident-wave"`` with wave ("P", "SV" or "SH"), angle, velocity or stress,
+    and from ("below" or "above"), or ``kind = "moving"`` with speed, pressure and shear.
+    It may hold ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time =
+    0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance =
+    1e-5``).  A history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header
+    has units.  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
+    "remote"`` lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s
+    and Pa.
 
     Raises
     ------
@@ -243,8 +286,27 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
 
     That table has the keys of ``[material]``, for the lower block.
     """
+    document = read_document(path)
+    if any(key in document for key in LINE_KEYS):
+        raise SceneError(f"{path} {_LINE_HINT}")
+    _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
+    for table, keys in TABLES.items():
+        if table != "load" or "kind" not in document[table]:  # else `load_from_document` checks it
+            _check_keys(path, f"{table}.", document[table], keys)
+    lower = document.get(LOWER_MATERIAL)
+    if lower is not None:
+        _check_keys(path, f"{LOWER_MATERIAL}.", lower, TABLES["material"])
     try:
-        document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        scene = scene_from_document(with_tables(path, document))
+        return scene, None if lower is None else Material(**lower)
+    except SceneError as error:
+        raise SceneError(f"{path}: {error}") from error
+
+
+def read_document(path: str | Path) -> dict[str, Any]:
+    """Read a TOML file; raise SceneError if it cannot be read, or is none."""
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         reason = error.strerror or str(error)
         raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
@@ -252,17 +314,6 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
         raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
     except RecursionError as error:
         raise SceneError(f"{path} nests brackets too deeply; give a scene file.") from error
-    _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
-    for table, keys in TABLES.items():
-        _check_keys(path, f"{table}.", document[table], keys)
-    lower = document.get(LOWER_MATERIAL)
-    if lower is not None:
-        _check_keys(path, f"{LOWER_MATERIAL}.", lower, TABLES["material"])
-    try:
-        scene = scene_from_document(document)
-        return scene, None if lower is None else Material(**lower)
-    except SceneError as error:
-        raise SceneError(f"{path}: {error}") from error
 
 
 def override_scene(
@@ -279,17 +330,46 @@ def override_scene(
     viscosity: float | None = None,
     mode: str | None = None,
     load_on: str | None = None,
+    wave: str | None = None,
+    angle: float | None = None,
+    wave_velocity: float | None = None,
+    wave_stress: float | None = None,
+    wave_from: str | None = None,
+    load_speed: float | None = None,
+    units: str | None = None,
 ) -> Scene:
     """Return a scene with every parameter replaced that is not None.
 
     Dimensions are those of `Scene`, `Material` and `Tractions`.  A viscosity turns constant
-    friction into viscous friction, and 0 turns it back.
+    friction into viscous friction, and 0 turns it back.  `wave`, `angle`, `wave_velocity` or
+    `wave_stress` and `wave_from` are those of an `IncidentWave`, in place of whatever the scene's
+    load is; `load_speed` is that of a `MovingLoad`, which takes the scene's tractions.  Numbers
+    with units, as quantities of pint, need a scene in SI units.
 
     Raises
     ------
     SceneError
         If the resulting scene is not admissible, or a viscosity is given for friction that weakens.
     """
+    scene = scene if units is None else replace(scene, units=units)
+    given = {
+        "shear_modulus": shear_modulus,
+        "density": density,
+        "poisson_ratio": poisson_ratio,
+        "friction": friction,
+        "base_pressure": base_pressure,
+        "base_shear": base_shear,
+        "load_pressure": load_pressure,
+        "load_shear": load_shear,
+        "load_speed": load_speed,
+        "angle": angle,
+        "wave_velocity": wave_velocity,
+        "wave_stress": wave_stress,
+        "viscosity": viscosity,
+    }
+    for name, value in given.items():
+        parameter = name.removeprefix("base_").removeprefix("load_")
+        in_units_of(scene.units, name.replace("_", " "), value, PARAMETERS[parameter])
     return replace(
         scene,
         material=_replace_given(
@@ -299,7 +379,17 @@ def override_scene(
             poisson_ratio=poisson_ratio,
         ),
         base=_replace_given(scene.base, pressure=base_pressure, shear=base_shear),
-        load=_replace_given(scene.load, pressure=load_pressure, shear=load_shear),
+        load=overridden_load(
+            scene.load,
+            {"pressure": load_pressure, "shear": load_shear, "speed": load_speed},
+            {
+                "kind": wave,
+                "angle": angle,
+                "velocity": wave_velocity,
+                "stress": wave_stress,
+                "from_": wave_from,
+            },
+        ),
         friction=scene.friction if friction is None else friction,
         friction_law=_with_viscosity(scene.friction_law, viscosity),
         mode=scene.mode if mode is None else mode,

@@ -7,7 +7,9 @@ from dataclasses import Field, fields
 from typing import Any, NamedTuple
 
 from semianalytic.scene.friction import FrictionLaw
+from semianalytic.scene.incident import IncidentWave, Load, MovingLoad
 from semianalytic.scene.loads import LoadHistory
+from semianalytic.scene.units import PARAMETERS
 
 
 class Parameter(NamedTuple):
@@ -18,26 +20,46 @@ class Parameter(NamedTuple):
 
 
 MATERIAL: Mapping[str, Parameter] = {
-    "shear_modulus": Parameter("stress", "shear modulus, positive"),
-    "density": Parameter("mass / length^3", "mass density, positive"),
-    "poisson_ratio": Parameter("1", "Poisson ratio, between -1 and 0.5"),
+    "shear_modulus": Parameter(PARAMETERS["shear_modulus"], "shear modulus, positive"),
+    "density": Parameter(PARAMETERS["density"], "mass density, positive"),
+    "poisson_ratio": Parameter(PARAMETERS["poisson_ratio"], "Poisson ratio, between -1 and 0.5"),
 }
 TRACTIONS: Mapping[str, Parameter] = {
-    "pressure": Parameter("stress", "pressure, positive in compression"),
-    "shear": Parameter("stress", "shear traction, either sign"),
+    "pressure": Parameter(PARAMETERS["pressure"], "pressure, positive in compression"),
+    "shear": Parameter(PARAMETERS["shear"], "shear traction, either sign"),
+}
+_WAVE: Mapping[str, Parameter] = {
+    "kind": Parameter("", "a plane step wave; its front reaches the slot's tip at t = 0"),
+    "wave": Parameter("", "P or SV; SH in antiplane shear"),
+    "angle": Parameter("degrees", "from the normal; negative: it meets the contact first"),
+    "velocity": Parameter("length / time", "step of particle velocity"),
+    "stress": Parameter("stress", "rho c times that step, in its place"),
+    "from": Parameter("", "below or above: the body it arrives from"),
+}
+_MOVING: Mapping[str, Parameter] = {
+    "kind": Parameter("", "tractions that advance over the slot from its tip"),
+    "speed": Parameter("length / time", "speed of their front; negative: towards the tip"),
+    **TRACTIONS,
 }
 _OF_PARTS: Mapping[str, Parameter] = {
-    "rise_time": Parameter("time", "in which it rises evenly from 0 to 1"),
-    "duration": Parameter("time", "after which it is over"),
+    "rise_time": Parameter(PARAMETERS["rise_time"], "in which it rises evenly from 0 to 1"),
+    "duration": Parameter(PARAMETERS["duration"], "after which it is over"),
     "shape": Parameter("", "rectangle, triangle, half-sine or haversine"),
-    "frequency": Parameter("1 / time", "cycles per time"),
-    "t": Parameter("time", "increasing; a time given twice is a jump"),
-    "value_at_t": Parameter("1", "values there, straight lines between"),
-    "viscosity": Parameter("stress time / length", "strength over relative slip rate, 0 or more"),
-    "reduction": Parameter("1", "part of friction that is lost, 0 to 1"),
-    "rate": Parameter("length / time", "relative slip rate at which half of that is lost"),
-    "distance": Parameter("length", "accumulated slip over which it is lost"),
+    "frequency": Parameter(PARAMETERS["frequency"], "cycles per time"),
+    "t": Parameter(PARAMETERS["t"], "increasing; a time given twice is a jump"),
+    "value_at_t": Parameter(PARAMETERS["value_at_t"], "values there, straight lines between"),
+    "viscosity": Parameter(PARAMETERS["viscosity"], "strength over relative slip rate, 0 or more"),
+    "reduction": Parameter(PARAMETERS["reduction"], "part of friction that is lost, 0 to 1"),
+    "rate": Parameter(PARAMETERS["rate"], "relative slip rate at which half of that is lost"),
+    "distance": Parameter(PARAMETERS["distance"], "accumulated slip over which it is lost"),
 }
+
+
+def load_parameters(load: Load) -> Mapping[str, Parameter]:
+    """Return the parameters of a load by the keys of its document."""
+    if isinstance(load, IncidentWave):
+        return _WAVE
+    return _MOVING if isinstance(load, MovingLoad) else TRACTIONS
 
 
 def part_parameters(kind: type[LoadHistory] | type[FrictionLaw]) -> dict[str, Parameter]:

@@ -28,6 +28,14 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.quantities import made_in_si, with_quantities
+from semianalytic.scene.incident import (
+    IncidentWave,
+    Load,
+    MovingLoad,
+    load_document,
+    load_from_document,
+)
 from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions, superposition
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.material import Material
@@ -41,6 +49,14 @@ HISTORY_KINDS: Mapping[str, type[LoadHistory]] = {
     "harmonic": Harmonic,
     "tabulated": Tabulated,
 }
+NEAREST_FRONT = 1e-2
+"""Least distance of the front of a load that comes along the slot from the first wave, over the
+latter's slowness.  Tables of stuck tractions have all digits at this distance and at half of it;
+at a hundredth of it, 5 in mode I."""
+SLOWEST_FRONT = 1e-4
+"""Least speed of the front of a load over c_t.  Tables of stuck tractions have all digits at it,
+and at a tenth of it ten; the digits of the edge of a zone are those of p + (J / S)^2 M_+(-p)^2, a
+difference of numbers of the size of p."""
 IN_PLANE, ANTIPLANE = "in-plane", "antiplane"
 MODES = (IN_PLANE, ANTIPLANE)
 """Directions of shear: along x, across the edge of the contact, or along z, along that edge."""
@@ -75,6 +91,7 @@ _PARTS: Mapping[str, _Part] = {
 """The parts by name of the field of a scene."""
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Scene:
     """Two identical half-planes in frictional contact, with base tractions and a load.
@@ -87,8 +104,9 @@ class Scene:
         Coulomb friction coefficient f >= 0.
     base : Tractions
         Uniform tractions (P_b, Q_b) [stress] on the whole line y = 0, at rest before t = 0.
-    load : Tractions
-        Load (P_0, Q_0) [stress]; `load_on` says where it acts.
+    load : Tractions, IncidentWave or MovingLoad
+        Load (P_0, Q_0) [stress]; `load_on` says where tractions act.  Or a plane wave that arrives
+        at an angle, or tractions that move over the slot.
     pressure_history, shear_history : LoadHistory
         Histories f(t) by which P_0 and Q_0 are multiplied; steps by default.
     friction_law : FrictionLaw
@@ -102,7 +120,9 @@ class Scene:
         ahead of the slot the contact then carries (P_b + P_0, Q_b + Q_0).
     units : str
         "SI" if all numbers are in metres, seconds, kilograms and pascals, which tables then state;
-        "" for any consistent set.  Scenes that differ only in their units compare as equal.
+        "" for any consistent set.  Scenes that differ only in their units compare as equal.  Where
+        numbers are given with units, as quantities of pint, all numbers are taken as those of the
+        SI and the scene says so.
 
     Raises
     ------
@@ -130,7 +150,7 @@ class Scene:
     material: Material
     friction: float
     base: Tractions
-    load: Tractions
+    load: Load
     pressure_history: LoadHistory = field(default_factory=Step)
     shear_history: LoadHistory = field(default_factory=Step)
     friction_law: FrictionLaw = field(default_factory=CoulombFriction)
@@ -154,10 +174,15 @@ class Scene:
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        for name, kind in (("material", Material), ("base", Tractions), ("load", Tractions)):
-            if not isinstance(getattr(self, name), kind):
+        for name, kinds in (
+            ("material", (Material,)),
+            ("base", (Tractions,)),
+            ("load", (Tractions, IncidentWave, MovingLoad)),
+        ):
+            if not isinstance(getattr(self, name), kinds):
+                known = " or ".join(kind.__name__ for kind in kinds)
                 raise SceneError(
-                    f"scene: {name} must be a {kind.__name__}, got {shown(getattr(self, name))}."
+                    f"scene: {name} must be a {known}, got {shown(getattr(self, name))}."
                 )
         object.__setattr__(self, "friction", checked_number("scene: friction", self.friction))
         for name, (group, base, own, _) in _PARTS.items():
@@ -177,6 +202,8 @@ class Scene:
             raise SceneError(
                 f"scene: load_on must be {' or '.join(LOADED)}, got {shown(self.load_on)}."
             )
+        if made_in_si(self) and not self.units:
+            object.__setattr__(self, "units", SI)
         if self.units not in ("", SI):
             raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
         if self.friction < 0:
@@ -187,7 +214,9 @@ class Scene:
                 f"got {self.base.pressure}."
             )
         self._check_rest()
-        if self.load_on == REMOTE:
+        if not isinstance(self.load, Tractions):
+            self._check_front()
+        if self.arrives:
             self._check_remote()
         self.check_weakening(self.superposition.in_place.pressure)
 
@@ -195,9 +224,10 @@ class Scene:
         """Raise SceneError unless friction holds the interface under the base tractions."""
         if self._at_rest(self.base):
             return
-        before = self.base.plus(Tractions(-self.load.pressure, -self.load.shear))
+        load = self.load.tractions(self.material)
+        before = self.base.plus(Tractions(-load.pressure, -load.shear))
         advice = "lower the base shear below friction times base pressure"
-        if self.is_step and self._at_rest(before):
+        if isinstance(self.load, Tractions) and self.is_step and self._at_rest(before):
             advice += (
                 ", or, for a load that comes suddenly from far away, write "
                 f'base = Tractions({before.pressure:g}, {before.shear:g}) and load_on = "{REMOTE}"'
@@ -209,7 +239,7 @@ class Scene:
 
     def _check_remote(self) -> None:
         """Raise SceneError unless a load from far away is a step that leaves a contact."""
-        if not self.is_step:
+        if isinstance(self.load, Tractions) and not self.is_step:
             raise SceneError(
                 "scene: a load from far away comes as a step; leave out its histories, or take "
                 f'load_on = "{SLOT}" (docs/limits.md).'
@@ -219,6 +249,32 @@ class Scene:
             raise SceneError(
                 "scene: a load from far away must leave the contact pressed together, base and "
                 f"load pressure are {pressure:g} in all; raise one of them (docs/limits.md)."
+            )
+
+    def _check_front(self) -> None:
+        """Raise SceneError unless a wave goes with the mode, and nothing says where it acts."""
+        name = "an incident wave" if isinstance(self.load, IncidentWave) else "a moving load"
+        if self.load_on != SLOT:
+            raise SceneError(
+                f"scene: {name} says itself where it acts; leave out load_on, which is for "
+                "tractions."
+            )
+        if not isinstance(self.load, IncidentWave):
+            if not self.is_step:
+                raise SceneError(
+                    "scene: a moving load is constant behind its front; leave out its histories."
+                )
+            return
+        if (self.load.kind == "SH") != self.antiplane:
+            known = "SH" if self.antiplane else "P or SV"
+            raise SceneError(
+                f"scene: in {self.mode} shear an incident wave is {known}, got "
+                f"{shown(self.load.kind)}; change its kind, or the mode."
+            )
+        if len({repr(history) for history in self.acting_histories.values()}) > 1:
+            raise SceneError(
+                "scene: an incident wave has one history; give pressure_history and shear_history "
+                "the same one."
             )
 
     def __repr__(self) -> str:
@@ -254,6 +310,36 @@ class Scene:
     def superposition(self) -> Superposition:
         """Tractions in place on the contact from t = 0 on, and those taken off the slot faces."""
         return superposition(self)
+
+    @property
+    def arrives(self) -> bool:
+        """Whether the load comes from far away, so that the contact carries it too."""
+        return self.load_on == REMOTE or isinstance(self.load, IncidentWave)
+
+    @property
+    def front_slowness(self) -> float:
+        """Slowness p of the front of the load along x [time / length].
+
+        The load acts from t = p x on: over the contact first if p < 0, along the slot if p > 0, and
+        everywhere at once, p = 0, if it is no incident wave and does not move.
+        """
+        return self.load.slowness(self.material)
+
+    def check_at_once(self, function: str, instead: str = "solve it") -> None:
+        """Raise SceneError if the front of the load moves along the interface.
+
+        Parameters
+        ----------
+        function : str
+            What knows only loads that come everywhere at once, for the message.
+        instead : str
+            What to do with the scene, for the message.
+        """
+        if not isinstance(self.load, Tractions):
+            raise SceneError(
+                f"{function}: incident waves and moving loads are not known here; {instead}, or "
+                "give tractions for the load (docs/scenes.md)."
+            )
 
     @property
     def antiplane(self) -> bool:
@@ -298,11 +384,40 @@ class Scene:
 
     @property
     def is_self_similar(self) -> bool:
-        """Whether all fields depend on x/t alone: step loads, friction independent of slip."""
-        return self.is_step and isinstance(self.friction_law, CoulombFriction | RateFriction)
+        """Whether all fields depend on x/t alone: step loads, friction independent of slip.
+
+        The front of a load that comes along the slot must be ahead of all waves besides.
+        """
+        lawful = isinstance(self.friction_law, CoulombFriction | RateFriction)
+        return self.is_step and lawful and not self._front_too_slow
+
+    @property
+    def _front_too_slow(self) -> bool:
+        """Whether the front of the load comes along the slot no faster than the first wave."""
+        return self.front_slowness * self.fastest_speed >= 1 - NEAREST_FRONT
 
     def check_self_similar(self) -> None:
         """Raise SceneError unless all fields depend on x/t alone."""
+        if abs(self.front_slowness) * self.material.shear_speed > 1 / SLOWEST_FRONT:
+            raise SceneError(
+                f"solve: the load moves at {abs(1 / self.front_slowness):.4g}, slower than "
+                f"{SLOWEST_FRONT:g} of the shear wave, so that digits are lost; make it faster "
+                "(docs/limits.md)."
+            )
+        if self._front_too_slow:
+            raise SceneError(
+                "solve: the front of the load comes along the slot at "
+                f"{1 / self.front_slowness:.4g}, not faster than the first wave, "
+                f"{self.fastest_speed:.4g}, so that the edge was loaded for all time before and "
+                "nothing depends on x/t alone; let it meet the contact first (a negative angle), "
+                "or march it from a time at which it enters the slot (docs/limits.md)."
+            )
+        if self.front_slowness and self.far_slip_rate:
+            raise SceneError(
+                "solve: the wave alone exceeds friction, so that the contact slips from its front "
+                "on, before anything comes from the slot; lower the wave, or raise friction or the "
+                "base pressure (docs/limits.md)."
+            )
         if not self.is_self_similar:
             raise SceneError(
                 "the self-similar solver takes step loads only, and friction that is constant or "
@@ -353,7 +468,7 @@ def scene_document(scene: Scene) -> dict[str, Any]:
         "friction": scene.friction,
         "material": asdict(scene.material),
         "base": asdict(scene.base),
-        "load": asdict(scene.load),
+        "load": load_document(scene.load),
     }
     for name, known in _PARTS.items():
         part = getattr(scene, name)
@@ -392,7 +507,7 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
         material=Material(**document["material"]),
         friction=document["friction"],
         base=Tractions(**document["base"]),
-        load=Tractions(**document["load"]),
+        load=load_from_document(document["load"]),
         mode=document.get("mode", IN_PLANE),
         load_on=document.get("load_on", SLOT),
         units=document.get("units", ""),

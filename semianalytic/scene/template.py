@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from decimal import Decimal
+from textwrap import wrap
 from typing import Any, TypeVar
 
 import numpy as np
@@ -17,8 +18,21 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.incident import (
+    IncidentWave,
+    Load,
+    MovingLoad,
+    load_document,
+    load_from_document,
+)
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
-from semianalytic.scene.parameters import MATERIAL, TRACTIONS, Parameter, part_parameters
+from semianalytic.scene.parameters import (
+    MATERIAL,
+    TRACTIONS,
+    Parameter,
+    load_parameters,
+    part_parameters,
+)
 from semianalytic.scene.scene import (
     Material,
     Scene,
@@ -48,6 +62,8 @@ _LAWS: tuple[FrictionLaw, ...] = (
     SlipWeakening(0.5, 0.05),
 )
 """Examples in units mu = rho = 1, under tractions of 1."""
+_WAVE, _MOVING = IncidentWave("SV", angle=-30.0, velocity=0.5), MovingLoad(0.5, 0.0, 1.0)
+"""Examples of other loads, in the same units."""
 _SAYINGS: Mapping[type, str] = {
     Step: "on at t = 0, and stays",
     Ramp: "rises evenly, then stays",
@@ -61,10 +77,18 @@ _SAYINGS: Mapping[type, str] = {
 }
 
 
-def in_si_units(scene: Scene) -> Scene:
+def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
     """Return a scene of unit modulus and density in SI units, by `SI_SOLID` and `SI_STRESS`.
 
-    The contact slips at the same x / (c_t t); a length of 1 becomes a metre.
+    The contact slips at the same x / (c_t t), as far as the Poisson ratio is the same; a length of
+    1 becomes a metre.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene to convert.
+    solid : Material, optional
+        Solid in SI units to take in place of `SI_SOLID` and the Poisson ratio of the scene.
 
     Raises
     ------
@@ -72,34 +96,45 @@ def in_si_units(scene: Scene) -> Scene:
         If the scene is in other units, or a parameter has a dimension that is not known.
     """
     if scene.units == SI:
-        return scene
+        return scene if solid is None else replace(scene, material=solid)
     material = scene.material
     if (material.shear_modulus, material.density) != (1.0, 1.0):
         raise SceneError(
             "only scenes of unit shear modulus and density can be turned into SI units; take "
             "another scene, or leave the units out."
         )
-    solid = Material(*SI_SOLID, material.poisson_ratio)
+    # numbers to begin with need no more digits than a reader does
+    digits = 15 if solid is None else 3
+    solid = Material(*SI_SOLID, material.poisson_ratio) if solid is None else solid
     scales = _scales(solid, SI_STRESS)
-    base, load = (
-        Tractions(SI_STRESS * one.pressure, SI_STRESS * one.shear)
-        for one in (scene.base, scene.load)
-    )
+    base, load = (_load_in(scales, one) for one in (scene.base, scene.load))
+    assert isinstance(base, Tractions)
     return Scene(
         solid,
         scene.friction,
         base,
         load,
-        pressure_history=_scaled(scene.pressure_history, scales),
-        shear_history=_scaled(scene.shear_history, scales),
-        friction_law=_scaled(scene.friction_law, scales),
+        pressure_history=_scaled(scene.pressure_history, scales, digits),
+        shear_history=_scaled(scene.shear_history, scales, digits),
+        friction_law=_scaled(scene.friction_law, scales, digits),
         mode=scene.mode,
         load_on=scene.load_on,
         units=SI,
     )
 
 
-def scene_text(scene: Scene, origin: str = "") -> str:
+def _load_in(scales: Mapping[str, float], load: Load) -> Load:
+    """Convert a load from units mu = rho = 1 to those of the scales."""
+    document = load_document(load)
+    # particle velocities are in the unit of slip rate, the speed of a front in that of waves
+    units = {**scales, "length / time": scales["1 / time"]} if "speed" in document else scales
+    for name, (dimension, _) in load_parameters(load).items():
+        if dimension in units and document.get(name) is not None:
+            document[name] = float(f"{units[dimension] * document[name]:.12g}")
+    return load_from_document(document)
+
+
+def scene_text(scene: Scene, origin: str = "", remark: str = "") -> str:
     """Write a scene as a TOML file with comments, which also show the other laws and histories.
 
     `find_scene` reads the same scene from the file.
@@ -110,11 +145,13 @@ def scene_text(scene: Scene, origin: str = "") -> str:
         The scene to write.
     origin : str
         Origin of the scene, for the first line.
+    remark : str
+        A sentence about the material.
     """
-    return "\n".join(_lines(scene, origin)) + "\n"
+    return "\n".join(_lines(scene, origin, remark)) + "\n"
 
 
-def _lines(scene: Scene, origin: str) -> Iterator[str]:
+def _lines(scene: Scene, origin: str, remark: str) -> Iterator[str]:
     document = scene_document(scene)
     yield f"# A scene of slipfront{origin and f', made from {origin}'}: slipfront solve FILE."
     yield "# Contact on y = 0, x > 0, an open slot on x < 0; the load comes at t = 0."
@@ -122,15 +159,27 @@ def _lines(scene: Scene, origin: str) -> Iterator[str]:
     yield '# "SI": m, s, kg and Pa. Left out: any consistent set of units.'
     yield ("" if scene.units else "# ") + f'units = "{SI}"'
     yield f'mode = "{scene.mode}"  # in-plane: shear and slip along x; antiplane: along z, the edge'
-    yield f'load_on = "{scene.load_on}"  # slot: taken off its faces; remote: arrives from far away'
+    if isinstance(scene.load, Tractions):
+        said = "slot: taken off its faces; remote: arrives from far away"
+        yield f'load_on = "{scene.load_on}"  # {said}'
     yield f"friction = {_value(scene.friction)}  # Coulomb friction coefficient f, 0 or more"
+    said_of_load = "what comes at t = 0, where load_on says"
+    if not isinstance(scene.load, Tractions):
+        said_of_load = "its front reaches the tip of the slot at t = 0"
     for table, said, parameters in (
         ("material", "of both bodies", MATERIAL),
         ("base", "in place before the load, on the whole line y = 0", TRACTIONS),
-        ("load", "what comes at t = 0, where load_on says", TRACTIONS),
+        ("load", said_of_load, load_parameters(scene.load)),
     ):
         yield f"\n[{table}]  # {said}"
+        if table == "material" and remark:
+            yield from (f"# {line}" for line in wrap(remark, 96))
         yield from _values(document[table], parameters, scene.units)
+    for example in (_WAVE, _MOVING):
+        if type(example) is not type(scene.load):
+            other = _load_in(_scales(scene.material, _largest(scene)), example)
+            for line in _values(load_document(other), load_parameters(other), scene.units):
+                yield f"# {line}"
     yield "\n[pressure_history]  # how the pressure of the load comes, over time"
     yield from _part(scene, scene.pressure_history, _HISTORIES)
     yield "\n[shear_history]  # how the shear of the load comes, over time"
@@ -185,7 +234,7 @@ def _value(value: Any) -> str:
 
 def _largest(scene: Scene) -> float:
     """Return the largest traction of a scene [stress], 1 if there is none."""
-    tractions = (scene.load, scene.base)
+    tractions = (scene.superposition.taken_off, scene.base)
     return max(max(abs(one.pressure), abs(one.shear)) for one in tractions) or 1.0
 
 

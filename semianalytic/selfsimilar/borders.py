@@ -8,6 +8,7 @@ import numpy as np
 
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.incident import OF_FRONT
 from semianalytic.scene.loading import superposed_by
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
@@ -20,17 +21,20 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
     See docs/derivatives.md, "Where the set of zones changes".
     """
     load = profile.fields.load
+    slowness = load.slowness
     if name == "load_pressure" and not scene.superposition.taken_off.pressure:
         return "one-sided: a negative step of pressure would open the contact at its edge"
-    if name in ("base_pressure", "load_pressure", "poisson_ratio") and load.load_pressure > 0:
+    opens = ("base_pressure", "load_pressure", "poisson_ratio", *OF_FRONT)
+    if name in opens and load.load_pressure > 0:
         # The contact opens at the Rayleigh front first, where p* has its minimum.
-        stuck = stuck_traction(profile.fields.factors.poisson_ratio, "I").at_rayleigh_front
-        if abs(load.base_pressure / load.load_pressure + stuck) < tuning.AT_BORDER:
+        stuck = stuck_traction(profile.fields.factors.poisson_ratio, "I", slowness)
+        least = stuck.at_rayleigh_front
+        if abs(load.base_pressure / load.load_pressure + least) < tuning.AT_BORDER:
             return "one-sided: the contact is about to open, or to close, at the Rayleigh front"
     if (
         load.opened is not None
         and not profile.fields.zones
-        and name in ("base_shear", "load_shear")
+        and name in ("base_shear", "load_shear", *OF_FRONT)
     ):
         return "one-sided: with any shear the interface moves where it is open, and slips beside it"
     if load.frictionless:
@@ -38,6 +42,8 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
     # How much the base lacks of friction, in the unit of stress of the profile.
     margin = abs(float(load.friction) * load.base_pressure - abs(load.base_shear))
     moved = superposed_by(scene, name)
+    if scene.arrives and name in OF_FRONT:
+        moved = ("base_pressure", "base_shear")
     of_base = name == "friction" or "base_pressure" in moved or "base_shear" in moved
     if of_base and margin < tuning.AT_BORDER:
         does = "slides" if load.far_slip_rate else "sticks"

@@ -157,8 +157,14 @@ def slip_on_grid(
         If complementary pivoting fails.
     """
     grid, far_slip_rate = slip_grid(poisson_ratio, size, mode), float(load.far_slip_rate)
-    stuck = load.base_shear * grid.weight + load.load_shear * grid.shear + far_slip_rate * grid.far
-    pressure = load.base_pressure * grid.weight + load.load_pressure * grid.pressure
+    shear, normal = grid.shear, grid.pressure
+    if load.slowness:
+        factors = rayleigh_factors(poisson_ratio, mode)
+        shear = grid.sample @ load.stuck(factors, mode)(grid.points)
+        if load.load_pressure:
+            normal = grid.sample @ load.stuck(factors, "I")(grid.points)
+    stuck = load.base_shear * grid.weight + load.load_shear * shear + far_slip_rate * grid.far
+    pressure = load.base_pressure * grid.weight + load.load_pressure * normal
     friction, stiffness = float(load.friction), -grid.operator
     if load.resistance is not None:
         eta = np.full(len(stiffness), load.resistance)

@@ -235,10 +235,12 @@ def excess_intensity(profile: Profile) -> Array:
     The edge must slip where this is positive (docs/theory.md, "Stuck tractions").
     """
     load, factors = profile.fields.load, profile.fields.factors
+    at_zero = factors.m_plus_at_zero  # intensities of unit steps are as one over it
     strength = np.asarray(per_set(load.friction) * load.load_pressure)
+    if load.slowness and load.load_pressure:
+        strength = strength * (at_zero["I"] / factors.m_plus_at_load(load.slowness, "I"))
     if profile.normal is not None:
         strength = -per_set(load.friction) * profile.normal.edge_intensity
-    at_zero = factors.m_plus_at_zero  # intensities of unit steps are as one over it
     units = per_set(at_zero["I"]) / per_set(at_zero[factors.mode])
     traction = np.abs(profile.edge_intensity) * units
     driven = traction > tuning.UNDRIVEN_EXCESS * abs(load.load_shear)

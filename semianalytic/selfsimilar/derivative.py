@@ -13,6 +13,7 @@ from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
+from semianalytic.scene.incident import OF_FRONT, IncidentWave, MovingLoad
 from semianalytic.scene.loading import superposed_by
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
@@ -29,8 +30,12 @@ PARAMETERS = (
     "load_pressure",
     "load_shear",
     "viscosity",
+    *OF_FRONT,
 )
 """Parameters of a scene with respect to which there are derivatives."""
+
+
+_TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
 
 
 @dataclass(frozen=True)
@@ -99,7 +104,8 @@ class Derivative:
     scene : Scene
     name : str
         The parameter: one of "friction", "poisson_ratio", "base_pressure", "base_shear",
-        "load_pressure", "load_shear" and "viscosity".
+        "load_pressure", "load_shear" and "viscosity"; of an incident wave "angle" (per degree),
+        and "wave_velocity" or "wave_stress", whichever it has; of a moving load "load_speed".
     zones : tuple of ZoneDerivative
         From the contact edge outward, like `Solution.zones`.
     openings : tuple of OpenDerivative
@@ -169,10 +175,10 @@ class Derivative:
 
     @property
     def _size(self) -> float:
-        """Value of the parameter in the units of `varied`; 1 if it is 0."""
-        size = abs(parameter(self.scene, self.name))
-        is_traction = self.name.startswith(("base_", "load_"))
-        return (size / self.stress if is_traction else size) or 1.0
+        """Value of the parameter, by whose own unit `varied` differentiates; if that is 0, 1 or the
+        unit of stress."""
+        is_traction = self.name in (*_TRACTIONS, "wave_stress")
+        return abs(parameter(self.scene, self.name)) or (self.stress if is_traction else 1.0)
 
     def __repr__(self) -> str:
         speeds = ", ".join(f"{one.inner:.4g} and {one.outer:.4g}" for one in self.zones)
@@ -214,7 +220,7 @@ class Derivative:
         It is plus or minus infinity at edges beside which the traction has a square root. Raises
         what `slip_rate` raises.
         """
-        ahead = self._ahead("shear", t)
+        ahead = self._ahead("shear", x, t)
         held = self.varied.variation.rates.base_shear
         change = self._evaluate(x, t, lambda u: self.varied.traction(u) - held)
         return ahead + self.stress * change
@@ -224,20 +230,21 @@ class Derivative:
 
         Raises what `slip_rate` raises.
         """
-        ahead = self._ahead("pressure", t)
+        ahead = self._ahead("pressure", x, t)
         # The profile counts the base as in place; before t = 0 a remote load is not.
         held = self.varied.variation.rates.base_pressure
         change = self._evaluate(x, t, lambda u: self.varied.pressure(u) - held)
         return ahead + self.stress * change
 
-    def _ahead(self, kind: str, t: ArrayLike) -> Array:
+    def _ahead(self, kind: str, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the derivative of a traction where no wave from the slot has arrived.
 
-        Before t = 0 only the base counts.
+        Before the front of the load only the base counts; the front itself is left out.
         """
-        moved = superposed_by(self.scene, self.name)
-        before, after = self.name == f"base_{kind}", f"base_{kind}" in moved
-        return np.where(np.asarray(t, dtype=float) < 0, float(before), float(after))
+        before = float(self.name == f"base_{kind}")
+        after = self.stress * getattr(self.varied.variation.rates, f"base_{kind}")
+        lag = np.asarray(t, dtype=float) - self.scene.front_slowness * np.asarray(x, dtype=float)
+        return np.where(lag < 0, before, after)
 
     @property
     def openings(self) -> tuple[OpenDerivative, ...]:
@@ -358,6 +365,11 @@ def parameter(scene: Scene, name: str) -> float:
     if name == "viscosity":
         law = scene.friction_law
         return law.viscosity if isinstance(law, ViscousFriction) else 0.0
+    load = scene.load
+    if isinstance(load, IncidentWave) and name in OF_FRONT:
+        return float(getattr(load, name.removeprefix("wave_"), None) or 0.0)
+    if isinstance(load, MovingLoad) and name == "load_speed":
+        return load.speed
     part, kind = name.split("_")
     return float(getattr(getattr(scene, part), kind))
 
@@ -429,6 +441,8 @@ def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
         )
     if name == "viscosity":
         rates = Rates(resistance=2 / scene.material.shear_impedance)
+    elif (of_front := _of_front(scene, stress, name)) is not None:
+        rates = of_front
     else:
         plain = name in ("friction", "poisson_ratio")
         moved = (name,) if plain else superposed_by(scene, name)
@@ -436,6 +450,11 @@ def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
     free = load.frictionless and not load.far_slip_rate
     if free or not starts_at_front(profile):
         return rates
+    if rates.slowness:
+        raise SceneError(
+            "derivative: the base is at friction under the wave, where this derivative is not "
+            "known; difference two solutions (docs/limits.md)."
+        )
     sense, far = profile.fields.zones[0].sense, load.far_slip_rate
     strength = rates.friction * load.base_pressure + load.friction * rates.base_pressure
     # How fast the base moves relative to the friction limit, E in docs/derivatives.md.
@@ -449,6 +468,42 @@ def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
             "how slip lets go of the shear front; lower the base shear a little (docs/limits.md)."
         )
     return replace(rates, front_excess=excess)
+
+
+def _of_front(scene: Scene, stress: float, name: str) -> Rates | None:
+    """Return the change of an incident wave or a moving load; None if the parameter leaves it.
+
+    Raises
+    ------
+    SceneError
+        If the load has no such parameter.
+    """
+    load, material = scene.load, scene.material
+    if isinstance(load, IncidentWave):
+        own = "wave_stress" if load.velocity is None else "wave_velocity"
+        if name in ("load_pressure", "load_shear", *OF_FRONT) and name not in ("angle", own):
+            raise SceneError(
+                f"derivative: the load is an incident wave, with angle and {own}; ask for one of "
+                "these."
+            )
+        if name not in ("angle", own, "poisson_ratio"):
+            return None
+        slope, slowness = load.derivatives(material, name)
+        pressure, shear = slope.pressure / stress, slope.shear / stress
+        return Rates(
+            base_pressure=pressure,
+            base_shear=shear,
+            load_pressure=pressure,
+            load_shear=shear,
+            poisson_ratio=float(name == "poisson_ratio"),
+            slowness=slowness * material.shear_speed,
+        )
+    if name in OF_FRONT and not (isinstance(load, MovingLoad) and name == "load_speed"):
+        raise SceneError(f"derivative: the load of the scene has no {name}.")
+    if name == "load_speed":
+        assert isinstance(load, MovingLoad)
+        return Rates(slowness=material.shear_speed / load.speed**2)
+    return None
 
 
 def _zones(

@@ -31,7 +31,6 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, rule_for
-from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.collocation import GridSlip, is_open, slip_on_grid
@@ -92,22 +91,25 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
 def antiplane_zones(factors: RayleighFactors, load: Load) -> list[Zone] | None:
     """Return the zone of antiplane shear under constant strength, u_s = b (1 + chi_b)^2, or None.
 
+    For a load whose front has the slowness p it is u_s = p + (b - p) (1 + chi_b)^2.
+
     If the base is at friction, the zone begins at the shear front, or everywhere. If the pressure
     changes, the strength at the shear front is used, provided that friction is weak; otherwise the
     result is None.
     """
     sense, pressure = int(np.sign(load.far_slip_rate or load.load_shear)), load.base_pressure
     if load.load_pressure:
-        pressure += load.load_pressure * float(stuck_traction(factors.poisson_ratio, "I")(1.0))
+        pressure += load.load_pressure * float(load.stuck(factors, "I")(1.0))
     strength = float(load.friction) * pressure - sense * load.base_shear
     if load.load_pressure:
         if load.far_slip_rate or not 0 < strength < tuning.WEAK_FRICTION * abs(load.load_shear):
             return None
     elif load.far_slip_rate or strength <= 0:
         return [Zone(None, None, sense)]
-    # u_s - b = b ((1 + chi)^2 - 1) = b chi (2 + chi), exact also for tiny chi.
+    # u_s - b = (b - p) ((1 + chi)^2 - 1) = (b - p) chi (2 + chi), exact also for tiny chi.
     ratio = strength / abs(load.load_shear)
-    return [Zone(factors.beside("b", [ratio * (2 + ratio)]), None, sense)]
+    behind = (1 - load.slowness) * ratio * (2 + ratio)
+    return [Zone(factors.beside("b", [behind]), None, sense)]
 
 
 def zones_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> list[Zone]:
@@ -330,10 +332,11 @@ def _opening_behind_front(factors: RayleighFactors, load: Load, sense: int) -> C
     result is None if that happens nowhere ahead of the shear front.
     """
     at = _behind_front(factors)
-    slope = load.load_shear * np.sin(factors.phase(at)) / (np.pi * at.v) * at.from_a
+    over = np.pi * (at.v - load.slowness)  # the load makes T = Q_0 k / (k + p)
+    slope = load.load_shear * np.sin(factors.phase(at)) / over * at.from_a
     # Trapezoidal sum of dtau/dv = Im T / (pi v) in the logarithm of v - a.
     gained = np.cumsum((slope[1:] + slope[:-1]) / 2 * tuning.FRONT_STEP)
-    mode_one = stuck_traction(factors.poisson_ratio, "I")
+    mode_one = load.stuck(factors, "I")
     strength = load.friction * (load.base_pressure + load.load_pressure * mode_one.at(at[1:]))
     above = np.flatnonzero(sense * (load.base_shear + gained) >= strength)
     return at[[above[0] + 1]] if len(above) else None
@@ -353,15 +356,15 @@ def with_slip_at_front(
     first = zones[0] if zones else None
     if factors.mode == "III" and first and first.left is not None and first.left.from_b[0] < 0:
         return [replace(first, left=None), *zones[1:]]  # no shear arrives that would hold it
-    at, nu = _behind_front(factors), factors.poisson_ratio
+    at = _behind_front(factors)
     at = at[at.from_a > tuning.NARROWEST_FRONT_ZONE]
     if load.opened is None:
-        pressure = load.friction * load.load_pressure * stuck_traction(nu, "I").at(at)
+        pressure = load.friction * load.load_pressure * load.stuck(factors, "I").at(at)
     else:
         pressure = load.friction * (load.pressure(factors, at) - load.base_pressure)
     # Stuck traction less strength, both less their value ahead, where the base is exactly at
     # friction.
-    excess = sense * load.load_shear * stuck_traction(nu, factors.mode).at(at) - pressure
+    excess = sense * load.load_shear * load.stuck(factors, factors.mode).at(at) - pressure
     kept = np.flatnonzero(excess <= 0)
     if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late
         return zones

@@ -339,7 +339,9 @@ def _held_rule(fields: ZoneFields, law: UnitLaw, tolerance: float) -> Rule:
     rule = rule_for(tolerance)
     cut_off = rule.reach / REACH  # the logarithm of what may be left out
     # An integrand d^p decays like e^(-p |y|): the smaller the exponent, the longer the rule.
-    reach = min(cut_off / _least_exponent(fields, law)[0], tuning.FARTHEST_RATE_REACH)
+    # It rounds to zero at an edge close enough to c_R.
+    slowest = max(_least_exponent(fields, law)[0], cut_off / tuning.FARTHEST_RATE_REACH)
+    reach = cut_off / slowest
     longer = replace(rule, reach=max(reach, rule.reach))
     return replace(replace(fields, rule=longer).panels.rule, held=True)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -19,13 +19,22 @@ from semianalytic.results.answer import (
     OpenInterval,
     SlipInterval,
     answer_dataset,
+    checked_arrival,
     digits_apart,
     sampled_history,
 )
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.reading import (
+    Measured,
+    Reading,
+    first_times,
+    self_similar_reading,
+    slip_of_rates,
+)
 from semianalytic.results.renamed import renamed
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.quantities import asked_in_units
 from semianalytic.scene.loading import Tractions, traction_ahead
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
@@ -76,6 +85,7 @@ class Statistics:
     seconds: dict[str, float]
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class Solution:
     """Self-similar slip on the interface of a scene, as returned by `solve`.
@@ -198,7 +208,7 @@ class Solution:
         """Return the total shear traction sigma_xy [stress], base included; raises like
         `slip_rate`."""
         change = self._evaluate(x, t, self.profile.shear_change)
-        return traction_ahead(self.scene, "shear", t) + self.stress_unit * change
+        return traction_ahead(self.scene, "shear", x, t) + self.stress_unit * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the contact pressure [stress], base included, 0 where open; slip does not change
@@ -207,7 +217,7 @@ class Solution:
         Raises what `slip_rate` raises.
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
-        pressure = traction_ahead(self.scene, "pressure", t) + self.stress_unit * change
+        pressure = traction_ahead(self.scene, "pressure", x, t) + self.stress_unit * change
         return np.where(self._is_open(x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -276,7 +286,11 @@ class Solution:
         scene = self.scene
         unit = Tractions(1.0, 1.0)
         mode_one, sheared = stress_intensity(scene.material, unit, t, scene.shear_mode)
-        pressure = scene.superposition.taken_off.pressure
+        pressure, factors = scene.superposition.taken_off.pressure, self.profile.fields.factors
+        # K of a front that moves is M_+(0) / M_+(-p) of that of a step.
+        slowness = self.profile.fields.load.slowness
+        if pressure:
+            pressure *= factors.m_plus_at_zero["I"] / factors.m_plus_at_load(slowness, "I")
         if self.normal is not None:
             pressure = -self.stress_unit * float(self.normal.profile.edge_intensity)
         mode_one = pressure * mode_one + 0.0  # 0 where open, not -0
@@ -385,6 +399,85 @@ class Solution:
         It grows linearly in time; raises like `accumulated_slip`.
         """
         return self._rate_unit * np.maximum(_finite_times(t), 0.0) * self._largest_slip_over_time
+
+    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
+        """Return the first time at which the sides move along one another, or come apart, at x
+        [time].
+
+        It is x over the speed of the first edge that comes by, as exact as that edge;
+        `reading(x, t).arrivals` holds it with its error.
+
+        Parameters
+        ----------
+        x : array
+            Positions [length], positive.
+        of : str
+            "slip" of either sense, "forward" or "reverse" for slip towards +x or -x alone, or
+            "opening".  Slip includes the motion of open parts.
+
+        Returns
+        -------
+        array
+            Times of the shape of x: inf where it never comes, 0 where slip is ahead of all waves.
+
+        Raises
+        ------
+        SceneError
+            If a position is not positive or finite, or there is no such arrival.
+        """
+        if checked_arrival(of) == "opening":
+            return first_times(x, self.openings)
+        senses = {"forward": (1,), "reverse": (-1,)}.get(of, (1, -1))
+        return first_times(x, (zone for zone in self._motion if zone.sense in senses))
+
+    def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
+        """Return what happens at x until t, arrivals and fields, each with a bar of its error.
+
+        Errors of edges are `error_estimate` times c_t.  Those of fields are that share of the
+        scales at `error_estimate`, and what a shift of all edges by their error changes, so that
+        they hold beside edges and at c_R as well.  All bars are inf if the solution breaks
+        Coulomb's law.
+
+        Parameters
+        ----------
+        x, t : arrays
+            Positions [length] and times [time], which broadcast.
+
+        Raises
+        ------
+        SceneError
+            If a position is not positive, or x or t is not finite.
+        """
+        base, load = self.scene.superposition
+        largest = max(abs(load.pressure), abs(load.shear))
+        time, gaps = np.maximum(np.asarray(t, dtype=float), 0.0), 0.0
+        for part in self.openings:  # the largest gap over time, on a fine grid
+            gaps = float(self.gap(np.linspace(part.inner, part.outer, 66)[1:-1], 1.0).max())
+        scales = {
+            "slip": self.max_slip(t),
+            "slip_rate": self._rate_unit * float(self.profile.largest_rate),
+            "shear_traction": largest,
+            "pressure": base.pressure + abs(load.pressure),
+            "gap": gaps * time,
+        }
+        reading = self_similar_reading(self, x, t, self.scene.material.shear_speed, scales)
+        return reading if self.profile.fields.load.resistance is None else self._checked(reading)
+
+    def _checked(self, reading: Reading) -> Reading:
+        """Return the reading of a film, whose slip away from the edge is less exact than its rate.
+
+        Slip rate towers at the edge under a strong film, and what is a billionth of it there is
+        large elsewhere, so the bar of slip holds its difference from the integral of the rate.
+        """
+        material = self.scene.material
+        fronts = (material.longitudinal_speed, material.shear_speed, material.rayleigh_speed)
+        edges = [*np.ravel(self.edge_speeds), *(part.outer for part in self.openings)]
+        edges += [part.inner for part in self.openings]
+        slip = slip_of_rates(self.slip_rate, reading.x, reading.t, (*fronts, *edges))
+        value, error = reading.slip
+        with np.errstate(invalid="ignore"):
+            apart = np.nan_to_num(np.abs(slip - value), nan=np.inf)
+        return replace(reading, slip=Measured(value, error + 2 * apart))
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
         """Return the intervals that slip at a time [time], from the contact edge outward.
@@ -556,6 +649,7 @@ class Solution:
         """Return the particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 
         It is logarithmically infinite at the Rayleigh front. In antiplane shear the first is v_z.
+        An incident wave is part of it.
 
         Raises
         ------
@@ -565,6 +659,9 @@ class Solution:
         x = np.asarray(x, dtype=float)
         if np.any(x >= 0):
             raise SceneError("the slot is x < 0; ask for negative positions.")
+        if not isinstance(self.scene.load, Tractions):
+            rows = self.velocity(x, 0.0, t)
+            return rows[-1 if self.scene.antiplane else 0], rows[1]
         # The velocity of one face has half the unit of the relative slip rate.
         unit = self._rate_unit / 2
         both = self._evaluate(-x, t, lambda v: np.stack(self.profile.slot_velocity(v)))

@@ -21,15 +21,30 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
-from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.edges import Edges, edges_of, linearised
 from semianalytic.separation.normal import with_opening
 
+_OF_SLOWNESS = 0.5
+"""Step of the slowness of the front of a load over its distance from the first front, before which
+fields bend; the share of the step in it is that of every unknown."""
 _OF_POISSON = 0.25
 """Step of the Poisson ratio over its distance from its bounds: the longitudinal front moves, and
 fields on nodes right behind it bend faster than the ratio itself."""
+
+
+_OF_LOAD = (
+    "friction",
+    "base_pressure",
+    "base_shear",
+    "load_pressure",
+    "load_shear",
+    "far_slip_rate",
+    "resistance",
+    "slowness",
+)
+"""Numbers of a load that a parameter may change."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +63,8 @@ class Rates:
         Derivative of eta [mu b].
     poisson_ratio : float
         1 for the Poisson ratio itself.
+    slowness : float
+        Derivative of the slowness p of the front of the load [b].
     front_excess : float
         Derivative of the base shear less friction, where slip starts at the longitudinal front of
         a base at friction; the base ahead of it then sticks [stress unit].
@@ -61,7 +78,13 @@ class Rates:
     far_slip_rate: float = 0.0
     resistance: float = 0.0
     poisson_ratio: float = 0.0
+    slowness: float = 0.0
     front_excess: float = 0.0
+
+    @property
+    def nonlinear(self) -> bool:
+        """Whether fields are not linear in what changes, for fixed zones."""
+        return bool(self.poisson_ratio or self.resistance or self.slowness)
 
     @property
     def of_pressure(self) -> bool:
@@ -74,7 +97,7 @@ class Rates:
         All fields are linear in shear tractions and in friction times pressure. The result is None
         if anything else changes: impedances, or the open part of the contact.
         """
-        if self.poisson_ratio or self.resistance or (load.opened and self.of_pressure):
+        if self.nonlinear or (load.opened and self.of_pressure):
             return None
         friction, pressures = load.friction, (self.base_pressure, self.load_pressure)
         # d(f p) = df p + f dp, of which one part is zero.
@@ -268,6 +291,7 @@ class Variation:
             base_shear=-self.rates.base_pressure,
             load_shear=-self.rates.load_pressure,
             poisson_ratio=self.rates.poisson_ratio,
+            slowness=self.rates.slowness,
         )
         return Variation(rates, self.unknowns, self.normal, self.stencil)
 
@@ -381,27 +405,24 @@ class Surroundings:
     def _one_by_one(self, rates: Rates) -> bool:
         """Return whether more than the edges changes, so that neighbours cannot share one sweep."""
         opened = self._fields.load.opened is not None and rates.of_pressure
-        return bool(rates.poisson_ratio or rates.resistance or opened)
+        return bool(rates.nonlinear or opened)
 
     def _beside(self, rates: Rates, point: float) -> tuple[RayleighFactors, Load]:
         """Return factors and load at a changed value of the parameter, with the opening under that
         load."""
         factors, load = self._fields.factors, self._fields.load
         own = rayleigh_factors(factors.poisson_ratio + rates.poisson_ratio * point, factors.mode)
-        if load.resistance is not None and rates.resistance:
-            resistance = load.resistance + rates.resistance * point
-            far_slip_rate = load.far_slip_rate + rates.far_slip_rate * point
-            return own, replace(load, resistance=resistance, far_slip_rate=far_slip_rate)
-        if load.opened is None:
+        changed = {
+            name: getattr(load, name) + getattr(rates, name) * point
+            for name in _OF_LOAD
+            if getattr(rates, name)
+        }
+        load = replace(load, **changed)
+        if load.opened is None or rates.resistance:
             return own, load
         known = self._opened
         if (rates, point) not in known:
-            pressures = {
-                name: getattr(load, name) + getattr(rates, name) * point
-                for name in ("base_pressure", "load_pressure")
-            }
-            closed = replace(load, **pressures, opened=None)
-            opened, _ = with_opening(closed, own, tuning.VARIED_OPENING)
+            opened, _ = with_opening(replace(load, opened=None), own, tuning.VARIED_OPENING)
             known[rates, point] = opened
         return own, known[rates, point]
 
@@ -449,6 +470,10 @@ class Surroundings:
             steps.append(_OF_POISSON * min(0.5 - nu, 1 + nu))
         if rates.resistance:
             steps.append(float(np.max(self._fields.load.resistance or 0.0)))
+        if rates.slowness:
+            # the pole of the load at v = p keeps its distance from the first front
+            distance = self._fields.panels.ends.v[0].flat[0] - self._fields.load.slowness
+            steps.append(_OF_SLOWNESS * float(distance) / abs(rates.slowness))
         steps.extend(self._steps_of_opening(rates))
         return self._share_of_step * min(steps)
 
@@ -457,13 +482,14 @@ class Surroundings:
         load, factors = self._fields.load, self._fields.factors
         if load.opened is None:
             return []
-        stuck = stuck_traction(factors.poisson_ratio, "I").at_rayleigh_front
+        stuck = load.stuck(factors, "I").at_rayleigh_front
         margin = load.base_pressure
         if load.load_pressure > 0:
             # The contact closes at the Rayleigh front when P_b + P_0 p*(c) = 0.
             margin = min(margin, abs(margin + load.load_pressure * stuck))
         fastest = abs(rates.base_pressure) + abs(rates.load_pressure)
-        fastest += abs(rates.poisson_ratio * load.load_pressure) * (load.load_pressure > 0)
+        of_front = abs(rates.poisson_ratio) + abs(rates.slowness)
+        fastest += of_front * abs(load.load_pressure) * (load.load_pressure > 0)
         return [margin / fastest] if fastest else []
 
     @property
@@ -502,19 +528,24 @@ class Surroundings:
         ComputationError
             If zones on either side of these, however near, have other panels.
         """
-        load, moved = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
-        nodes, unfulfilled = NodeFields.zero(self.profile), moved
+        load, resting = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
+        differenced = load is None
+        if differenced and rates.front_excess:
+            # What a sticking base retains is linear in the tractions, however the opening moves.
+            load = Rates().of_load(self._fields.load)
+        nodes, unfulfilled = NodeFields.zero(self.profile), resting
         # The exact part: fields of the load of derivatives on the present panels.
         if load is not None:
             fixed = self._let_go(replace(self._fields, load=load, rule=self._rule), rates)
             nodes = NodeFields.of(Profile(fixed)).of_resting_panels
             unfulfilled = fixed.mismatch().reshape(-1)
-            moved = -self._inverse @ unfulfilled
-        elif len(moved):
+        along = unfulfilled
+        if differenced and len(resting):
             # A second-order difference on a loose rule suffices to find the direction de/dp.
-            first = Stencil(*_SECOND_ORDER, self._step(rates, moved))
-            beside = self._neighbours(rates, moved, first.points, self._loose_rule)
-            moved = -self._inverse @ self._unfulfilled(beside, first)
+            first = Stencil(*_SECOND_ORDER, self._step(rates, resting))
+            beside = self._neighbours(rates, resting, first.points, self._loose_rule)
+            along = unfulfilled + self._unfulfilled(beside, first)
+        moved = -self._inverse @ along
         stencil = self._stencil(rates, moved)
         if stencil is None:
             return Variation(rates, moved, nodes, None)

@@ -216,10 +216,17 @@ class VariedProfile:
 
         return self._piecewise(u, self._far_slip_rate, inside)
 
-    def _stuck(self, u: Array, mode: Mode) -> Array:
-        """Return the derivative of p* or q* with respect to the Poisson ratio."""
+    def _stuck(self, u: Array, mode: Mode, of_load: bool = True) -> Array:
+        """Return the derivative of p* or q* with what changes the half-plane, or the load's front.
+
+        Without `of_load` they are those of a load that comes at once.
+        """
         stencil, own = self.variation.stencil, self.profile.fields.factors
-        if not self.variation.rates.poisson_ratio or stencil is None:
+        rates = self.variation.rates
+        slowness, by_slowness = self.profile.fields.load.slowness, rates.slowness
+        if not of_load:
+            slowness = by_slowness = 0.0
+        if not (rates.poisson_ratio or by_slowness) or stencil is None:
             return np.zeros(u.shape)
         # Between the fronts, a moves with the ratio while b = 1 stays: points at a fixed share of
         # (a, b) are differenced there.
@@ -227,13 +234,14 @@ class VariedProfile:
         share = np.where(between, (u - own.a) / (1 - own.a), 0.0)
         values, places = [], []
         for point in stencil.points:
-            traction = stuck_traction(float(own.poisson_ratio + point), mode)
+            ratio = float(own.poisson_ratio + rates.poisson_ratio * point)
+            traction = stuck_traction(ratio, mode, float(slowness + by_slowness * point))
             a = traction.factors.a
             places.append(np.where(between, a + share * (1 - a), u))
             values.append(traction(places[-1]))
         value, moved = (stencil.difference(np.stack(every), 0) for every in (values, places))
         inside = np.where(between, u, (1 + own.a) / 2)
-        slope = stuck_traction(own.poisson_ratio, mode).derivative(inside)
+        slope = stuck_traction(own.poisson_ratio, mode, slowness).derivative(inside)
         return np.where(u <= own.a, 0.0, value - np.where(between, slope * moved, 0.0))
 
     @cached_property
@@ -252,7 +260,7 @@ class VariedProfile:
             return np.zeros(u.shape) if self.normal is None else -self.normal.traction(u)
         result = np.full(u.shape, rates.base_pressure)
         if rates.load_pressure:
-            mode_one = stuck_traction(self.profile.fields.factors.poisson_ratio, "I")
+            mode_one = load.stuck(self.profile.fields.factors, "I")
             result += rates.load_pressure * mode_one(u)
         if load.load_pressure:
             result += load.load_pressure * self._stuck(u, "I")
@@ -306,10 +314,10 @@ class VariedProfile:
         name = profile.fields.factors.mode
         mode = stuck_traction(profile.fields.factors.poisson_ratio, name)
         moved = nodes.ends[0, panel]
-        started = self._stuck(left, name)
+        started = self._stuck(left, name, False)
         if moved.any():  # beside an edge, not at the shear front
             started = started + mode.derivative(left) * moved
-        gained = self._stuck(v, name) - started
+        gained = self._stuck(v, name, False) - started
         return np.asarray(
             nodes.intensity * (mode(v) - mode(left)) + profile.edge_intensity * gained
         )

@@ -72,6 +72,7 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
         load.load_pressure,
         lambda at: normal.pressure(factors.seen_in_plane(at)),
         normal.known_pressure(),
+        load.slowness,
     )
     return replace(load, opened=opened), normal
 
@@ -79,15 +80,16 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
 def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | None:
     """Solve the normal problem of a load to an accuracy; None if the contact stays closed."""
     tolerance = max(rtol * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
-    opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
+    of_load = poisson_ratio, load.base_pressure, load.load_pressure
+    opening = opening_of(*of_load, tolerance, load.slowness)
     while (
         opening and opening.error > tuning.EDGE_SHARE * rtol and tolerance > tuning.LEAST_TOLERANCE
     ):
         tolerance = max(tolerance * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
-        opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
+        opening = opening_of(*of_load, tolerance, load.slowness)
     if opening is None:
         return None
-    given = normal_load(load.base_pressure, load.load_pressure)
+    given = normal_load(load.base_pressure, load.load_pressure, load.slowness)
     factors, rule = rayleigh_factors(poisson_ratio, "I"), rule_for(tolerance)
     fields = ZoneFields(factors, given, (opening.zone,), rule, closing=opening.closing)
     return Normal(opening, Profile(fields), opening.error + tuning.BETWEEN_NODES * tolerance)

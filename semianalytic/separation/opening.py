@@ -3,13 +3,15 @@
 The transform P of the change of pressure is real where the contact is open, P / M_+ of mode I is
 real where it is closed, and P(0) = P_0.  There is one opening at most (docs/separation.md):
 
-- from the contact edge for P_0 < 0, its speed in closed form;
+- from the contact edge for P_0 < 0, its speed in closed form, u_s = p + (J/P_0)^2 M_+(-p)^2 with J
+  the jump of pressure at the edge and p the slowness of the front of the load (0 if it comes at
+  once);
 - around the Rayleigh front for P_0 > 0 and P_b < -P_0 p*(c).  Both ends are smooth: besides R there
   is a term r / (k + e) of the closing edge e, and the rate of the gap and the gap vanish there.
 
 The fields are those of `cut.zones` in mode I, minus pressure for traction and opening of one side
 for slip, b = mu = 1.  With r = 0 they have the slopes g_0; the term makes them
-g_0 (1 + rho v / (e (e - v))), rho = r / R_0.
+g_0 (1 + rho (v - p) / (e (e - v))), rho = r / R_0.
 """
 
 from __future__ import annotations
@@ -49,7 +51,9 @@ class Opening:
     error: float
 
 
-def opening_of(poisson_ratio: float, base: float, step: float, tolerance: float) -> Opening | None:
+def opening_of(
+    poisson_ratio: float, base: float, step: float, tolerance: float, slowness: float = 0.0
+) -> Opening | None:
     """Return the opening under a step of pressure on a base; None if there is none.
 
     Parameters
@@ -62,6 +66,8 @@ def opening_of(poisson_ratio: float, base: float, step: float, tolerance: float)
         Step of pressure P_0 that is taken off the slot, in the same unit.
     tolerance : float
         Tolerance of the rule on which its edges are placed.
+    slowness : float
+        p, that of the front of the load over the slot [b]; 0 for a load that comes at once.
 
     Raises
     ------
@@ -69,29 +75,35 @@ def opening_of(poisson_ratio: float, base: float, step: float, tolerance: float)
         If Newton's method does not place them.
     """
     if step < 0:
-        return _from_contact_edge(poisson_ratio, -base / step)
-    if not step or base >= -step * stuck_traction(poisson_ratio, "I").at_rayleigh_front:
+        return _from_contact_edge(poisson_ratio, -base / step, slowness)
+    if not step:
         return None
-    unit = detached_opening(poisson_ratio, base / step, tolerance)
+    if base >= -step * stuck_traction(poisson_ratio, "I", slowness).at_rayleigh_front:
+        return None
+    unit = detached_opening(poisson_ratio, base / step, tolerance, slowness)
     return replace(unit, closing=tuple((edge, amount * step) for edge, amount in unit.closing))
 
 
-def _from_contact_edge(poisson_ratio: float, ratio: float) -> Opening:
+def _from_contact_edge(poisson_ratio: float, ratio: float, slowness: float) -> Opening:
     """Return one zone up to the contact edge, where P = P_0 - P_b: closed form of `reference`."""
     factors = rayleigh_factors(poisson_ratio, "I")
     start = (1 - poisson_ratio) * (1 + ratio) ** 2 / factors.a
+    if slowness:
+        start = slowness + ((1 + ratio) * factors.m_plus_off_cut(-slowness)) ** 2
     return Opening(Zone(factors.cut([start]), None, 1), (), tuning.LEAST_ERROR)
 
 
 @lru_cache(maxsize=64)
-def detached_opening(poisson_ratio: float, ratio: float, tolerance: float) -> Opening:
+def detached_opening(
+    poisson_ratio: float, ratio: float, tolerance: float, slowness: float = 0.0
+) -> Opening:
     """Return the opening around c under P_0 = 1.
 
     It is placed on a fine rule and compared with a coarser one.  Those of the 64 most recent scenes
     are cached, since friction and shear do not change them.
     """
-    problem = Detached(poisson_ratio, ratio, rule_for(tolerance))
-    below = 1 + ratio / stuck_traction(poisson_ratio, "I").at_rayleigh_front
+    problem = Detached(poisson_ratio, ratio, rule_for(tolerance), slowness)
+    below = 1 + ratio / stuck_traction(poisson_ratio, "I", slowness).at_rayleigh_front
     loose = max(min(tuning.LOOSE_RULE, tuning.LOOSE_SHARE * below), tuning.LEAST_LOOSE)
     unknowns, inverse = _located(replace(problem, rule=rule_for(loose)))
     least = max(tuning.LEAST_MOVE, problem.rule.tolerance / 2)
@@ -106,7 +118,7 @@ def detached_opening(poisson_ratio: float, ratio: float, tolerance: float) -> Op
     zone = problem.zone(unknowns)
     assert zone.right is not None
     # R = R_0 (1 - rho / e): `ZoneFields` finds it from r = rho R_0 and P(0)
-    amount = float(left.term) * float(left.fields.constant[0])
+    amount = float(left.term) * float(left.fields.amplitude[0])
     error = _shift(zone, problem.zone(unknowns + move))
     return Opening(zone, ((zone.right, amount),), tuning.LEAST_ERROR + tuning.SAFETY * error)
 
@@ -150,6 +162,7 @@ class Detached:
     poisson_ratio: float
     base: float
     rule: Rule
+    slowness: float = 0.0
 
     @property
     def factors(self) -> RayleighFactors:
@@ -202,7 +215,7 @@ class Detached:
         root at first, else behind it, and on one side of every cut.
         """
         factors, logits = self.factors, tuning.LOGITS
-        width, stuck = factors.c - factors.a, stuck_traction(self.poisson_ratio, "I")
+        width, stuck = factors.c - factors.a, stuck_traction(self.poisson_ratio, "I", self.slowness)
         left = stuck(factors.a + width / (1 + np.exp(-logits))) + self.base
         last = int(np.argmax(left < 0))
         start = float(np.interp(0.0, left[[last, last - 1]], logits[[last, last - 1]]))
@@ -216,7 +229,8 @@ class Detached:
     def fields(self, unknowns: Array) -> ZoneFields:
         """Return the fields with r = 0, without the part behind the opening."""
         zones = (self.zone(unknowns),)
-        return ZoneFields(self.factors, normal_load(self.base, 1.0), zones, self.rule, False)
+        load = normal_load(self.base, 1.0, self.slowness)
+        return ZoneFields(self.factors, load, zones, self.rule, False)
 
 
 @dataclass(frozen=True)
@@ -227,9 +241,10 @@ class Left:
 
     @cached_property
     def _share(self) -> Array:
-        """Factor v / (e (e - v)) at the nodes, (p, ..., n), with the closing edge e."""
+        """Factor (v - p) / (e (e - v)) at the nodes, (p, ..., n), with the closing edge e."""
         panels = self.fields.panels
-        return -panels.at.v / (panels.ends.v[-1] * panels.from_ends[-1])
+        from_load = panels.at.v - self.fields.load.slowness
+        return -from_load / (panels.ends.v[-1] * panels.from_ends[-1])
 
     @cached_property
     def _rates(self) -> tuple[Array, Array]:

@@ -57,8 +57,8 @@ class MarchedBodies:
         """Return the stress; see `Marched.stress`."""
         rows = self._change("stress", x, y, t)
         # pressure is positive in compression, sigma_yy in tension
-        rows[1] -= traction_ahead(self.scene, "pressure", t)
-        rows[-1] += traction_ahead(self.scene, "shear", t)
+        rows[1] -= traction_ahead(self.scene, "pressure", x, t)
+        rows[-1] += traction_ahead(self.scene, "shear", x, t)
         return rows
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:

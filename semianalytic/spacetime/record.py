@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import fields
+from collections.abc import Callable, Sequence
+from dataclasses import fields as fields_of
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from semianalytic.results.sampled import Totals
 from semianalytic.spacetime.marched import Marched, MarchState
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 """Fields that are stored of each level; a march ends where the contact would open."""
@@ -62,62 +63,97 @@ class MarchRecord:
         self._summed = len(marched.totals.t)
         self._totals = [
             _extended(getattr(marched.totals, field.name), self._summed + (not before) + steps)
-            for field in fields(Totals)
+            for field in fields_of(Totals)
         ]
 
     def begin(self, state: MarchState, pressure: Array) -> None:
         """Store the level at t = 0, with the pressure of the contact, unless it is stored."""
         if self._stored:
             return
-        self._store(state, pressure)
-        self._sum(state)
-
-    def jump(self, state: MarchState) -> None:
-        """Include in `seen` the slip rate right after a jump of the loads."""
         rate = self._marched.grid.observe(state.rate)
-        self.seen = self.seen.with_level(
-            state.time, state.time, rate, rate, state.slip[: self._observed]
+        fields = state.slip, rate, state.traction, pressure
+        self._store(np.array([state.time]), *(field[None] for field in fields))
+        self._sum([state.time], state.slip[None], state.path[None], state.work[None])
+
+    def jump(self, time: float, rate: Array, slip: Array) -> None:
+        """Include in `seen` the slip rate (size,) right after a jump of the loads."""
+        rate = self._marched.grid.observe(rate)
+        self.seen = self.seen.with_levels(
+            [time, time], np.stack([rate, rate]), slip[: self._observed][None]
         )
 
-    def add(self, before: MarchState, state: MarchState, pressure: Array) -> None:
-        """Add the level `state` that follows `before`, with the pressure of the contact."""
-        observe = self._marched.grid.observe
-        self.seen = self.seen.with_level(
-            before.time,
-            state.time,
-            observe(before.rate),
-            observe(state.rate),
-            state.slip[: self._observed],
-        )
-        self._sum(state)
+    def count(self) -> None:
+        """Count a step, which belongs to the next levels that are added, and tell of it."""
         self.done += 1
         self.stopped = self._progress is not None and (
             self._progress(self.done, self._steps) is True
         )
-        reached = self._marched.statistics.steps + self.done
-        if reached % self._every == 0 or self.done == self._steps or self.stopped:
-            self._store(state, pressure)
 
-    def _store(self, state: MarchState, pressure: Array) -> None:
-        """Store a level."""
-        self._times[self._stored] = state.time
-        rate = state.rate[self._marched.grid.contact]
-        for kept, field in zip(
-            self._fields, (state.slip, rate, state.traction, pressure), strict=True
-        ):
-            kept[self._stored] = field[: self._observed]
-        self._stored += 1
+    def add(
+        self,
+        times: Sequence[float],
+        pressures: Sequence[Array],
+        rates: Array,
+        tractions: Array,
+        slips: Array,
+        paths: Array,
+        works: Array,
+    ) -> None:
+        """Add the levels of the last k steps.
 
-    def _sum(self, state: MarchState) -> None:
-        """Add the totals of a level: sums over nodes times h are integrals over the contact."""
-        slip, path, work = (
-            field[: self._observed] for field in (state.slip, state.path, state.work)
+        Parameters
+        ----------
+        times : (k + 1,) sequence
+            Times of the levels and of the one before them [time].
+        pressures : k arrays of (contact,)
+            Pressure of the contact at the levels [stress].
+        rates : (k + 1, size) array
+            Slip rates at `times`.
+        tractions, slips, paths, works : (k + 1, contact) arrays
+            Fields of `MarchState` at `times`.
+        """
+        grid, n = self._marched.grid, self._observed
+        rates = rates[:, grid.slot : grid.slot + n]
+        self.seen = self.seen.with_levels(times, rates, slips[1:, :n])
+        self._sum(times[1:], slips[1:], paths[1:], works[1:])
+        taken = len(times) - 1
+        reached = self._marched.statistics.steps + self.done - taken + np.arange(1, taken + 1)
+        kept = reached % self._every == 0
+        kept[taken - 1 :] |= self.stopped or self.done == self._steps
+        rows = np.flatnonzero(kept)
+        # all of them without a copy, which takes as long as the storing
+        part: slice | Indices = slice(1, None) if len(rows) == taken else rows + 1
+        stored = slips[part], rates[part], tractions[part], self._pressed(pressures, rows)
+        self._store(np.asarray(times)[part], *stored)
+
+    def _pressed(self, pressures: Sequence[Array], rows: Indices) -> Array:
+        """Return the pressure (k, observed) of some of the levels."""
+        if not len(rows):
+            return np.zeros((0, self._observed))
+        if all(one is pressures[0] for one in pressures):
+            return np.broadcast_to(pressures[0], (len(rows), len(pressures[0])))
+        return np.array([pressures[row][: self._observed] for row in rows])
+
+    def _store(self, times: Array, *fields: Array) -> None:
+        """Store levels, the fields in the order of `_FIELDS`."""
+        part = slice(self._stored, self._stored + len(times))
+        self._times[part] = times
+        for kept, field in zip(self._fields, fields, strict=True):
+            kept[part] = field[:, : self._observed]
+        self._stored += len(times)
+
+    def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
+        """Add the totals of levels: sums over nodes times h are integrals over the contact."""
+        n, part = self._observed, slice(self._summed, self._summed + len(times))
+        totals = (
+            times,
+            np.abs(slips[:, :n]).max(axis=1),
+            paths[:, :n].sum(axis=1) * self._spacing,
+            works[:, :n].sum(axis=1) * self._spacing,
         )
-        largest = np.abs(slip).max()
-        totals = (state.time, largest, path.sum() * self._spacing, work.sum() * self._spacing)
         for kept, total in zip(self._totals, totals, strict=True):
-            kept[self._summed] = total
-        self._summed += 1
+            kept[part] = total
+        self._summed += len(times)
 
     def interface(self) -> InterfaceHistory:
         """Return the stored levels."""

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import process_zone
 from semianalytic.scene.loads import LoadHistory
-from semianalytic.scene.process_zone import process_zone
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.tuning import (
     HALVINGS,

@@ -56,7 +56,7 @@ def _shares(solution: Solution) -> bool:
     """Return whether the fields of a solution can be evaluated along with those of others."""
     scene, load = solution.scene, solution.profile.fields.load
     coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
-    return coulomb and not (load.frictionless or load.opened)
+    return coulomb and not (load.frictionless or load.opened or load.slowness)
 
 
 def _edges(zones: Iterable[Zone]) -> list[CutPoints]:

@@ -278,6 +278,8 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
     }
     scenes = [replace(scene, material=materials[nu], friction=f) for nu, f in points.T.tolist()]
     coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
+    # tables of many solids at once are those of loads that come at once
+    coulomb = coulomb and not scene.front_slowness
     scattered = len(scenes) < tuning.FRICTIONS_ALONE * len(materials)
     runs: list[Any] = []
     if coulomb and scattered and len(materials) > 1 and len(scenes) >= tuning.FEWEST_IN_PLANE:

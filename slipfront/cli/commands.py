@@ -27,6 +27,7 @@ from slipfront.cli.measured.benchmark_command import app as benchmark_app
 from slipfront.cli.measured.fit_command import fit_command
 from slipfront.cli.measured.validate_command import validate_command
 from slipfront.cli.refusals import in_options
+from slipfront.cli.run_command import run_command
 from slipfront.cli.scenes.commands import init, scenes
 from slipfront.cli.scenes.sliding import sliding
 from slipfront.cli.simulate_command import simulate_command
@@ -117,6 +118,7 @@ def slipfront(
 
 app.command("compare")(compare_command)
 app.command("solve")(solve_command)
+app.command("run")(run_command)
 app.command("simulate")(simulate_command)
 app.command("field")(field_command)
 app.command("explore")(explore_command)

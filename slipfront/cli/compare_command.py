@@ -40,6 +40,7 @@ from slipfront.cli.options import (
     NoSnapshots,
     Output,
     Quiet,
+    asked,
     in_bytes,
     in_seconds,
     option_name,
@@ -98,6 +99,7 @@ def compare_command(
         label = scene_label(scene_name)
         directory = output or scene_folder(scene_name, overrides)
         scene = override_scene(find_scene(scene_name), **overrides)
+        asked(scene, "end_time", settings.get("end_time"), "time")
         check_predictable(scene, method)
     prediction: Solution | Marched | None = None
     notes = Console(stderr=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,6 +17,7 @@ from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_doc
 from compare.comparison.prediction import method_of
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
+from compare.records.units import si_size
 from semianalytic import Marched, Scene, Solution, march, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import WholeFields
@@ -24,6 +26,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
 from semianalytic.scene.scene import scene_document
+from semianalytic.scene.units import measure
 from slipfront.cli.marching import check_rtol
 from slipfront.cli.options import (
     MARCH_OPTIONS,
@@ -34,7 +37,9 @@ from slipfront.cli.options import (
     Output,
     Quiet,
     SceneArgument,
+    asked,
     in_bytes,
+    measured_option,
     option_name,
     with_options,
 )
@@ -136,7 +141,7 @@ def field_command(
         ),
     ] = "speed",
     time: Annotated[
-        float | None, typer.Option(help="Time of the picture \\[time]; 1 / c_t by default.")
+        float | None, measured_option("time", "Time of the picture [time]; 1 / c_t by default.")
     ] = None,
     window: _Window = None,
     points: Annotated[
@@ -210,6 +215,7 @@ def field_command(
             f"{option_name(next(iter(march_options)))} is for the space-time solver; "
             "add --method space-time."
         )
+    time = asked(scene, "time", time, "time")
     step = _fringe_stress(of, thickness, stress_optical)
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:
@@ -218,12 +224,12 @@ def field_command(
         raise SceneError(f"--format must be one of {', '.join(FORMATS)}, got {shown(form)}.")
     request = Request(
         1 / scene.material.shear_speed if time is None else checked_size("field: time", time),
-        None if window is None else _window(window),
+        None if window is None else _window(scene, window),
         _count("points", points, 2, MOST_POINTS),
         _count("animate", animate, 0, MOST_FRAMES),
         form,
         (_grid(grid) if grid else GRID) if vtu else None,
-        tuple(_place(one) for one in gauge or ()),
+        tuple(_place(scene, one) for one in gauge or ()),
         _count("samples", samples, 2, MOST_SAMPLES),
         figures,
     )
@@ -346,16 +352,16 @@ def _count(name: str, value: int, least: int, most: int) -> int:
     return value
 
 
-def _window(text: str) -> tuple[float, float, float, float]:
+def _window(scene: Scene, text: str) -> tuple[float, float, float, float]:
     required = "be four numbers x0,x1,y0,y1 with x0 < x1 and y0 < y1"
-    x0, x1, y0, y1 = _numbers("window", text, 4, required)
+    x0, x1, y0, y1 = _numbers("window", text, 4, required, scene)
     if not (x0 < x1 and y0 < y1):
         raise SceneError(f"--window must {required}, got {shown(text)}.")
     return x0, x1, y0, y1
 
 
-def _place(text: str) -> tuple[float, float]:
-    x, y = _numbers("gauge", text, 2, "be two numbers x,y")
+def _place(scene: Scene, text: str) -> tuple[float, float]:
+    x, y = _numbers("gauge", text, 2, "be two numbers x,y", scene)
     return x, y
 
 
@@ -367,12 +373,22 @@ def _grid(text: str) -> tuple[int, int]:
     return int(nx), int(ny)
 
 
-def _numbers(name: str, text: str, count: int, required: str) -> Iterator[float]:
-    """Parse a given count of finite numbers that are separated by commas."""
-    try:
-        numbers = [float(part) for part in text.split(",")]
-    except ValueError:
-        numbers = []
+def _numbers(
+    name: str, text: str, count: int, required: str, scene: Scene | None = None
+) -> Iterator[float]:
+    """Parse a given count of finite numbers that are separated by commas.
+
+    They are lengths that may have units if there is a scene.
+    """
+    numbers: list[Any] = []
+    with suppress(ValueError, SceneError):
+        parts = text.split(",")
+        if scene is None:
+            numbers = [float(part) for part in parts]
+        else:
+            numbers = [measure(part, "length", si_size) for part in parts]
+    if scene is not None:
+        numbers = [asked(scene, name, number, "length") for number in numbers]
     if len(numbers) != count:
         raise SceneError(f"{option_name(name)} must {required}, got {shown(text)}.")
     return iter([checked_number(option_name(name), number) for number in numbers])

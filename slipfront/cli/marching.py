@@ -19,6 +19,7 @@ from semianalytic.scene.extras import HDF5, require
 from slipfront.cli import terminal
 from slipfront.cli.interruption import INTERRUPTED
 from slipfront.cli.options import in_bytes, option_name
+from slipfront.cli.scenes.points import Points, points_table
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
@@ -29,6 +30,7 @@ def march_command(
     label: str,
     end_time: float | None,
     options: Mapping[str, Any],
+    points: Points | None = None,
     *,
     as_json: bool,
     draw: Draw | None,
@@ -43,6 +45,8 @@ def march_command(
         If the error estimate is above --rtol; the result is printed before.
     """
     options = dict(options)
+    if end_time is None and points is not None and "go_on" not in options:
+        end_time = points.end_time(scene)
     save, earlier = options.pop("save", None), options.pop("go_on", None)
     if save is not None or earlier is not None:
         require("a saved march", *HDF5)
@@ -77,7 +81,7 @@ def march_command(
             f"Every {marched.every}th level is stored: more would not fit into the memory.",
             highlight=False,
         )
-    _show(marched, label, as_json=as_json, save=save, draw=draw, plot=plot)
+    _show(marched, label, points, as_json=as_json, save=save, draw=draw, plot=plot)
     check_rtol(marched, label)
 
 
@@ -111,6 +115,7 @@ def _gone_on(
 def _show(
     marched: Marched,
     label: str,
+    points: Points | None,
     *,
     as_json: bool,
     save: Path | None,
@@ -124,9 +129,13 @@ def _show(
         save_figure(draw(marched), plot)
     if as_json:
         files = [path for path in (save, plot) if path is not None]
-        terminal.print_json("solve", march_document(marched), files=files)
+        document = march_document(marched)
+        document = document if points is None else points.with_units(document, marched)
+        terminal.print_json("solve", document, files=files)
         return
     Console().print(terminal.march_table(marched, label))
+    if points is not None:
+        Console().print(points_table(marched, points))
     for done, path in (("Saved", save), ("Drawn", plot)):
         if path is not None:
             Console().print(f"{done} in {path}", highlight=False)

@@ -13,9 +13,13 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 
+from compare.records.units import si_size
 from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.quantities import in_units_of
+from semianalytic.scene.scene import Scene
+from semianalytic.scene.units import PARAMETERS, SI, measure
 from slipfront.cli.scenes.completion import (
     LOADED,
     MESH_NAMES,
@@ -84,7 +88,44 @@ Method = Annotated[
 ]
 
 
-def _option(type_: type, panel: str, text: str, *names: str) -> Any:
+def measured(dimension: str) -> Callable[[str], float]:
+    """Return a parser of numbers that a unit of a dimension may follow, as 5cm, for typer."""
+
+    def parsed(text: str) -> float:
+        try:
+            return measure(text, dimension, si_size)
+        except SceneError as error:
+            raise typer.BadParameter(str(error)) from None
+
+    return parsed
+
+
+def measured_option(dimension: str, text: str, panel: str | None = None, **given: Any) -> Any:
+    """Return a typer option for a number that a unit may follow, as 5cm; None unless given."""
+    return typer.Option(
+        parser=measured(dimension),
+        metavar=given.pop("metavar", "NUMBER"),
+        help=escape(text),  # rich would take units in brackets for markup
+        rich_help_panel=panel,
+        **given,
+    )
+
+
+def asked(scene: Scene, name: str, value: float | None, dimension: str) -> float | None:
+    """Return the value of an option in the units of a scene.
+
+    Raises
+    ------
+    SceneError
+        If it was given with a unit, and the scene does not say its own.
+    """
+    number: float | None = in_units_of(scene.units, option_name(name), value, dimension)
+    return number
+
+
+def _option(type_: type, panel: str, text: str, *names: str, dimension: str = "") -> Any:
+    if dimension:
+        return Annotated[float | None, measured_option(dimension, text, panel)]
     # rich would take units in brackets for markup
     named = one_of(*names) if names else None
     option = typer.Option(help=escape(text), rich_help_panel=panel, autocompletion=named)
@@ -101,8 +142,30 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "Where the load acts: on the faces of the slot, or arriving from far away (remote).",
         *LOADED,
     ),
+    "wave": _option(
+        str,
+        _SCENE_PANEL,
+        "Kind of a plane wave that arrives, in place of the load: P or SV, SH in antiplane shear.",
+        "P",
+        "SV",
+        "SH",
+    ),
+    "wave_from": _option(
+        str, _SCENE_PANEL, "Body the wave arrives from: below or above.", "below", "above"
+    ),
+    "units": _option(
+        str,
+        _SCENE_PANEL,
+        "SI: all numbers of the scene are in m, s, kg and Pa, and so are the answers.",
+        SI,
+    ),
 } | {
-    name: _option(float, _SCENE_PANEL, text)
+    name: _option(
+        float,
+        _SCENE_PANEL,
+        text,
+        dimension=PARAMETERS[name.removeprefix("base_").removeprefix("load_")],
+    )
     for name, text in {
         "shear_modulus": "Shear modulus [stress].",
         "density": "Mass density [mass / length³].",
@@ -112,12 +175,18 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "base_shear": "Shear traction in place before the load [stress].",
         "load_pressure": "Pressure of the load, from t = 0 [stress].",
         "load_shear": "Shear traction of the load, from t = 0 [stress].",
+        "angle": "Angle of the wave from the normal [degrees]; negative: it meets the contact "
+        "first.",
+        "wave_velocity": "Step of particle velocity of the wave [length / time].",
+        "wave_stress": "Impedance times that step, in its place [stress].",
+        "load_speed": "Speed of the load over the slot, away from its tip [length / time]; "
+        "negative: towards the tip.",
         "viscosity": "Viscosity of a film: shear strength over slip rate [stress time / length].",
     }.items()
 }
 
 LOWER_OPTIONS: Mapping[str, Any] = {
-    f"lower_{name}": _option(float, _SCENE_PANEL, text)
+    f"lower_{name}": _option(float, _SCENE_PANEL, text, dimension=PARAMETERS[name])
     for name, text in {
         "shear_modulus": "Shear modulus of the lower block [stress].",
         "density": "Mass density of the lower block [mass / length³].",
@@ -127,7 +196,13 @@ LOWER_OPTIONS: Mapping[str, Any] = {
 """Options of the lower block; numbers that are not given are those of the upper block."""
 
 MESH_OPTIONS: Mapping[str, Any] = {
-    name: _option(type_, "Finite elements", text, *MESH_NAMES.get(name, ()))
+    name: _option(
+        type_,
+        "Finite elements",
+        text,
+        *MESH_NAMES.get(name, ()),
+        dimension="time" if name == "end_time" else "",
+    )
     for name, (type_, text) in {
         "end_time": (float, "Time T at which the simulation ends [time]; 1 / c_t by default."),
         "resolution": (int, "Elements per c_t T; 100 by default, and compare can choose it."),
@@ -143,7 +218,12 @@ MESH_OPTIONS: Mapping[str, Any] = {
 }
 
 MARCH_OPTIONS: Mapping[str, Any] = {
-    name: _option(type_, "Space-time solver", text)
+    name: _option(
+        type_,
+        "Space-time solver",
+        text,
+        dimension={"length": "length", "latest": "time"}.get(name, ""),
+    )
     for name, (type_, text) in {
         "nodes": (int, "Contact nodes; 1000 by default, or as many as the loads need."),
         "rtol": (float, "Largest error estimate; chooses the nodes."),

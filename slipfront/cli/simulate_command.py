@@ -20,6 +20,7 @@ from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.extras import FEM, require
 from semianalytic.scene.named import find_blocks, override_scene, scene_folder, scene_label
+from semianalytic.scene.units import PARAMETERS
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     CHECKPOINT_OPTIONS,
@@ -32,6 +33,7 @@ from slipfront.cli.options import (
     Output,
     Quiet,
     SceneArgument,
+    asked,
     in_bytes,
     with_options,
 )
@@ -86,6 +88,9 @@ def simulate_command(
     directory = output or scene_folder(scene_name, {**overrides, **lower})
     scene, lower_material = find_blocks(scene_name)
     scene = override_scene(scene, **overrides)
+    asked(scene, "end_time", settings.get("end_time"), "time")
+    for name, value in lower.items():
+        asked(scene, name, value, PARAMETERS[name.removeprefix("lower_")])
     if lower or lower_material:
         changes = {name.removeprefix("lower_"): value for name, value in lower.items()}
         settings = {

@@ -16,7 +16,12 @@ from semianalytic.prediction import chosen_method
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.named import find_scene, override_scene, scene_label
+from semianalytic.scene.named import (
+    describes_line,
+    find_scene,
+    override_scene,
+    scene_label,
+)
 from slipfront.cli import terminal
 from slipfront.cli.marching import march_command
 from slipfront.cli.options import (
@@ -26,13 +31,37 @@ from slipfront.cli.options import (
     Method,
     Quiet,
     SceneArgument,
+    asked,
+    measured_option,
     option_name,
     with_options,
 )
 from slipfront.cli.scenes.completion import figure_names
+from slipfront.cli.scenes.points import Points, points_of, points_table
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
+
+
+_POINTS = "Points of the contact"
+_Positions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--x",
+        metavar="X,...",
+        help="Positions x > 0 to tell about, as 0.05 or 5cm,10cm: when slip comes there.",
+        rich_help_panel=_POINTS,
+    ),
+]
+_Times = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--t",
+        metavar="T,...",
+        help="Times, as 3e-5 or 30us: slip, slip rate and tractions at --x, with their errors.",
+        rich_help_panel=_POINTS,
+    ),
+]
 
 
 @with_options(overrides=SCENE_OPTIONS, march_options=MARCH_OPTIONS)
@@ -43,10 +72,13 @@ def solve_command(
     method: Method = "auto",
     end_time: Annotated[
         float | None,
-        typer.Option(
-            help="Time T up to which to report \\[time]; a march ends there, at 1 / c_t by default."
+        measured_option(
+            "time",
+            "Time T up to which to report [time]; a march ends there, at 1 / c_t by default.",
         ),
     ] = None,
+    x: _Positions = None,
+    t: _Times = None,
     as_json: AsJson = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw slip rate and tractions (.png, .pdf).")
@@ -63,18 +95,53 @@ def solve_command(
 ) -> None:
     """Solve a scene: slip zones, edge velocities, and everything that happens until an end time.
 
-    Step loads are self-similar and solved exactly; other load histories are marched in time.  The
+    With --x 5cm --t 30us a table says when slip comes to x, and slip, slip rate and tractions at t,
+    each with the bar of its error; numbers may have units if the scene is in those of the SI.
+
+    Step loads are self-similar and solved exactly; other load histories are marched in time.  Whole
+    lines without a slot, and loads that grow as a power of time, are solved exactly as well.  The
     exit code is 4 if the solution has not converged, or if the error estimate of a march exceeds
     --rtol; the best answer is printed all the same.
     """
-    scene, label = override_scene(find_scene(scene_name), **overrides), scene_label(scene_name)
+    label = scene_label(scene_name)
+    if describes_line(scene_name):
+        from slipfront.cli.scenes.lines import line_command, slot_scene_of  # which need scipy
+
+        alike = slot_scene_of(scene_name, overrides)
+        if alike is None:
+            if march_options:
+                raise SceneError(
+                    f"{option_name(next(iter(march_options)))} is for the space-time solver, which "
+                    f"takes scenes with a slot; leave it out for {label}."
+                )
+            if x is not None or t is not None:
+                raise SceneError(
+                    f"--x and --t are for scenes with a slot; leave them out for {label}, and ask "
+                    "its answer in Python for slip at points (docs/whole_line.md)."
+                )
+            line_command(
+                scene_name,
+                label,
+                overrides,
+                end_time,
+                method=method,
+                as_json=as_json,
+                plot=plot,
+                figure=figure,
+            )
+            return
+        scene = alike
+    else:
+        scene = override_scene(find_scene(scene_name), **overrides)
     draw = _drawing(plot, figure)
+    end_time, points = asked(scene, "end_time", end_time, "time"), points_of(scene, x, t)
     if chosen_method(scene, method) == "space-time":
         march_command(
             scene,
             label,
             end_time,
             march_options,
+            points,
             as_json=as_json,
             draw=draw,
             plot=plot,
@@ -86,7 +153,7 @@ def solve_command(
             f"{option_name(next(iter(march_options)))} is for the space-time solver; "
             "add --method space-time."
         )
-    _solve_exactly(scene, label, end_time, as_json=as_json, draw=draw, plot=plot)
+    _solve_exactly(scene, label, end_time, points, as_json=as_json, draw=draw, plot=plot)
 
 
 def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
@@ -108,6 +175,7 @@ def _solve_exactly(
     scene: Scene,
     label: str,
     end_time: float | None,
+    points: Points | None,
     *,
     as_json: bool,
     draw: Draw | None,
@@ -123,6 +191,7 @@ def _solve_exactly(
         save_figure(draw(solution), plot)
     if as_json:
         document = solution_document(solution, end_time)
+        document = document if points is None else points.with_units(document, solution)
         terminal.print_json("solve", document, files=[] if plot is None else [plot])
     else:
         console = Console()
@@ -130,6 +199,8 @@ def _solve_exactly(
         console.print(terminal.facts_table(solution))
         if end_time is not None:
             console.print(terminal.end_table(solution, end_time))
+        if points is not None:
+            console.print(points_table(solution, points))
         if plot is not None:
             console.print(f"Drawn in {plot}", highlight=False)
     check_converged(solution, label)

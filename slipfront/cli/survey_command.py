@@ -40,7 +40,7 @@ VALUE_OPTIONS: Mapping[str, Any] = {
     for name, _help in (
         (name, hint.__metadata__[0].help.replace("\\[", "["))
         for name, hint in SCENE_OPTIONS.items()
-        if name not in ("mode", "load_on")
+        if name not in ("mode", "load_on", "wave", "wave_from")
     )
 }
 SAMPLES: Mapping[str, Any] = {

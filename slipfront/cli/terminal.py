@@ -28,7 +28,7 @@ from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.results.answer import digits_apart
-from semianalytic.scene.loading import REMOTE
+from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.units import unit
 from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
 from slipfront.cli.refusals import in_options
@@ -114,9 +114,17 @@ def facts_table(solution: Solution) -> Table:
 
 def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
     """Yield name, value and dimension of the base tractions and of the load, with its place."""
-    where = "from far away" if scene.load_on == REMOTE else "on the slot"
-    for name, part in (("pressure, shear before", scene.base), (f"load {where}", scene.load)):
+    where = "from far away" if scene.arrives else "on the slot"
+    for name, part in (
+        ("pressure, shear before", scene.base),
+        (f"load {where}", scene.superposition.taken_off),
+    ):
         yield name, f"{part.pressure:.6g}, {part.shear:.6g}", "stress"
+    load = scene.load
+    if isinstance(load, IncidentWave):
+        yield f"{load.kind} wave from {load.from_}, angle", f"{load.angle:.6g}", "degrees"
+    if scene.front_slowness:
+        yield "velocity of its front along x", f"{1 / scene.front_slowness:.6g}", "length / time"
 
 
 def end_table(solution: Solution, end_time: float) -> Table:

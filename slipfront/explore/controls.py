@@ -12,6 +12,7 @@ from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import Scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import SIDES, WAVES, IncidentWave, MovingLoad
 from semianalytic.scene.loading import LOADED, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES
 from semianalytic.scene.scene import (
@@ -38,15 +39,25 @@ HISTORIES: Mapping[str, tuple[str, ...]] = {
     "pulse": ("duration", "shape"),
     "harmonic": ("frequency",),
 }
-"""Friction laws and load histories to choose from, and the controls that each of them shows."""
+LOADS: Mapping[str, tuple[str, ...]] = {
+    "at once": ("load_pressure", "load_shear", "load_on"),
+    "incident-wave": ("wave", "angle", "wave_stress", "wave_from"),
+    "moving": ("load_pressure", "load_shear", "load_speed"),
+}
+"""Friction laws, load histories and loads to choose from, and the controls that each shows."""
 
 CHOICES: Mapping[str, tuple[str, ...]] = {
     "mode": MODES,
+    "load": tuple(LOADS),
     "load_on": LOADED,
+    "wave": WAVES,
+    "wave_from": SIDES,
     "law": tuple(LAWS),
     "history": tuple(HISTORIES),
     "shape": tuple(PULSE_SHAPES),
 }
+STEEPEST = 85.0
+"""Largest angle of the slider [degrees], unless the scene has a larger one."""
 FIXED = ("shear_modulus", "density", "units")
 """Values that the scene given at the start fixes; they appear only in the address."""
 
@@ -84,6 +95,9 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
         ("base_shear", "base shear", "stress", -stress, stress),
         ("load_pressure", "load pressure", "stress", -stress, stress),
         ("load_shear", "load shear", "stress", -stress, stress),
+        ("angle", "angle of the wave", "degrees", -STEEPEST, STEEPEST),
+        ("wave_stress", "stress of the wave", "stress", -stress, stress),
+        ("load_speed", "speed of the load", "length / time", 0.1 / time, 5 / time),
         ("viscosity", "viscosity", "stress time / length", 0.0, 2 * impedance),
         ("reduction", "reduction", "1", 0.0, 1.0),
         ("rate", "rate", "length / time", rate / 10, 2 * rate),
@@ -145,11 +159,8 @@ def values_of(scene: Scene) -> Values:
     document = scene_document(scene)
     words = {"mode": scene.mode, "load_on": scene.load_on}
     values: Values = {**document["material"], "friction": scene.friction, **words}
-    values |= {
-        f"{part}_{kind}": document[part][kind]
-        for part in ("base", "load")
-        for kind in ("pressure", "shear")
-    }
+    values |= {f"base_{kind}": document["base"][kind] for kind in ("pressure", "shear")}
+    values |= _load_values(scene)
     histories = list(scene.acting_histories.values())
     if any(history != histories[0] for history in histories[1:]):
         raise SceneError(
@@ -168,6 +179,34 @@ def values_of(scene: Scene) -> Values:
     return values | {"units": scene.units}
 
 
+def _load_values(scene: Scene) -> Values:
+    """Return the load of a scene as values of controls; a wave by its stress."""
+    load = scene.load
+    if isinstance(load, IncidentWave):
+        impedance = scene.material.density * load.speed(scene.material)
+        stress = impedance * load.particle_velocity(scene.material)
+        words = {"load": "incident-wave", "wave": load.kind, "wave_from": load.from_}
+        return {**words, "angle": load.angle, "wave_stress": stress}
+    tractions = {"load_pressure": load.pressure, "load_shear": load.shear}
+    if isinstance(load, MovingLoad):
+        return {"load": "moving", "load_speed": load.speed, **tractions}
+    return {"load": "at once", **tractions}
+
+
+def _load_document(values: Mapping[str, Any]) -> Values:
+    """Return the load in the form that `scene_from_document` accepts."""
+    kind = values.get("load", "at once")
+    if kind not in LOADS:
+        raise SceneError(f"load must be one of {', '.join(LOADS)}, got {shown(kind)}.")
+    if kind == "incident-wave":
+        given = {"angle": _number(values, "angle"), "stress": _number(values, "wave_stress")}
+        return {"kind": kind, "wave": values["wave"], "from": values["wave_from"], **given}
+    tractions = {one: _number(values, f"load_{one}") for one in ("pressure", "shear")}
+    if kind == "moving":
+        return {"kind": kind, "speed": _number(values, "load_speed"), **tractions}
+    return tractions
+
+
 def scene_of(values: Mapping[str, Any]) -> Scene:
     """Return the scene that values of controls describe; values that it does not use are ignored.
 
@@ -181,15 +220,15 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
         "friction": numbers["friction"],
         "material": {name: numbers[name] for name in ("shear_modulus", "density", "poisson_ratio")},
         "base": {kind: numbers[f"base_{kind}"] for kind in ("pressure", "shear")},
-        "load": {kind: numbers[f"load_{kind}"] for kind in ("pressure", "shear")},
+        "load": _load_document(values),
         "mode": values.get("mode", IN_PLANE),
-        "load_on": values.get("load_on", SLOT),
+        "load_on": values.get("load_on", SLOT) if _at_once(values) else SLOT,
         "units": values.get("units", ""),
         "friction_law": _part(values, "law", LAWS),
     }
     history = _part(values, "history", HISTORIES)
-    for kind, size in document["load"].items():
-        if size:
+    for kind in ("pressure", "shear"):
+        if document["load"].get(kind, "angle" in document["load"]):
             document[f"{kind}_history"] = history
     return scene_from_document(document)
 
@@ -201,9 +240,11 @@ _NUMBERS = (
     "friction",
     "base_pressure",
     "base_shear",
-    "load_pressure",
-    "load_shear",
 )
+
+
+def _at_once(values: Mapping[str, Any]) -> bool:
+    return bool(values.get("load", "at once") == "at once")
 
 
 def _part(values: Mapping[str, Any], name: str, known: Mapping[str, tuple[str, ...]]) -> Values:
@@ -230,7 +271,9 @@ def _number(values: Mapping[str, Any], name: str) -> float:
 
 def query_of(values: Mapping[str, Any]) -> str:
     """Return the query of an address, ``?friction=0.3&...``, with all that its scene uses."""
-    names = [*_NUMBERS, "mode", "load_on", "units", "law", *LAWS[values["law"]], "history"]
+    names = [*_NUMBERS, *LOADS[values["load"]], "mode", "units", "law", *LAWS[values["law"]]]
+    names += [] if _at_once(values) else ["load"]
+    names += ["history"]
     names += HISTORIES[values["history"]]
     return "?" + urlencode({name: values[name] for name in names})
 

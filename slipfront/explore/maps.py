@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.scales import stress_scale
-from semianalytic import CoulombFriction, Scene, Solution, TensionError, solve
+from semianalytic import CoulombFriction, Scene, Solution, TensionError, Tractions, solve
 from semianalytic.regimes import regime
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import override_scene
@@ -51,7 +51,8 @@ def map_key(scene: Scene) -> tuple[object, ...]:
     stress = stress_scale(scene)
     tractions = [one for part in scene.superposition for one in (part.pressure, part.shear)]
     shares = tuple(round(one / stress, 9) for one in tractions)
-    return (*shares, scene.mode, scene.friction_law)
+    front = None if isinstance(scene.load, Tractions) else scene.load
+    return (*shares, front, scene.mode, scene.friction_law)
 
 
 def highest_friction(scene: Scene) -> float:
@@ -95,7 +96,7 @@ def _middles(ends: tuple[float, float], count: int) -> NDArray[np.float64]:
 
 def _exists(scene: Scene, friction: float) -> bool:
     try:
-        replace(scene, friction=friction)
+        replace(scene, friction=friction).check_self_similar()
     except SceneError:
         return False
     return True

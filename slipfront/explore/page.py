@@ -32,6 +32,7 @@ from slipfront.explore.controls import (
     CHOICES,
     HISTORIES,
     LAWS,
+    LOADS,
     defaults,
     query_of,
     scene_of,
@@ -133,7 +134,7 @@ class Session:
             quantities=(SPEED, DISPLACEMENT),
             given={
                 **self._opened(query),
-                "shown": {"law": LAWS, "history": HISTORIES},
+                "shown": {"law": LAWS, "history": HISTORIES, "load": LOADS},
                 "kinds": list(SHADES.items()),
                 "curves": [(name, f"{dash} {colour}") for name, (colour, dash) in CURVES.items()],
             },

@@ -215,10 +215,10 @@ def field_view(fields: WholeFields, points: int, share: float = 1.0, of: str = S
     for front in fronts(fields, time):
         inside = (np.abs(front.x) <= 2 * far) & (np.abs(front.y) <= 2 * far)
         along, across = front.x[inside] / length, front.y[inside] / length
-        lines += [(along, across), (along, -across)]
+        lines += [(along, side * across) for side in front.sides]
         if len(along) and not front.name.startswith("plane"):
             at = min(round(front.share * (len(along) - 1)), len(along) - 1)
-            names.append((front.name, float(along[at]), float(across[at])))
+            names.append((front.name, float(along[at]), front.sides[0] * float(across[at])))
     parts = [
         (part.kind, part.start / length, min(part.end, far) / length)
         for part in moving_parts(fields, time)

@@ -166,17 +166,23 @@ def _split(name: str) -> tuple[str, str]:
     return re.sub(r"[\s\-.:]+", "_", pure.strip().lower()), unit
 
 
+def gauge_unit(name: str, dimension: str) -> float | None:
+    """Return the size of a unit of a gauge; None if it is not known.  Strain has its own names."""
+    if dimension == "1":
+        return PARTS_OF_ONE.get(name.lower())
+    return si_size(name, dimension)
+
+
 def _scale(table: Table, kind: str, unit: str) -> float:
     """Return the factor that converts numbers of a unit to SI units."""
     dimensions = _dimensions(kind)
     if unit.strip().lower() in NO_UNIT:
         return 1.0
+    sizes = (gauge_unit(unit, dimension) for dimension in dimensions)
+    size = next((one for one in sizes if one is not None), None)
     if dimensions == ("1",):
-        size = PARTS_OF_ONE.get(unit.lower())
         examples = ", ".join(filter(None, PARTS_OF_ONE))
     else:
-        sizes = (si_size(unit, dimension) for dimension in dimensions)
-        size = next((one for one in sizes if one is not None), None)
         examples = ", ".join(EXAMPLES[dimension] for dimension in dimensions)
     if size is None:
         raise DataFileError(

@@ -99,7 +99,7 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
     }
     alone = [i for key, numbers in groups.items() if key not in lines for i in numbers]
     for key, numbers in list(lines.items())[:PANELS]:
-        title = f"{key[0]}" + ("" if key[1] is None else f" at y = {key[1]:.4g}")
+        title = f"{key[0]}" + ("" if key[1] is None else f" at y = {_length(fit, key[1])}")
         curves = list(_over_place(fit, numbers, residuals))
         yield _Panel(_with_unit(fit, fit.gauges[numbers[0]], title), "x", curves)
     room = max(PANELS - len(lines), 1)
@@ -109,9 +109,15 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
         curve = _Curve(
             gauge.t, gauge.values, residuals[i] / gauge.noise, fine, fit.seen(gauge, fine), ""
         )
-        place = f"x = {gauge.x:.4g}" + ("" if gauge.y is None else f", y = {gauge.y:.4g}")
+        place = f"x = {_length(fit, gauge.x)}"
+        place += "" if gauge.y is None else f", y = {_length(fit, gauge.y)}"
         title = f"{gauge.quantity} at {place}"
         yield _Panel(_with_unit(fit, gauge, title), "t", [curve])
+
+
+def _length(fit: Fit, value: float) -> str:
+    """Write a position with its unit, if the scene has units."""
+    return f"{value:.4g} {unit('length', fit.scene.units)}" if fit.scene.units else f"{value:.4g}"
 
 
 def _even(count: int, shown: int) -> list[int]:
@@ -134,7 +140,7 @@ def _over_place(fit: Fit, numbers: list[int], residuals: Sequence[Array]) -> Ite
                 left = residuals[i][here[0]]
                 rows.append((gauge.x, gauge.values[here[0]], left / noise, left))
         x, recorded, residual, left = np.array(sorted(rows)).T
-        words = f"t = {t:.4g} {unit('time', fit.scene.units)}"
+        words = f"t = {t:.4g}" + (f" {unit('time', fit.scene.units)}" if fit.scene.units else "")
         yield _Curve(x, recorded, residual, x, recorded - left, words)
 
 
@@ -227,7 +233,11 @@ def _draw_density(
     else:
         panel.text(0.5, 0.5, "free", transform=panel.transAxes, ha="center", fontsize=SMALL)
     panel.set(xlim=limits, yticks=[])
-    panel.set_title(f"{fit.values[number]:.4g} ± {error:.2g}", fontsize=SMALL)
+    name = dimension(fit.parameters[number])
+    has_unit = name != "1" and fit.scene.units
+    words = f"{fit.values[number]:.4g} ± {error:.2g}"
+    words += f" {unit(name, fit.scene.units)}" if has_unit else ""
+    panel.set_title(words, fontsize=SMALL)
 
 
 def _draw_pair(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -33,6 +34,8 @@ def parameters_of(scene: Scene) -> dict[str, tuple[str, str]]:
         for field in fields(held):
             if finite(getattr(held, field.name)) is not None:
                 prefix = "" if part == "material" else f"{part}_"
+                if isinstance(held, IncidentWave):  # as derivatives and options name them
+                    prefix = "" if field.name == "angle" else "wave_"
                 names[prefix + field.name] = part, field.name
     if isinstance(scene.friction_law, CoulombFriction | ViscousFriction):
         names.pop("friction_law_viscosity", None)

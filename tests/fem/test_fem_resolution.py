@@ -15,9 +15,8 @@ from fem.resolution import (
 )
 from semianalytic import march
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import SlipWeakening
+from semianalytic.scene.friction import SlipWeakening, process_zone
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step, Tabulated
-from semianalytic.scene.process_zone import process_zone
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 UNIT = Material(1.0, 1.0, 1 / 3)

@@ -25,8 +25,9 @@ class StraightFront:
     wave : float
         Slowness of the wave [time / length].
     source : float
-        Slowness of the source along the surface: 0 for plane waves, that of the P wave for head
-        waves, that of a zone edge for its Mach fronts.
+        Slowness of the source along the surface: 0 for plane waves that come at once, that of the P
+        wave for head waves, of a moving load for its plane waves, of a zone edge for its Mach
+        fronts.
     side : 1 or -1
         Sign of x.
     """
@@ -37,7 +38,7 @@ class StraightFront:
 
     def line(self, t: float, share: Array) -> tuple[Array, Array]:
         """Points x, y >= 0 of the front at time t [length], by their share of the way from the
-        surface to the circle; not for plane waves, which do not end at the surface."""
+        surface to the circle; not for plane waves that come at once, which do not end there."""
         ratio = self.source / self.wave
         foot, touch = t / self.source, t / self.wave * ratio
         x = self.side * (foot + share * (touch - foot))
@@ -86,7 +87,7 @@ class Fronts:
 
 def jump_times(scene: Scene) -> tuple[float, ...]:
     """Times at which a load of a scene jumps, in order [time]."""
-    load = scene.load
+    load = scene.superposition.taken_off
     histories = ((scene.pressure_history, load.pressure), (scene.shear_history, load.shear))
     starts = {time for one, step in histories if step for time, _ in one.pieces.jumps}
     return tuple(sorted(starts))
@@ -101,16 +102,21 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     edges : sequence of float
         Velocities of the ends of its slip zones and openings [length / time].
     """
-    material, load = scene.material, scene.load
+    material, load = scene.material, scene.superposition.taken_off
     shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed
     moving = [edge for edge in edges if 0 < edge < math.inf]
     in_plane = not scene.antiplane or load.pressure != 0
     waves = (pressure, shear) if in_plane else (shear,)
-    lines = [StraightFront(shear, 0.0, -1)] if load.shear else []
-    lines += [StraightFront(pressure, 0.0, -1)] if load.pressure else []
+    rayleigh = material.rayleigh_speed
+    points = [*moving, *((rayleigh, -rayleigh) if in_plane else ())]
+    front = -scene.front_slowness
+    if front > 0:  # the load runs over the slot and is reflected as waves that it is faster than
+        lines = [StraightFront(wave, front, -1) for wave in waves if front < wave]
+        points.append(-1 / front)
+    else:
+        lines = [StraightFront(shear, 0.0, -1)] if load.shear else []
+        lines += [StraightFront(pressure, 0.0, -1)] if load.pressure else []
     lines += [StraightFront(shear, 0.0, 1)] if scene.far_slip_rate else []
     lines += [StraightFront(shear, pressure, side) for side in (1, -1) if in_plane]
     lines += [StraightFront(s, 1 / edge, 1) for edge in moving for s in waves if s * edge > 1]
-    rayleigh = material.rayleigh_speed
-    points = (*moving, *((rayleigh, -rayleigh) if in_plane else ()))
-    return Fronts(jump_times(scene), waves, tuple(lines), points)
+    return Fronts(jump_times(scene), waves, tuple(lines), tuple(points))

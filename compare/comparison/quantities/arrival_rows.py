@@ -73,9 +73,9 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     reference stress or slip rate and smeared as by damping.  It is read at the last time at which
     the window around the front is still on the recorded part of the face.  There are no rows for
     predictions that do not reach beyond all fronts, such as marches, and none for the slot face
-    where the prediction does not know it.  An S front behind a P front, or a Rayleigh front on the
-    interface, is too close to others for the mesh at 2h in half of the scenes; on the slot,
-    `slot_rows` cover them.
+    where the prediction does not know it or the load moves over it.  An S front behind a P front,
+    or a Rayleigh front on the interface, is too close to others for the mesh at 2h in half of the
+    scenes; on the slot, `slot_rows` cover them.
     """
     if not _reaches(case):
         return
@@ -88,7 +88,8 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     signals: tuple[str, ...] = (first,)
     faces = [("interface", signals, edges, _interface_fields(case))]
     slot_velocity = getattr(case.prediction, "slot_velocity", None)
-    if slot_velocity is not None:
+    # a front of the load runs over the slot among the waves, and covers the first of them
+    if slot_velocity is not None and not case.scene.front_slowness:
         signals = ("Rayleigh", first) if "Rayleigh" in fronts else (first,)
         faces.append(("slot face", signals, [], _slot_fields(case, slot_velocity)))
     for face, signals, others, fields in faces:

@@ -7,11 +7,12 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.bars import ErrorBar
+from compare.comparison.bars import ErrorBar, error_bar
 from compare.comparison.case import NARROW, UNSEEN, Case
 from compare.comparison.judging import Comparison, judged, rate_bar, value_row
 from compare.comparison.measures import NOTHING, ROUNDING
@@ -19,7 +20,7 @@ from compare.comparison.rows import Row
 from compare.comparison.scales import speed_regime
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import OpenInterval, SlipInterval
-from semianalytic.results.sampled import open_intervals, slip_intervals
+from semianalytic.results.sampled import interpolated, open_intervals, slip_intervals
 
 Array = NDArray[np.float64]
 Part = SlipInterval | OpenInterval
@@ -39,6 +40,8 @@ EDGE_FLOOR = 0.25
 """Uncertainty of an edge due to nodes alone, in elements, whatever the mesh differences.  Of 220
 edges measured, one was farther beyond its bar than that, by 0.6 in an opening of 19 elements; with
 half this value there would have been four more."""
+SHALLOW = "the gap changes from mesh to mesh at its end by more than it is anywhere"
+"""Obstacle of an end of an opening that cannot be read off."""
 NEARBY = 0.5
 """Part of a zone, or of the gap beside it, up to which edges of two meshes count as the same."""
 LEAST_SEEN = 4
@@ -75,6 +78,12 @@ def opening_rows(case: Case) -> Iterator[Row]:
     yield from _unpredicted_rows(case, openings, seen)
     cell = case.simulation.element_size / case.length
     widths = [(part.end - part.start) / case.length for part in openings]
+    ends = [
+        read_off_bar(case, part, end)
+        for part, width in zip(openings, widths, strict=True)
+        for end in ("start", "end")
+        if width >= UNSEEN * cell and 0 < getattr(part, end) < math.inf
+    ]
     row = value_row(
         case,
         "length open",
@@ -83,10 +92,10 @@ def opening_rows(case: Case) -> Iterator[Row]:
         exact=sum(widths),
         floor=2 * max(1, len(openings)) * EDGE_FLOOR * cell,
         unit="c_t T",
-        unseen=sum(width for width in widths if width < UNSEEN * cell),
+        unseen=sum(width for width in widths if width < UNSEEN * cell) + sum(ends),
     )
     if row is not None:
-        yield row
+        yield replace(row, obstacle=SHALLOW) if math.inf in ends else row
 
 
 def _edge_rows(
@@ -168,6 +177,7 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
     read = partial(_edge_velocity, case, part, end, seen)
     cell = case.simulation.element_size / case.length
     exact = getattr(part, end) / case.length
+    read_off = read_off_bar(case, part, end) if isinstance(part, OpenInterval) else 0.0
     row = value_row(
         case,
         name,
@@ -177,6 +187,7 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
         floor=EDGE_FLOOR * cell,
         unit="c_t",
         reach=NEARBY * _room(parts, number, end) / case.length,
+        unseen=read_off,
     ) or Row(name, kind, exact, None, None, None, None, "c_t")
     obstacle = narrow_obstacle(parts, number, end, NARROW * case.simulation.element_size)
     if obstacle is not None:
@@ -184,9 +195,45 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
         reason = f"{obstacle.reason.format(width=f'{width:.2g}')}, {width / cell:.2g} elements"
         enough = case.resolution_for(obstacle.width) if obstacle.width > 0 else None
         return replace(row, obstacle=reason, resolution=enough)
+    if math.isinf(read_off):
+        return replace(row, obstacle=SHALLOW, resolution=2 * case.simulation.resolution)
     if row.verdict == "differs" and isinstance(part, SlipInterval):
         return replace(row, obstacle=_weakness(case, part))
     return row
+
+
+def read_off_bar(case: Case, part: OpenInterval, end: str) -> float:
+    """Return how far in c_t an end ("start" or "end") of an opening moves if only gaps above their
+    own error bar are trusted.
+
+    An end is continued from the first gaps above a level (`OPEN_FROM`).  The error bar of the gap
+    is taken where prediction and simulation have the end, and the larger one of their moves counts.
+    It is infinite where the opening gapes by less than that bar, 0 where there is no coarser mesh
+    or neither answer shows the opening.
+    """
+    shown = [
+        (history, edge)
+        for history in (case.at_nodes, case.seen)
+        if (edge := _edge_velocity(case, part, end, partial(_openings, case), history)) is not None
+    ]
+    runs = [run.interface for run in case.runs]
+    if not shown or len(runs) < 2:
+        return 0.0
+    t = case.seen.t[_late_levels(case, case.seen)]
+    errors = []
+    for _, edge in shown:
+        x = edge * case.scene.material.shear_speed * t
+        # gaps of a self-similar scene grow with time
+        gaps = [case.end_time * interpolated(run, "gap", x, t) / t for run in runs]
+        changes = [float(np.median(np.abs(fine - coarse))) for fine, coarse in pairwise(gaps)]
+        error = error_bar(changes)
+        errors.append(min(error.size, error.limit))
+    above = partial(_openings, case, more=max(errors))
+    moved = []
+    for history, edge in shown:
+        inner = _edge_velocity(case, part, end, above, history)
+        moved.append(math.inf if inner is None else abs(inner - edge))
+    return max(moved)
 
 
 def _weakness(case: Case, zone: SlipInterval) -> str:
@@ -291,8 +338,11 @@ def _zones(case: Case, history: InterfaceHistory, level: int) -> tuple[SlipInter
     return slip_intervals(velocity, history.rubbing_rate[level], least)
 
 
-def _openings(case: Case, history: InterfaceHistory, level: int) -> tuple[OpenInterval, ...]:
-    """Openings that a history shows at a level, in velocities x/t."""
+def _openings(
+    case: Case, history: InterfaceHistory, level: int, more: float = 0.0
+) -> tuple[OpenInterval, ...]:
+    """Openings that a history shows at a level, in velocities x/t; those that gape by so much more
+    than what counts [length at the end], if given."""
     time = float(history.t[level])
-    least = OPEN_FROM * case.largest_gap * time / case.end_time
+    least = (OPEN_FROM * case.largest_gap + more) * time / case.end_time
     return open_intervals(history.x / time, history.gap[level], least)

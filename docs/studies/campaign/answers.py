@@ -89,7 +89,7 @@ def answer_row(seed: int, index: int) -> AnswerRow:
     """Solve a scene twice and hold all that the rougher answer says against the better one."""
     scene, random = drawn(seed, index, random_wide_scene)
     rtol, began = float(random.choice(ROUGH)), process_time()
-    load = max(abs(scene.load.pressure), abs(scene.load.shear))
+    load = _largest_load(scene)
     row = AnswerRow(
         index=index,
         law=type(scene.friction_law).__name__,
@@ -137,7 +137,8 @@ def _bound(rough: Solution, fine: Solution) -> float:
 
 
 def _largest_load(scene: Scene) -> float:
-    return max(abs(scene.load.shear), abs(scene.load.pressure))
+    load = scene.superposition.taken_off
+    return max(abs(load.shear), abs(load.pressure))
 
 
 def _clear(solution: Solution, random: np.random.Generator) -> Array:
@@ -180,7 +181,9 @@ def _on_the_interface(
         ),
         "slip": _over(slips[0] - slips[1], fine.max_slip(1.0), bound),
         "traction": _over(shears[0] - shears[1], np.abs(shears[1]) + load + rounding, bound),
-        "pressure": _over(pressures[0] - pressures[1], base + abs(scene.load.pressure), bound),
+        "pressure": _over(
+            pressures[0] - pressures[1], base + abs(scene.superposition.taken_off.pressure), bound
+        ),
     }
     if fine.openings:
         ends = max(zone.outer for zone in fine.openings)

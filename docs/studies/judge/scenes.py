@@ -148,7 +148,8 @@ def in_metres(scene: Scene, modulus: float, density: float, stress: float) -> Sc
     """
     solid = Material(modulus, density, scene.material.poisson_ratio)
     base, load = (
-        Tractions(stress * one.pressure, stress * one.shear) for one in (scene.base, scene.load)
+        Tractions(stress * one.pressure, stress * one.shear)
+        for one in (scene.base, scene.superposition.taken_off)
     )
     return replace(
         scene,

@@ -170,7 +170,8 @@ def _units_cases() -> Iterator[Case]:
                 yield _right("units", f"{name}, {said}", setting, style)
                 number += 1
         if setting.scene.is_self_similar and setting.scene.units:
-            load, modulus = abs(setting.scene.load.shear), setting.scene.material.shear_modulus
+            load = abs(setting.scene.superposition.taken_off.shear)
+            modulus = setting.scene.material.shear_modulus
             for words, units in (
                 ("over the load", dimensionless(setting, load)),
                 ("over the load, times as they are", plain(setting, load)),

@@ -45,7 +45,8 @@ class Setting:
 def _in_units(scene: Scene, solid: Material, stress: float) -> Scene:
     """A scene of unit tractions on a solid in SI units, with tractions in units of `stress`."""
     base, load = (
-        Tractions(stress * one.pressure, stress * one.shear) for one in (scene.base, scene.load)
+        Tractions(stress * one.pressure, stress * one.shear)
+        for one in (scene.base, scene.superposition.taken_off)
     )
     return replace(scene, material=solid, base=base, load=load, units=SI)
 
@@ -56,7 +57,8 @@ def _slipping(
     """A random scene in which the contact slips and both tractions change."""
     for number in range(1000):
         scene, _ = drawn(SEED, number, draw)
-        if not (scene.load.pressure and scene.load.shear and scene.friction > 0.05):
+        load = scene.superposition.taken_off
+        if not (load.pressure and load.shear and scene.friction > 0.05):
             continue
         if remote != (scene.load_on == REMOTE) or contact_opens(scene) != (draw == random_opening):
             continue

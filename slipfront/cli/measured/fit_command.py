@@ -24,10 +24,18 @@ from semianalytic.inversion.unknowns import SETUP, Setup
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import BAYES, PLOT, require
 from semianalytic.scene.named import find_scene, override_scene
-from semianalytic.scene.units import unit
-from slipfront.cli.options import SCENE_OPTIONS, AsJson, Quiet, option_name, with_options
+from semianalytic.scene.scene import Scene
+from semianalytic.scene.units import measure, unit, units_shown
+from slipfront.cli.options import (
+    SCENE_OPTIONS,
+    AsJson,
+    Quiet,
+    asked,
+    option_name,
+    with_options,
+)
 from slipfront.cli.scenes.completion import scene_names
-from slipfront.fits.data import read_gauges
+from slipfront.fits.data import gauge_unit, read_gauges
 from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence
 from slipfront.fits.posterior import Posterior, posterior
 
@@ -58,20 +66,24 @@ def fit_command(
         list[str] | None,
         typer.Option(
             metavar="[NAME=]NUMBER",
-            help="Standard deviation of all samples, or of a quantity, where no column gives it.",
+            help="Standard deviation, such as 0.5um, of all samples whose unit it is, or of a "
+            "quantity, where no column gives it.",
         ),
     ] = None,
     prior: Annotated[
         list[str] | None,
         typer.Option(
             metavar="NAME=KIND(A,B)",
-            help="friction=normal(mean,sd), or lognormal(median,factor) or uniform(low,high).",
+            help="friction=normal(mean,sd), or lognormal(median,factor) or uniform(low,high); "
+            "numbers may have units, as load_shear=normal(5MPa,1MPa).",
         ),
     ] = None,
     held: Annotated[
         list[str] | None,
         typer.Option(
-            "--setup", metavar="NAME=NUMBER", help="Value of t0, x0 or gain, if it is not fitted."
+            "--setup",
+            metavar="NAME=NUMBER",
+            help="Value of t0, x0 or gain, such as t0=3us, if it is not fitted.",
         ),
     ] = None,
     sample: Annotated[
@@ -96,9 +108,9 @@ def fit_command(
     require("slipfront fit", *(PLOT if plot else ()), *(BAYES if sample else ()))
     scene = override_scene(find_scene(scene_name), **overrides)
     names = tuple(part.strip() for part in parameters.split(",") if part.strip())
-    known, numbers = _priors(prior or ()), _numbers("setup", held or (), SETUP)
+    known, numbers = _priors(scene, prior or ()), _numbers(scene, "setup", held or (), SETUP)
     setup = Setup(numbers.get("t0", 0.0), numbers.get("x0", 0.0), numbers.get("gain", 1.0))
-    gauges = read_gauges(files, _noise(noise or ()))
+    gauges = read_gauges(files, _noise(scene, noise or ()))
     if plot is not None:
         from compare.figures.saving import figure_format
 
@@ -185,8 +197,9 @@ def _values_table(found: Fit, chains: Posterior | None) -> Table:
 
 def _gauges_table(found: Fit, most: int = 12) -> Table:
     table = Table("gauge", "quantity", title="Gauges")
-    for name in ("x", "y", "samples", "chi2"):
-        table.add_column(name, justify="right")
+    length = unit("length", found.scene.units)
+    for name in (f"x [{length}]", f"y [{length}]", "samples", "chi2"):
+        table.add_column(escape(name), justify="right")
     rows = list(zip(found.gauges, found.residuals, strict=True))
     for gauge, residual in rows[:most]:
         table.add_row(
@@ -202,43 +215,101 @@ def _gauges_table(found: Fit, most: int = 12) -> Table:
     return table
 
 
-def _noise(given: Sequence[str]) -> dict[str, float]:
-    """Return standard deviations by quantity; the key "" stands for all quantities."""
-    named = [text if "=" in text else f"={text}" for text in given]
-    return _numbers("noise", named, ("", *QUANTITIES))
+def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
+    """Return standard deviations by quantity; the key "" stands for all quantities.
+
+    A number with a unit and without a name stands for all quantities that have this unit.
+    """
+    result: dict[str, float] = {}
+    for text in given:
+        name, _, number = text.rpartition("=")
+        if name or _plain(number):
+            result |= _numbers(scene, "noise", [f"{name}={number}"], ("", *QUANTITIES))
+            continue
+        known = {kind: _sized(number, kind) for kind in dict.fromkeys(QUANTITIES.values())}
+        sizes = {kind: size for kind, size in known.items() if size is not None}
+        if not sizes:
+            raise SceneError(
+                f"{option_name('noise')} must be a number alone, or in a unit of "
+                f"{', or '.join(units_shown(kind) for kind in known)}, got {number!r}."
+            )
+        for quantity, kind in QUANTITIES.items():
+            if kind in sizes:
+                asked(scene, "noise", sizes[kind], kind)
+                result.setdefault(quantity, sizes[kind])
+    return result
 
 
-def _numbers(option: str, given: Sequence[str], known: Sequence[str]) -> dict[str, float]:
-    """Parse NAME=NUMBER arguments into numbers by name."""
+def _plain(number: str) -> bool:
+    """Return whether a text is a number without a unit."""
+    try:
+        float(number)
+    except ValueError:
+        return False
+    return True
+
+
+def _sized(text: str, kind: str) -> float | None:
+    """Return a number with a unit of a dimension in that of the SI; None if it has another one."""
+    try:
+        return measure(text, kind, gauge_unit)
+    except SceneError:
+        return None
+
+
+def _numbers(
+    scene: Scene, option: str, given: Sequence[str], known: Sequence[str]
+) -> dict[str, float]:
+    """Parse NAME=NUMBER arguments, whose numbers may have units, into numbers by name."""
     result = {}
     for text in given:
         name, _, number = text.partition("=")
-        try:
-            result[name.strip()] = float(number)
-        except ValueError:
-            raise SceneError(
-                f"{option_name(option)} must be NAME=NUMBER, got {text.removeprefix('=')!r}."
-            ) from None
-        if name.strip() not in known:
+        name = name.strip()
+        if name not in known:
             raise SceneError(
                 f"{option_name(option)} knows {', '.join(filter(None, known))}, got {name!r}."
             )
+        kind = QUANTITIES.get(name) or dimension(name)
+        try:
+            result[name] = _measured(scene, option, number, kind)
+        except SceneError as error:
+            named = f"{name}: " if name else ""
+            raise SceneError(
+                f"{option_name(option)} must be NAME=NUMBER; {named}the number {error}"
+            ) from None
     return result
 
 
-def _priors(given: Sequence[str]) -> dict[str, Prior]:
-    """Parse NAME=KIND(A,B) arguments into priors by name."""
+def _measured(scene: Scene, option: str, text: str, kind: str) -> float:
+    """Return a number that may have a unit of a dimension, in the units of the scene."""
+    number = measure(text, kind, gauge_unit)
+    in_scene = asked(scene, option, number, kind)
+    return number if in_scene is None else in_scene
+
+
+def _priors(scene: Scene, given: Sequence[str]) -> dict[str, Prior]:
+    """Parse NAME=KIND(A,B) arguments, whose numbers may have units, into priors by name."""
     result: dict[str, Prior] = {}
     for text in given:
         match = _PRIOR.match(text)
+        if match is None or match[2].lower() not in PRIORS:
+            raise _no_prior(text)
+        name, kind = match[1].strip(), match[2].lower()
+        # the second number of a log-normal prior is a factor
+        kinds = dimension(name), "1" if kind == "lognormal" else dimension(name)
         try:
-            if match is None or match[2].lower() not in PRIORS:
-                raise ValueError(text)
-            numbers = float(match[3]), float(match[4])
-        except ValueError:
-            raise SceneError(
-                f"{option_name('prior')} must be NAME=KIND(A,B) with a kind among "
-                f"{', '.join(PRIORS)}, as friction=normal(0.3,0.1), got {text!r}."
-            ) from None
-        result[match[1].strip()] = PRIORS[match[2].lower()](*numbers)
+            numbers = [
+                _measured(scene, "prior", number, one)
+                for number, one in zip(match.group(3, 4), kinds, strict=True)
+            ]
+        except SceneError as error:
+            raise SceneError(f"{_no_prior(text)} Its numbers: each {error}") from None
+        result[name] = PRIORS[kind](*numbers)
     return result
+
+
+def _no_prior(text: str) -> SceneError:
+    return SceneError(
+        f"{option_name('prior')} must be NAME=KIND(A,B) with a kind among "
+        f"{', '.join(PRIORS)}, as friction=normal(0.3,0.1), got {text!r}."
+    )

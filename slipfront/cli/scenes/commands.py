@@ -15,9 +15,10 @@ from rich.table import Table
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
 from compare.output.files import write_text
 from compare.output.places import check_file
-from semianalytic import Scene
+from semianalytic import Scene, WholeLine
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
+from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.named import (
     DEFAULT_SCENE,
     NAMED_SCENES,
@@ -37,6 +38,7 @@ from semianalytic.scene.plugins import (
 from semianalytic.scene.scene import FRICTION_LAWS, HISTORY_KINDS, scene_document
 from semianalytic.scene.template import in_si_units, scene_text
 from semianalytic.scene.units import SI
+from semianalytic.whole_line.named import NAMED_LINES
 from slipfront.cli.options import AsJson
 from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
 from slipfront.cli.scenes.completion import one_of, scene_names
@@ -55,7 +57,7 @@ _OWN: Mapping[str, Collection[str]] = {
 
 def scenes(as_json: AsJson = False) -> None:
     """List all scenes, and the scenes, laws, histories and figures of other packages."""
-    rows = [*_own_rows(), *map(_brought_row, plugins(SCENES))]
+    rows = [*_own_rows(), *_line_rows(), *map(_brought_row, plugins(SCENES))]
     others = [_row(plugin) for group in (LAWS, HISTORIES, FIGURES) for plugin in plugins(group)]
     if as_json:
         units = {"scenes": _units(find_scene(DEFAULT_SCENE))}
@@ -81,6 +83,19 @@ def _own_rows() -> Iterator[dict[str, Any]]:
             "problem": "",
             "summary": named.summary,
             "scene": scene_document(named.scene),
+        }
+
+
+def _line_rows() -> Iterator[dict[str, Any]]:
+    """Yield the problems that are no scenes, which solve takes; the JSON has no scene of them."""
+    for name, named in NAMED_LINES.items():
+        yield {
+            "name": name,
+            "what": "whole line" if isinstance(named.problem, WholeLine) else "growing load",
+            "package": None,
+            "problem": "",
+            "summary": named.summary,
+            "scene": None,
         }
 
 
@@ -138,6 +153,14 @@ def init(
             autocompletion=one_of(SI),
         ),
     ] = None,
+    material: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SOLID",
+            help=f"Real solid to begin with, in SI units: {', '.join(SOLIDS)}.",
+            autocompletion=one_of(*SOLIDS),
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -148,8 +171,10 @@ def init(
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
     scene = find_scene(from_)
-    scene = in_si_units(scene) if units else scene
-    text = scene_text(scene, from_)
+    solid = None if material is None else find_solid(material)
+    if units or solid:
+        scene = in_si_units(scene, None if solid is None else solid.material)
+    text = scene_text(scene, from_, f"{material}: {solid.source}." if solid else "")
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:

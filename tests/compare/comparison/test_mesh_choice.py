@@ -34,8 +34,8 @@ from semianalytic import (
     Tractions,
     solve,
 )
+from semianalytic.scene.friction import process_zone
 from semianalytic.scene.named import find_scene, override_scene
-from semianalytic.scene.process_zone import process_zone
 from tests.catalogue import over
 from tests.compare_cases import SELF_SIMILAR
 

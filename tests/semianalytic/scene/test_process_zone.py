@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from semianalytic.scene.friction import RateWeakening, SlipWeakening
-from semianalytic.scene.process_zone import process_zone
+from semianalytic.scene.friction import RateWeakening, SlipWeakening, process_zone
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 

@@ -544,6 +544,17 @@ def test_error_estimates_bound_errors_in_two_hundred_scenes():
     assert check_estimates(200) >= 150
 
 
+@pytest.mark.parametrize("scale", [1e-6, 1e7])
+@pytest.mark.parametrize("name", ["base_pressure", "load_shear", "base_shear"])
+def test_error_estimates_are_the_same_in_any_unit_of_stress(name, scale):
+    """Also by a traction that is 0, and beside a pressure far larger than it."""
+    for base, load in (((1.0, 0.0), (0.0, 1.0)), ((0.36, 0.0), (27.0, -0.42))):
+        here = unit_scene(0.5, base, load)
+        there = unit_scene(0.5, np.multiply(scale, base), np.multiply(scale, load))
+        one, other = (solve(scene, rtol=1e-6).derivative(name) for scene in (here, there))
+        assert other.error_estimate == pytest.approx(one.error_estimate, rel=0.3, abs=2e-10)
+
+
 def seconds(function):
     """The least of five, in turns with nothing."""
     best = np.inf

@@ -89,3 +89,15 @@ def test_memory_of_a_strong_film_is_bounded() -> None:
         tracemalloc.stop()
     assert solution.statistics.nodes < FORETOLD * tuning.MOST_NODES
     assert peak < 600e6
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize(("poisson_ratio", "friction"), [(0.25, 0.6), (1 / 3, 0.05)])
+def test_falling_friction_whose_exponent_rounds_to_zero_is_told(
+    poisson_ratio: float, friction: float
+) -> None:
+    """A zone edge comes so close to c_R that slip rate has the power 0 beside it."""
+    law = RateWeakening(0.33, 0.314)
+    solid = Material(1.0, 1.0, poisson_ratio)
+    scene = Scene(solid, friction, Tractions(0.13, 0.0), Tractions(0.0, -10.4), friction_law=law)
+    assert "which no rule resolves" in solve(scene).status

@@ -1,0 +1,247 @@
+"""What the engine is held against: exact numbers, statics, dispersion, and itself.
+
+``python -m docs.studies.engine`` writes docs/data/engine-checks.csv in some minutes; the growth
+rates are computed by Newton's method from the dispersion relation, the marches by `run`.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+import semianalytic as sf
+from semianalytic.engine.stability import critical_wavenumber, growth
+from semianalytic.engine.steps import Stepper
+from semianalytic.spacetime.exponentials import Antiplane, Impedance, InPlane
+
+DATA = Path(__file__).resolve().parents[1] / "data" / "engine-checks.csv"
+COMMAND = "python -m docs.studies.engine"
+Row = tuple[str, str, str, str, str]
+MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
+UNIT = sf.Material(1.0, 1.0, 0.25)
+
+
+def main() -> None:
+    """Compute all rows, then write the table."""
+    rows = []
+    for part in (exact, patches, statics, edges, events, benchmark, dispersion):
+        for row in part():
+            print(*row, sep=" | ", flush=True)
+            rows.append(row)
+    with DATA.open("w", newline="", encoding="utf-8") as stream:
+        stream.write(f"# {COMMAND}\n")
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(["case", "quantity", "reference", "here", "difference"])
+        writer.writerows(rows)
+
+
+def compared(case: str, quantity: str, reference: float, here: float, digits: int = 8) -> Row:
+    """Return a row of two numbers and their relative difference."""
+    off = abs(here / reference - 1)
+    return case, quantity, f"{reference:.{digits}g}", f"{here:.{digits}g}", f"{off:.1e}"
+
+
+def exact() -> Iterator[Row]:
+    """Yield numbers that need no march, against digits computed by others of this project."""
+    for mode, ratio, inertia, known in (
+        ("III", 1.4, 1.0, 0.7483314774),
+        ("II", 1.4, 1.0, 0.7443485228),
+        ("II", 2.0, 10.0, 10.9682149592),
+    ):
+        found = critical_wavenumber(ratio, inertia, MODES[mode])
+        case = f"steady sliding, mode {mode}, b/a {ratio:g}, inertia {inertia:g}"
+        yield compared(case, "critical wavenumber", known, found, 12)
+    for nu, known in ((0.1, 1.2791911), (0.25, 1.7746479), (0.4, 2.4408742)):
+        case = f"crack at the Rayleigh speed, Poisson ratio {nu:g}"
+        yield compared(case, "critical strength S", known, sf.supershear_strength(nu))
+
+
+def marched_growth(mode: str, ratio: float, inertia: float, kappa: float, step: float) -> complex:
+    """Return lambda L / V0 of a marched wave, by linear prediction of its amplitude.
+
+    The wave grows until it is about tenfold; the mean slip is held.
+    """
+    found = growth(ratio, inertia, kappa, MODES[mode])
+    a = 0.01
+    rate, q = inertia * 2 * a, kappa * 2 * a
+    law = sf.RateAndState(a, ratio * a, 0.6, rate, 1.0)
+    kick = sf.ShearLoad(lambda x: 1e-8 * np.cos(q * x), history=lambda t: math.exp(-rate * t))
+    fault = sf.Interface(
+        UNIT,
+        law,
+        2 * math.pi / q,
+        shear=0.6,
+        rate=rate,
+        plate_rate=rate,
+        held=2 * math.pi / q / 3,
+        mode="in-plane" if mode == "II" else "antiplane",
+        loads=[kick],
+        even=True,
+    )
+    # waves that die away fall like t^-3/2, and weak growth needs its time
+    until = max(60.0, 2.5 / found.real)
+    stepper = Stepper(fault, 8, 0.4, end_time=until / rate)
+    now, amplitudes = stepper.begin(), []
+    for _ in range(int(until / step)):
+        now = stepper.step(now, step / rate, 0)
+        amplitudes.append(float(stepper.grid.amplitudes(now.rate - rate)[0, 1]))
+    every = max(1, int(0.4 / step))
+    history = np.array(amplitudes)[len(amplitudes) // 3 :: every]
+    columns = np.array([history[i : i + 4] for i in range(len(history) - 4)])
+    predicted = np.linalg.lstsq(columns, history[4:], rcond=None)[0]
+    roots = np.log(np.roots([1.0, *-predicted[::-1]])) / (step * every)
+    return complex(roots[np.argmin(np.abs(roots - found))])
+
+
+def dispersion() -> Iterator[Row]:
+    """Yield growing waves of rate-and-state friction, marched, against the dispersion relation."""
+    worst: dict[float, list[float]] = {0.1: [], 0.05: []}
+    for mode in MODES:
+        for ratio in (1.1, 1.4, 2.0):
+            for inertia in (0.01, 0.3, 1.0):
+                for share in (0.5, 0.7, 0.9):
+                    kappa = share * critical_wavenumber(ratio, inertia, MODES[mode])
+                    known = growth(ratio, inertia, kappa, MODES[mode])
+                    if known.real < 0.01:  # not tenfold within 250 L / V0
+                        continue
+                    for step, errors in worst.items():
+                        found = marched_growth(mode, ratio, inertia, kappa, step)
+                        errors.append(abs(found - known) / abs(known))
+    for step, errors in worst.items():
+        median, largest = np.median(errors), max(errors)
+        yield (
+            f"{len(errors)} growing waves, steps of {step:g} L/V",
+            "complex growth rate",
+            "dispersion relation",
+            f"median off by {median:.1e}",
+            f"{largest:.1e} at most",
+        )
+
+
+def patches() -> Iterator[Row]:
+    """Yield the edge of slip around an over-stressed patch that grows steadily."""
+    solid = sf.Material(1.0, 1.0, 1 / 3)
+    for mode, known in (("in-plane", 0.395154), ("antiplane", 0.384265)):
+        for nodes in (1024, 4096):
+            load = sf.ShearLoad(
+                lambda x, t, n=nodes: np.clip((0.3 * t - np.abs(x)) * n / 2.5 + 0.5, 0, 1), None
+            )
+            fault = sf.Interface(solid, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
+            done = sf.run(fault, 1.0, nodes, times=[1.0], estimate=False)
+            edge = float(done.x[done.slip_rate[0] > 1e-9].max())
+            yield compared(f"over-stressed patch, {mode}, {nodes} nodes", "edge", known, edge, 6)
+
+
+def statics() -> Iterator[Row]:
+    """Yield partial slip of a contact under uniform pressure, in the slow limit."""
+    found = sf.find_interface("cattaneo")
+    edge = 8 / math.pi * math.acos(math.cos(math.pi / 8) / math.cos(math.pi * 0.15 / 2))
+    for nodes in (256, 512, 1024):
+        done = sf.run(
+            found.interface, found.end_time, nodes, step_ratio=0.5, times=[62.0], estimate=False
+        )
+        x = done.x[done.x < edge]
+        square = np.tan(math.pi * edge / 8) ** 2 - np.tan(math.pi * x / 8) ** 2
+        top = math.tan(math.pi / 8) ** 2 - math.tan(math.pi * edge / 8) ** 2
+        known = 2 / math.pi * np.arctan(np.sqrt(top / square))
+        yield profile(
+            f"cattaneo, {nodes} nodes", "traction where it sticks", known,
+            done.shear_traction[0][: len(x)],
+        )  # fmt: skip
+
+
+def profile(
+    case: str, quantity: str, known: NDArray[np.float64], found: NDArray[np.float64]
+) -> Row:
+    """Return a row of the relative L1 difference of two profiles."""
+    off = float(np.abs(found - known).sum() / np.abs(known).sum())
+    return case, quantity, "exact profile", "L1", f"{off:.1e}"
+
+
+def edges() -> Iterator[Row]:
+    """Yield the slip rate beside two edges until the wave of the other one arrives."""
+    scene = sf.find_scene("preloaded")
+    answer = sf.solve(scene)
+    fault = sf.Interface(
+        scene.material,
+        sf.Coulomb(scene.friction),
+        16.0,
+        loads=[sf.ShearLoad(1.0, on="slot")],
+        contact=sf.Contact([(-math.inf, -2.0), (0.0, math.inf)]),
+    )
+    for nodes in (1024, 2048, 4096):
+        done = sf.run(fault, 1.0, nodes, times=[1.0], estimate=False)
+        near = (done.x > 0) & (done.x < 3)
+        known = answer.slip_rate(done.x[near], 1.0)
+        yield profile(f"two edges, {nodes} nodes", "slip rate", known, done.slip_rate[0][near])
+
+
+def benchmark() -> Iterator[Row]:
+    """Yield TPV101 in two dimensions on three grids, and its slip against 5,760 nodes."""
+    found = sf.find_interface("tpv101")
+    every = 20 * 0.35 * 50 / found.interface.material.shear_speed
+    times = [every * k for k in range(149)]
+    runs = {
+        n: sf.run(found.interface, 15.0, n, step_ratio=0.35, times=times, estimate=False)
+        for n in (720, 1440, 2880)
+    }
+    for name in ("slip", "slip_rate"):
+        fields = {n: getattr(one, name)[:, :: n // 720] for n, one in runs.items()}
+        offs = [
+            float(np.abs(fields[n] - fields[2 * n]).sum() / np.abs(fields[2 * n]).sum())
+            for n in (720, 1440)
+        ]
+        order = math.log2(offs[0] / offs[1])
+        shown = f"{offs[0]:.2e}, then {offs[1]:.2e}"
+        quantity = f"L1 of {name.replace('_', ' ')} to the next finer grid"
+        yield "tpv101, 720, 1440, 2880 nodes", quantity, "second order", shown, f"order {order:.2f}"
+    fine = runs[2880]
+    for at, known in ((0, 16.717576), (6000, 13.566330), (12000, 11.314320), (15000, 9.790005)):
+        slip = float(fine.slip[-1, round(at / 25)])
+        yield compared(f"tpv101, 2880 nodes, x = {at / 1000:g} km", "last slip [m]", known, slip, 8)
+
+
+def events() -> Iterator[Row]:
+    """Yield an event in a run of adaptive steps against the same with fixed short ones."""
+    found = sf.find_interface("rate-and-state")
+    done = sf.run(found.interface, found.end_time, estimate=False, **found.options)
+    begins = ", ".join(f"{begin:.3f}" for begin, _ in done.events(1e-2))
+    steps = np.diff(done.step_times)
+    yield (
+        "rate-and-state, 100 s",
+        "events [s]",
+        "fixed steps would be 12 million",
+        begins,
+        f"{done.steps} steps, {steps.min():.1e} to {steps.max():.1e} s",
+    )
+    begin = done.events(1e-2)[0][0] - 0.02
+    before = sf.run(found.interface, begin, estimate=False, **found.options)
+    ends = []
+    for longest in (math.inf, 4e-6):
+        # shorter steps than the lowest rung: a lower rung
+        ratio = 0.4 if longest == math.inf else 0.4 * 4e-6 / (0.4 * 16 / 256 / 3000)
+        stepper = Stepper(found.interface, 256, ratio, end_time=100.0, longest=longest)
+        kept, now = before.checkpoint, stepper.begin()
+        stepper.memory.modes = kept["modes"].copy()
+        stepper.memory.lasting, stepper.memory.last = kept["lasting"].copy(), kept["last"]
+        now = type(now)(**{name: kept[name] for name in now.__dataclass_fields__})
+        count, first, peak = 0, now, 0.0
+        while now.time < begin + 0.06:
+            length, rung = stepper.length(now)
+            left = begin + 0.06 - now.time
+            now = stepper.step(now, min(length, left), rung)
+            peak, count = max(peak, float(np.abs(now.rate).max())), count + 1
+        ends.append((now.slip - first.slip, peak, count))
+    (slip, peak, count), (known, high, many) = ends
+    off = float(np.abs(slip - known).sum() / np.abs(known).sum())
+    yield "its first event", "slip, L1", f"{many} steps of 4 µs", f"{count} steps", f"{off:.1e}"
+    yield compared("its first event", "largest slip rate", high, peak, 4)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,173 @@
+"""Fields along x: numbers, functions of x, tables, and files of tables with units."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.errors import SceneError
+
+Array = NDArray[np.float64]
+
+_PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
+UNITS = {f"{prefix}{unit}": size for unit in ("m", "s", "Pa") for prefix, size in _PREFIXES.items()}
+UNITS |= {f"{prefix}m/s": size for prefix, size in _PREFIXES.items()} | {"1": 1.0, "": 1.0}
+"""Units that headers of tables may name, in SI units."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A quantity given at positions x, linear between them; a position given twice is a jump.
+
+    Parameters
+    ----------
+    x : (n,) array
+        Positions [length], in increasing order.
+    values : (n,) array
+        Values there.
+
+    Raises
+    ------
+    SceneError
+        If positions decrease, lengths differ, or a number is not finite.
+
+    Examples
+    --------
+    >>> from semianalytic import Table
+    >>> Table([0.0, 1.0, 1.0, 2.0], [1.0, 2.0, 5.0, 5.0])([0.5, 1.5]).tolist()
+    [1.5, 5.0]
+    """
+
+    x: Any
+    values: Any
+
+    def __post_init__(self) -> None:
+        for name in ("x", "values"):
+            given = np.asarray(getattr(self, name), dtype=float)
+            if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all():
+                raise SceneError(f"table: {name} must be two or more finite numbers.")
+            object.__setattr__(self, name, given)
+        if len(self.x) != len(self.values) or not (np.diff(self.x) >= 0).all():
+            raise SceneError("table: x must increase and be as long as values.")
+
+    def __call__(self, x: Any) -> Array:
+        """Return the values at positions x; nan beyond the first and the last one."""
+        return np.interp(np.asarray(x, float), self.x, self.values, left=math.nan, right=math.nan)
+
+    @classmethod
+    def read(cls, path: str | PathLike[str], column: str = "") -> Table:
+        """Read a table from a CSV file with a header such as ``x [km], pressure [MPa]``.
+
+        Parameters
+        ----------
+        path : str or path
+            The file.  Its first column is x; lines that begin with # are left out.
+        column : str, optional
+            Name of the column that holds the values; the second one by default.
+
+        Raises
+        ------
+        SceneError
+            If the file cannot be read, or a number or a unit is not known.
+        """
+        try:
+            lines = Path(path).read_text(encoding="utf-8").splitlines()
+        except (OSError, ValueError) as error:
+            raise SceneError(f"Cannot read the table {path}: {error}.") from error
+        rows = list(csv.reader(line for line in lines if line.strip() and line[0] != "#"))
+        if len(rows) < 3:
+            raise SceneError(f"{path}: a table must have a header and two lines or more.")
+        names, sizes = zip(*(_heading(path, cell) for cell in rows[0]), strict=True)
+        if len(names) < 2 or (column and column not in names[1:]):
+            raise SceneError(f"{path}: there is no column {column!r}; it has {', '.join(names)}.")
+        at = names.index(column) if column else 1
+        numbers = []
+        for number, row in enumerate(rows[1:], 2):
+            try:
+                pair = float(row[0]) * sizes[0], float(row[at]) * sizes[at]
+            except (ValueError, IndexError):
+                pair = (math.nan, math.nan)
+            if not all(map(math.isfinite, pair)):
+                raise SceneError(f"{path}: line {number} must hold finite numbers, got {row}.")
+            numbers.append(pair)
+        x, values = np.array(numbers).T
+        return cls(x, values)
+
+
+Field = float | Callable[[Array], Any] | Table
+"""A number, a function of x (n,) that returns (n,), or a `Table`."""
+
+
+def _heading(path: Any, cell: str) -> tuple[str, float]:
+    """Return name and size of the unit of a heading."""
+    match = re.fullmatch(r"\s*(\w+)\s*(?:\[(.*)\])?\s*", cell)
+    unit = (match[2] or "").strip() if match else ""
+    if match is None or unit not in UNITS:
+        raise SceneError(
+            f"{path}: the heading {shown(cell)} must be a name and a unit such as x [km] or "
+            "pressure [MPa]."
+        )
+    return match[1], UNITS[unit]
+
+
+def sampled(what: str, field: Any, x: Array) -> Array:
+    """Return a field at positions x, (n,).
+
+    Raises
+    ------
+    SceneError
+        If it is no field, or does not give a finite number at each position.
+    """
+    number = finite(field)
+    if number is not None:
+        return np.full(len(x), number)
+    if not callable(field):
+        raise SceneError(
+            f"{what} must be a number, a function of x or a Table, got {shown(field)}."
+        )
+    values = np.asarray(field(x), dtype=float)
+    if values.shape not in ((), x.shape):
+        raise SceneError(
+            f"{what}: the function of x must return {len(x)} numbers, got shape {values.shape}."
+        )
+    values = np.broadcast_to(values, x.shape).copy()
+    if not np.isfinite(values).all():
+        missing = x[~np.isfinite(values)]
+        raise SceneError(
+            f"{what} has no finite value at x = {missing[0]:.4g} … {missing[-1]:.4g}; "
+            "it must cover the contact."
+        )
+    return values
+
+
+def check_field(what: str, field: Any) -> None:
+    """Raise SceneError unless a field is a number, a function or a `Table`."""
+    if finite(field) is None and not callable(field):
+        raise SceneError(
+            f"{what} must be a number, a function of x or a Table, got {shown(field)}."
+        )
+
+
+def at_nodes(what: str, field: Any, x: Array, where: NDArray[np.bool_]) -> Array:
+    """Return a field at the nodes (n,) of a mask, 0 at the others."""
+    values = np.zeros(len(x))
+    values[where] = sampled(what, field, x[where])
+    return values
+
+
+def required(what: str, values: Array, admitted: Sequence[Any] | Any, words: str, x: Array) -> None:
+    """Raise SceneError with the first position at which a sampled field is not admitted."""
+    wrong = ~np.asarray(admitted)
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        raise SceneError(f"{what} must {words}, got {values[first]:.6g} at x = {x[first]:.4g}.")

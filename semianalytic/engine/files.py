@@ -1,0 +1,217 @@
+"""Interfaces in TOML files: the description, and how far and on how many nodes to run it."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from semianalytic.engine.contact import Contact
+from semianalytic.engine.expressions import Expression
+from semianalytic.engine.fields import Table
+from semianalytic.engine.interface import Interface, ShearLoad
+from semianalytic.engine.law import InterfaceLaw
+from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
+from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.material import Material
+from semianalytic.scene.scene import HISTORY_KINDS
+
+LAWS: Mapping[str, type[InterfaceLaw]] = {
+    "coulomb": Coulomb,
+    "slip-dependent": SlipDependent,
+    "rate-dependent": RateDependent,
+    "rate-and-state": RateAndState,
+}
+_WORDS = ("shape", "evolution")
+"""Parameters of laws that are words."""
+_INTERFACE = ("length", "pressure", "shear", "mode", "rate", "plate_rate", "held", "even")
+_FIELDS = ("pressure", "shear", "rate")
+_RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceFile:
+    """An interface, and how it is to be run.
+
+    Attributes
+    ----------
+    interface : Interface
+        The description.
+    end_time : float
+        Last time [time].
+    options : mapping
+        Further arguments of `run`, such as nodes.
+    summary : str
+        A line that says what it shows.
+
+    Examples
+    --------
+    >>> from semianalytic import find_interface
+    >>> found = find_interface("cattaneo")
+    >>> found.interface.contact.intervals, found.interface.even
+    (((-1.0, 1.0),), True)
+    """
+
+    interface: Interface
+    end_time: float
+    options: Mapping[str, Any]
+    summary: str = ""
+
+
+def read_interface(path: str | PathLike[str]) -> InterfaceFile:
+    """Read the interface that a TOML file describes (docs/engine.md, "Files").
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, or a key is missing, unknown or out of range; the message names
+        file and key.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise SceneError(f"Cannot read the file {path}: {error}.") from error
+    return parsed(text, str(path), Path(path).parent)
+
+
+def parsed(text: str, name: str, folder: Path) -> InterfaceFile:
+    """Return the interface that a text describes; tables of values are sought in a folder."""
+    try:
+        document = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise SceneError(f"{name} is not a valid TOML file: {error}.") from error
+    try:
+        return _interface(document, folder)
+    except SceneError as error:
+        raise SceneError(f"{name}: {error}") from error
+
+
+def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
+    """Make the interface of a document."""
+    parts = ("summary", "material", "law", "contact", "load", "run")
+    _known("", document, (*_INTERFACE, *parts), ("length", "material", "law", "run"))
+    material = _table("material", document["material"])
+    solid = [one.name for one in fields(Material)]
+    _known("material.", material, tuple(solid), tuple(solid))
+    plan = _table("run", document["run"])
+    _known("run.", plan, _RUN, ("end_time",))
+    given: dict[str, Any] = {key: document[key] for key in _INTERFACE if key in document}
+    for key in _FIELDS:
+        if key in given:
+            given[key] = _field(key, given[key], folder)
+    loads = document.get("load", [])
+    loads = [loads] if isinstance(loads, dict) else loads
+    if not isinstance(loads, list):
+        raise SceneError("load must be one table, [load], or several, [[load]].")
+    interface = Interface(
+        material=Material(**material),
+        law=_law(_table("law", document["law"]), folder),
+        loads=[_load(_table("load", one), folder) for one in loads],
+        contact=_contact(document.get("contact")),
+        **given,
+    )
+    options = {key: value for key, value in plan.items() if key != "end_time"}
+    return InterfaceFile(interface, plan["end_time"], options, str(document.get("summary", "")))
+
+
+def _law(table: dict[str, Any], folder: Path) -> InterfaceLaw:
+    law = _kind("law", table, LAWS)
+    names = [one.name for one in fields(law)]
+    _known("law.", table, ("kind", *names))
+    values = {
+        key: value if key in _WORDS else _field(f"law.{key}", value, folder)
+        for key, value in table.items()
+        if key != "kind"
+    }
+    return _made("law", law, values)
+
+
+def _load(table: dict[str, Any], folder: Path) -> ShearLoad:
+    _known("load.", table, ("shear", "history", "on"), ("shear",))
+    values = dict(table)
+    shear = table["shear"]
+    if isinstance(shear, str) and "history" not in table and _mentions_time(shear):
+        values["shear"], values["history"] = Expression(shear, ("x", "t")), None
+    else:
+        values["shear"] = _field("load.shear", shear, folder)
+    history = table.get("history")
+    if isinstance(history, str):
+        values["history"] = Expression(history, ("t",))
+    elif history is not None:
+        history = _table("load.history", history)
+        kind = _kind("load.history", history, HISTORY_KINDS)
+        rest = {key: value for key, value in history.items() if key != "kind"}
+        values["history"] = _made("load.history", kind, rest)
+    return ShearLoad(**values)
+
+
+def _mentions_time(text: str) -> bool:
+    try:
+        Expression(text, ("x",))
+    except SceneError:
+        return True
+    return False
+
+
+def _contact(table: Any) -> Contact:
+    if table is None:
+        return Contact()
+    table = _table("contact", table)
+    _known("contact.", table, ("intervals",), ("intervals",))
+    return Contact(table["intervals"])
+
+
+def _field(name: str, value: Any, folder: Path) -> Any:
+    """Return the field that a number, an expression of x or a table describes."""
+    if finite(value) is not None:
+        return value
+    if isinstance(value, str):
+        return Expression(value, ("x",))
+    if isinstance(value, dict) and set(value) == {"x", "values"}:
+        return Table(value["x"], value["values"])
+    if isinstance(value, dict) and "file" in value and set(value) <= {"file", "column"}:
+        return Table.read(folder / str(value["file"]), str(value.get("column", "")))
+    raise SceneError(
+        f"{name} must be a number, an expression of x, {{x = [...], values = [...]}} or "
+        f'{{file = "...", column = "..."}}, got {shown(value)}.'
+    )
+
+
+def _table(name: str, value: Any) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise SceneError(f"{name} must be a table, [{name}], got {shown(value)}.")
+    return value
+
+
+def _kind(name: str, table: dict[str, Any], kinds: Mapping[str, Any]) -> Any:
+    kind = table.get("kind")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise SceneError(f"{name}: kind must be one of {', '.join(kinds)}, got {shown(kind)}.")
+    return kinds[kind]
+
+
+def _made(name: str, description: Any, values: dict[str, Any]) -> Any:
+    try:
+        return description(**values)
+    except TypeError as error:
+        known = ", ".join(one.name for one in fields(description))
+        raise SceneError(f"{name} takes {known}, got {', '.join(values) or 'nothing'}.") from error
+
+
+def _known(
+    prefix: str, table: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...] = ()
+) -> None:
+    """Raise SceneError unless all keys of a table are known, and all that are needed are there."""
+    for key in table:
+        if key not in known:
+            close = difflib.get_close_matches(key, known, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
+            raise SceneError(f"unknown key {prefix}{key}; {hint}")
+    for key in needed:
+        if key not in table:
+            raise SceneError(f"{prefix}{key} is missing.")

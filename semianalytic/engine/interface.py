@@ -1,0 +1,192 @@
+"""The description of an interface: bodies, contact, friction, tractions, and what loads it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.engine.contact import Contact
+from semianalytic.engine.fields import check_field
+from semianalytic.engine.law import InterfaceLaw
+from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loads import LoadHistory, Step
+from semianalytic.scene.material import Material
+
+Array = NDArray[np.float64]
+
+MODES = ("in-plane", "antiplane")
+
+
+@dataclass(frozen=True, eq=False)
+class ShearLoad:
+    """A shear traction that acts from t = 0 on: a field along x times a history of time.
+
+    Parameters
+    ----------
+    shear : field or function of x and t
+        Shear traction [stress]; a number, a function of x or a `Table`.  With ``history=None`` it
+        is a function of x (n,) and t that returns the traction itself.
+    history : LoadHistory, function of t, or None
+        Factor over time, a step at t = 0 by default.
+    on : str
+        "line": the traction that an interface without slots and slip would carry, such as that of
+        an over-stressed patch or of a wave.  "slot": taken off the faces of slots.
+
+    Raises
+    ------
+    SceneError
+        If something is of the wrong kind.
+
+    Examples
+    --------
+    >>> from semianalytic import ShearLoad
+    >>> load = ShearLoad(lambda x: 2.0 * (abs(x) < 1), history=lambda t: min(t, 1.0))
+    >>> load.traction([0.0, 3.0], 0.5).tolist()
+    [1.0, 0.0]
+    """
+
+    shear: Any
+    history: LoadHistory | Callable[[float], float] | None = Step()  # noqa: RUF009
+    on: str = "line"
+
+    def __post_init__(self) -> None:
+        check_field("load: shear", self.shear)
+        history = self.history
+        if not (history is None or isinstance(history, LoadHistory) or callable(history)):
+            raise SceneError(
+                f"load: history must be a LoadHistory or a function of t, got {shown(history)}."
+            )
+        if self.on not in ("line", "slot"):
+            raise SceneError(f'load: on must be "line" or "slot", got {shown(self.on)}.')
+        if history is None and not callable(self.shear):
+            raise SceneError("load: without a history `shear` must be a function of x and t.")
+
+    def traction(self, x: Any, t: float, after: bool = False) -> Array:
+        """Return the traction at positions x (n,) at a time, (n,) [stress].
+
+        At a jump of the history it is that before it, or `after` it.
+        """
+        x = np.asarray(x, dtype=float)
+        if self.history is None:
+            return np.asarray(self.shear(x, t), dtype=float)
+        shape = self.shear(x) if callable(self.shear) else self.shear
+        return np.broadcast_to(np.asarray(shape, dtype=float) * self.factor(t, after), x.shape)
+
+    def factor(self, t: float, after: bool = False) -> float:
+        """Return the factor at a time; at a jump it is that before it, or `after` it."""
+        if isinstance(self.history, LoadHistory):
+            return float(self.history.value(math.nextafter(t, math.inf) if after else t))
+        return float(self.history(t)) if self.history is not None else 1.0
+
+    @property
+    def jumps(self) -> list[float]:
+        """Times at which the load jumps."""
+        if isinstance(self.history, LoadHistory):
+            return [float(at) for at, _ in self.history.pieces.jumps]
+        return []
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """A frictional interface between two alike half-planes, with fields that may vary along x.
+
+    Pressure, base shear, loads and all parameters of the law are fields: numbers, functions of x,
+    or a `Table`.  The line y = 0 is periodic; waves leave one end and enter the other after
+    length / c_l.
+
+    Parameters
+    ----------
+    material : Material
+        The solid on both sides.
+    law : InterfaceLaw
+        Friction; `Coulomb`, `SlipDependent`, `RateDependent`, `RateAndState`, or a law of your own.
+    length : float
+        Period of the line [length]; x runs from -length/2 to length/2.
+    pressure : field
+        Contact pressure [stress], 0 or more.
+    shear : field
+        Shear traction before slip, in place at t = 0 [stress].
+    loads : sequence of ShearLoad
+        What is added to it.
+    contact : Contact
+        Where the bodies touch; everywhere by default.
+    mode : str
+        "in-plane" or "antiplane".
+    rate : field
+        Slip rate at t = 0 [length / time] for a law with state whose base shear is carried by it.
+    plate_rate : float
+        Slip rate of the bodies far away [length / time]; the memory acts on the difference.
+    held : float
+        Wavelength of slip whose stiffness the mean slip meets [length]; inf for none: the mean slip
+        then only radiates.
+    even : bool
+        Whether everything is even in x, so that only x > 0 is computed.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is out of range; the message says what to change.
+
+    Examples
+    --------
+    >>> from semianalytic import Interface, Material, SlipDependent
+    >>> fault = Interface(Material(1.0, 1.0, 0.25), SlipDependent(0.6, 0.1, 0.02), length=20.0,
+    ...                   pressure=1.0, shear=lambda x: 0.4 + 0.25 * (abs(x) < 1))
+    >>> fault.mode, fault.contact.is_whole
+    ('in-plane', True)
+    """
+
+    material: Material
+    law: InterfaceLaw
+    length: float
+    pressure: Any = 1.0
+    shear: Any = 0.0
+    loads: Sequence[ShearLoad] = ()
+    contact: Contact = Contact()  # noqa: RUF009
+    mode: str = "in-plane"
+    rate: Any = 0.0
+    plate_rate: float = 0.0
+    held: float = math.inf
+    even: bool = False
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.material, Material):
+            raise SceneError(f"interface: material must be a Material, got {shown(self.material)}.")
+        if not isinstance(self.law, InterfaceLaw):
+            raise SceneError(
+                "interface: law must be an InterfaceLaw such as Coulomb or RateAndState, got "
+                f"{shown(self.law)}."
+            )
+        object.__setattr__(self, "length", checked_size("interface: length", self.length))
+        for name in ("pressure", "shear", "rate"):
+            check_field(f"interface: {name}", getattr(self, name))
+        loads = [self.loads] if isinstance(self.loads, ShearLoad) else list(self.loads)
+        if not all(isinstance(load, ShearLoad) for load in loads):
+            raise SceneError(f"interface: loads must be ShearLoads, got {shown(self.loads)}.")
+        object.__setattr__(self, "loads", tuple(loads))
+        if not isinstance(self.contact, Contact):
+            raise SceneError(f"interface: contact must be a Contact, got {shown(self.contact)}.")
+        if self.mode not in MODES:
+            raise SceneError(f"interface: mode must be in-plane or antiplane, got {self.mode!r}.")
+        plate = checked_number("interface: plate_rate", self.plate_rate)
+        object.__setattr__(self, "plate_rate", plate)
+        if self.held != math.inf:
+            object.__setattr__(self, "held", checked_size("interface: held", self.held))
+        if not isinstance(self.even, bool):
+            raise SceneError(f"interface: even must be true or false, got {shown(self.even)}.")
+
+    @property
+    def impedance(self) -> float:
+        """Traction per relative slip rate of plane waves, mu / (2 c_t) [stress time / length]."""
+        return self.material.shear_impedance / 2
+
+    @property
+    def jumps(self) -> list[float]:
+        """Times after t = 0 at which a load jumps, in order."""
+        return sorted({at for load in self.loads for at in load.jumps if at > 0})

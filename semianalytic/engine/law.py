@@ -1,0 +1,189 @@
+"""What a law of friction has to say: strength, the evolution of its state, and their slopes."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.engine.fields import sampled
+from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.errors import SceneError
+
+Array = NDArray[np.float64]
+
+SLOWEST = 1e-300
+"""Slip rate below which a law counts as one that sticks."""
+
+
+class InterfaceLaw(ABC):
+    """The friction of an interface: strength at a slip speed and a state that evolves with slip.
+
+    Derive a class, best a frozen dataclass, and define `strength`.  The state is one number per
+    node; without a definition of `evolved` it is the accumulated |slip|.  Fields of a dataclass may
+    be numbers, functions of x or `Table`; methods receive them as arrays (n,) on the contact.
+    All arguments are arrays (n,); strength must not fall with speed faster than the impedance.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> from semianalytic import InterfaceLaw
+    >>> @dataclass(frozen=True)
+    ... class Glue(InterfaceLaw):
+    ...     friction: object
+    ...     bond: object
+    ...     distance: float
+    ...     def strength(self, pressure, speed, state):
+    ...         return self.friction * pressure + self.bond * (state < self.distance)
+    >>> law = Glue(0.5, lambda x: 1 + x, 0.1).on([0.0, 1.0])
+    >>> law.strength(1.0, 0.0, 0.0).tolist()
+    [1.5, 2.5]
+    """
+
+    has_threshold = True
+    """Whether the interface sticks below its strength at rest, as most laws do."""
+
+    @abstractmethod
+    def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
+        """Return the shear traction that the interface carries at a speed |V| >= 0 [stress]."""
+
+    def evolved(self, state: Array, speed: Array, time: float) -> Array:
+        """Return the state after a time at a mean speed; the accumulated |slip| by default."""
+        return state + speed * time
+
+    def start(self, pressure: Array, shear: Array, speed: Array) -> Array:
+        """Return the state at t = 0, where |shear| is carried at a speed; 0 by default."""
+        return np.zeros(len(pressure))
+
+    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
+        """Return the speed V >= 0 at which strength + impedance V = stopping, 0 where it sticks.
+
+        By default it is found by bracketing in ln V, to rounding; a law may know a faster way.
+        """
+        return balanced(self, stopping, pressure, impedance, state)
+
+    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
+        """Return the slope of strength by speed [stress time / length], by differences by default.
+
+        It lengthens steps where it is large.
+        """
+        small = np.maximum(speed, SLOWEST) * 1e-4
+        rise = self.strength(pressure, speed + small, state)
+        return np.asarray((rise - self.strength(pressure, speed, state)) / small)
+
+    def state_slip(self) -> Any:
+        """Return the slip over which the state of friction changes [length]; inf by default."""
+        return np.inf
+
+    def weakening(self, pressure: Array) -> float:
+        """Return the largest fall of strength per slip [stress / length]; 0 by default.
+
+        The grid has to resolve mu over it.
+        """
+        return 0.0
+
+    def on(self, x: Any) -> Self:
+        """Return the law with all its fields as arrays on positions x (n,)."""
+        if not is_dataclass(self):
+            return self
+        x = np.asarray(x, dtype=float)
+        owner = type(self).__name__
+        given = {one.name: getattr(self, one.name) for one in fields(self) if one.init}
+        drawn = {
+            name: sampled(f"{owner}: {name}", value, x)
+            for name, value in given.items()
+            if callable(value)
+        }
+        return replace(self, **drawn) if drawn else self
+
+
+def check_law(law: InterfaceLaw, pressure: Array, state: Array) -> None:
+    """Raise SceneError if a law returns something else than one finite number per node."""
+    speed = np.zeros(len(pressure))
+    owner = type(law).__name__
+    for name, value in (
+        ("strength", law.strength(pressure, speed, state)),
+        ("evolved", law.evolved(state, speed, 0.0)),
+    ):
+        value = np.asarray(value)
+        if value.shape != pressure.shape or not np.isfinite(value).all():
+            raise SceneError(
+                f"{owner}.{name} must return {len(pressure)} finite numbers, one per node, got "
+                f"shape {value.shape}{'' if value.shape != pressure.shape else ' with nan or inf'}."
+            )
+
+
+def positive(owner: str, **values: Any) -> None:
+    """Raise SceneError unless parameters given as numbers are finite and positive."""
+    for name, value in values.items():
+        _check(owner, name, value, lambda one: one > 0, "be positive")
+
+
+def not_negative(owner: str, **values: Any) -> None:
+    """Raise SceneError unless parameters given as numbers are finite, 0 or more."""
+    for name, value in values.items():
+        _check(owner, name, value, lambda one: one >= 0, "be 0 or more")
+
+
+def _check(owner: str, name: str, value: Any, admitted: Any, words: str) -> None:
+    if callable(value):
+        return
+    given = np.asarray(value if isinstance(value, np.ndarray) else finite(value), dtype=float)
+    wrong = ~(np.isfinite(given) & admitted(given))
+    if wrong.any():
+        got = f"{given[wrong][0]:.6g}" if given.ndim else shown(value)
+        raise SceneError(f"{owner}: {name} must {words} and finite, got {got}.")
+
+
+def balanced(
+    law: InterfaceLaw, stopping: Array, pressure: Array, impedance: float, state: Array
+) -> Array:
+    """Return the speeds at which strength + impedance V = stopping, by bracketing in ln V.
+
+    Where strength at rest exceeds the stopping traction the speed is 0.
+    """
+    rest = np.asarray(law.strength(pressure, np.zeros(len(stopping)), state), dtype=float)
+    slips = stopping > rest
+    # strength is not negative, so V is below stopping / impedance
+    high = np.log(np.where(slips, stopping, 1.0) / impedance)
+    low = np.full(len(stopping), np.log(SLOWEST))
+
+    def excess(y: Array) -> Array:
+        speed = np.exp(y)
+        return np.asarray(law.strength(pressure, speed, state) + impedance * speed - stopping)
+
+    slips &= excess(low) < 0
+    return np.where(slips, np.exp(_root(excess, low, np.maximum(high, low), slips)), 0.0)
+
+
+def _root(excess: Any, low: Array, high: Array, wanted: Any) -> Array:
+    """Return roots of a rising function between low and high, by Chandrupatla's rule (1997)."""
+    a, b = low, high
+    fa, fb = excess(a), excess(b)
+    c, fc = a, fa
+    share = np.full(len(a), 0.5)
+    for _ in range(100):
+        at = a + share * (b - a)
+        f = excess(at)
+        same = np.sign(f) == np.sign(fa)
+        c, fc = np.where(same, a, b), np.where(same, fa, fb)
+        b, fb = np.where(same, b, a), np.where(same, fb, fa)
+        a, fa = at, f
+        best = np.where(np.abs(fa) < np.abs(fb), a, b)
+        width = np.abs(b - a)
+        least = 4e-16 * np.abs(best) + 1e-300
+        if not (wanted & (fa != 0) & (width > least)).any():
+            break
+        with np.errstate(divide="ignore", invalid="ignore"):
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            inner = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
+            quadratic = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (
+                fc - fa
+            ) * fb / (fc - fb)
+        share = np.where(inner & np.isfinite(quadratic), quadratic, 0.5)
+        edge = np.where(width > 0, 0.5 * least / np.where(width > 0, width, 1.0), 0.5)
+        share = np.clip(share, np.minimum(edge, 0.5), 1 - np.minimum(edge, 0.5))
+    return best

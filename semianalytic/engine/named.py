@@ -1,0 +1,181 @@
+"""Interfaces that come with the package, as the files that describe them."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from os import PathLike, fspath
+from pathlib import Path
+
+from semianalytic.engine.files import InterfaceFile, parsed, read_interface
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+
+_UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
+_CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"
+
+NAMED_INTERFACES: Mapping[str, str] = {
+    "rate-and-state": """
+summary = "slow sliding and two events of a fault that weakens with slip rate, in one run of 100 s"
+length = 16.0
+pressure = 5e6
+shear = 3e6
+rate = 1e-6
+plate_rate = 1e-6
+held = 32.0
+even = true
+[material]
+shear_modulus = 20e9
+density = 2222.2222222222222
+poisson_ratio = 0.25
+[law]
+kind = "rate-and-state"
+a = 0.010
+b = "0.004 + 0.006 * (1 - tanh((abs(x) - 2) / 0.2))"
+f0 = 0.6
+v0 = 1e-6
+distance = 1e-6
+theta = "where(abs(x) < 1, 1.3, 1.0)"
+[run]
+end_time = 100.0
+nodes = 256
+""",
+    "punch": """
+summary = "a punch of finite width, under pressure, and shear that arrives from afar"
+length = 16.0
+even = true
+contact = {intervals = [[-1.0, 1.0]]}
+load = {shear = 0.05}
+[law]
+kind = "coulomb"
+friction = 0.5
+[run]
+end_time = 4.0
+nodes = 1024
+"""
+    + _UNIT,
+    "two-slots": """
+summary = "two slots whose faces are loaded suddenly: slip from four edges meets"
+length = 24.0
+even = true
+contact = {intervals = [[-inf, -3.0], [-1.0, 1.0], [3.0, inf]]}
+load = {shear = 1.0, on = "slot"}
+[law]
+kind = "coulomb"
+friction = 0.3
+[run]
+end_time = 3.0
+nodes = 1536
+"""
+    + _UNIT,
+    "cattaneo": """
+summary = "slow shear on a contact under uniform pressure: partial slip of Cattaneo and Mindlin"
+length = 8.0
+even = true
+contact = {intervals = [[-1.0, 1.0]]}
+[law]
+kind = "coulomb"
+friction = 1.0
+[load]
+shear = 0.15
+history = "min(t / 32, 1)**3 * (10 - 15 * min(t / 32, 1) + 6 * min(t / 32, 1)**2)"
+[run]
+end_time = 62.0
+nodes = 512
+step_ratio = 0.5
+every = 32
+"""
+    + _UNIT,
+    "supershear": """
+summary = "a rupture that weakens with slip and overtakes shear waves (S = 0.8)"
+length = 96.0
+shear = 1.0
+even = true
+[law]
+kind = "slip-dependent"
+static = 1.8
+dynamic = 0.0
+distance = 1.3089969389957472
+[load]
+shear = "0.9 * (abs(x) < min(0.3 * t, 1.5))"
+[run]
+end_time = 30.0
+nodes = 1536
+every = 4
+"""
+    + _UNIT,
+    "tpv101": """
+summary = "SCEC TPV101 in two dimensions, as UGUCA ran it: rate-and-state, ageing law"
+length = 72e3
+pressure = 120e6
+shear = 75e6
+rate = 1e-12
+even = true
+[law]
+kind = "rate-and-state"
+a = "0.008 + 0.004 * (1 - tanh(3e3 / min(abs(x) - 18e3, -1e-6) + 3e3 / max(abs(x) - 15e3, 1e-6)))"
+b = 0.012
+f0 = 0.6
+v0 = 1e-6
+distance = 0.02
+[load]
+shear = "25e6 * exp(x**2 / min(x**2 - 9e6, -1e-3))"
+history = "exp((min(t, 1) - 1)**2 / min(min(t, 1) * (min(t, 1) - 2), -1e-12))"
+[run]
+end_time = 15.0
+nodes = 1440
+step_ratio = 0.35
+every = 20
+"""
+    + _CRUST,
+    "tpv205": '''
+summary = "SCEC TPV205 in two dimensions: slip weakening with patches of high and low shear"
+length = 96e3
+pressure = 120e6
+shear = """
+70e6 + 11.6e6 * (abs(x) <= 1.5e3) + 8e6 * (abs(x + 7.5e3) <= 1.5e3)
+- 8e6 * (abs(x - 7.5e3) <= 1.5e3)"""
+[law]
+kind = "slip-dependent"
+static = "where(abs(x) <= 15e3, 0.677, 1e4)"
+dynamic = 0.525
+distance = "where(abs(x) <= 15e3, 0.4, 1e12)"
+[run]
+end_time = 12.0
+nodes = 1920
+every = 4
+'''
+    + _CRUST,
+}
+"""Descriptions by name, as in TOML files."""
+
+
+def find_interface(source: str | PathLike[str]) -> InterfaceFile:
+    """Find an interface by its name or by the path of a TOML file.
+
+    Parameters
+    ----------
+    source : str or path
+        A key of `NAMED_INTERFACES` (docs/engine.md), or a path that ends in .toml or is a file.
+
+    Raises
+    ------
+    SceneError
+        If there is none, or the file does not describe one.
+
+    Examples
+    --------
+    >>> from semianalytic import find_interface
+    >>> find_interface("tpv101").end_time
+    15.0
+    """
+    if not isinstance(source, str | PathLike):
+        raise SceneError(f"find_interface: give a name or a path, got {shown(source)}.")
+    source = fspath(source)
+    if source in NAMED_INTERFACES:
+        return parsed(NAMED_INTERFACES[source], source, Path())
+    if Path(source).suffix == ".toml" or Path(source).is_file():
+        return read_interface(source)
+    close = difflib.get_close_matches(source, NAMED_INTERFACES, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(NAMED_INTERFACES)}"
+    raise SceneError(f"There is no interface called {source!r}; {hint} (or give a .toml file).")

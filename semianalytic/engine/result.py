@@ -1,0 +1,165 @@
+"""The result of a run: fields of the interface, an estimate of their error, and where to go on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.engine.interface import Interface
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.extras import needing
+
+Array = NDArray[np.float64]
+
+FORMAT = "slipfront interface run 1"
+_UNITS = {
+    "slip": ("length", "relative slip, upper minus lower side"),
+    "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
+    "shear_traction": ("stress", "shear traction"),
+    "state": ("", "state of friction"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What happened on an interface until a time.
+
+    Attributes
+    ----------
+    interface : Interface
+        What was computed.
+    nodes : int
+        Nodes of one period.
+    x : (n,) array
+        Positions of nodes [length]; x >= 0 only if the interface is even.
+    touching : (n,) array of bool
+        Whether the bodies touch there.
+    t : (m,) array
+        Times of the frames [time].
+    slip, slip_rate, shear_traction, state : (m, n) arrays
+        Slip [length], slip rate [length / time], shear traction [stress] and state of friction;
+        the state is nan on slots.
+    step_times, peak_rates : (steps + 1,) arrays
+        Time and largest |slip rate| of the contact after every step.
+    error_estimates : mapping
+        Estimated L1 errors of slip, slip rate and the change of shear traction over frames and
+        contact, relative; from a second run with half the nodes.  Empty if none was made.
+    status : str
+        "done", "unresolved: ..." or "interrupted at t = ...".
+    checkpoint : mapping of arrays
+        What `run` needs to go on.
+
+    Examples
+    --------
+    >>> from semianalytic import Coulomb, Interface, Material, ShearLoad, run
+    >>> patch = ShearLoad(lambda x: 1.0 * (abs(x) < 0.5))
+    >>> patched = Interface(Material(1.0, 1.0, 0.25), Coulomb(0.5), 8.0, loads=[patch])
+    >>> done = run(patched, 1.0, nodes=64)
+    >>> done.slip.shape == (len(done.t), len(done.x)), done.status
+    (True, 'done')
+    """
+
+    interface: Interface
+    nodes: int
+    x: Array
+    touching: NDArray[np.bool_]
+    t: Array
+    slip: Array
+    slip_rate: Array
+    shear_traction: Array
+    state: Array
+    step_times: Array
+    peak_rates: Array
+    status: str
+    checkpoint: Mapping[str, Any] = field(repr=False)
+    error_estimates: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def end_time(self) -> float:
+        """The last time [time]."""
+        return float(self.step_times[-1])
+
+    @property
+    def steps(self) -> int:
+        """Number of steps taken."""
+        return len(self.step_times) - 1
+
+    def events(self, rate: float) -> list[tuple[float, float]]:
+        """Return begin and end of the times in which the peak slip rate exceeds a rate [time]."""
+        above = np.concatenate([[False], self.peak_rates > rate, [False]])
+        turns = np.flatnonzero(above[1:] != above[:-1])
+        begins, ends = turns[::2], turns[1::2] - 1
+        return [
+            (float(self.step_times[i]), float(self.step_times[j]))
+            for i, j in zip(begins, ends, strict=True)
+        ]
+
+    def to_xarray(self) -> Any:
+        """Return all fields as an `xarray.Dataset` of dimensions t and x, ready for NetCDF.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        with needing("to_xarray"):
+            import xarray
+
+        data = xarray.Dataset(
+            {name: (("t", "x"), getattr(self, name)) for name in _UNITS},
+            coords={"x": self.x, "t": self.t},
+        )
+        for name, (unit, meaning) in _UNITS.items():
+            data[name].attrs.update(units=unit, long_name=meaning)
+        data["x"].attrs.update(units="length", long_name="position along the interface")
+        data["t"].attrs.update(units="time", long_name="time")
+        data.attrs.update(status=self.status, nodes=self.nodes, steps=self.steps)
+        data.attrs.update({f"error_{name}": value for name, value in self.error_estimates.items()})
+        return data
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write fields and checkpoint to an .npz file, from which `Run.load` and `run` go on."""
+        kept: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
+        kept |= {f"checkpoint_{name}": value for name, value in self.checkpoint.items()}
+        kept |= {"format": FORMAT, "status": self.status, "nodes": self.nodes}
+        kept |= {f"error_{name}": value for name, value in self.error_estimates.items()}
+        with open(path, "wb") as stream:
+            np.savez_compressed(stream, **kept)
+
+    @classmethod
+    def load(cls, path: str | PathLike[str], interface: Interface) -> Run:
+        """Read a run that `save` wrote, of a given interface.
+
+        Raises
+        ------
+        DataFileError
+            If the file is missing, damaged or not a run.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                if str(file["format"]) != FORMAT:
+                    raise DataFileError(
+                        f"{path} is not a saved run; give a file that `save` wrote."
+                    )
+                kept = _beginning(file, "checkpoint_")
+                errors = {name: float(value) for name, value in _beginning(file, "error_").items()}
+                arrays = {name: file[name] for name in _ARRAYS}
+                words: dict[str, Any] = {"nodes": int(file["nodes"]), "status": str(file["status"])}
+                return cls(
+                    interface=interface, **arrays, **words, checkpoint=kept, error_estimates=errors
+                )
+        except (OSError, KeyError, ValueError, EOFError) as error:
+            raise DataFileError(f"{path} cannot be read as a saved run ({error}).") from error
+
+
+_ARRAYS = ("x", "touching", "t", *_UNITS, "step_times", "peak_rates")
+
+
+def _beginning(file: Any, prefix: str) -> dict[str, Any]:
+    """Return the entries of a file whose names begin with a prefix, without it."""
+    return {name[len(prefix) :]: file[name] for name in file.files if name.startswith(prefix)}

@@ -1,0 +1,309 @@
+"""Run an interface until a time: steps, record, a second run for the error, and going on."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.engine.interface import Interface
+from semianalytic.engine.record import FIELDS, Record
+from semianalytic.engine.result import Run
+from semianalytic.engine.steps import State, Stepper
+from semianalytic.engine.tuning import (
+    ERROR_SAFETY,
+    LARGEST_ERROR,
+    LEAST_NODES,
+    MOST_NODES,
+    NODES,
+    STEP_RATIO,
+    ZONE_NODES,
+)
+from semianalytic.results.interruption import deferred_interrupt
+from semianalytic.scene.checks import checked_count, checked_size, shown
+from semianalytic.scene.errors import DataFileError, SceneError
+
+Array = NDArray[np.float64]
+Progress = Callable[[float, float], bool | None]
+
+
+def run(
+    interface: Interface,
+    end_time: float,
+    nodes: int | None = None,
+    *,
+    rtol: float | None = None,
+    step_ratio: float = STEP_RATIO,
+    every: int = 1,
+    frames: int = 400,
+    times: Sequence[float] | None = None,
+    estimate: bool = True,
+    go_on: Run | None = None,
+    progress: Progress | None = None,
+    **settings: Any,
+) -> Run:
+    """Compute what happens on an interface from t = 0 until an end time.
+
+    Steps are as long as friction and convergence allow: shortest in an event, up to a million times
+    longer between events.  A second run with half the nodes gives the error estimates.  Ctrl-C ends
+    a run early and keeps what is there.
+
+    Parameters
+    ----------
+    interface : Interface
+        What to compute.
+    end_time : float
+        Last time [time].
+    nodes : int, optional
+        Nodes of one period, a multiple of 4; 512 by default.
+    rtol : float, optional
+        Error of slip aimed at; nodes are doubled until the estimate is below it, to 16,384 at most.
+    step_ratio : float
+        Shortest step c_t dt / h.
+    every, frames : int
+        Every so many steps fields are stored, and thinned if there are more frames than this.
+    times : sequence of float, optional
+        Times at which to store them instead [time].
+    estimate : bool
+        Whether to make the second run.
+    go_on : Run, optional
+        A run of the same interface to continue; the result is the same to the last bit as that of
+        a run which was not interrupted.
+    progress : function, optional
+        Called with time and end time after every step; the run ends where it returns True.
+    **settings
+        `sweeps`, `tolerance`, `state_share`, `bound_share`, `longest` of `Stepper`.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    SceneError
+        If the interface or an option is not admissible.
+    ComputationError
+        If the run goes unstable.
+
+    Examples
+    --------
+    >>> import semianalytic as sf
+    >>> law = sf.RateAndState(a=0.01, b=0.006, f0=0.6, v0=1e-6, distance=1e-5)
+    >>> rock = sf.Material(shear_modulus=30e9, density=2700.0, poisson_ratio=0.25)
+    >>> pushed = sf.ShearLoad(lambda x: 2e5 * (abs(x) < 1), history=lambda t: t)
+    >>> fault = sf.Interface(rock, law, length=8.0, pressure=1e6, shear=0.6e6, rate=1e-6,
+    ...                      loads=[pushed])
+    >>> slow = sf.run(fault, end_time=2.0, nodes=32)
+    >>> bool(slow.slip.max() > 2e-6), slow.status
+    (True, 'done')
+    """
+    if not isinstance(interface, Interface):
+        raise SceneError(f"run: interface must be an Interface, got {shown(interface)}.")
+    end_time = checked_size("run: end_time", end_time)
+    every = checked_count("run: every", every, 1, "a whole number of at least")
+    frames = checked_count("run: frames", frames, 2, "a whole number of at least")
+    step_ratio = checked_size("run: step_ratio", step_ratio)
+    if rtol is not None:
+        rtol = checked_size("run: rtol", rtol)
+    if times is not None:
+        times = sorted(float(one) for one in times)
+        if not times or times[0] < 0 or times[-1] > end_time:
+            raise SceneError("run: times must lie between 0 and the end time.")
+    options = {"step_ratio": step_ratio, "every": every, "frames": frames, "times": times}
+    if go_on is not None:
+        nodes = go_on.nodes if nodes is None else nodes
+    count = _checked_nodes(NODES if nodes is None else nodes)
+    while True:
+        done = _one(interface, end_time, count, options, settings, go_on, progress)
+        if done.status.startswith("interrupted") or not (estimate or rtol is not None):
+            return done
+        done = _estimated(done, end_time, options, settings, rtol)
+        error = done.error_estimates.get("slip", 0.0)
+        if rtol is None or error <= rtol or 2 * count > MOST_NODES or go_on is not None:
+            return done
+        # second order where it is smooth, first beside edges: never more than four times as many
+        growth = 2 if error / rtol < 4 else 4
+        count = min(count * growth, MOST_NODES)
+
+
+def _checked_nodes(nodes: int) -> int:
+    count = checked_count("run: nodes", nodes, LEAST_NODES, "a whole number of at least")
+    if count % 4 or count > MOST_NODES:
+        raise SceneError(
+            f"run: nodes must be a multiple of 4, {MOST_NODES} at most, got {count}; choose "
+            f"{min(4 * max(round(count / 4), 1), MOST_NODES)}."
+        )
+    return count
+
+
+def _one(
+    interface: Interface,
+    end_time: float,
+    nodes: int,
+    options: dict[str, Any],
+    settings: dict[str, Any],
+    go_on: Run | None,
+    progress: Progress | None,
+) -> Run:
+    """Run once on one grid."""
+    stepper = Stepper(interface, nodes, options["step_ratio"], end_time=end_time, **settings)
+    record = Record(stepper, options["every"], options["frames"], options["times"])
+    print_of = fingerprint(stepper)
+    if go_on is None:
+        now = stepper.begin()
+        record.begin(now)
+    else:
+        now = _resumed(stepper, record, go_on, print_of, end_time)
+    stops = [at for at in interface.jumps if now.time < at < end_time] + [end_time]
+    stopped = False
+    with deferred_interrupt() as interruption:
+        while stops and not stopped:
+            length, rung = stepper.length(now)
+            left = stops[0] - now.time
+            # a step that almost reaches the stop does reach it: no sliver is left
+            last = left <= length * (1 + 1e-9)
+            stop = stops.pop(0) if last else None
+            before, now = now, stepper.step(now, left if last else length, rung, stop)
+            record.add(before, now)
+            if last and stops:
+                now = stepper.jump(now)
+            asked = progress is not None and progress(now.time, end_time)
+            stopped = bool(interruption.pressed or asked) and bool(stops)
+    record.end(now)
+    status = f"interrupted at t = {now.time:.6g}" if stopped else _resolution(stepper)
+    checkpoint = {
+        **{one.name: getattr(now, one.name) for one in fields(State)},
+        "modes": stepper.memory.modes,
+        "lasting": stepper.memory.lasting,
+        "last": stepper.memory.last,
+        "fingerprint": print_of,
+        "every": record.every,
+        "count": record.count,
+    }
+    return Run(
+        interface,
+        nodes,
+        stepper.grid.x,
+        stepper.touching,
+        np.array(record.t),
+        np.array(record.fields["slip"]),
+        np.array(record.fields["slip_rate"]),
+        np.array(record.fields["shear_traction"]),
+        np.array(record.fields["state"]),
+        np.array(record.step_times),
+        np.array(record.peak_rates),
+        status,
+        checkpoint,
+    )
+
+
+def fingerprint(stepper: Stepper) -> str:
+    """Return a digest of everything on the grid that a run depends on."""
+    parts = [stepper.interface.material, stepper.grid, stepper.interface.plate_rate]
+    parts += [stepper.interface.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
+    digest = hashlib.sha256(repr(parts).encode())
+    laid = [stepper.pressure, stepper.shear, stepper.touching, *stepper.loads(stepper.shortest)]
+    if is_dataclass(stepper.law):
+        laid += [
+            value
+            for value in (getattr(stepper.law, one.name) for one in fields(stepper.law))
+            if isinstance(value, float | int | np.ndarray)
+        ]
+    for value in laid:
+        digest.update(np.ascontiguousarray(value).tobytes())
+    return digest.hexdigest()
+
+
+def _resumed(
+    stepper: Stepper, record: Record, earlier: Run, print_of: str, end_time: float
+) -> State:
+    """Put the memory and the record of an earlier run in place and return its state."""
+    kept = earlier.checkpoint
+    if str(kept["fingerprint"]) != print_of:
+        raise DataFileError(
+            "run: `go_on` is a run of another interface, grid or step; give the one it was made "
+            "for."
+        )
+    if float(kept["time"]) >= end_time:
+        raise SceneError(
+            f"run: `end_time` must be beyond that of `go_on`, {float(kept['time']):.6g}."
+        )
+    if kept["modes"].shape != stepper.memory.modes.shape:
+        raise SceneError("run: the memory of `go_on` covers another time; give its `end_time`.")
+    memory = stepper.memory
+    memory.modes, memory.lasting = kept["modes"].copy(), kept["lasting"].copy()
+    memory.last = float(kept["last"])
+    record.every, record.count = int(kept["every"]), int(kept["count"])
+    record.t = list(earlier.t)
+    for name in FIELDS:
+        record.fields[name] = list(getattr(earlier, name))
+    if record.times is None and record.count % record.every and record.t[-1] == kept["time"]:
+        # the last frame was written because the run ended there
+        record.t.pop()
+        for name in FIELDS:
+            record.fields[name].pop()
+    elif record.times is not None:
+        record.times = [one for one in record.times if one > earlier.end_time]
+    record.step_times, record.peak_rates = list(earlier.step_times), list(earlier.peak_rates)
+    scalars: dict[str, Any] = {"time": float(kept["time"]), "rung": int(kept["rung"])}
+    arrays: dict[str, Any] = {
+        one.name: np.array(kept[one.name]) for one in fields(State) if one.name not in scalars
+    }
+    return State(**scalars, **arrays)
+
+
+def _estimated(
+    done: Run,
+    end_time: float,
+    options: dict[str, Any],
+    settings: dict[str, Any],
+    rtol: float | None,
+) -> Run:
+    """Return a run with estimates of its error from a run with half the nodes."""
+    coarse = _one(
+        done.interface,
+        end_time,
+        done.nodes // 2,
+        {**options, "times": list(done.t)},
+        settings,
+        None,
+        None,
+    )
+    between = not done.interface.contact.is_whole
+    touching = coarse.touching
+
+    def thinned(values: Array) -> Array:
+        pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
+        return np.asarray(pairs[:, touching])
+
+    errors = {}
+    for name in ("slip", "slip_rate", "shear_traction"):
+        fine, other = thinned(getattr(done, name)), getattr(coarse, name)[:, touching]
+        scale = fine - fine[0] if name == "shear_traction" else fine
+        size = float(np.abs(scale).sum())
+        errors[name] = ERROR_SAFETY * float(np.abs(fine - other).sum()) / size if size else 0.0
+    status = done.status
+    if status == "done" and errors["slip"] > (LARGEST_ERROR if rtol is None else rtol):
+        status = f"unresolved: slip may be off by {errors['slip']:.1g} of itself; raise `nodes`."
+    return replace(done, error_estimates=errors, status=status)
+
+
+def _resolution(stepper: Stepper) -> str:
+    """Return "done", or why the grid cannot follow the law."""
+    weakening = stepper.law.weakening(stepper.pressure)
+    if not weakening > 0:
+        return "done"
+    zone = stepper.interface.material.shear_modulus / weakening
+    found = zone / stepper.grid.spacing
+    if found >= ZONE_NODES:
+        return "done"
+    least = 4 * math.ceil(stepper.interface.length * ZONE_NODES / zone / 4)
+    return (
+        f"unresolved: the strength falls over {found:.2g} node distances of "
+        f"{stepper.grid.spacing:.3g}; use {least} nodes or more."
+    )

@@ -1,0 +1,39 @@
+"""Tuning constants of the engine, each with the measurement that set it (docs/engine.md)."""
+
+from __future__ import annotations
+
+STEP_RATIO = 0.4
+"""Shortest step c_t dt / h, the lowest rung of the ladder."""
+LADDER = 2.0
+"""Ratio of two rungs: with sqrt(2) errors are the same and twice as many tables are kept."""
+TABLES = 8
+"""Rungs whose tables are kept; at 4,096 nodes and 42 poles each takes 8 MB."""
+SWEEPS = 2
+"""Iterations of a step, an even number: a free face grows without bounds with 1 or 3."""
+STATE_SHARE = 0.25
+"""Largest slip of a step over the slip in which the state of friction changes, xi."""
+BOUND_SHARE = 0.7
+"""Share of the longest step at which the iteration of a step still converges."""
+TOLERANCE = 1e-7
+"""Error of the transform of the memory: with 1e-5 the slip rate of TPV101 changes by 2e-4, with
+1e-9 by 5e-7."""
+CROSSINGS = 20.0
+"""Times in which a shear wave crosses the line that the sum of exponentials covers: the memory of
+an event with its echoes.  Beyond it static stiffness is left, which is not part of the sum."""
+LARGEST_HORIZON = 1e6
+"""Largest q c_t t of a fit: from 1e8 on its values at short times are off by 1e-3."""
+LEAST_HORIZON = 100.0
+NODES = 512
+LEAST_NODES = 8
+MOST_NODES = 16384
+ZONE_NODES = 3.0
+"""Nodes on mu / (fall of strength per slip) from which on a rupture is resolved."""
+ERROR_SAFETY = 1.25
+"""Estimate of the error over the difference from half the nodes, which is once the error at first
+order and three times at second."""
+LARGEST_ERROR = 0.5
+"""Estimate of slip above which a run is called unresolved unless an `rtol` is given."""
+AREA = 1.5
+"""Stretch of the line over which a node takes the mean of what slips, in node distances: with 0,
+1.5 and 2 the slip rate beside two edges is off by 2.2e-3, 1.5e-3 and 1.4e-3 (2,048 nodes); 2 is
+worse where ends of slip run faster than shear waves (`pressure-drop`)."""

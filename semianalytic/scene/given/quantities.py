@@ -1,0 +1,131 @@
+"""Numbers with units, such as quantities of pint, where scenes and answers take numbers.
+
+They become numbers of the SI here and nowhere else.  A quantity is whatever has a magnitude and a
+method ``to``, so that no library of units is imported.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.units import ARGUMENTS, PARAMETERS, SI, InSI, unit
+
+Class = TypeVar("Class", bound=type)
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def is_quantity(value: object) -> bool:
+    """Return whether a value, or one in a list, has a unit: a quantity, or an `InSI`."""
+    if isinstance(value, list | tuple):
+        return any(map(is_quantity, value))
+    return isinstance(value, InSI) or (hasattr(value, "magnitude") and hasattr(value, "to"))
+
+
+def made_in_si(part: object) -> bool:
+    """Return whether a part of a scene was made of numbers with units."""
+    return getattr(part, "_made_in_si", False) is True
+
+
+def in_si(what: str, value: Any, dimension: str) -> Any:
+    """Return a quantity as a number, or an array, of the SI; other values as they are.
+
+    Raises
+    ------
+    SceneError
+        If the quantity is of another dimension.
+    """
+    if isinstance(value, list | tuple) and is_quantity(value):
+        return [in_si(what, one, dimension) for one in value]
+    if isinstance(value, InSI) or not is_quantity(value):
+        return value
+    wanted = "dimensionless" if dimension == "1" else unit(dimension, SI)
+    try:
+        number = value.to(wanted).magnitude
+    except Exception as error:  # a library of units has errors of its own
+        said = "no unit" if dimension == "1" else f"a unit of {dimension}, such as {wanted}"
+        raise SceneError(f"{what} must have {said}, got {shown(str(value))}.") from error
+    # what conversion leaves in the last digits would be shown with the scene
+    return float(f"{number:.15g}") if isinstance(number, float) else number
+
+
+def in_units_of(units: str, what: str, value: Any, dimension: str) -> Any:
+    """Return a quantity as a number in the units of a scene; other values as they are.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no units, or the quantity is of another dimension.
+    """
+    # angles and shares are the same in all systems of units
+    if units != SI and dimension not in ("angle", "1") and is_quantity(value):
+        raise SceneError(
+            f"{what} has a unit, but the scene does not say which units its own numbers have; "
+            'say units = "SI" in the scene (--units SI), or give a number alone.'
+        )
+    return in_si(what, value, dimension)
+
+
+def with_quantities(described: Class) -> Class:
+    """Let the dataclass of a scene, or of a part of one, take quantities for its `PARAMETERS`.
+
+    What was made of quantities, or of parts that were, holds numbers of the SI, and `made_in_si`
+    says so.
+    """
+    plain = described.__init__  # type: ignore[misc]
+    names, what = list(inspect.signature(plain).parameters)[1:], described.__name__.lower()
+
+    @functools.wraps(plain)
+    def init(self: Any, *args: Any, **given: Any) -> None:
+        values = (*args, *given.values())
+        if any(map(is_quantity, values)) or any(map(made_in_si, values)):
+            given = {**dict(zip(names, args, strict=False)), **given}
+            for name in given.keys() & PARAMETERS.keys():
+                given[name] = in_si(f"{what}: {name}", given[name], PARAMETERS[name])
+            args = ()
+            object.__setattr__(self, "_made_in_si", True)
+        plain(self, *args, **given)
+
+    described.__init__ = init  # type: ignore[misc]
+    return described
+
+
+def taking_quantities(function: Function) -> Function:
+    """Let a function of a scene, or a method of an answer, take quantities for its `ARGUMENTS`.
+
+    They become numbers in the units of the scene, which is the first argument, or that of the
+    answer.
+    """
+    names = list(inspect.signature(function).parameters)
+
+    @functools.wraps(function)
+    def asked(*args: Any, **given: Any) -> Any:
+        if any(map(is_quantity, (*args[1:], *given.values()))):
+            given = {**dict(zip(names, args, strict=False)), **given}
+            args, units = (), _units_of(given[names[0]])
+            for name in given.keys() & ARGUMENTS.keys():
+                what = f"{function.__name__}: {name}"
+                given[name] = in_units_of(units, what, given[name], ARGUMENTS[name])
+            args = (given.pop(names[0]),)
+        return function(*args, **given)
+
+    return asked  # type: ignore[return-value]
+
+
+def asked_in_units(answer: Class) -> Class:
+    """Let all public methods of the class of an answer take quantities: `taking_quantities`."""
+    for name, method in list(vars(answer).items()):
+        public = not name.startswith("_") and inspect.isfunction(method)
+        if public and ARGUMENTS.keys() & inspect.signature(method).parameters.keys():
+            setattr(answer, name, taking_quantities(method))
+    return answer
+
+
+def _units_of(first: Any) -> str:
+    """Return the units of a scene, or of the scene or pair of an answer."""
+    described = getattr(first, "scene", getattr(first, "pair", first))
+    return SI if made_in_si(described) else getattr(described, "units", "")

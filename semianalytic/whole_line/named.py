@@ -1,0 +1,222 @@
+"""Find whole lines and growing loads by name, read them from TOML files, and write them."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from os import PathLike, fspath
+from typing import Any
+
+from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import LINE_KEYS, TABLES, is_file, read_document
+from semianalytic.scene.scene import IN_PLANE, Material, Tractions
+from semianalytic.whole_line.growing import GrowingSlot
+from semianalytic.whole_line.line import LOADS, Patch, PointForce, WholeLine
+
+Problem = WholeLine | GrowingSlot
+WHOLE_LINE = "whole line"
+
+_SOLID, _PRELOAD = Material(1.0, 1.0, 1 / 3), Tractions(1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class NamedLine:
+    """A problem that comes with the package, and a line that says what it shows."""
+
+    problem: Problem
+    summary: str
+
+
+NAMED_LINES: Mapping[str, NamedLine] = {
+    "whole-line-patch": NamedLine(
+        WholeLine(_SOLID, 0.5, _PRELOAD, Patch(speed=0.3, shear=1.0)),
+        "no slot: slip spreads to both sides of an over-stressed patch that grows",
+    ),
+    "point-load": NamedLine(
+        WholeLine(_SOLID, 1.0, _PRELOAD, PointForce(shear=1.0)),
+        "no slot: slip spreads from a point force that grows evenly in time",
+    ),
+    "growing-load": NamedLine(
+        GrowingSlot(_SOLID, 0.5, Tractions(1.0, 1.0)),
+        "pressure and shear on the slot grow evenly in time: one slip zone",
+    ),
+}
+
+
+def find_line(source: str | PathLike[str]) -> Problem:
+    """Find a whole line, or a slot under a growing load, by its name or the path of a TOML file.
+
+    A file holds ``contact = "whole line"``, ``friction``, ``[material]`` and ``[base]`` as a scene
+    does, and ``[load]`` with ``kind`` patch, point-force or half-line, ``pressure``, ``shear``, and
+    the ``speed`` of a patch.  With ``growth = 1`` (or 2) in place of ``contact`` it describes a
+    `GrowingSlot`, with pressure and shear in ``[load]``.  ``mode`` and ``units`` may be given.
+
+    Parameters
+    ----------
+    source : str or path
+        whole-line-patch, point-load, growing-load, or a path (anything that ends in .toml or exists
+        as a file).
+
+    Returns
+    -------
+    WholeLine or GrowingSlot
+
+    Raises
+    ------
+    SceneError
+        If there is no such problem or file, or the file describes none; the message names file and
+        key.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> sa.find_line("whole-line-patch").load
+    Patch(speed=0.3, pressure=0.0, shear=1.0)
+    """
+    if not isinstance(source, str | PathLike):
+        raise SceneError(
+            f"find_line: give the name of a problem or the path of a TOML file, got "
+            f"{shown(source)}."
+        )
+    source = fspath(source)
+    if source in NAMED_LINES:
+        return NAMED_LINES[source].problem
+    if is_file(source):
+        document = read_document(source)
+        if not any(key in document for key in LINE_KEYS):
+            raise SceneError(
+                f'{source} describes a scene with a slot; add contact = "whole line", or growth, '
+                "or read it with find_scene."
+            )
+        return _read(source, document)
+    close = difflib.get_close_matches(source, NAMED_LINES, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(NAMED_LINES)}"
+    raise SceneError(f"There is no whole line called {source!r}; {hint} (or give a .toml file).")
+
+
+def _read(path: str, document: Mapping[str, Any]) -> Problem:
+    """Make the problem of a file; messages name the file."""
+    try:
+        return line_from_document(document)
+    except SceneError as error:
+        raise SceneError(f"{path}: {error}") from error
+
+
+def line_document(problem: Problem) -> dict[str, Any]:
+    """Return a problem as plain dictionaries, strings and numbers, for TOML or JSON.
+
+    It has the keys of a file, see `find_line`; mode and units are left out if they are the default.
+    """
+    document: dict[str, Any] = {}
+    if isinstance(problem, WholeLine):
+        document["contact"] = WHOLE_LINE
+    else:
+        document["growth"] = problem.power
+    if problem.mode != IN_PLANE:
+        document["mode"] = problem.mode
+    if problem.units:
+        document["units"] = problem.units
+    document["friction"] = problem.friction
+    document["material"] = asdict(problem.material)
+    if isinstance(problem, WholeLine):
+        document["base"] = asdict(problem.base)
+        (kind,) = (name for name, load in LOADS.items() if isinstance(problem.load, load))
+        document["load"] = {"kind": kind, **asdict(problem.load)}
+    else:
+        document["load"] = asdict(problem.load)
+    return document
+
+
+def line_from_document(document: Mapping[str, Any]) -> Problem:
+    """Make the problem that a dictionary of `line_document`, or of a TOML file, describes.
+
+    Raises
+    ------
+    SceneError
+        If a key is unknown or missing, or a value is out of range.
+    """
+    whole = "contact" in document
+    if whole and "growth" in document:
+        raise SceneError("give contact, of a line without a slot, or growth, of a load; not both.")
+    if whole and document["contact"] != WHOLE_LINE:
+        raise SceneError(
+            f'contact must be "{WHOLE_LINE}", or left out for a scene with a slot, got '
+            f"{shown(document['contact'])}."
+        )
+    required = ("friction", "material", *(("base",) if whole else ()), "load")
+    optional = ("contact" if whole else "growth", "mode", "units", *(() if whole else ("base",)))
+    _check(document, "", required, optional)
+    tables = {name: document[name] for name in ("material", "base", "load") if name in document}
+    for name, table in tables.items():
+        if not isinstance(table, Mapping):
+            raise SceneError(f"{name} must be a table, [{name}], got {shown(table)}.")
+        if name != "load" or not whole:
+            _check(table, f"{name}.", TABLES[name], ())
+    common = {
+        "material": Material(**document["material"]),
+        "friction": document["friction"],
+        "mode": document.get("mode", IN_PLANE),
+        "units": document.get("units", ""),
+    }
+    if not whole:
+        return GrowingSlot(
+            **common,
+            load=Tractions(**document["load"]),
+            power=document["growth"],
+            base=Tractions(**document.get("base", {"pressure": 0.0, "shear": 0.0})),
+        )
+    given = dict(document["load"])
+    kind = given.pop("kind", None)
+    if kind not in LOADS:
+        hint = ""
+        if kind is None:
+            hint = " (tractions on the faces of a slot belong to a scene, without contact)"
+        raise SceneError(f"load: kind must be one of {', '.join(LOADS)}, got {shown(kind)}{hint}.")
+    known = ("speed",) if LOADS[kind] is Patch else ()
+    _check(given, "load.", known, ("pressure", "shear"))
+    return WholeLine(**common, base=Tractions(**document["base"]), load=LOADS[kind](**given))
+
+
+def _check(
+    table: Mapping[str, Any], prefix: str, required: tuple[str, ...], optional: tuple[str, ...]
+) -> None:
+    """Raise SceneError for a key that is missing or unknown, or a value that is no number."""
+    known = (*required, *optional)
+    for key, value in table.items():
+        if key not in known:
+            close = difflib.get_close_matches(key, known, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
+            raise SceneError(f"unknown key {prefix}{key}; {hint}")
+        words = ("contact", "mode", "units", *TABLES)
+        if key not in words and finite(value) is None:
+            raise SceneError(f"{prefix}{key} must be a number, got {shown(value)}.")
+    for key in required:
+        if key not in table:
+            raise SceneError(f"{prefix}{key} is missing.")
+
+
+def override_line(problem: Problem, **values: float | str | None) -> Problem:
+    """Return a problem with every parameter replaced that is not None, as `override_scene` does.
+
+    Raises
+    ------
+    SceneError
+        If the problem has no such parameter, or is not admissible with it.
+    """
+    given = {name: value for name, value in values.items() if value is not None}
+    changes: dict[str, Any] = {}
+    for name, value in given.items():
+        if name in ("friction", "mode"):
+            changes[name] = value
+        elif name in TABLES["material"]:
+            changes["material"] = replace(
+                changes.get("material", problem.material), **{name: value}
+            )
+        elif name.startswith(("base_", "load_")) and name != "load_on":
+            part, _, key = name.partition("_")
+            changes[part] = replace(changes.get(part, getattr(problem, part)), **{key: value})
+        else:
+            raise SceneError(f"{name} is a parameter of scenes with a slot alone; leave it out.")
+    return replace(problem, **changes)

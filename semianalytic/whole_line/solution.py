@@ -1,0 +1,234 @@
+"""What happens on a whole line: slip or opening that spreads evenly to both sides of its load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.errors import SceneError
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone
+from semianalytic.whole_line.line import Patch, PointForce, WholeLine
+from semianalytic.whole_line.spreading import Spreading
+
+
+@dataclass(frozen=True, eq=False)
+class LineSolution:
+    """Self-similar slip or opening of a whole line around a growing patch or point force.
+
+    Fields broadcast over positions x [length], of either sign, and times t [time]; up to t = 0
+    there is the base state.  Slip and gap are relative, upper minus lower side.  They end smoothly,
+    so that no edge has a stress intensity.
+
+    Attributes
+    ----------
+    line : WholeLine
+    status : str
+        "converged", or a sentence saying what to distrust.
+    error_estimate : float
+        Estimate, meant as a bound, of the relative errors of edge speed, slip rate, slip and
+        totals, and of tractions over base and load, from two evaluations of the condition at the
+        edge.
+    spreading : Spreading
+        The fields over x/t, dimensionless.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> solid, base = sa.Material(1.0, 1.0, 1 / 3), sa.Tractions(1.0, 0.0)
+    >>> answer = sa.solve_line(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
+    >>> answer.status, round(answer.edge_speed, 9)
+    ('converged', 0.395154377)
+    >>> answer.slip_rate([-0.2, 0.2, 0.35], 1.0).round(6).tolist()
+    [0.259141, 0.259141, 0.235431]
+    """
+
+    line: WholeLine
+    status: str
+    error_estimate: float
+    spreading: Spreading
+
+    def __repr__(self) -> str:
+        what = "open" if self.line.opens else "slip"
+        sense = "" if self.line.opens else f" ({self.line.sense:+d})"
+        estimate = f"error estimate {self.error_estimate:.1e}"
+        return (
+            f"<LineSolution: {what} at |x/t| < {self.edge_speed:.4g}{sense}; "
+            f"{self.status}, {estimate}>"
+        )
+
+    @property
+    def edge_speed(self) -> float:
+        """Speed at which either edge of slip or opening moves away from x = 0 [length / time]."""
+        return self.line.material.shear_speed / self.spreading.edge
+
+    @property
+    def zones(self) -> tuple[SlipZone, ...]:
+        """The zone of slip, from -edge_speed to edge_speed; none where the interface opens."""
+        speed = self.edge_speed
+        return () if self.line.opens else (SlipZone(-speed, speed, self.line.sense),)
+
+    @property
+    def openings(self) -> tuple[OpenZone, ...]:
+        """The opening, from -edge_speed to edge_speed; none where the interface slips."""
+        return (OpenZone(-self.edge_speed, self.edge_speed),) if self.line.opens else ()
+
+    @property
+    def edge_amplitude(self) -> float:
+        """A of the rate A sqrt(1 - |x| / (edge_speed t)) of slip or opening next to an edge.
+
+        It is relative, positive, in [length / time].
+        """
+        one = self.spreading
+        return float(self._rate_unit * one.scale * np.sqrt(8.0) / one.beyond)
+
+    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip rate [length / time]; infinite at the end of a patch and at a force.
+
+        Raises
+        ------
+        SceneError
+            If x or t is not finite.
+        """
+        xi = self._velocity(x, t)
+        return self.line.sense * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
+
+    def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How fast the interface opens [length / time], 0 where closed; raises as `slip_rate`."""
+        xi = self._velocity(x, t)
+        return self._opens * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
+
+    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip since t = 0 [length]; raises as `slip_rate`."""
+        return self.line.sense * self._moved(x, t)
+
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How far the interface is open [length], 0 where closed; raises as `slip_rate`."""
+        return self._opens * self._moved(x, t)
+
+    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Shear traction [stress], 0 where open; raises as `slip_rate`."""
+        line, xi = self.line, self._velocity(x, t)
+        if line.opens:
+            return np.zeros(xi.shape)
+        slips = line.sense * line.friction * self._load_pressure(xi)
+        held = line.base.shear + line.sense * self._ahead(xi)
+        return np.where(xi < self.edge_speed, slips, held)
+
+    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Contact pressure [stress], 0 where open; raises as `slip_rate`."""
+        line, xi = self.line, self._velocity(x, t)
+        if line.opens:
+            closed = line.base.pressure - self._ahead(xi)
+            return np.where(xi < self.edge_speed, 0.0, closed)
+        return self._load_pressure(xi)
+
+    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
+        return sampled_history(self, x, t)  # type: ignore[arg-type]
+
+    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
+        """Return fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        return answer_dataset(self, x, t)  # type: ignore[arg-type]
+
+    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
+        """Return the part that slips at a time; none before the load."""
+        reach = self.edge_speed * t
+        return tuple(SlipInterval(-reach, reach, one.sense) for one in self.zones if t > 0)
+
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """Return the part that is open at a time; none before the load."""
+        reach = self.edge_speed * t
+        return tuple(OpenInterval(-reach, reach) for _ in self.openings if t > 0)
+
+    def max_slip(self, t: ArrayLike) -> Array:
+        """Largest |slip| at times t [length]: that at x = 0, infinite at a point force."""
+        return np.abs(self.slip(0.0, t))
+
+    def accumulated_slip(self, t: ArrayLike) -> Array:
+        """Integral over the line of the |slip| accumulated until t [length^2]; grows as t^2."""
+        return abs(self.line.sense) * self._areas(self.spreading.area, t)
+
+    def opened_area(self, t: ArrayLike) -> Array:
+        """Integral of the gap over the line at times t [length^2]; it grows as t^2."""
+        return self._opens * self._areas(self.spreading.area, t)
+
+    def frictional_work(self, t: ArrayLike) -> Array:
+        """Energy turned to heat on the interface until t, per unit depth [stress length^2]."""
+        line = self.line
+        if line.opens:
+            return np.zeros(np.shape(t))
+        work = line.strength * self._areas(self.spreading.area, t)
+        if isinstance(line.load, Patch) and line.load.pressure:
+            share = self._areas(self.spreading.area_on_patch, t)
+            work = work + line.friction * line.load.pressure * share
+        return np.asarray(work)
+
+    @property
+    def _opens(self) -> float:
+        return 1.0 if self.line.opens else 0.0
+
+    @property
+    def _stress_unit(self) -> float:
+        line = self.line
+        point = isinstance(line.load, PointForce)
+        return line.excess / (line.material.shear_speed if point else 1.0)
+
+    @property
+    def _rate_unit(self) -> float:
+        return 2 * self._stress_unit / self.line.material.shear_impedance
+
+    def _velocity(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return |x| / t, inf up to t = 0; x or t that is not finite is refused."""
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        if not (np.isfinite(x).all() and np.isfinite(t).all()):
+            raise SceneError("x and t must be finite numbers.")
+        return np.divide(np.abs(x), t, out=np.full(x.shape, np.inf), where=t > 0)
+
+    def _moving(self, xi: Array, field: Any) -> Array:
+        """Return a field of the spreading, 0 before the load."""
+        speed = self.line.material.shear_speed
+        values = field(np.where(np.isfinite(xi), xi / speed, 2 / self.spreading.edge))
+        return np.asarray(values)
+
+    def _moved(self, x: ArrayLike, t: ArrayLike) -> Array:
+        xi = self._velocity(x, t)
+        time = np.where(np.isfinite(xi), np.broadcast_to(np.asarray(t, dtype=float), xi.shape), 0.0)
+        # slip at a point force is infinite, and none at t = 0
+        slip = self._moving(xi, self.spreading.slip)
+        return np.where(time > 0, self._rate_unit * slip * np.where(time > 0, time, 1.0), 0.0)
+
+    def _ahead(self, xi: Array) -> Array:
+        """Return how far the traction that drives motion is above that of the base."""
+        speed = self.line.material.shear_speed
+        outside = np.maximum(xi / speed, 1 / self.spreading.edge)
+        return self._stress_unit * self.spreading.traction(outside)
+
+    def _load_pressure(self, xi: Array) -> Array:
+        """Return the pressure where the interface is closed, which slip does not change."""
+        line = self.line
+        if not isinstance(line.load, Patch):
+            return np.full(xi.shape, line.base.pressure)
+        on_patch = xi < line.load.speed
+        return line.base.pressure + np.where(on_patch, line.load.pressure, 0.0)
+
+    def _areas(self, area: float, t: ArrayLike) -> Array:
+        unit = self._rate_unit * self.line.material.shear_speed * area / 2
+        return np.asarray(unit * np.maximum(np.asarray(t, dtype=float), 0.0) ** 2)
+
+    @cached_property
+    def excess_at_shear_wave(self) -> float:
+        """Traction ahead of the zone at the shear wave, above the base [stress]."""
+        return self._stress_unit * self.spreading.turning[0]

@@ -1,0 +1,119 @@
+"""Solve a whole line: one zone that spreads, where nothing else moves, and refuse the rest."""
+
+from __future__ import annotations
+
+from semianalytic.halfplane.rayleigh import Mode, rayleigh_factors
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.selfsimilar.solution import Solution
+from semianalytic.selfsimilar.solver import solve
+from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
+from semianalytic.whole_line.solution import LineSolution
+from semianalytic.whole_line.spreading import Spreading, least_missing, spread
+
+_TOLERANCE = 1e-9
+"""Largest error estimate of an answer that has converged."""
+_COARSE = 0.3
+"""Spacing of the quadrature whose difference from the usual one counts as an error."""
+_ROUNDING = 1e-14
+"""Added to the error estimate: what both evaluations share."""
+_STEP = 1e-4
+"""Relative change of the edge that tells how far off an error of the condition puts it."""
+
+
+def solve_line(line: WholeLine) -> LineSolution | Solution:
+    """Solve a whole line for slip or opening around its load.
+
+    Parameters
+    ----------
+    line : WholeLine
+
+    Returns
+    -------
+    LineSolution
+        For a `Patch` or a `PointForce`.
+    Solution
+        For a `HalfLine`: that of `WholeLine.slot_scene`, which moves in the same way on x > 0.
+
+    Raises
+    ------
+    SceneError
+        If the line is none, a patch grows faster than its edge can, the edge would be faster than
+        the Rayleigh wave, or a second zone would start at the shear wave: no closed form is known
+        then.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> solid, base = sa.Material(1.0, 1.0, 1 / 3), sa.Tractions(1.0, 0.0)
+    >>> patch = sa.solve_line(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
+    >>> round(patch.edge_speed, 12)
+    0.395154376971
+    >>> force = sa.solve_line(sa.WholeLine(solid, 1.0, base, sa.PointForce(shear=1.0)))
+    >>> round(force.edge_speed, 12)
+    0.290552362024
+    """
+    if not isinstance(line, WholeLine):
+        raise SceneError(f"solve_line: line must be a WholeLine, got {shown(line)}.")
+    if isinstance(line.load, HalfLine):
+        return solve(line.slot_scene)
+    mode: Mode = "I" if line.opens else "III" if line.antiplane else "II"
+    factors = rayleigh_factors(line.material.poisson_ratio, mode)
+    speed, unit = line.material.shear_speed, line.excess
+    patch = 0.0
+    if isinstance(line.load, Patch):
+        patch = line.load.speed / speed
+        slowest = speed / factors.c
+        if not line.load.speed < slowest:
+            wave = "Rayleigh" if factors.has_rayleigh_wave else "shear"
+            raise SceneError(
+                f"whole line: the patch must grow slower than the {wave} wave, {slowest:.6g}, for "
+                "motion around a faster one has no closed form here; lower its speed, got "
+                f"{line.load.speed:.6g}."
+            )
+    elif isinstance(line.load, PointForce):
+        unit /= speed
+    found = spread(factors, patch, line.missing / unit)
+    if mode == "II":
+        _check_one_zone(line, found, unit)
+    error = _error(found, line.missing / unit)
+    status = "converged"
+    if error > _TOLERANCE:
+        status = f"the error estimate {error:.1e} exceeds {_TOLERANCE:.0e}"
+    return LineSolution(line, status, error, found)
+
+
+def _check_one_zone(line: WholeLine, found: Spreading, unit: float) -> None:
+    """Raise SceneError if shear meets strength ahead of the zone, of either sense."""
+    at_shear, at_rayleigh = found.turning
+    missing = line.missing / unit
+    if at_shear > missing:
+        least = least_missing(found.factors, found.patch)
+        raise SceneError(
+            "whole line: a second zone of slip starts at the shear wave, where shear comes to "
+            f"{at_shear / missing:.3g} of what is missing to friction, and two zones have no "
+            f"closed form here; that must be more than {least:.4g} of what the load adds, got "
+            f"{missing:.4g}: raise friction, or lower the load or the speed of its patch."
+        )
+    if at_rayleigh < missing - 2 * line.strength / unit:
+        raise SceneError(
+            "whole line: a zone of reverse slip starts at the Rayleigh wave, which has no closed "
+            "form; raise the base shear, or friction."
+        )
+
+
+def _error(found: Spreading, missing: float) -> float:
+    """Return the error estimate: of the edge speed, by the condition at the edge evaluated twice.
+
+    The scale of slip rate, the patch's impedance, is exact to rounding; its shape follows the edge.
+    """
+    residual = abs(found.missing_again - missing) + abs(found.missing(_COARSE) - missing)
+    nearer = (found.edge + found.lead * _STEP, found.lead * (1 - _STEP))
+    if not found.patch:
+        nearer = (found.edge * (1 + _STEP), found.lead)
+    other = Spreading(found.factors, found.patch, *nearer)
+    share = (nearer[0] - found.edge) / found.edge
+    slope = abs(other.missing() - found.missing()) / share
+    # where the edge keeps close to the patch, shapes change with its distance from it
+    distance = 1.0 if not found.patch else found.lead / (found.lead + found.edge)
+    return float(residual / (slope * distance) + _ROUNDING / distance)

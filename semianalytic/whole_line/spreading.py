@@ -1,0 +1,262 @@
+"""One zone of motion that spreads evenly to both sides of a patch or of a point force.
+
+Units: slowness b, impedance mu b; stress over the excess S of the patch, or over F_0 / c_t for a
+force F_0 t, whose patch has vanished (w = 0).  Rates are those of one side.  With e_s the slowness
+of the edge of motion, e_p = 1/w that of the patch and m(v) = Im M(-v + i0), transforms over x/t are
+
+    W = C k / ((e_p^2 - k^2) sqrt(e_s^2 - k^2)),  T = -M W,
+
+with C = 2 S e_p sqrt(e_p^2 - e_s^2) / m(e_p), and the edge is where the traction ahead of it meets
+strength (docs/whole_line.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from semianalytic.halfplane.imaginary_axis import (
+    impedance_on_axis,
+    over_axis,
+    static_impedance,
+    static_remainder,
+)
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, gauss
+from semianalytic.halfplane.running import RunningIntegral, panels_to
+from semianalytic.scene.errors import SceneError
+
+_NEAREST, _FARTHEST = -36.0, 36.0
+"""Range of ln((e_s - c) / (e_p - e_s)) in which an edge is looked for: e^-36 is below rounding."""
+_TO_PATCH = 12.0
+"""The same, for the edge next to which a second zone starts: it is never close to the patch."""
+_SLOWEST = 1e12
+"""Slowness of an edge under a point force, over that of the slowest wave, beyond which none is
+looked for."""
+_PATCH_PIECES = 40
+"""Pieces of the patch, each half as long as the last towards its end, in the integral of slip rate
+over it; with 30 the logarithm there costs 1e-9."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spreading:
+    """Motion at |x| < xi_s t around a patch |x| < w t of excess 1, or around a unit point force.
+
+    Attributes
+    ----------
+    factors : RayleighFactors
+        Of the mode of motion.
+    patch : float
+        Speed w of the patch over c_t; 0 for a point force.
+    edge : float
+        Slowness e_s of the edge of motion.
+    lead : float
+        Slowness e_p - e_s by which the patch is behind the edge, with all digits; inf for a point.
+    """
+
+    factors: RayleighFactors
+    patch: float
+    edge: float
+    lead: float = np.inf
+
+    @cached_property
+    def beyond(self) -> float:
+        """Share y_p = sqrt(1 - (w / xi_s)^2) of the edge at which the patch ends; 1 for a point."""
+        if not self.patch:
+            return 1.0
+        return float(np.sqrt(self.lead * self.patch * (1 + self.patch * self.edge)))
+
+    @cached_property
+    def scale(self) -> float:
+        """Slip rate over the logarithm of `slip_rate`: S / (pi m(e_p)), or F_0 / (2 pi m_static).
+
+        The limit for a slow patch, m(e_p) -> m_static e_p, joins them.
+        """
+        if not self.patch:
+            return 1 / (2 * np.pi * static_impedance(self.factors))
+        return 1 / (np.pi * impedance_behind(self.factors, 1 / self.patch))
+
+    def missing(self, spacing: float | None = None) -> float:
+        """Return what the traction at the edge exceeds the base by: d over the excess, or over F_0.
+
+        It is S - (C / pi) int M(i eta) / ((e_p^2 + eta^2) sqrt(e_s^2 + eta^2)) d eta.
+        """
+        rule = {} if spacing is None else {"spacing": spacing}
+        if not self.patch:
+
+            def rest(eta: Array) -> Array:
+                return static_remainder(self.factors, eta, self.edge)
+
+            return 2 * self.scale * over_axis(rest, **rule)
+        end = 1 / self.patch
+
+        def density(eta: Array) -> Array:
+            axis = np.sqrt(self.edge**2 + eta**2) * (end**2 + eta**2)
+            return np.asarray(impedance_on_axis(self.factors, eta) / axis)
+
+        return 1 - 2 * self.scale * end**2 * self.beyond * over_axis(density, **rule)
+
+    def slip_rate(self, xi: Array) -> Array:
+        """Return the slip rate at velocities xi >= 0; 0 ahead of the edge.
+
+        It is scale ln |(y_p + y) / (y_p - y)| with y = sqrt(1 - (xi / xi_s)^2): infinite at the end
+        of a patch, and at a point force.
+        """
+        return self.scale * np.where(self._moves(xi), self._logarithm(xi), 0.0)
+
+    def slip(self, xi: Array) -> Array:
+        """Return the slip over the time, at velocities xi >= 0."""
+        y = self._share(xi)
+        if not self.patch:
+            return np.where(self._moves(xi), self.scale * (self._logarithm(xi) - 2 * y), 0.0)
+        from scipy.special import xlogy  # here, for commands are to start quickly
+
+        w, y_p = self.patch, self.beyond
+        # the logarithms of the slip rate and of its moment are both infinite at the end of the
+        # patch, where their difference is not
+        near = 2 * np.log((y_p + y) / self.edge)
+        moment = 2 * np.log(y_p * xi + y * w)
+        difference = xlogy(xi / w - 1, np.abs((xi - w) * (xi + w)))
+        slip = near - xi / w * moment + difference
+        return np.where(self._moves(xi), self.scale * slip, 0.0)
+
+    def _moves(self, xi: Array) -> np.ndarray:
+        return np.asarray(xi * self.edge < 1)
+
+    def _share(self, xi: Array) -> Array:
+        """Return y = sqrt(1 - (xi / xi_s)^2), 0 ahead of the edge."""
+        velocity = np.minimum(xi * self.edge, 1.0)
+        return np.sqrt((1 - velocity) * (1 + velocity))
+
+    def _logarithm(self, xi: Array) -> Array:
+        with np.errstate(divide="ignore"):
+            lag = np.abs((xi - self.patch) * (xi + self.patch)) * self.edge**2
+            return np.asarray(2 * np.log(self.beyond + self._share(xi)) - np.log(lag))
+
+    def traction(self, xi: Array) -> Array:
+        """Return the traction above the base at velocities xi >= 1 / e_s, ahead of the edge."""
+        with np.errstate(divide="ignore"):
+            return self._running.at(1 / np.asarray(xi, dtype=float).ravel()).reshape(np.shape(xi))
+
+    @cached_property
+    def _running(self) -> RunningIntegral:
+        """The traction ahead of the edge over slowness: C Im M / (pi (e_p^2 - v^2) sqrt(...))."""
+        w, lead = self.patch, self.lead
+
+        def slope(at: CutPoints, to_edge: Array) -> Array:
+            imaginary = self.factors.impedance_on_cut(at).imag
+            root = np.sqrt(to_edge * (self.edge + at.v))
+            if not w:
+                return np.asarray(2 * self.scale * imaginary / root)
+            end = 1 / w
+            from_end = (lead + to_edge) * (end + at.v)
+            return np.asarray(2 * self.scale * end**2 * self.beyond * imaginary / (from_end * root))
+
+        least = min(lead / 2, self.edge)
+        return RunningIntegral(self.factors, slope, panels_to(self.factors, self.edge, least))
+
+    @cached_property
+    def missing_again(self) -> float:
+        """The same as `missing`, from the traction ahead of the edge: a second evaluation."""
+        return float(self._running.total)
+
+    @cached_property
+    def turning(self) -> tuple[float, float]:
+        """Traction at the shear wave and at the Rayleigh wave, between which alone it falls.
+
+        Ahead of the shear wave it rises in mode II and falls in mode I; in mode III it rises all
+        the way to the edge.
+        """
+        at_shear, at_rayleigh = self._running.at(np.array([1.0, self.factors.c]))
+        return float(at_shear), float(at_rayleigh)
+
+    @cached_property
+    def area(self) -> float:
+        """Integral of the slip rate over velocity: twice the integral over xi > 0."""
+        if not self.patch:
+            return 4 * np.pi * self.scale / (2 * self.edge)
+        return 2 * np.pi * self.scale * self.beyond / self.edge
+
+    @cached_property
+    def area_on_patch(self) -> float:
+        """Integral of the slip rate over the patch, |xi| < w."""
+        t, weight = gauss(20)
+        ends = 1 - 0.5 ** np.arange(_PATCH_PIECES + 1)
+        xi = self.patch * (ends[:-1, None] + np.diff(ends)[:, None] * t)
+        rule = self.patch * np.diff(ends)[:, None] * weight
+        return float(2 * np.sum(rule * self.slip_rate(xi)))
+
+
+def impedance_behind(factors: RayleighFactors, slowness: float) -> float:
+    """Return m(v) = Im M(-v + i0) at a slowness behind the shear wave."""
+    return float(factors.impedance_behind(factors.cut(np.array([slowness])))[0])
+
+
+def spread(factors: RayleighFactors, patch: float, missing: float) -> Spreading:
+    """Find the edge of motion around a patch, or a point force.
+
+    Parameters
+    ----------
+    factors : RayleighFactors
+    patch : float
+        Speed over c_t, slower than the Rayleigh wave (the shear wave in mode III); 0 for a point.
+    missing : float
+        d over the excess, or over F_0 / c_t.
+
+    Raises
+    ------
+    SceneError
+        If no edge is slower than these waves.
+    """
+    from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
+
+    at = partial(_at, factors, patch)
+    farthest = float(np.log(_SLOWEST)) if not patch else _FARTHEST
+
+    def excess(x: float) -> float:
+        return at(x).missing() - missing
+
+    if excess(_NEAREST) > 0:
+        wave = "Rayleigh" if factors.has_rayleigh_wave else "shear"
+        raise SceneError(
+            f"whole line: no edge slower than the {wave} wave holds this load, whose excess is too "
+            "large; what is missing to motion must be more than "
+            f"{least_missing(factors, patch):.4g} of it, got {missing:.4g}: raise friction or "
+            "pressure, or lower the load."
+        )
+    if excess(farthest) < 0:
+        raise SceneError(
+            "whole line: the edge keeps to the end of the patch within rounding; nothing moves "
+            "outside, and what is missing to motion must be less of the excess, got "
+            f"{missing:.17g}."
+        )
+    return at(brentq(excess, _NEAREST, farthest, xtol=1e-15, rtol=1e-15))
+
+
+def least_missing(factors: RayleighFactors, patch: float) -> float:
+    """Return d over the excess below which there is no single zone slower than all its waves.
+
+    In mode II a second zone of slip starts at the shear wave, where traction meets strength; in the
+    others, and around fast patches, the edge comes to the Rayleigh wave, or the shear wave.
+    """
+    from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
+
+    def margin(x: float) -> float:
+        one = _at(factors, patch, x)
+        return one.missing() - one.turning[0]
+
+    x = _NEAREST
+    if factors.mode == "II" and margin(x) < 0:
+        x = brentq(margin, x, _TO_PATCH, xtol=1e-10)
+    return _at(factors, patch, x).missing()
+
+
+def _at(factors: RayleighFactors, patch: float, x: float) -> Spreading:
+    """Return motion with an edge at x = ln((e_s - c) / (e_p - e_s)), or ln(e_s / c - 1)."""
+    c = factors.c
+    if not patch:
+        return Spreading(factors, 0.0, c * (1 + float(np.exp(x))))
+    width, small = 1 / patch - c, float(np.exp(-abs(x)))
+    near, far = width * small / (1 + small), width / (1 + small)
+    return Spreading(factors, patch, *((c + near, far) if x < 0 else (1 / patch - near, near)))

@@ -1,0 +1,138 @@
+"""``slipfront run``: run an interface of a TOML file until a time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from compare.output.places import check_file, save_somewhere
+from compare.output.progress import progress_bar
+from semianalytic import Run, find_interface, run
+from semianalytic.engine.named import NAMED_INTERFACES
+from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.extras import XARRAY, require
+from slipfront.cli.interruption import INTERRUPTED
+from slipfront.cli.options import AsJson, Quiet
+from slipfront.cli.scenes.completion import interface_names
+from slipfront.cli.terminal import print_json
+
+_SHARES = 1000
+"""Parts of the end time that the progress bar counts."""
+
+
+def run_command(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="INTERFACE",
+            help=f"A TOML file, or {', '.join(NAMED_INTERFACES)}.",
+            autocompletion=interface_names,
+        ),
+    ],
+    end_time: Annotated[float | None, typer.Option(help="Last time \\[time].")] = None,
+    nodes: Annotated[int | None, typer.Option(help="Nodes of one period, a multiple of 4.")] = None,
+    rtol: Annotated[
+        float | None, typer.Option(help="Error of slip: nodes are doubled until it is met.")
+    ] = None,
+    save: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Keep the run (.npz), to go on later.")
+    ] = None,
+    go_on: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Continue a run that was saved.")
+    ] = None,
+    netcdf: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write all fields as NetCDF (.nc).")
+    ] = None,
+    no_estimate: Annotated[
+        bool, typer.Option("--no-estimate", help="Skip the second run on half the nodes.")
+    ] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run an interface: contacts, fields along x and friction with state, in steps of any length.
+
+    The exit code is 4 if the run is unresolved or misses --rtol; the result is printed all the
+    same.  Ctrl-C ends a run early and keeps what is there.
+    """
+    found = find_interface(source)
+    options: dict[str, Any] = {**found.options, "estimate": not no_estimate}
+    given = {"nodes": nodes, "rtol": rtol}
+    options |= {name: value for name, value in given.items() if value is not None}
+    if netcdf is not None:
+        require("slipfront run --netcdf", *XARRAY)
+    for path in (save, netcdf):
+        if path is not None:
+            check_file(path)
+    if go_on is not None:
+        options["go_on"] = Run.load(go_on, found.interface)
+        options.pop("nodes" if nodes is None else "", None)
+    with progress_bar(Console(stderr=True), quiet or as_json, "running") as show:
+
+        def progress(time: float, last: float) -> None:
+            show(int(_SHARES * time / last), _SHARES)
+
+        end = found.end_time if end_time is None else end_time
+        done = run(found.interface, end, **options, progress=progress)
+    if save is not None:
+        save_somewhere(done.save, save, save.name)
+    if netcdf is not None:
+        save_somewhere(lambda path: done.to_xarray().to_netcdf(path), netcdf, netcdf.name)
+    files = [path for path in (save, netcdf) if path is not None]
+    if as_json:
+        print_json("run", _document(done, source), status=done.status, files=files)
+    else:
+        _show(done, source)
+        for path in files:
+            Console().print(f"Saved in {path}", highlight=False)
+    if done.status.startswith("interrupted"):
+        raise typer.Exit(INTERRUPTED)
+    if done.status != "done":
+        raise ComputationError(f"{source} is {done.status}")
+
+
+def _document(done: Run, name: str) -> dict[str, Any]:
+    """Return what --json prints of a run."""
+    on = np.abs(done.slip[-1][done.touching])
+    steps = np.diff(done.step_times)
+    return {
+        "interface": name,
+        "nodes": done.nodes,
+        "end_time": done.end_time,
+        "steps": done.steps,
+        "shortest_step": float(steps.min()),
+        "longest_step": float(steps.max()),
+        "frames": len(done.t),
+        "largest_slip": float(on.max()),
+        "largest_slip_rate": float(done.peak_rates.max()),
+        "slipping": float(np.mean(np.abs(done.slip_rate[-1][done.touching]) > 0)),
+        "error_estimates": dict(done.error_estimates),
+        "units": {
+            **dict.fromkeys(("end_time", "shortest_step", "longest_step"), "time"),
+            "largest_slip": "length",
+            "largest_slip_rate": "length / time",
+            "slipping": "1",
+        },
+    }
+
+
+def _show(done: Run, name: str) -> None:
+    """Print a run as a table."""
+    shown = _document(done, name)
+    table = Table("quantity", "value", title=name, show_header=False)
+    table.add_row("until", f"t = {done.end_time:.6g}")
+    table.add_row("nodes, frames", f"{done.nodes}, {len(done.t)}")
+    table.add_row(
+        "steps", f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}"
+    )
+    table.add_row("largest slip", f"{shown['largest_slip']:.6g}")
+    table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}")
+    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} % of the contact")
+    for quantity, error in done.error_estimates.items():
+        table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}")
+    table.add_row("status", done.status)
+    Console().print(table)

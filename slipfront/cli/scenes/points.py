@@ -1,0 +1,169 @@
+"""When slip comes to points of the contact, and what happens there until a time: --x and --t."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from rich.markup import escape
+from rich.table import Table
+
+from compare.comparison.documents import (
+    POINT_DIMENSIONS,
+    points_document,
+    units_document,
+)
+from semianalytic import Marched, Scene, SceneError, Solution
+from semianalytic.results.answer import FIELDS
+from semianalytic.scene.checks import shown
+from semianalytic.scene.units import InSI, unit
+from slipfront.cli.options import asked, measured, option_name
+
+MOST = 1000
+"""Largest number of pairs of a position and a time; more are a typing error."""
+_ARRIVALS: Mapping[str, str] = {
+    "slip": "slip comes",
+    "forward": "forward slip comes",
+    "reverse": "reverse slip comes",
+    "opening": "it opens",
+}
+_DIGITS = 12
+"""Most significant digits of a value: float64 has 16, and some go into rounding."""
+
+
+@dataclass(frozen=True)
+class Points:
+    """Positions and times that were asked for, in the units of the scene.
+
+    Attributes
+    ----------
+    x, t : tuple of float
+        Positions [length] and times [time]; all pairs of them are answered, and arrivals alone if
+        there is no time.
+    """
+
+    x: tuple[float, ...]
+    t: tuple[float, ...]
+
+    def end_time(self, scene: Scene) -> float:
+        """Return the time a march needs: the last one, or twice that of a shear wave to x."""
+        return max(self.t, default=2 * max(self.x) / scene.material.shear_speed)
+
+    def document(self, answer: Solution | Marched) -> list[dict[str, Any]]:
+        """Return what happens at the points as dictionaries, one for each pair."""
+        x, t = np.meshgrid(self.x, self.t or (0.0,), indexing="ij")
+        return points_document(answer.reading(x, t), at=bool(self.t))
+
+    def shown_time(self, scene: Scene) -> tuple[str, float]:
+        """Return the unit in which times are shown, and its size: that of the first time given."""
+        first = next(iter(self.t), None)
+        if isinstance(first, InSI):
+            return first.name, first.size
+        return unit("time", scene.units), 1.0
+
+    def with_units(self, document: dict[str, Any], answer: Solution | Marched) -> dict[str, Any]:
+        """Return the document of an answer with the points, and their units, added."""
+        points = self.document(answer)
+        units = units_document(points, POINT_DIMENSIONS, answer.scene)
+        return {**document, "points": points, "units": {**document["units"], "points": units}}
+
+
+def points_of(scene: Scene, x: Sequence[str] | None, t: Sequence[str] | None) -> Points | None:
+    """Return the points that --x and --t ask for, each text one or several numbers with units.
+
+    Raises
+    ------
+    SceneError
+        If there is a time and no position, a number is not positive, a unit is unknown, or there
+        are too many points.
+    """
+    if not x:
+        if t:
+            raise SceneError("--t needs --x, the positions to be told about; give both.")
+        return None
+    points = Points(tuple(_numbers(scene, "x", x)), tuple(_numbers(scene, "t", t or ())))
+    if len(points.x) * max(len(points.t), 1) > MOST:
+        raise SceneError(f"--x and --t make more than {MOST} points; give fewer.")
+    return points
+
+
+def _numbers(scene: Scene, name: str, texts: Sequence[str]) -> Iterator[float]:
+    dimension = "length" if name == "x" else "time"
+    for text in (part for one in texts for part in one.split(",")):
+        try:
+            number = asked(scene, name, measured(dimension)(text), dimension)
+        except Exception as error:
+            if isinstance(error, SceneError):
+                raise
+            raise SceneError(f"{option_name(name)} {error}") from None
+        if number is None or not 0 < number < math.inf:
+            raise SceneError(
+                f"{option_name(name)} must be positive: the contact is x > 0 and the load comes at "
+                f"t = 0, got {shown(text)}."
+            )
+        yield number
+
+
+def points_table(answer: Solution | Marched, points: Points) -> Table:
+    """Return a table of arrivals and fields at points, each with the bar of its error."""
+    scene, table = answer.scene, Table("at", "quantity", title="At points of the contact")
+    for name in ("value", "± error", "unit"):
+        table.add_column(name, justify="left" if name == "unit" else "right")
+    rows = points.document(answer)
+    units = units_document(rows, POINT_DIMENSIONS, scene)
+    times, size = points.shown_time(scene)
+    pairs = [(x, t) for x in points.x for t in points.t or (None,)]
+    for point, (x, t) in zip(rows, pairs, strict=True):
+        place = f"x = {_given(x, 'length', scene)}"
+        if t in (None, points.t[:1] and points.t[0]):
+            for name, words in _worth(point["arrivals"]):
+                one = {key: number / size for key, number in point["arrivals"][name].items()}
+                value, bar = written(**one, never="never")
+                table.add_row(place, words, value, bar, times)
+                place = ""
+        place = "" if t is None else f"{place and f'{place}, '}t = {_given(t, 'time', scene)}"
+        for name in FIELDS if t is not None else ():
+            if name == "gap" and not point[name]["value"]:
+                continue
+            value, bar = written(**point[name])
+            table.add_row(place, name.replace("_", " "), value, bar, escape(units[name]))
+            place = ""
+    return table
+
+
+def _worth(arrivals: Mapping[str, Mapping[str, float]]) -> list[tuple[str, str]]:
+    """Return the arrivals to show: of either sense, then of one where both come, and openings."""
+    comes = {name for name, one in arrivals.items() if math.isfinite(one["value"])}
+    both = {"forward", "reverse"} <= comes
+    first = {"forward", "reverse"} & comes if not both else set()
+    words = dict(_ARRIVALS)
+    if len(first) == 1:
+        words["slip"] = words[first.pop()]
+    shown_ = ["slip", *(("forward", "reverse") if both else ()), *({"opening"} & comes)]
+    return [(name, words[name]) for name in shown_]
+
+
+def written(value: float, error: float, never: str = "∞") -> tuple[str, str]:
+    """Write a value to the digits that its error bar leaves, and the bar.
+
+    An infinite value is `never`, and an infinite bar "unknown".
+    """
+    bar = "unknown" if math.isinf(error) else f"{error:.1e}" if error else "0"
+    if math.isinf(value):
+        return never, "" if not error else bar
+    digits = 6
+    if value and 0 < error < abs(value):
+        digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2
+    elif error >= abs(value):
+        digits = 2
+    return f"{value:.{min(max(digits, 2), _DIGITS)}g}", bar
+
+
+def _given(value: float, dimension: str, scene: Scene) -> str:
+    """Write a number in the unit that it was given in."""
+    if isinstance(value, InSI):
+        return f"{value / value.size:.6g} {value.name}"
+    return f"{value:.6g} {unit(dimension, scene.units)}" if scene.units else f"{value:.6g}"

@@ -1,0 +1,152 @@
+"""Loads whose front moves, in the finite-element model: moving loads and incident waves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.comparison.comparing import held_against
+from fem import simulate, with_companions
+from fem.loading import arrived_wave, front_delays
+from semianalytic import (
+    IncidentWave,
+    Material,
+    MovingLoad,
+    Pulse,
+    Scene,
+    SceneError,
+    Tractions,
+    find_scene,
+    solve,
+)
+from semianalytic.halfplane.rayleigh import rayleigh_factors
+
+UNIT = Material(1.0, 1.0, 1 / 3)
+PRESSED = Tractions(1.0, 0.0)
+
+
+def edge_of_moving_shear(speed, friction):
+    """Velocity of the zone's edge in closed form, u_s = p + (1 + chi)^2 M_+(-p)^2."""
+    slowness = 1 / speed
+    factor = rayleigh_factors(1 / 3).m_plus(np.array([slowness]), "II")[0]
+    return 1 / ((1 + friction) ** 2 * factor**2 - slowness)
+
+
+def in_error(run, answer, name):
+    """Relative L1 error of a quantity of the interface at the end."""
+    x, t = run.interface.x, run.end_time
+    exact = getattr(answer, name)(x, t)
+    return float(np.abs(getattr(run.interface, name)[-1] - exact).sum() / np.abs(exact).sum())
+
+
+@pytest.mark.parametrize(("speed", "friction"), [(4.0, 1.0), (0.9, 0.6)])
+def test_edge_of_slip_under_a_moving_load_is_that_of_the_closed_form(speed, friction):
+    scene = Scene(UNIT, friction, PRESSED, MovingLoad(speed, 0.0, 1.0))
+    run = simulate(scene, resolution=40)
+    rate = np.abs(run.interface.slip_rate[-1])
+    slips = run.interface.x[rate > 0.03 * rate.max()]
+    assert abs(slips.max() - edge_of_moving_shear(speed, friction)) < 1.5 * run.element_size
+
+
+@pytest.mark.parametrize(
+    ("friction", "shear", "wave"),
+    [
+        (0.4, 0.0, IncidentWave("SV", angle=-75.0, stress=0.5)),
+        (0.7, 0.0, IncidentWave("SV", angle=-20.0, stress=1.2, from_="above")),
+        (0.2, 0.1, IncidentWave("P", angle=-40.0, stress=0.5)),
+        (0.3, 0.0, IncidentWave("P", angle=-40.0, stress=-0.5, from_="above")),
+    ],
+)
+def test_slip_under_an_incident_wave_is_that_of_the_exact_solution(friction, shear, wave):
+    scene = Scene(UNIT, friction, Tractions(1.0, shear), wave)
+    answer = solve(scene)
+    assert answer.zones[0].outer > 0.3
+    run = simulate(scene, resolution=40)
+    assert in_error(run, answer, "slip_rate") < 0.03
+    assert in_error(run, answer, "slip") < 0.02
+    assert in_error(run, answer, "shear_traction") < 0.02
+    assert in_error(run, answer, "pressure") < 0.01
+
+
+def test_a_wave_of_normal_incidence_is_a_remote_step():
+    wave = Scene(UNIT, 1.2, PRESSED, IncidentWave("P", angle=0.0, stress=1.0))
+    remote = replace(wave, load=Tractions(1.0, 0.0), load_on="remote")
+    one, other = (simulate(scene, resolution=12) for scene in (wave, remote))
+    np.testing.assert_array_equal(one.interface.pressure, other.interface.pressure)
+    # what moves on the slot is the wave besides
+    np.testing.assert_allclose(one.slot.velocity_y[1:], other.slot.velocity_y[1:] + 0.5)
+
+
+def test_pulses_arrive_at_an_angle():
+    """A rectangular pulse is one step minus another that comes later."""
+    wave = IncidentWave("SV", angle=-20.0, stress=0.2)
+    step = Scene(UNIT, 5.0, PRESSED, wave)
+    pulsed = replace(step, pressure_history=Pulse(0.25), shear_history=Pulse(0.25))
+    run, whole = simulate(pulsed, resolution=32), simulate(step, resolution=32)
+    steps = round(0.25 / run.time_step)
+    held = step.superposition.in_place.shear
+    late = whole.interface.shear_traction[-1 - steps] - held
+    expected = whole.interface.shear_traction[-1] - late
+    # the steps do not divide the pulse, and traction beside the edge is singular
+    assert np.abs(run.interface.shear_traction[-1] - expected)[4:].max() < 0.02
+
+
+def test_fronts_reach_nodes_in_turn_and_shed_the_same_load():
+    x = np.array([-3.0, -2.0, -1.0, 0.0, -3.0])
+    delay = front_delays(x, -0.5)
+    assert delay.shape[0] == len(x)
+    np.testing.assert_allclose(delay.mean(axis=1), [1.375, 1.0, 0.5, 0.125, 1.375])
+    assert np.all(delay >= 0)
+
+
+def test_an_incident_wave_solves_the_equation_of_motion():
+    """Behind the front strain and velocity go with each other: sigma = - rho c v d along n."""
+    scene = find_scene("incident-sv")
+    wave, solid = scene.load, scene.material
+    x, y = np.array([0.3, -0.2, 0.1]), np.array([-0.5, -0.1, 3.0])
+    fields = arrived_wave(scene, x, y, 0.4)
+    n = np.array(wave.direction())
+    impedance = solid.density * wave.speed(solid)
+    force = np.array(
+        [
+            fields.stress["xx"] * n[0] + fields.stress["xy"] * n[1],
+            fields.stress["xy"] * n[0] + fields.stress["yy"] * n[1],
+        ]
+    )
+    np.testing.assert_allclose(force, -impedance * fields.velocity[:2], atol=1e-14)
+    assert fields.velocity[0, 2] == 0 != fields.velocity[0, 0]
+    assert arrived_wave(find_scene("preloaded"), x, y, 0.4) is None
+
+
+@pytest.mark.parametrize(
+    ("load", "options", "words"),
+    [
+        (IncidentWave("P", angle=20.0, stress=0.5), {}, "comes along the slot"),
+        (MovingLoad(-3.0, 0.0, 0.5), {}, "comes along the slot"),
+        (IncidentWave("SV", angle=-10.0, stress=2.0), {}, "slips behind the front"),
+        (
+            IncidentWave("SV", angle=-10.0, stress=0.1),
+            {"lower_material": Material(2.0, 1.0, 0.3)},
+            "reflect an incident wave",
+        ),
+    ],
+)
+def test_what_begins_before_the_simulation_is_refused(load, options, words):
+    with pytest.raises(SceneError, match=words):
+        simulate(Scene(UNIT, 0.5, PRESSED, load), resolution=12, **options)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["incident-p", "incident-sv", "moving-load"])
+def test_the_judge_agrees_with_fronts_and_tells_a_wrong_one(name):
+    scene = find_scene(name)
+    run = with_companions(simulate(scene, resolution=60))
+    right = held_against(run, solve(scene))
+    assert right.verdict == "agrees"
+    steeper = {
+        "incident-p": {"angle": -26.0},
+        "incident-sv": {"angle": -18.0},
+        "moving-load": {"speed": 0.6},
+    }[name]
+    wrong = solve(replace(scene, load=replace(scene.load, **steeper)))
+    assert held_against(run, wrong).verdict == "differs"

@@ -1,0 +1,129 @@
+"""Interfaces in files: expressions, tables with units, named ones, refusals."""
+
+import numpy as np
+import pytest
+
+import semianalytic as sf
+from semianalytic.engine.expressions import Expression
+from semianalytic.engine.named import NAMED_INTERFACES
+from slipfront.cli.commands import main
+
+GOOD = """
+length = 8.0
+pressure = {file = "p.csv", column = "pressure"}
+shear = {x = [-4.0, 0.0, 4.0], values = [0.0, 0.2, 0.0]}
+[material]
+shear_modulus = 1.0
+density = 1.0
+poisson_ratio = 0.25
+[law]
+kind = "slip-dependent"
+static = "0.5 + 0.1 * cos(pi * x / 4)"
+dynamic = 0.2
+distance = 4.0
+[[load]]
+shear = "exp(-x**2)"
+history = {kind = "ramp", rise_time = 0.5}
+[run]
+end_time = 1.0
+nodes = 64
+"""
+TABLE = "# measured\nx [mm], gap [um], pressure [kPa]\n-4000, 0, 1e-3\n4000, 0, 1e-3\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "p.csv").write_text(TABLE)
+    (tmp_path / "a.toml").write_text(GOOD)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_file_and_the_same_in_python(folder):
+    found = sf.find_interface("a.toml")
+    done = sf.run(found.interface, found.end_time, estimate=False, **found.options)
+    same = sf.Interface(
+        sf.Material(1.0, 1.0, 0.25),
+        sf.SlipDependent(lambda x: 0.5 + 0.1 * np.cos(np.pi * x / 4), 0.2, 4.0),
+        8.0,
+        shear=lambda x: 0.2 * (1 - np.abs(x) / 4),
+        loads=[sf.ShearLoad(lambda x: np.exp(-(x**2)), sf.Ramp(0.5))],
+    )
+    other = sf.run(same, 1.0, 64, estimate=False)
+    assert done.slip.max() > 0.1
+    assert done.slip == pytest.approx(other.slip, abs=1e-14)
+
+
+@pytest.mark.parametrize("name", NAMED_INTERFACES)
+def test_named_interfaces_begin(name):
+    found = sf.find_interface(name)
+    assert found.summary
+    done = sf.run(found.interface, found.end_time / 1000, 256, estimate=False)
+    assert np.isfinite(done.slip).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("dynamic = 0.2\n", "", "takes static, dynamic"),
+        ("static =", "statik =", "did you mean static"),
+        ("slip-dependent", "coulombe", "kind must be one of"),
+        ('"exp(-x**2)"', '"__import__(1)"', "is not known here"),
+        ('"exp(-x**2)"', '"exp(-x**2"', "not an expression"),
+        ("length = 8.0\n", "", "length is missing"),
+        ("length = 8.0", "length = 80.0", "must cover the contact"),
+        ('column = "pressure"', 'column = "preasure"', "there is no column"),
+        ('"p.csv"', '"q.csv"', "Cannot read the table"),
+        ("nodes = 64", "nodes = 65", "multiple of 4"),
+        ("poisson_ratio = 0.25", "poisson_ratio = 0.7", "poisson_ratio must"),
+        ("[run]", "[[contact]]\n[run]", "contact must be a table"),
+        ("[run]", "[contact]\nintervals = [[0, 2], [1, 3]]\n[run]", "overlap"),
+    ],
+)
+def test_mistakes_in_files_end_in_one_sentence(folder, capsys, old, new, said):
+    assert old in GOOD
+    (folder / "a.toml").write_text(GOOD.replace(old, new))
+    assert main(["run", "a.toml", "--save", "b.npz"]) == 2
+    shown = capsys.readouterr()
+    assert said in " ".join(shown.err.split())
+    assert not shown.out
+    assert not (folder / "b.npz").exists()
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        (TABLE.replace("[kPa]", "[psi]"), "must be a name and a unit"),
+        (TABLE.replace("4000, 0, 1e-3\n4000", "4000, 0, nan\n4000"), "must hold finite numbers"),
+        ("x [m], pressure [Pa]\n", "two lines or more"),
+    ],
+)
+def test_mistakes_in_tables_end_in_one_sentence(folder, capsys, table, said):
+    (folder / "p.csv").write_text(table)
+    assert main(["run", "a.toml"]) == 2
+    assert said in " ".join(capsys.readouterr().err.split())
+
+
+def test_the_command_saves_and_goes_on(folder, capsys):
+    pytest.importorskip("h5netcdf")
+    assert main(["run", "a.toml", "--save", "b.npz", "--no-estimate"]) == 0
+    assert main(["run", "a.toml", "--go-on", "b.npz", "--end-time", "1.5", "--no-estimate",
+                 "--netcdf", "c.nc"]) == 0  # fmt: skip
+    assert "t = 1.5" in capsys.readouterr().out
+    assert (folder / "c.nc").stat().st_size > 1000
+    assert main(["run", "a.toml", "--nodes", "16"]) in (0, 4)
+
+
+def test_unknown_names_and_saved_files(folder, capsys):
+    assert main(["run", "tpv11"]) == 2
+    assert "did you mean tpv101" in capsys.readouterr().err
+    (folder / "b.npz").write_bytes(b"PK spoilt")
+    assert main(["run", "a.toml", "--go-on", "b.npz"]) == 3
+
+
+def test_expressions():
+    assert Expression("2 * x**2 - -1", ("x",))(3.0) == 19
+    assert Expression("where(abs(x) < 1, 1, 2)", ("x",))(np.array([0.0, 3.0])).tolist() == [1, 2]
+    for bad in ("x.real", "[1]", "x if x else 1", "'a'", "y", "exp", "exp(x=1)", "1j", "True"):
+        with pytest.raises(sf.SceneError):
+            Expression(bad, ("x",))

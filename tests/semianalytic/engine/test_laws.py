@@ -1,0 +1,138 @@
+"""Laws of friction: the local balance, states, and refusals."""
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import semianalytic as sf
+from semianalytic.engine.law import balanced
+
+IMPEDANCE, SIGMA = 4.6e6, 5e7
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.floats(-300, 0),
+    st.floats(-8, 12),
+    st.sampled_from([0.001, 0.01, 0.05]),
+    st.sampled_from(["ageing", "slip"]),
+)
+def test_local_balance_from_1e_300_to_1(speed, theta, a, evolution):
+    law = sf.RateAndState(a, 0.014, 0.6, 1e-6, 1e-5, evolution)
+    pressure, speed = np.array([SIGMA]), np.array([10.0**speed])
+    state = np.array([10.0**theta])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        stopping = law.strength(pressure, speed, state) + IMPEDANCE * speed
+        if stopping[0] < 1e-290:  # the traction itself has lost its digits
+            return
+        found = law.slip_speed(stopping, pressure, IMPEDANCE, state)
+        bracketed = balanced(law, stopping, pressure, IMPEDANCE, state)
+    assert found == pytest.approx(speed, rel=1e-12)
+    assert bracketed == pytest.approx(speed, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        sf.Coulomb(0.4, cohesion=0.1, viscosity=0.3),
+        sf.SlipDependent(0.6, 0.2, 0.1),
+        sf.SlipDependent(0.6, 0.2, 0.1, 0.05, "exponential"),
+        sf.RateDependent(0.6, 0.4, 1.0),
+    ],
+    ids=lambda law: type(law).__name__,
+)
+def test_closed_forms_of_the_balance_agree_with_bracketing(law):
+    rng = np.random.default_rng(1)
+    pressure, state = rng.uniform(0.5, 2, 200), rng.uniform(0, 0.2, 200)
+    stopping = rng.uniform(0, 3, 200)
+    closed = law.slip_speed(stopping, pressure, 0.5, state)
+    assert closed == pytest.approx(balanced(law, stopping, pressure, 0.5, state), rel=1e-11)
+    slips = closed > 0
+    assert slips.any()
+    assert not slips.all()
+    balance = law.strength(pressure, closed, state) + 0.5 * closed
+    assert balance[slips] == pytest.approx(stopping[slips], rel=1e-12)
+    assert (stopping[~slips] <= law.strength(pressure, closed, state)[~slips]).all()
+
+
+@pytest.mark.parametrize("evolution", ["ageing", "slip"])
+def test_state_evolves_as_its_law_says(evolution):
+    """Against many short explicit steps of theta'."""
+    law = sf.RateAndState(0.01, 0.015, 0.6, 1e-6, 1e-5, evolution)
+    speed, time = np.array([3e-6, 1e-7, 1e-4]), 1.0
+    theta = np.array([1.0, 20.0, 5.0])
+    exact = law.evolved(theta, speed, time)
+    steps, now = 40000, theta.copy()
+    for _ in range(steps):
+        share = speed * now / 1e-5
+        rise = 1 - share if evolution == "ageing" else -share * np.log(share)
+        now = now + time / steps * rise
+    assert exact == pytest.approx(now, rel=1e-3)
+    assert law.evolved(theta, np.zeros(3), 2.0) == pytest.approx(
+        theta + (2.0 if evolution == "ageing" else 0.0)
+    )
+
+
+def test_start_carries_the_base_shear_at_the_slip_rate():
+    law = sf.RateAndState(0.008, 0.012, 0.6, 1e-6, 0.02)
+    pressure, shear, speed = np.array([120e6]), np.array([75e6]), np.array([1e-12])
+    theta = law.start(pressure, shear, speed)
+    assert theta == pytest.approx(1.606239e9, rel=1e-6)  # as UGUCA's input has it
+    assert law.strength(pressure, speed, theta) == pytest.approx(shear)
+
+
+def test_flash_heating_tends_to_weakened_friction():
+    law = sf.RateAndState(0.01, 0.014, 0.7, 1e-6, 1e-4, "slip", weakened=0.2, weakening_rate=0.1)
+    one, fast, slow = np.array([1.0]), np.array([10.0]), np.array([1e-4])
+    for speed, friction in (
+        (fast, 0.2 + (0.7 - 0.004 * np.log(1e7) - 0.2) / 100),
+        (slow, 0.7 - 0.004 * np.log(1e2)),
+    ):
+        state = law.evolved(np.array([1.0]), speed, 1e6)
+        assert law.strength(one, speed, state) == pytest.approx(friction, rel=1e-3)
+
+
+def test_a_law_of_the_user_is_a_small_class():
+    @dataclass(frozen=True)
+    class Healing(sf.InterfaceLaw):
+        friction: object
+
+        def strength(self, pressure, speed, state):
+            return self.friction * pressure / (1 + state)
+
+    law = Healing(lambda x: 0.3 + 0.1 * (np.abs(x) < 1))
+    fault = sf.Interface(
+        sf.Material(1.0, 1.0, 0.25), law, 8.0, loads=[sf.ShearLoad(lambda x: np.exp(-(x**2)))]
+    )
+    same = sf.Interface(
+        fault.material,
+        sf.SlipDependent(lambda x: 0.3 + 0.1 * (np.abs(x) < 1), 0.0, 1e9),
+        8.0,
+        loads=fault.loads,
+    )
+    done, other = (sf.run(one, 0.5, 64, estimate=False) for one in (fault, same))
+    assert 0 < done.slip.max() < 1
+    # slip weakens the one and not the other
+    assert done.slip.max() > 1.005 * other.slip.max()
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        (lambda: sf.RateAndState(0.01, 0.01, 0.6, 1e-6, 0.0), "distance must be positive"),
+        (lambda: sf.RateAndState(0.01, 0.01, 0.6, 1e-6, 1.0, "aging"), "ageing or slip"),
+        (lambda: sf.Coulomb(-0.1), "friction must be 0 or more"),
+        (lambda: sf.SlipDependent(0.6, 0.1, 0.1, shape="cubic"), "linear or exponential"),
+        (lambda: sf.Coulomb(lambda x: x[:2]).on([0.0, 1.0, 2.0]), "must return 3 numbers"),
+        (lambda: sf.Coulomb(lambda x: -x).on([0.0, 1.0, 2.0]), "friction must be 0 or more"),
+    ],
+)
+def test_refusals_are_one_sentence(law, said):
+    with pytest.raises(sf.SceneError, match=said) as refusal:
+        law()
+    assert str(refusal.value).count(". ") == 0

@@ -1,0 +1,110 @@
+"""The memory of the line over steps of any length, and the order of the steps."""
+
+import numpy as np
+import pytest
+
+import semianalytic as sf
+from semianalytic.engine.line import Grid, LineMemory, Table, _phi
+from semianalytic.engine.steps import Stepper
+from semianalytic.spacetime.exponentials import Antiplane, InPlane, fit_memory
+
+mpmath = pytest.importorskip("mpmath")
+UNIT = sf.Material(1.0, 1.0, 1 / 3)
+
+
+@pytest.mark.parametrize("z", [1e-6j - 1e-7, 0.0999 - 0.001j, -0.1001 + 0j, -3 + 2j, -500 + 1j])
+def test_phi_functions_keep_all_digits(z):
+    first, second = (one[0] for one in _phi(np.array([z])))
+    with mpmath.workdps(40):
+        exact = mpmath.mpc(z)
+        power = mpmath.exp(exact)
+        assert abs(first - complex((power - 1) / exact)) < 1e-15 * (1 + abs(first))
+        assert abs(second - complex((power - 1 - exact) / exact**2)) < 1e-14 * abs(second)
+
+
+@pytest.mark.parametrize("even", [False, True])
+@pytest.mark.parametrize("between", [False, True])
+def test_transforms_and_their_inverses(even, between):
+    grid = Grid(3.0, 16, between, even)
+    values = np.cos(2 * np.pi * grid.x / 3) + 0.3 + (0 if even else np.sin(4 * np.pi * grid.x / 3))
+    assert np.allclose(grid.values(grid.amplitudes(values)), values, atol=1e-14)
+    assert grid.amplitudes(values).shape[1] == len(grid.wavenumbers)
+
+
+def test_memory_does_not_depend_on_how_a_linear_rate_is_cut_into_steps():
+    grid = Grid(2 * np.pi, 8)
+    fit = fit_memory(InPlane(0.5), 1000.0, 1e-7)
+    shape = grid.amplitudes(np.cos(grid.x))
+    results = []
+    for steps in ([2.0], [0.5, 0.25, 1.25], [1.0, 0.125, 0.125, 0.75]):
+        memory, at = LineMemory(fit, grid), 0.0
+        for step in steps:
+            past, feedback = memory.advance(at * shape, step)
+            at += step
+        results.append(grid.values(past + feedback * at * shape))
+    for other in results[1:]:
+        assert np.allclose(other, results[0], atol=1e-13 * np.abs(results[0]).max())
+
+
+def test_a_step_much_longer_than_waves_is_static():
+    """Poles add up to minus the damping: what is left is stiffness times slip."""
+    fit = fit_memory(Antiplane(), 1e5, 1e-7)
+    table = Table.of(fit, np.array([1e5]))
+    assert table.feedback[0] == pytest.approx(fit.static * 1e5 / 2 - 1, abs=1e-4)
+
+
+def patch(nodes, mode, end=1.0):
+    """Slip of an over-stressed patch |x| < 0.3 t, whose edges the theory gives."""
+    width = 2.5 / nodes
+
+    def shear(x, t):
+        return np.clip((0.3 * t - np.abs(x)) / width + 0.5, 0, 1)
+
+    load = sf.ShearLoad(shear, history=None)
+    scene = sf.Interface(UNIT, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
+    return sf.run(scene, end, nodes, times=[end], estimate=False)
+
+
+@pytest.mark.parametrize(("mode", "edge"), [("in-plane", 0.395154), ("antiplane", 0.384265)])
+def test_edge_of_an_over_stressed_patch(mode, edge):
+    """theory: (C/pi) int M(i n) dn / ((e_p^2 + n^2) sqrt(e_s^2 + n^2)) = S - d; three grids."""
+    off = []
+    for nodes in (256, 512, 1024):
+        done = patch(nodes, mode)
+        slips = done.slip_rate[-1] > 1e-9
+        off.append(abs(done.x[slips].max() - edge) / (2.5 / nodes))
+    # within two nodes on every grid, so the edge converges to the exact one at first order
+    assert max(off) < 2.0
+
+
+def test_second_order_with_state():
+    """Rate-and-state, ageing, in plane: slip of a pushed fault on four step lengths."""
+    law = sf.RateAndState(a=0.01, b=0.014, f0=0.6, v0=1e-3, distance=0.02)
+    push = sf.ShearLoad(lambda x: 0.08 * np.exp(-(x**2)), history=lambda t: min(t, 2.0) ** 2 / 4)
+    fault = sf.Interface(
+        sf.Material(1.0, 1.0, 0.25), law, 16.0, shear=0.6, rate=1e-3, loads=[push], even=True
+    )
+    slips = []
+    for count in (100, 200, 400, 1600):
+        stepper = Stepper(fault, 64, 0.5, end_time=4.0)
+        now = stepper.begin()
+        for _ in range(count):
+            now = stepper.step(now, 4.0 / count, 0)
+        slips.append(now.slip)
+    errors = [np.abs(slip - slips[-1]).max() for slip in slips[:-1]]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[-1] < 1e-4 * slips[-1].max()
+    assert orders.min() > 1.7
+
+
+def test_odd_sweeps_are_unstable_on_a_free_face_and_even_ones_are_not():
+    def largest(sweeps):
+        slot = sf.ShearLoad(1.0, on="slot")
+        scene = sf.Interface(
+            UNIT, sf.Coulomb(9.0), 8.0, loads=[slot], contact=sf.Contact([(1.0, 3.0)])
+        )
+        done = sf.run(scene, 20.0, 128, step_ratio=0.6, estimate=False, sweeps=sweeps)
+        return np.abs(done.slip_rate).max()
+
+    assert largest(2) < 10
+    assert largest(3) > 1e6

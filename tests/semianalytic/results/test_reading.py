@@ -1,0 +1,183 @@
+"""Arrivals and fields at points: what they mean, and that errors lie within their bars."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fem import simulate, with_companions
+from semianalytic import (
+    Material,
+    Pair,
+    Scene,
+    SceneError,
+    Tractions,
+    ViscousFriction,
+    find_scene,
+    march,
+    solve,
+    solve_pair,
+)
+from semianalytic.results.answer import ARRIVALS, FIELDS
+from tests.laws import opening_scene, random_scenes
+
+PRELOADED = solve(find_scene("preloaded"))
+
+
+def beside(solution, random):
+    """Positions at t = 1 anywhere, and very close to edges and to the Rayleigh front."""
+    speed = solution.scene.material.longitudinal_speed
+    edges = [*np.ravel(solution.edge_speeds)]
+    edges += [end for part in solution.openings for end in (part.inner, part.outer)]
+    edges += [solution.scene.material.rayleigh_speed]
+    near = [
+        edge * (1 + sign * 10.0 ** -random.uniform(1, 10))
+        for edge in edges
+        if 0 < edge < np.inf
+        for sign in (-1, 1)
+    ]
+    return np.concatenate([random.uniform(0.01, 1.2 * speed, 40), near])
+
+
+def over_bars(solution, exact, x, t=1.0):
+    """Largest difference of two readings over the sum of their bars."""
+    worst, (one, other) = 0.0, (answer.reading(x, t) for answer in (solution, exact))
+    for pair in (
+        *((getattr(one, name), getattr(other, name)) for name in FIELDS),
+        *((one.arrivals[name], other.arrivals[name]) for name in ARRIVALS),
+    ):
+        (value, bar), (right, its_bar) = pair
+        both = np.isfinite(value) & np.isfinite(right)
+        apart = np.abs(np.where(both, value, 0.0) - np.where(both, right, 0.0))
+        share = np.divide(apart, bar + its_bar, out=np.zeros_like(apart), where=apart > 0)
+        worst = max(worst, float(share.max()))
+    return worst
+
+
+def solutions_of_any_kind():
+    """Solutions to twelve digits, or to eleven where the contact opens or a film carries shear."""
+    random = np.random.default_rng(3)
+    yield from random_scenes(6)
+    drawn = [opening_scene(random) for _ in range(4)]
+    yield from (solve(scene, rtol=1e-11) for scene in drawn)
+    # a film so strong that slip away from the edge is a billionth of that at the edge
+    film, base = ViscousFriction(4e7), Tractions(1.0, 0.0)
+    yield solve(Scene(Material(1.0, 1.0, 0.25), 0.5, base, Tractions(0.0, 1.0), friction_law=film))
+
+
+def test_errors_of_random_scenes_are_within_their_bars():
+    random = np.random.default_rng(5)
+    for exact in solutions_of_any_kind():
+        solution = solve(exact.scene, rtol=1e-6)
+        assert over_bars(solution, exact, beside(solution, random)) < 1, exact.scene
+
+
+def test_bars_of_a_shifted_edge_do_not_hold():
+    scene = find_scene("preloaded")
+    solution = solve(scene, rtol=1e-5)
+    edge = PRELOADED.edge_speeds[0, 1]
+    moved = replace(solution, error_estimate=1e-15)
+    x = edge * (1 + np.array([-1e-6, 1e-6]))
+    assert over_bars(moved, PRELOADED, x) > 1
+
+
+@given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
+def test_arrivals_are_proportional_to_the_distance(x, scale):
+    for of in ARRIVALS:
+        assert PRELOADED.arrival(scale * x, of) == pytest.approx(scale * PRELOADED.arrival(x, of))
+
+
+def test_slip_begins_when_it_arrives():
+    for name in ("preloaded", "lift-off-shear", "remote-shock"):
+        solution = solve(find_scene(name))
+        when = solution.arrival(0.7)
+        before, after = solution.slip_rate(0.7, when * np.array([1 - 1e-6, 1 + 1e-6]))
+        assert before == 0
+        assert after != 0
+
+
+def test_senses_arrive_with_zones_of_their_sense():
+    scene = Scene(Material(1.0, 1.0, 1 / 3), 0.01, Tractions(1.0, 0.0), Tractions(0.2, 1.0))
+    solution = solve(scene)
+    for sense, of in ((1, "forward"), (-1, "reverse")):
+        speeds = [zone.outer for zone in solution.zones if zone.sense == sense]
+        expected = 1 / max(speeds) if speeds else np.inf
+        assert solution.arrival(1.0, of) == pytest.approx(expected)
+    first = min(float(solution.arrival(1.0, of)) for of in ("forward", "reverse"))
+    assert float(solution.arrival(1.0)) == first
+
+
+def test_what_never_comes_is_infinite_and_what_is_everywhere_comes_at_once():
+    assert np.isinf(PRELOADED.arrival([0.1, 3.0], "opening")).all()
+    stuck = solve(find_scene("stuck"))
+    assert np.isinf(stuck.arrival(1.0))
+    assert stuck.reading(1.0, 1.0).arrivals["slip"].error == 0
+    sudden = replace(
+        find_scene("remote-shock"), friction=0.1, load=Tractions(pressure=1.0, shear=1.0)
+    )
+    assert solve(sudden).arrival(1.0) == 0
+
+
+def test_a_solution_that_breaks_the_law_has_no_bars():
+    broken = replace(PRELOADED, status="no set of slip zones was found")
+    reading = broken.reading(0.3, 1.0)
+    assert np.isinf(reading.slip.error)
+    assert np.isinf(reading.arrivals["slip"].error)
+    assert reading.status == broken.status
+
+
+def test_openings_arrive():
+    tap = solve(find_scene("tap"))
+    (opening,) = tap.openings
+    assert tap.arrival(2.0, "opening") == pytest.approx(2.0 / opening.outer)
+    assert tap.gap(2.0, 1.001 * float(tap.arrival(2.0, "opening"))) > 0
+
+
+@pytest.mark.parametrize(("x", "of"), [(0.0, "slip"), (-1.0, "slip"), (np.nan, "slip"), (1, "on")])
+def test_bad_questions_are_refused_in_a_sentence(x, of):
+    with pytest.raises(SceneError, match=r"(positive|finite|must be one of slip, forward)"):
+        PRELOADED.arrival(x, of)
+
+
+def covered(answer, exact, count=300):
+    """Shares of values, and of arrivals that both know, whose errors lie within the bars."""
+    random = np.random.default_rng(2)
+    x = random.uniform(0.03, 0.9, count) * answer.interface.x[-1]
+    t = random.uniform(0.1, 1.0, count) * answer.end_time
+    reading = answer.reading(x, t)
+    shares = {}
+    for name in ("slip", "slip_rate", "shear_traction", "pressure"):
+        value, bar = getattr(reading, name)
+        shares[name] = np.mean(np.abs(value - getattr(exact, name)(x, t)) <= bar)
+    for of in ("slip", "forward", "reverse"):
+        value, bar = reading.arrivals[of]
+        right = exact.arrival(x, of)
+        both = np.isfinite(value) & (right < answer.end_time)
+        shares[of] = np.mean(np.abs(value[both] - right[both]) <= bar[both]) if both.any() else 1.0
+    return shares
+
+
+@pytest.mark.parametrize("name", ["preloaded", "remote-shock"])
+def test_bars_of_a_march_hold(name):
+    exact = solve(find_scene(name))
+    marched = march(exact.scene, 1.0, nodes=200)
+    assert min(covered(marched, exact).values()) > 0.97
+    spoilt = march(replace(exact.scene, friction=1.1 * exact.scene.friction), 1.0, nodes=200)
+    assert min(covered(spoilt, exact).values()) < 0.9
+
+
+def test_bars_of_a_simulation_hold():
+    simulation = with_companions(simulate(PRELOADED.scene, resolution=48))
+    assert min(covered(simulation, PRELOADED).values()) > 0.97
+    alone = replace(simulation, companion=None).reading(0.3, 0.5)
+    assert np.isinf(alone.slip.error)
+
+
+def test_a_pair_of_equal_bodies_reads_like_one_body():
+    solid, base, load = Material(1.0, 1.0, 0.25), Tractions(1.0, 0.0), Tractions(0.0, 0.8)
+    pair = solve_pair(Pair(solid, solid, 0.4, base, load), rtol=1e-6)
+    exact = solve(Scene(solid, 0.4, base, load), rtol=1e-12)
+    x = np.linspace(0.05, 1.5, 30)
+    assert over_bars(pair, exact, x) < 1

@@ -1,0 +1,137 @@
+"""Whole lines and growing loads by name and from TOML files."""
+
+import pytest
+
+from semianalytic import GrowingSlot, SceneError, WholeLine, find_line, find_scene
+from semianalytic.scene.named import LINES, NAMED_SCENES, describes_line
+from semianalytic.whole_line.named import (
+    NAMED_LINES,
+    line_document,
+    line_from_document,
+    override_line,
+)
+
+PATCH = """
+contact = "whole line"
+friction = 0.5
+[material]
+shear_modulus = 1.0
+density = 1.0
+poisson_ratio = 0.3333333333333333
+[base]
+pressure = 1.0
+shear = 0.0
+[load]
+kind = "patch"
+speed = 0.3
+shear = 1.0
+"""
+GROWING = """
+growth = 1
+friction = 0.5
+[material]
+shear_modulus = 1.0
+density = 1.0
+poisson_ratio = 0.3333333333333333
+[load]
+pressure = 1.0
+shear = 1.0
+"""
+
+
+def test_names_are_those_that_scenes_know_of():
+    assert tuple(NAMED_LINES) == LINES
+    assert not set(LINES) & set(NAMED_SCENES)
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_documents_go_there_and_back(name):
+    problem = find_line(name)
+    assert line_from_document(line_document(problem)) == problem
+    assert describes_line(name)
+    with pytest.raises(SceneError, match="slipfront solve, or find_line"):
+        find_scene(name)
+
+
+def test_files_describe_the_named_ones(tmp_path):
+    for text, name in ((PATCH, "whole-line-patch"), (GROWING, "growing-load")):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(text)
+        assert describes_line(str(path))
+        assert find_line(path) == find_line(name)
+        with pytest.raises(SceneError, match="slipfront solve, or find_line"):
+            find_scene(path)
+    path.write_text(GROWING.replace("growth = 1\n", "[base]\npressure = 0\nshear = 0\n"))
+    assert not describes_line(str(path))
+    with pytest.raises(SceneError, match="describes a scene with a slot"):
+        find_line(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("whole line", "slot", 'contact must be "whole line"'),
+        ('kind = "patch"\n', "", "belong to a scene, without contact"),
+        ("patch", "path", "kind must be one of patch, point-force, half-line"),
+        ("speed = 0.3\n", "", "load.speed is missing"),
+        ("speed = 0.3", "speed = 0.0", "patch: speed must be positive"),
+        ("speed = 0.3", 'speed = "fast"', "load.speed must be a number"),
+        ("shear = 1.0", "sheer = 1.0", "unknown key load.sheer; did you mean shear"),
+        ("friction = 0.5", "", "friction is missing"),
+        ("friction = 0.5", "friction = 0.5\ngrowth = 1", "not both"),
+        ("friction = 0.5", 'friction = 0.5\nload_on = "slot"', "unknown key load_on"),
+        ("friction = 0.5", "friction = 1.5", "nothing slips"),
+        ("density = 1.0", "density = -1.0", "density must be positive"),
+        ('patch"\nspeed = 0.3', 'half-line"\nspeed = 0.3', "unknown key load.speed"),
+    ],
+)
+def test_a_wrong_file_is_refused_with_its_name(tmp_path, old, new, said):
+    path = tmp_path / "line.toml"
+    assert old in PATCH
+    path.write_text(PATCH.replace(old, new))
+    with pytest.raises(SceneError, match=said) as refusal:
+        find_line(path)
+    assert str(refusal.value).startswith(str(path))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("growth = 1", "growth = 4", "power must be 1 or 2"),
+        ("[load]", "[base]\npressure = 1.0\nshear = 0.0\n[load]", "march a scene with this base"),
+        ("pressure = 1.0", "", "load.pressure is missing"),
+    ],
+)
+def test_a_wrong_growing_load_is_refused_with_its_name(tmp_path, old, new, said):
+    path = tmp_path / "growing.toml"
+    path.write_text(GROWING.replace(old, new))
+    with pytest.raises(SceneError, match=said) as refusal:
+        find_line(path)
+    assert str(refusal.value).startswith(str(path))
+
+
+def test_unknown_names_are_refused():
+    with pytest.raises(SceneError, match="did you mean point-load"):
+        find_line("point-lode")
+    with pytest.raises(SceneError, match="choose whole-line-patch"):
+        find_line("?")
+    with pytest.raises(SceneError, match="give the name"):
+        find_line(3)
+
+
+def test_parameters_are_replaced():
+    line, growing = find_line("whole-line-patch"), find_line("growing-load")
+    other = override_line(line, friction=0.6, poisson_ratio=0.2, base_shear=0.1, load_shear=2.0)
+    assert isinstance(other, WholeLine)
+    assert (other.friction, other.material.poisson_ratio) == (0.6, 0.2)
+    assert (other.base.shear, other.load.shear, other.load.speed) == (0.1, 2.0, 0.3)
+    assert override_line(line) == line
+    changed = override_line(growing, load_pressure=3.0, mode="antiplane")
+    assert isinstance(changed, GrowingSlot)
+    assert changed.strength_ratio == 1.5
+    assert changed.antiplane
+    for name, value in (("viscosity", 1.0), ("load_on", "slot")):
+        with pytest.raises(SceneError, match=f"{name} is a parameter of scenes with a slot"):
+            override_line(line, **{name: value})
+    with pytest.raises(SceneError, match="with a base"):
+        override_line(growing, base_pressure=1.0)

@@ -1,0 +1,141 @@
+"""Answers at points on the command line, numbers with units, and what is said to wrong ones."""
+
+import json
+import re
+
+import pytest
+from rich.text import Text
+
+from semianalytic import find_scene, solve
+from slipfront.cli.commands import main
+from slipfront.cli.scenes.points import written
+
+STEEL = [
+    *("--units", "SI", "--shear-modulus", "80GPa", "--density", "7.8 g/cm^3"),
+    *("--poisson-ratio", "0.29", "--friction", "0.25"),
+    *("--base-pressure", "5MPa", "--load-shear", "5e6"),
+]
+
+
+def told(capsys, *arguments, code=0):
+    assert main(list(arguments)) == code
+    return " ".join("".join(capsys.readouterr()).split())
+
+
+def test_points_are_answered_in_the_units_asked_for(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "100")
+    text = told(capsys, "solve", "preloaded", *STEEL, "--x", "5cm", "--t", "30us,0.04ms")
+    assert re.search(r"x = 5 cm .*forward slip comes .*14\.1605\d+ .*us", text)
+    assert re.search(r"t = 30 us .* slip .* 9\.829\d+e-07 .* m ", text)
+    assert "t = 0.04 ms" in text
+
+
+def test_json_of_points_holds_values_and_bars_in_si(capsys):
+    assert main(["solve", "preloaded", *STEEL, "--x", "5cm", "--t", "30us", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    (point,) = document["points"]
+    assert (point["x"], point["t"]) == (0.05, 3e-5)
+    assert point["arrivals"]["slip"]["value"] == pytest.approx(1.41605e-5, rel=1e-5)
+    assert 0 < point["slip"]["error"] < 1e-6 * point["slip"]["value"]
+    assert point["arrivals"]["opening"] == {"value": None, "error": 0.0}
+    units = document["units"]
+    assert units["points"]["slip_rate"] == "m/s"
+    assert document["scene"]["units"] == "SI"
+
+
+def test_arrivals_alone_and_of_marches(capsys):
+    assert main(["solve", "preloaded", "--x", "0.5,1", "--json"]) == 0
+    first, second = json.loads(capsys.readouterr().out)["points"]
+    assert "t" not in first
+    assert "slip" not in first
+    exact = solve(find_scene("preloaded"))
+    assert second["arrivals"]["slip"]["value"] == pytest.approx(float(exact.arrival(1.0)))
+    march = ["--method", "space-time", "--nodes", "128", "-q", "--json"]
+    assert main(["solve", "preloaded", "--x", "0.5", *march]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["end_time"] == 1.0  # twice the time of a shear wave
+    arrival = document["points"][0]["arrivals"]["slip"]
+    assert abs(arrival["value"] - exact.arrival(0.5)) < arrival["error"] < 0.1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--x", "5cm"], "the scene does not say which units"),
+        (["--x", "5kg", "--units", "SI"], "alone or in m, cm, mm, um or km, got '5kg'"),
+        (["--x", "banana"], "must be a number, or one with a unit"),
+        (["--x", "-1"], "must be positive"),
+        (["--x", "1,,2"], "must be a number"),
+        (["--t", "3"], "--t needs --x"),
+        (["--x", "1", "--t", "0"], "must be positive"),
+        (["--shear-modulus", "80GPa"], "shear modulus has a unit"),
+        (["--end-time", "3us"], "--end-time has a unit"),
+        (["--friction", "abc"], "must be a number"),
+        (["--units", "cgs"], 'units must be "SI"'),
+        (["--x", ",".join(["1"] * 1001)], "more than 1000 points"),
+    ],
+)
+def test_wrong_numbers_are_refused_in_a_sentence(capsys, arguments, said):
+    assert said in told(capsys, "solve", "preloaded", *arguments, code=2).replace("│ ", "")
+
+
+@pytest.mark.parametrize(
+    ("pair", "shown"),
+    [
+        ((0.0123456789, 3.2e-5), ("0.012346", "3.2e-05")),
+        ((5.0, float("inf")), ("5", "unknown")),
+        ((float("inf"), 0.0), ("never", "")),
+        ((0.0, 1e-9), ("0", "1.0e-09")),
+    ],
+)
+def test_values_are_written_to_the_digits_of_their_bar(pair, shown):
+    assert written(*pair, never="never") == shown
+
+
+def test_init_begins_with_a_real_solid(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("steel", "aluminium", "pmma", "homalite", "granite"):
+        assert main(["init", f"{name}.toml", "--material", name, "--from", "ramp"]) == 0
+        scene = find_scene(f"{name}.toml")
+        assert scene.units == "SI"
+        assert scene.material.shear_speed > 1000
+    assert "Leet and Ewing" in (tmp_path / "granite.toml").read_text()
+    said = told(capsys, "init", "gold.toml", "--material", "gold", code=2)
+    assert "one of steel, aluminium, pmma, homalite, granite" in said
+    assert not (tmp_path / "gold.toml").exists()
+
+
+def test_fit_takes_noise_and_priors_with_units(capsys, monkeypatch):
+    data = ["docs/data/pmma_slip.csv", "--scene", "docs/data/pmma.toml", "--parameters", "friction"]
+    for option, said in (
+        (["--noise", "0.5kg"], "in a unit of"),
+        (["--noise", "slip=0.5s"], "slip: the number must be a number alone or in m, cm"),
+        (["--prior", "load_shear=normal(6m,1)"], "in Pa, kPa, MPa or GPa"),
+        (["--setup", "t0=3kg"], "in s, ms, us or ns"),
+    ):
+        assert said in told(capsys, "fit", *data, *option, code=2)
+
+
+COMMANDS = [
+    *("compare", "solve", "simulate", "field", "explore", "validate", "fit", "survey", "scenes"),
+    *("init", "sliding", "regimes", "stability", "article", "chart", "wear", "evidence"),
+    *("benchmark", "benchmark show", "benchmark export", "benchmark score", "benchmark enter"),
+]
+
+
+def texts_of(command):
+    """Help texts of a command and its options, as they were written."""
+    from typer.main import get_command
+
+    from slipfront.cli.commands import app
+
+    found = get_command(app)
+    for name in command.split():
+        found = found.commands[name]
+    yield from (one.help for one in found.params if getattr(one, "help", None))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_no_bracket_of_a_help_text_is_swallowed(command):
+    for text in texts_of(command):
+        assert Text.from_markup(text).plain == text.replace("\\[", "["), text
