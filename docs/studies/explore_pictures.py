@@ -12,6 +12,7 @@ import io
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -24,6 +25,8 @@ FOLDER = DOCS / "figures" / "explore"
 WIDTHS = (390, 1280, 1920)
 COLOURS = 48
 """Colours of a picture, on whose number the size of the files depends."""
+SETTLED = 1.5
+"""Time in which the pictures follow the width of the window [s]."""
 HOLE = 0.12
 """Largest share of the area of the pictures that may be empty: a row of a shorter picture."""
 EMPTY = """
@@ -56,8 +59,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         address = server.stdout.readline().split()[1]
         browser = Browser(Path(profile))
         for name in SCENES:
+            open_scene(browser, address, name)
             for width in WIDTHS:
-                open_scene(browser, address, name, width)
+                browser.resize(width)
+                time.sleep(SETTLED)
                 (folder / f"{name}-{width}.png").write_bytes(_picture(browser))
                 if browser.value("document.documentElement.scrollWidth") > width:
                     wrong.append(f"{name} at {width}: wider than the window")

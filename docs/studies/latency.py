@@ -83,9 +83,9 @@ def _wait(browser: Browser, count: int) -> None:
         time.sleep(0.005)
 
 
-def open_scene(browser: Browser, address: str, name: str, width: int = 1280) -> None:
+def open_scene(browser: Browser, address: str, name: str) -> None:
     """Show a scene, and wait for its field and map."""
-    browser.open(address + query_of(defaults(find_scene(name))), width)
+    browser.open(address + query_of(defaults(find_scene(name))), 1280)
     _wait(browser, 1)
     late = "document.getElementById('pictures').dataset.late !== 'false'"
     there = "document.querySelectorAll('#regimes span').length"
