@@ -18,13 +18,22 @@ from pathlib import Path
 
 from PIL import Image
 
-from docs.studies.latency import DOCS, SCENES, open_scene
+from docs.studies.latency import DOCS, SCENES
+from semianalytic.scene.named import find_scene
 from slipfront.explore.chromium import CHROMIUM, Browser
+from slipfront.explore.controls import defaults, query_of
 
 FOLDER = DOCS / "figures" / "explore"
 WIDTHS = (390, 1280, 1920)
 COLOURS = 48
 """Colours of a picture, on whose number the size of the files depends."""
+READY = """
+Boolean(window.slipfrontTimes && slipfrontTimes.length
+  && document.getElementById('pictures').dataset.late === 'false'
+  && document.querySelectorAll('#regimes span').length)
+"""
+LONGEST = 60.0
+"""Time after which a page is drawn as it is [s]; an idle machine has all of it in five."""
 SETTLED = 1.5
 """Time in which the pictures follow the width of the window [s]."""
 HOLE = 0.12
@@ -59,7 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         address = server.stdout.readline().split()[1]
         browser = Browser(Path(profile))
         for name in SCENES:
-            open_scene(browser, address, name)
+            browser.open(address + query_of(defaults(find_scene(name))), 1280)
+            _wait(browser)
             for width in WIDTHS:
                 browser.resize(width)
                 time.sleep(SETTLED)
@@ -72,6 +82,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         server.terminate()
     print("\n".join(wrong) or f"{len(SCENES) * len(WIDTHS)} pictures in {folder}")
     return int(bool(wrong))
+
+
+def _wait(browser: Browser) -> None:
+    """Wait for the field and the map of a scene; on a busy machine the map may be missing."""
+    limit = time.monotonic() + LONGEST
+    while not browser.value(READY) and time.monotonic() < limit:
+        time.sleep(0.2)
 
 
 def _picture(browser: Browser) -> bytes:

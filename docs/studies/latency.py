@@ -54,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         address = server.stdout.readline().split()[1]
         browser = Browser(Path(profile))
         for name in SCENES:
-            open_scene(browser, address, name)
+            _open(browser, address, name)
             seen, before = int(browser.value("slipfrontTimes.length")), _processor()
             for move in range(MOVES):
                 browser.value(MOVE % move)
@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             stolen = 100 * spent[STOLEN] / spent.sum()
             rows.append(f"{name},{MOVES},{np.median(times):.0f},{times.max():.0f},{stolen:.0f}")
             print(rows[-1])
-        open_scene(browser, address, SCENES[0])
+        _open(browser, address, SCENES[0])
         picture = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
         (DOCS / "figures" / "explore.png").write_bytes(base64.b64decode(picture["data"]))
         browser.close()
@@ -83,7 +83,7 @@ def _wait(browser: Browser, count: int) -> None:
         time.sleep(0.005)
 
 
-def open_scene(browser: Browser, address: str, name: str) -> None:
+def _open(browser: Browser, address: str, name: str) -> None:
     """Show a scene, and wait for its field and map."""
     browser.open(address + query_of(defaults(find_scene(name))), 1280)
     _wait(browser, 1)
