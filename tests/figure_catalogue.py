@@ -34,6 +34,7 @@ from compare.figures.fronts import reach
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
+from compare.figures.whole_line import line_figure
 from compare.output.field_files import record_fields
 from compare.studies.article import study as article
 from compare.studies.article.cases import SlotCheck, run_cases
@@ -62,7 +63,7 @@ from docs.studies.judge.figure import judge_figure
 from docs.studies.judge.spoils import SPOILS
 from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 from fem import simulate
-from semianalytic import Gauge, find_scene, fit, march, solve
+from semianalytic import Gauge, find_line, find_scene, fit, march, solve, solve_line
 from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -307,6 +308,12 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "compare.figures.interface.prediction_figure": lambda: interface.prediction_figure(
         _solved("tap")
     ),
+    **{
+        f"compare.figures.whole_line.line_figure/{name}": lambda name=name: line_figure(
+            solve_line(find_line(name))
+        )
+        for name in ("whole-line-patch", "point-load")
+    },
     "compare.figures.histories.march_figure": lambda: histories.march_figure(_marched("unload")),
     "compare.figures.snapshots.snapshot_figure": _snapshots,
     "compare.figures.records.record_figure": _record,

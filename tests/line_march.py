@@ -29,8 +29,8 @@ class LineMarch:
 
     @property
     def edge(self):
-        """Where slip ends on 0 < x < L/4, where it falls to zero as a distance to the 3/2."""
-        some = (self.x > 0) & (self.x < self.x[-1] / 2)
+        """Where slip ends on 0 < x < 0.35 L, where it falls to zero as a distance to the 3/2."""
+        some = (self.x > 0) & (self.x < 0.7 * self.x[-1])
         share = self.slip[some] / self.slip[some].max()
         near = (share > 2e-3) & (share < 0.08)
         slope, height = np.polyfit(self.x[some][near], share[near] ** (2 / 3), 1)

@@ -136,7 +136,7 @@ def test_folders_say_what_they_are_for_and_stay_small(package):
         assert len(list(face.parent.glob("*.py"))) <= 17, face.parent
 
 
-SHOWN = {"scene.py", "sampled.py", "style.py"}
+SHOWN = {"scene.py", "sampled.py", "style.py", "whole_line.py"}
 """Where the base is checked, shown, or what there is before t = 0."""
 SLOT_ALONE = {"dissimilar", "dissimilar_slot", "whole_line"}
 """Folders whose contact carries nothing but the base, and a load that they know themselves."""

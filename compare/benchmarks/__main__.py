@@ -9,7 +9,7 @@ import argparse
 from collections.abc import Sequence
 
 from compare.benchmarks.answers import DATA, changes, write_answers
-from compare.benchmarks.sheets import SHEETS, STATIONS
+from compare.benchmarks.sheets import ALL_SHEETS, STATIONS
 from semianalytic.scene.errors import DataFileError
 
 
@@ -26,13 +26,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if options.check:
         try:
-            found = [change for sheet in SHEETS.values() for change in changes(sheet)]
+            found = [change for sheet in ALL_SHEETS.values() for change in changes(sheet)]
         except DataFileError as error:
             parser.exit(DataFileError.exit_code, f"{error}\n")
         print(*found, sep="\n")
         return 1 if found else 0
     print("stations x/(c_t T):", *STATIONS)
-    for sheet in SHEETS.values():
+    for sheet in ALL_SHEETS.values():
         print(f"{sheet.name:15} {sheet.title}: {', '.join(sheet.report)}")
     return 0
 

@@ -25,8 +25,8 @@ from scipy.ndimage import maximum_filter1d
 from scipy.optimize import brentq
 
 from compare.benchmarks.sheets import (
+    ALL_SHEETS,
     OPENING,
-    SHEETS,
     SI_SCALES,
     SLIP,
     STATIONS,
@@ -38,10 +38,11 @@ from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
 from compare.output.files import write_text
 from compare.records.record import QUANTITIES
-from semianalytic import Marched, Solution, march, solve
+from semianalytic import LineSolution, Marched, Scene, Solution, WholeLine, march, solve, solve_line
 from semianalytic.results.answer import TOTALS
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import scene_document
+from semianalytic.whole_line.named import line_document
 
 Array = NDArray[np.float64]
 
@@ -60,17 +61,28 @@ DATA = Path(str(files("compare.benchmarks").joinpath("data")))
 SUMS = "SHA256SUMS"
 
 
+Answered = Solution | Marched | LineSolution
+"""Answers to sheets: of scenes, solved or marched, and of whole lines."""
+
+
 @cache
-def answer_to(sheet: Sheet, nodes: int = SCORING_NODES) -> Solution | Marched:
+def answer_to(sheet: Sheet, nodes: int = SCORING_NODES) -> Answered:
     """The answer to a sheet: solved, or marched on so many nodes until T."""
+    problem = sheet.problem
+    if isinstance(problem, WholeLine):
+        answer = solve_line(problem)
+        assert isinstance(answer, LineSolution)  # half-lines are scenes
+        return answer
     return march(sheet.scene, 1.0, nodes) if sheet.is_marched else solve(sheet.scene, rtol=RTOL)
 
 
 def arrival_level(sheet: Sheet) -> float:
     """Slip rate above which, or pressure below which, a station counts as reached."""
-    scene = sheet.scene
-    held = scene.superposition.in_place.pressure
-    unit = held if sheet.arrival == OPENING else stress_scale(scene)
+    problem = sheet.problem
+    if isinstance(problem, WholeLine):
+        return THRESHOLD * problem.excess
+    held = problem.superposition.in_place.pressure
+    unit = held if sheet.arrival == OPENING else stress_scale(problem)
     return THRESHOLD * unit
 
 
@@ -98,7 +110,7 @@ def arrival_quantity(sheet: Sheet) -> str:
     return _READ.get(sheet.arrival, "")
 
 
-def arrival_times(sheet: Sheet, answer: Solution | Marched, x: ArrayLike) -> Array:
+def arrival_times(sheet: Sheet, answer: Answered, x: ArrayLike) -> Array:
     """When slip or opening arrives at positions x (n,) [length]; inf if not until T."""
     x = np.asarray(x, dtype=float)
     name = arrival_quantity(sheet)
@@ -112,7 +124,7 @@ def arrival_times(sheet: Sheet, answer: Solution | Marched, x: ArrayLike) -> Arr
     return np.where(times <= 1, times, math.inf)
 
 
-def _arrival_speed(sheet: Sheet, solution: Solution) -> float:
+def _arrival_speed(sheet: Sheet, solution: Solution | LineSolution) -> float:
     """Return the speed of the farthest point that counts as reached [length / time]."""
     name = arrival_quantity(sheet)
 
@@ -127,7 +139,7 @@ def _arrival_speed(sheet: Sheet, solution: Solution) -> float:
     return float(brentq(excess, behind, ahead, xtol=1e-15, rtol=1e-14))
 
 
-def content_of(sheet: Sheet, answer: Solution | Marched) -> dict[str, Array]:
+def content_of(sheet: Sheet, answer: Answered) -> dict[str, Array]:
     """All numbers of an answer by name.
 
     Returns
@@ -145,6 +157,9 @@ def content_of(sheet: Sheet, answer: Solution | Marched) -> dict[str, Array]:
         content["edge_slip_rate"] = answer.edge_slip_rate
         modes = (f"K_{mode}" for mode in ("I", answer.scene.shear_mode))
         content.update(zip(modes, answer.stress_intensity(1.0), strict=True))
+    if isinstance(answer, LineSolution):
+        content["zones"] = [(zone.inner, zone.outer, zone.sense) for zone in answer.zones]
+        content["edge_amplitude"] = answer.edge_amplitude
     if sheet.arrival:
         content["arrivals"] = arrival_times(sheet, answer, STATIONS)
     for name in TOTALS:
@@ -154,7 +169,7 @@ def content_of(sheet: Sheet, answer: Solution | Marched) -> dict[str, Array]:
     return {name: np.asarray(values, dtype=float) for name, values in content.items()}
 
 
-def errors_of(sheet: Sheet, answer: Solution | Marched) -> dict[str, Array]:
+def errors_of(sheet: Sheet, answer: Answered) -> dict[str, Array]:
     """Estimated errors of the numbers of a march, of shapes as `content_of`; none if solved.
 
     `READING_SAFETY` times the largest of five times in a row, for the estimate of a number alone is
@@ -193,8 +208,8 @@ def document_of(sheet: Sheet, nodes: int = NODES) -> dict[str, Any]:
         "sheet": sheet.name,
         "title": sheet.title,
         "units": "mu = rho = c_t = T = 1",
-        "scene": scene_document(sheet.scene),
-        "si_scene": scene_document(sheet.si_scene),
+        "scene": problem_document(sheet.problem),
+        "si_scene": problem_document(sheet.si_problem),
         "si_scales": dict(SI_SCALES),
         "stations": list(STATIONS),
         "times": list(TIMES),
@@ -203,6 +218,11 @@ def document_of(sheet: Sheet, nodes: int = NODES) -> dict[str, Any]:
         "answers": written,
         "errors": {name: _bounds(values) for name, values in errors.items()},
     }
+
+
+def problem_document(problem: Scene | WholeLine) -> dict[str, Any]:
+    """A scene or a whole line as plain dictionaries, strings and numbers."""
+    return line_document(problem) if isinstance(problem, WholeLine) else scene_document(problem)
 
 
 def _arrival_words(sheet: Sheet) -> str:
@@ -262,7 +282,7 @@ def write_answers(folder: Path = DATA) -> None:
         If a file cannot be written.
     """
     lines = []
-    for sheet in SHEETS.values():
+    for sheet in ALL_SHEETS.values():
         document = document_of(sheet)
         for name, text in ((_csv(sheet), csv_of(document)), (_json(sheet), json_of(document))):
             write_text(folder / name, text)

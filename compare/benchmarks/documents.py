@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from compare.benchmarks.answers import written_document
+from compare.benchmarks.answers import problem_document, written_document
 from compare.benchmarks.classes import tolerances
 from compare.benchmarks.entries import Run
 from compare.benchmarks.scores import Score
-from compare.benchmarks.sheets import SHEETS, Sheet
+from compare.benchmarks.sheets import ALL_SHEETS, SHEETS, Sheet
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
-from semianalytic.scene.scene import scene_document
 
-_RATES = dict.fromkeys(("edge_slip_rate", "slip_rate"), "length / time")
+_RATES = dict.fromkeys(("edge_slip_rate", "edge_amplitude", "slip_rate"), "length / time")
 _STRESSES = dict.fromkeys(("shear_traction", "pressure"), "stress")
 ANSWER_DIMENSIONS: Dimensions = {
     "zones": "length / time",
@@ -36,13 +35,17 @@ SHEET_DIMENSIONS: Dimensions = {
 }
 
 
+DIMENSIONLESS = SHEETS["preloaded"].scene
+"""A scene in the units of all sheets, for names of units."""
+
+
 def sheets_document() -> dict[str, Any]:
     """List what each sheet asks a code to report."""
     sheets = [
-        {**asdict(sheet), "marched": sheet.is_marched, "scene": scene_document(sheet.scene)}
-        for sheet in SHEETS.values()
+        {**asdict(sheet), "marched": sheet.is_marched, "scene": problem_document(sheet.problem)}
+        for sheet in ALL_SHEETS.values()
     ]
-    units = units_document(sheets, {"scene": SCENE_DIMENSIONS}, SHEETS["preloaded"].scene)
+    units = units_document(sheets, {"scene": SCENE_DIMENSIONS}, DIMENSIONLESS)
     return {"sheets": sheets, "units": {"sheets": units}}
 
 
@@ -54,7 +57,7 @@ def sheet_document(sheet: Sheet) -> dict[str, Any]:
         "system": written["units"],
         "tolerances": [asdict(one) for one in tolerances().values() if one.sheet == sheet.name],
     }
-    return {**document, "units": units_document(document, SHEET_DIMENSIONS, sheet.scene)}
+    return {**document, "units": units_document(document, SHEET_DIMENSIONS, DIMENSIONLESS)}
 
 
 def run_document(run: Run) -> dict[str, Any]:

@@ -96,6 +96,11 @@ def enter(code: str, sheet: Sheet, cells: int) -> Run:
     """
     if code not in CODES:
         raise SceneError(f"There is no code called {code!r} to enter; choose {', '.join(CODES)}.")
+    if sheet.is_line:
+        raise SceneError(
+            f"enter: {code} takes scenes with a slot, and {sheet.name} has none; hand in records "
+            "of another code, or choose another sheet."
+        )
     cells = checked_count("enter: cells", cells, LEAST_CELLS, "a whole number from")
     began = perf_counter()
     answer = CODES[code](sheet, cells)

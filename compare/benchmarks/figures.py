@@ -11,11 +11,12 @@ from matplotlib.figure import Figure
 from compare.benchmarks.answers import answer_to
 from compare.benchmarks.classes import CLASSES, tolerances
 from compare.benchmarks.scores import GRADED, Score
-from compare.benchmarks.sheets import SHEETS, Sheet
+from compare.benchmarks.sheets import ALL_SHEETS, Sheet
 from compare.figures.histories import march_figure
 from compare.figures.interface import prediction_figure
 from compare.figures.style import cycle, ink, marker_handle, new_figure, styled
-from semianalytic import Marched
+from compare.figures.whole_line import line_figure
+from semianalytic import LineSolution, Marched
 
 MARKERS = "osD^vPX<>*"
 LEAST_SHOWN = 1e-5
@@ -25,13 +26,15 @@ LEAST_SHOWN = 1e-5
 def sheet_figure(sheet: Sheet) -> Figure:
     """The answer to a sheet."""
     answer = answer_to(sheet)
+    if isinstance(answer, LineSolution):
+        return line_figure(answer)
     return march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
 
 
 @styled
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Errors of runs, a dot each on a line per quantity; a panel per sheet, classes shaded."""
-    sheets = [name for name in SHEETS if any(one.sheet == name for one in scores)]
+    sheets = [name for name in ALL_SHEETS if any(one.sheet == name for one in scores)]
     labels = list(dict.fromkeys(one.label for one in scores))
     colours = cycle()
     looks = {
@@ -43,7 +46,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     figure = new_figure(7, height)
     panels = figure.subplots(len(sheets), 1, sharex=True, squeeze=False, height_ratios=lines)[:, 0]
     for panel, sheet in zip(panels, sheets, strict=True):
-        _draw_sheet(panel, SHEETS[sheet], [one for one in scores if one.sheet == sheet], looks)
+        _draw_sheet(panel, ALL_SHEETS[sheet], [one for one in scores if one.sheet == sheet], looks)
     panels[-1].set_xlabel(r"error: of arrivals $/\ T$, of all else relative $L_1$")
     handles = [marker_handle(label.replace("$", r"\$"), *look) for label, look in looks.items()]
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
@@ -73,7 +76,7 @@ def _draw_sheet(
                 colour, marker = looks[one.label]
                 at = max(one.error, LEAST_SHOWN)
                 panel.plot(at, row, marker, color=colour, markersize=5)
-    scene = sheet.scene
+    scene = sheet.problem
     panel.set_title(
         f"{sheet.name}: ν = {scene.material.poisson_ratio:.3g}, f = {scene.friction:.3g}",
         loc="left",

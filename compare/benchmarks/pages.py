@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from html import escape
 
 from compare.benchmarks.answers import arrival_level, arrival_quantity, written_document
-from compare.benchmarks.classes import CLASSES, tolerances
+from compare.benchmarks.classes import CLASSES, Tolerance, tolerances
 from compare.benchmarks.sheets import OPENING, SI_SCALES, STATIONS, Sheet
 from compare.output.files import filled_template
 from compare.output.tables import markdown_table
-from semianalytic import Pulse, Scene, ViscousFriction
+from semianalytic import Patch, Pulse, Scene, ViscousFriction, WholeLine
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
@@ -73,7 +73,8 @@ def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
     yield Heading(f"{sheet.name}: {sheet.title}", 1)
     yield Text(f"It tests {sheet.tests}.")
     yield Heading("Problem")
-    yield Text(_problem(sheet.scene))
+    problem = sheet.problem
+    yield Text(_line(problem) if isinstance(problem, WholeLine) else _problem(problem))
     if sheet.note:
         yield Text(sheet.note)
     yield Table(("", "units μ = ρ = c_t = T = 1", "SI"), tuple(_numbers(sheet)))
@@ -82,13 +83,23 @@ def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
     yield from _to_report(sheet)
     yield Heading("The answer")
     yield from _answer(sheet)
+    bounds = [one for one in tolerances().values() if one.sheet == sheet.name]
+    if bounds:
+        yield from _classes(bounds)
+    yield Heading("Scoring")
+    if not bounds:
+        yield Text("Errors are given without classes: our own codes do not take this problem.")
+    yield Code(("slipfront benchmark score FILE ...",))
+
+
+def _classes(bounds: Sequence[Tolerance]) -> Iterator[Block]:
+    """Yield the table of tolerance classes, and what they are."""
     yield Heading("Tolerance classes")
     yield Text(
         "The largest errors of a first-order scheme (our finite elements) on 200 (A), 100 (B) and "
         "50 cells (C) over c_t T. Of arrivals the root of the mean square error over T, of all "
         "else the relative L1 error over time and all stations."
     )
-    bounds = [one for one in tolerances().values() if one.sheet == sheet.name]
     yield Table(
         ("", *CLASSES),
         tuple(
@@ -96,8 +107,19 @@ def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
             for one in bounds
         ),
     )
-    yield Heading("Scoring")
-    yield Code(("slipfront benchmark score FILE ...",))
+
+
+def _line(line: WholeLine) -> str:
+    """The statement of a problem without a slot in words."""
+    along = "along z" if line.antiplane else "along x"
+    return (
+        "Two half-planes of one elastic solid, y > 0 and y < 0, touch along all of y = 0, without "
+        "a slot. Coulomb's law holds, strength f p. Everything is at rest under the base tractions "
+        "P_b, Q_b; from t = 0 on the interface carries P_0, Q_0 more on a patch |x| < w t where "
+        "it sticks: add them to the tractions that an interface without slip would have. Shear and "
+        f"slip act {along}. Pressure is positive in compression; slip V and its rate are those of "
+        "the upper face less the lower one; tractions are the whole ones."
+    )
 
 
 def _problem(scene: Scene) -> str:
@@ -123,7 +145,7 @@ def _problem(scene: Scene) -> str:
 
 def _numbers(sheet: Sheet) -> Iterator[tuple[str, str, str]]:
     """Rows of all numbers in both systems of units."""
-    plain, si = sheet.scene, sheet.si_scene
+    plain, si = sheet.problem, sheet.si_problem
     rows: list[tuple[str, float, float, str]] = [
         ("shear modulus μ", plain.material.shear_modulus, si.material.shear_modulus, "stress"),
         ("density ρ", plain.material.density, si.material.density, "mass / length^3"),
@@ -132,7 +154,10 @@ def _numbers(sheet: Sheet) -> Iterator[tuple[str, str, str]]:
         for part, symbol in zip(("pressure", "shear"), symbols.split(), strict=True):
             ours, theirs = (getattr(getattr(scene, name), part) for scene in (plain, si))
             rows.append((f"{part} of the {name} {symbol}", ours, theirs, "stress"))
-    laws = [scene.friction_law for scene in (plain, si)]
+    speeds = [one.load.speed for one in (plain, si) if isinstance(one.load, Patch)]
+    if speeds:
+        rows.append(("speed w of either end of the patch", speeds[0], speeds[1], "length / time"))
+    laws = [scene.friction_law for scene in (plain, si) if isinstance(scene, Scene)]
     films = [law.viscosity for law in laws if isinstance(law, ViscousFriction)]
     if films:
         rows.append(("viscosity", films[0], films[1], "stress time / length"))

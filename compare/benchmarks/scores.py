@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.benchmarks.answers import (
+    Answered,
     answer_to,
     arrival_quantity,
     arrival_times,
@@ -25,7 +26,7 @@ from compare.benchmarks.entries import Run, run_label
 from compare.benchmarks.sheets import CELLS, STATIONS, Sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import QUANTITIES, Record
-from semianalytic import Marched, Solution
+from semianalytic import WholeLine
 from semianalytic.scene.errors import DataFileError
 
 Array = NDArray[np.float64]
@@ -168,9 +169,7 @@ def _share(record: Record, name: str) -> float:
     return float(steps[held].sum())
 
 
-def _is_copied(
-    answer: Solution | Marched, found: Sequence[tuple[str, float, float, str, str]]
-) -> bool:
+def _is_copied(answer: Answered, found: Sequence[tuple[str, float, float, str, str]]) -> bool:
     """Whether all that a run holds is the answer itself, and that is not nothing alone."""
     errors = {name: first for name, first, *_ in found if name != ARRIVAL and not math.isnan(first)}
     moves = any(np.abs(getattr(answer, name)(STATIONS, 1.0)).max() > NOTHING for name in errors)
@@ -191,9 +190,7 @@ def _missing(stations: Iterable[Record]) -> str:
     return f"without x = {', '.join(f'{x:g}' for x in missing)}" if missing else ""
 
 
-def _arrival_error(
-    sheet: Sheet, answer: Solution | Marched, stations: Iterable[Record]
-) -> tuple[float, int]:
+def _arrival_error(sheet: Sheet, answer: Answered, stations: Iterable[Record]) -> tuple[float, int]:
     """Root of the mean square error, and how many stations one of the two alone has reached."""
     errors, missed = [], 0
     for one in stations:
@@ -209,15 +206,23 @@ def _arrival_error(
     return (float(np.sqrt(np.mean(np.square(errors)))) if errors else math.nan), missed
 
 
+def scale_of(sheet: Sheet, name: str) -> float:
+    """Return what an error of a quantity is relative to where the answer is zero."""
+    problem, rated = sheet.problem, name in ("slip_rate", "slip")
+    if isinstance(problem, WholeLine):
+        return problem.excess * (2 / problem.material.shear_impedance if rated else 1.0)
+    return (slip_rate_scale if rated else stress_scale)(problem)
+
+
 def _relative_errors(
-    run: Run, answer: Solution | Marched, stations: Iterable[Record], name: str
+    run: Run, answer: Answered, stations: Iterable[Record], name: str
 ) -> tuple[float, float]:
     """Relative L1 and L2 error of a quantity; nan where no station has it."""
     step = run.step if name == "slip_rate" else 0.0
     parts = [part for one in stations if (part := _parts(answer, one, name, step))]
     if not parts:
         return math.nan, math.nan
-    unit = (slip_rate_scale if name in ("slip_rate", "slip") else stress_scale)(run.sheet.scene)
+    unit = scale_of(run.sheet, name)
     norms = []
     for order in (1, 2):
         wrong, whole, one = (
@@ -233,15 +238,15 @@ def _relative_errors(
 
 
 def _parts(
-    answer: Solution | Marched, record: Record, name: str, step: float
+    answer: Answered, record: Record, name: str, step: float
 ) -> tuple[Array, Array, Array] | None:
     """Times, errors and exact values of a record, where it holds any."""
     values = record.values.get(name)
     if values is None or np.isfinite(values).sum() < 2:
         return None
-    known = np.isfinite(values)
-    t = record.t[known]
-    exact = getattr(answer, name)(record.x, t)
+    exact = getattr(answer, name)(record.x, record.t)
+    known = np.isfinite(values) & np.isfinite(exact)  # slip rate at the end of a patch is infinite
+    t, exact = record.t[known], exact[known]
     if step:  # a march ends at T
         ends = np.minimum(t + step, 1.0)
         moved = answer.slip(record.x, ends) - answer.slip(record.x, t)

@@ -1,4 +1,4 @@
-"""Ten problems for codes of dynamic contact: scenes, stations, and what is to be reported.
+"""Problems for codes of dynamic contact: scenes, stations, and what is to be reported.
 
 Each stands in two systems of units: mu = rho = c_t = T = 1, and `SI_MATERIAL` with tractions in
 units of `SI_STRESS`, where T is one second.  Every answer in SI is the plain one times a number of
@@ -14,10 +14,10 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic import Material, Scene, Tractions, ViscousFriction
+from semianalytic import Material, Patch, Scene, Tractions, ViscousFriction, WholeLine, find_line
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import find_scene
+from semianalytic.scene.named import LINES, find_scene
 from semianalytic.scene.units import SI
 
 Array = NDArray[np.float64]
@@ -80,6 +80,26 @@ class Sheet:
         return find_scene(self.name)
 
     @property
+    def is_line(self) -> bool:
+        """Whether the problem is a line without a slot, and no scene."""
+        return self.name in LINES
+
+    @property
+    def problem(self) -> Scene | WholeLine:
+        """The scene, or the whole line, in units mu = rho = c_t = 1."""
+        if not self.is_line:
+            return self.scene
+        line = find_line(self.name)
+        assert isinstance(line, WholeLine)
+        return line
+
+    @property
+    def si_problem(self) -> Scene | WholeLine:
+        """The problem in metres, seconds, kilograms and pascals."""
+        problem = self.problem
+        return line_in_si(problem) if isinstance(problem, WholeLine) else in_si(problem)
+
+    @property
     def si_scene(self) -> Scene:
         """The scene of the problem in metres, seconds, kilograms and pascals."""
         return in_si(self.scene)
@@ -87,7 +107,7 @@ class Sheet:
     @property
     def is_marched(self) -> bool:
         """Whether the answer is marched: not exact, but with an error estimate."""
-        return chosen_method(self.scene) == "space-time"
+        return not self.is_line and chosen_method(self.scene) == "space-time"
 
 
 THRESHOLD = 0.002
@@ -176,6 +196,18 @@ _SHEETS = (
 )
 
 SHEETS: Mapping[str, Sheet] = {sheet.name: sheet for sheet in _SHEETS}
+LINE_SHEETS: Mapping[str, Sheet] = {
+    "whole-line-patch": Sheet(
+        "whole-line-patch",
+        "Slip around an over-stressed patch",
+        "spontaneous edges without a slot: slip spreads smoothly to both sides of a patch whose "
+        "ends advance, at a speed that friction decides",
+        SLIPPING,
+        note="Slip rate has a logarithm at the ends of the patch.  The answer is even in x.",
+    )
+}
+"""Problems without a slot, which have no tolerance classes: our own codes do not take them."""
+ALL_SHEETS: Mapping[str, Sheet] = {**SHEETS, **LINE_SHEETS}
 
 
 def find_sheet(name: str) -> Sheet:
@@ -186,10 +218,10 @@ def find_sheet(name: str) -> Sheet:
     SceneError
         If there is none.
     """
-    if name in SHEETS:
-        return SHEETS[name]
-    close = difflib.get_close_matches(name, SHEETS, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(SHEETS)}."
+    if name in ALL_SHEETS:
+        return ALL_SHEETS[name]
+    close = difflib.get_close_matches(name, ALL_SHEETS, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(ALL_SHEETS)}."
     raise SceneError(f"There is no benchmark called {name!r}; {hint}")
 
 
@@ -214,6 +246,19 @@ def in_si(scene: Scene) -> Scene:
         base=_in_pascal(scene.base),
         load=_in_pascal(load),
         friction_law=law,
+        units=SI,
+    )
+
+
+def line_in_si(line: WholeLine) -> WholeLine:
+    """A whole line with a patch, in units mu = rho = c_t = T = 1, in those of the SI."""
+    load = line.load
+    assert isinstance(load, Patch)
+    return replace(
+        line,
+        material=Material(SI_SHEAR_MODULUS, SI_DENSITY, line.material.poisson_ratio),
+        base=_in_pascal(line.base),
+        load=Patch(load.speed * SI_SCALES["x"], load.pressure * SI_STRESS, load.shear * SI_STRESS),
         units=SI,
     )
 

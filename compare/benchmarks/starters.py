@@ -31,7 +31,9 @@ CONTACT, SLOT_FACES = {"low": 5, "up": 6}, {"low": 7, "up": 8}
 
 
 def starter_inputs(sheet: Sheet) -> Mapping[str, str]:
-    """Texts of the inputs for a sheet by file name, code/name."""
+    """Texts of the inputs for a sheet by file name, code/name; none where there is no slot."""
+    if sheet.is_line:
+        return {}
     inputs = {
         f"uguca/{sheet.name}.in": uguca_parameters(sheet),
         "uguca/uguca_sheet.cc": filled_template("compare.benchmarks", "uguca_sheet.cc"),

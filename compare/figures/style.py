@@ -23,6 +23,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from compare.comparison.scales import WAVE_SYMBOLS, stress_scale
 from semianalytic import CoulombFriction, Scene
 from semianalytic.scene.loading import REMOTE
+from semianalytic.scene.units import unit
 
 LineStyle = Literal["-", "--", "-.", ":"]
 P = ParamSpec("P")
@@ -141,11 +142,12 @@ def scene_words(scene: Scene) -> str:
     law = scene.friction_law
     kind = "" if isinstance(law, CoulombFriction) else f" ({type(law).__name__})"
     mode = "antiplane shear,  " if scene.antiplane else ""
-    base = f"base ({scene.base.pressure:.3g}, {scene.base.shear:.3g}),  "
+    pascal = f" {unit('stress', scene.units)}" if scene.units else ""
+    base = f"base ({scene.base.pressure:.3g}, {scene.base.shear:.3g}){pascal},  "
     base += "remote load,  " if scene.load_on == REMOTE else ""
     return (
         f"{mode}ν = {scene.material.poisson_ratio:.3g},  f = {scene.friction:.3g}{kind},  {base}"
-        f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g},  V₀ = 2 τ₀ / ρcₜ"
+        f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal},  V₀ = 2 τ₀ / ρcₜ"
     )
 
 

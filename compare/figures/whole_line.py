@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from compare.comparison.scales import wave_speeds
 from compare.figures.style import (
     PREDICTION,
+    RATE_LABEL,
     SPEED_LABEL,
+    TRACTION_LABEL,
     describe,
     line_handle,
     mark_waves,
@@ -18,7 +20,14 @@ from compare.figures.style import (
     shade,
     styled,
 )
-from semianalytic import GrowingSolution, LineSolution, Patch
+from semianalytic import (
+    GrowingSlot,
+    GrowingSolution,
+    LineSolution,
+    Patch,
+    PointForce,
+    WholeLine,
+)
 
 Array = NDArray[np.float64]
 
@@ -54,42 +63,53 @@ def line_figure(
             mark_waves(panel, speeds, -unit, labels=False)
     rate = answer.gap_rate(x, 1.0) if isinstance(answer, LineSolution) and opens else None
     rate = answer.slip_rate(x, 1.0) if rate is None else rate
+    scale = stress_unit(problem)
+    rate = rate / (2 * scale / problem.material.shear_impedance)
     upper.plot(xi, rate, color=PREDICTION)
     away = np.abs(xi[:, None] - singular).min(axis=1) > _AWAY if len(singular) else xi > 0
     tallest = _TALLEST * np.abs(rate[away]).max()
     if len(singular):
         upper.set_ylim(*((0, tallest) if rate[away].max() > 0 else (-tallest, 0)))
-    upper.set_ylabel("rate of opening at t = 1" if opens else "slip rate at t = 1")
+    upper.set_ylabel("rate of opening" if opens else RATE_LABEL)
     held = answer.pressure(x, 1.0)
     traction = held if opens else answer.shear_traction(x, 1.0)
-    lower.plot(xi, traction, color=PREDICTION)
+    lower.plot(xi, traction / scale, color=PREDICTION)
     handles = [line_handle("pressure" if opens else "shear traction", PREDICTION)]
     if not opens:
-        lower.plot(xi, _sense(answer) * problem.friction * held, ":", color=PREDICTION)
+        lower.plot(
+            xi, answer.zones[0].sense * problem.friction * held / scale, ":", color=PREDICTION
+        )
         handles.append(line_handle("strength f p", PREDICTION, ":"))
     lower.legend(handles=handles, loc="best")
-    lower.set(xlabel=SPEED_LABEL, ylabel="traction at t = 1", xlim=(xi[0], xi[-1]))
+    lower.set(xlabel=SPEED_LABEL, ylabel=TRACTION_LABEL, xlim=(xi[0], xi[-1]))
     drawn = upper.get_figure(root=True)
     assert drawn is not None  # axes in use always belong to a figure
     return drawn
 
 
-def _sense(answer: LineSolution | GrowingSolution) -> int:
-    return answer.zones[0].sense
+def stress_unit(problem: WholeLine | GrowingSlot) -> float:
+    """Return the stress τ₀ in which figures are drawn, at t = 1: the excess, or the load."""
+    if isinstance(problem, GrowingSlot):
+        return abs(problem.load.shear)
+    point = isinstance(problem.load, PointForce)
+    return problem.excess / (problem.material.shear_speed if point else 1.0)
 
 
 def _words(answer: LineSolution | GrowingSolution) -> str:
-    """Return a title: what loads the interface, and how fast the edge is."""
+    """Return a title: the solid, friction, what loads the interface, and the units of the axes."""
     if isinstance(answer, GrowingSolution):
-        slot = answer.slot
-        what = f"load and strength grow as t^{slot.power}, strength {slot.strength_ratio:.3g} of it"
+        problem: WholeLine | GrowingSlot = answer.slot
+        unit, load = f"Q₀ t^{answer.slot.power}", "load and strength grow as t^n,  "
     else:
-        line = answer.line
-        kind = "patch" if isinstance(line.load, Patch) else "point force"
-        missing = "pressure" if line.opens else "missing to friction"
-        what = f"{kind}, excess {line.excess:.3g}, {missing} {line.missing:.3g}"
-    problem = answer.slot if isinstance(answer, GrowingSolution) else answer.line
-    return f"{what}: edge at {answer.edge_speed / problem.material.shear_speed:.6g} c_t"
+        problem, load = answer.line, ""
+        point = isinstance(answer.line.load, PointForce)
+        unit = "F₀ / cₜ" if point else "excess of the patch"
+    mode = "antiplane shear,  " if problem.antiplane else ""
+    return (
+        f"{mode}ν = {problem.material.poisson_ratio:.3g},  f = {problem.friction:.3g},  "
+        f"base ({problem.base.pressure:.3g}, {problem.base.shear:.3g}),  {load}"
+        f"t = 1,  τ₀ = {unit} = {stress_unit(problem):.3g},  V₀ = 2 τ₀ / ρcₜ"
+    )
 
 
 def _velocities(answer: LineSolution | GrowingSolution) -> tuple[Array, Array]:

@@ -110,7 +110,7 @@ _DEFINITIONS: Schema = {
         friction=NUMBER,
         material=_MATERIAL,
         base=_TRACTIONS,
-        load=_TRACTIONS,
+        load={"anyOf": [_TRACTIONS, _KIND]},
         pressure_history=_KIND,
         shear_history=_KIND,
         friction_law=_KIND,
@@ -127,6 +127,17 @@ ENVELOPE: Mapping[str, Key] = {
     "units": Key("units of all numbers, under the same names; one for a whole list", UNITS),
     "files": Key("files written", _list(TEXT)),
 }
+_LINE = _object(
+    ("mode", "units"),
+    contact=TEXT,
+    friction=NUMBER,
+    material=_MATERIAL,
+    base=_TRACTIONS,
+    load=_KIND,
+    mode=TEXT,
+    units=TEXT,
+)
+_PROBLEM: Schema = {"anyOf": [SCENE, _LINE]}
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
 _COUNTS = Key("rows by verdict", _of(WHOLE))
 _VERDICT = Key("agrees, differs or unresolved", TEXT)
@@ -401,15 +412,15 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "init": ({"scene": _SCENE_KEY, "text": Key("text of the TOML file", TEXT)},),
     "benchmark": (
-        {"sheets": Key("all problem sheets", _list(_row(Sheet, marched=TRUTH, scene=SCENE)))},
+        {"sheets": Key("all problem sheets", _list(_row(Sheet, marched=TRUTH, scene=_PROBLEM)))},
     ),
     "benchmark show": (
         {
             "sheet": Key("name of the sheet", TEXT),
             "title": Key("title of the sheet", TEXT),
             "system": Key("system of units", TEXT),
-            "scene": _SCENE_KEY,
-            "si_scene": Key("the same scene in SI units", SCENE),
+            "scene": Key("the scene or whole line, as its TOML file has it", _PROBLEM),
+            "si_scene": Key("the same scene in SI units", _PROBLEM),
             "si_scales": Key("factors that convert answers to SI units", _of(NUMBER)),
             "stations": Key("positions of the stations over c_t T", _list(NUMBER)),
             "times": Key("times over T", _list(NUMBER)),

@@ -448,8 +448,8 @@ class Solution:
         SceneError
             If a position is not positive, or x or t is not finite.
         """
-        base, load = self.scene.superposition
-        largest = max(abs(load.pressure), abs(load.shear))
+        base, (held, load) = self.scene.base, self.scene.superposition
+        largest = max(abs(load.pressure), abs(load.shear), abs(held.shear - base.shear))
         time, gaps = np.maximum(np.asarray(t, dtype=float), 0.0), 0.0
         for part in self.openings:  # the largest gap over time, on a fine grid
             gaps = float(self.gap(np.linspace(part.inner, part.outer, 66)[1:-1], 1.0).max())
@@ -457,7 +457,7 @@ class Solution:
             "slip": self.max_slip(t),
             "slip_rate": self._rate_unit * float(self.profile.largest_rate),
             "shear_traction": largest,
-            "pressure": base.pressure + abs(load.pressure),
+            "pressure": max(base.pressure, held.pressure) + abs(load.pressure),
             "gap": gaps * time,
         }
         reading = self_similar_reading(self, x, t, self.scene.material.shear_speed, scales)

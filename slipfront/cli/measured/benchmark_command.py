@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from compare.benchmarks.sheets import SHEETS, Sheet, find_sheet
+from compare.benchmarks.sheets import ALL_SHEETS, Sheet, find_sheet
 from compare.output.places import check_file, working_folder
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
@@ -46,7 +46,7 @@ def benchmark(context: typer.Context, as_json: AsJson = False) -> None:
         print_json("benchmark", sheets_document())
     else:
         table = Table("sheet", "problem", "to report", title="Benchmarks")
-        for name, sheet in SHEETS.items():
+        for name, sheet in ALL_SHEETS.items():
             table.add_row(name, sheet.title, ", ".join(sheet.report).replace("_", " "))
         Console().print(table)
 
@@ -166,7 +166,7 @@ def enter(
 
 def _sheets(names: Sequence[str] | None) -> list[Sheet]:
     """Return the named sheets, each once; all sheets if no names are given."""
-    return [find_sheet(name) for name in dict.fromkeys(names or SHEETS)]
+    return [find_sheet(name) for name in dict.fromkeys(names or ALL_SHEETS)]
 
 
 def _score_table(scores: Sequence[Score]) -> Table:

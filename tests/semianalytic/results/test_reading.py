@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from fem import simulate, with_companions
 from semianalytic import (
+    IncidentWave,
     Material,
+    MovingLoad,
     Pair,
     Scene,
     SceneError,
@@ -64,7 +66,10 @@ def solutions_of_any_kind():
     yield from (solve(scene, rtol=1e-11) for scene in drawn)
     # a film so strong that slip away from the edge is a billionth of that at the edge
     film, base = ViscousFriction(4e7), Tractions(1.0, 0.0)
-    yield solve(Scene(Material(1.0, 1.0, 0.25), 0.5, base, Tractions(0.0, 1.0), friction_law=film))
+    solid = Material(1.0, 1.0, 0.25)
+    yield solve(Scene(solid, 0.5, base, Tractions(0.0, 1.0), friction_law=film))
+    for load in (IncidentWave("SV", -20.0, stress=0.3), MovingLoad(-2.0, 0.1, 0.7)):
+        yield solve(Scene(solid, 0.5, base, load), rtol=1e-11)
 
 
 def test_errors_of_random_scenes_are_within_their_bars():

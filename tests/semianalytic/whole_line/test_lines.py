@@ -23,6 +23,8 @@ from semianalytic import (
     solve,
     solve_line,
 )
+from semianalytic.dissimilar.compliance import compliance_of
+from semianalytic.dissimilar.whole_line import patch_speeds, point_speeds
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.whole_line.spreading import Spreading, least_missing
 from tests.line_march import march as line_march
@@ -133,6 +135,19 @@ def test_a_small_patch_is_a_point_force(mode):
     assert rates(patch, x, 1.0) == pytest.approx(rates(point, x, 1.0), rel=1e-5)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("speed", "missing"), [(0.3, 0.5), (0.6, 0.6)])
+def test_the_solver_of_different_bodies_finds_the_same_edges(speed, missing):
+    """Like bodies are a special case of `dissimilar.whole_line`, which integrates phases."""
+    alike = compliance_of(SOLID, SOLID)
+    right, left = patch_speeds(alike, 0.2, missing, speed)
+    known = solve_line(patch_line("II", speed, missing)).edge_speed
+    assert (right, left) == pytest.approx((known, known), rel=1e-9)
+    right, left = point_speeds(alike, 0.2, missing)
+    known = solve_line(WholeLine(SOLID, missing, BASE, PointForce(shear=1.0))).edge_speed
+    assert (right, left) == pytest.approx((known, known), rel=1e-8)
+
+
 # --- limits ---------------------------------------------------------------------------------------
 
 
@@ -189,7 +204,7 @@ def _rayleigh(nu):
     return Material(1.0, 1.0, nu).rayleigh_speed
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(LINES)
 def test_what_a_line_obeys(line):
     try:
