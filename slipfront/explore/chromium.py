@@ -72,6 +72,15 @@ class Browser:
 
     def open(self, address: str, width: int, scheme: str = "light") -> None:
         """Load a page in a window of given width and colour scheme, with an empty log."""
+        self.resize(width)
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        self.call("Emulation.setEmulatedMedia", features=features)
+        self.events.clear()
+        self.call("Page.navigate", url=address)
+        self.wait("Page.loadEventFired")
+
+    def resize(self, width: int) -> None:
+        """Give the window a width; the page stays as it is."""
         self.call(
             "Emulation.setDeviceMetricsOverride",
             width=width,
@@ -79,11 +88,6 @@ class Browser:
             deviceScaleFactor=1,
             mobile=width < 600,
         )
-        features = [{"name": "prefers-color-scheme", "value": scheme}]
-        self.call("Emulation.setEmulatedMedia", features=features)
-        self.events.clear()
-        self.call("Page.navigate", url=address)
-        self.wait("Page.loadEventFired")
 
     def value(self, expression: str) -> Any:
         """Return the value of an expression in JavaScript."""

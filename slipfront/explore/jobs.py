@@ -7,13 +7,10 @@ from typing import NamedTuple
 
 from semianalytic import Marched, Scene, march, solve
 from slipfront.explore.views import (
+    SPEED,
     FieldView,
-    InterfaceView,
-    SpaceTimeView,
     end_time,
     field_view,
-    interface_view,
-    space_time_view,
 )
 
 Progress = Callable[[int, int], object]
@@ -24,27 +21,39 @@ STEPS_TOLD = 50
 """Number of progress reports of a march."""
 
 
+class Moment(NamedTuple):
+    """What pictures of one moment show: the time over T, and the quantity in both bodies."""
+
+    share: float = 1.0
+    of: str = SPEED
+
+
 class MarchViews(NamedTuple):
-    """A march and all its pictures."""
+    """A march, and the field at one moment, whose computation takes as long."""
 
     marched: Marched
-    interface: InterfaceView
-    space_time: SpaceTimeView
+    moment: Moment
     field: FieldView
 
 
-def solved_field(scene: Scene, points: int, rtol: float, progress: Progress) -> FieldView:
+def solved_field(
+    scene: Scene, points: int, rtol: float, moment: Moment, progress: Progress
+) -> FieldView:
     """Compute the field of a self-similar scene."""
-    return field_view(solve(scene, rtol=rtol), points)
+    return field_view(solve(scene, rtol=rtol), points, *moment)
 
 
-def marched_views(scene: Scene, progress: Progress) -> MarchViews:
-    """March a scene until T, and compute everything that is drawn of it."""
+def marched_field(marched: Marched, moment: Moment, progress: Progress) -> FieldView:
+    """Compute the field of a march that is done."""
+    return field_view(marched, MARCH_POINTS, *moment)
+
+
+def marched_views(scene: Scene, moment: Moment, progress: Progress) -> MarchViews:
+    """March a scene until T, and compute its field."""
 
     def tell(done: int, steps: int) -> None:
         if done * STEPS_TOLD // steps != (done - 1) * STEPS_TOLD // steps:
             progress(done, steps)
 
     marched = march(scene, end_time(scene), progress=tell)
-    field = field_view(marched, MARCH_POINTS)
-    return MarchViews(marched, interface_view(marched), space_time_view(marched), field)
+    return MarchViews(marched, moment, field_view(marched, MARCH_POINTS, *moment))

@@ -52,11 +52,11 @@ def map_key(scene: Scene) -> tuple[object, ...]:
     tractions = [one for part in scene.superposition for one in (part.pressure, part.shear)]
     shares = tuple(round(one / stress, 9) for one in tractions)
     front = None if isinstance(scene.load, Tractions) else scene.load
-    return (*shares, front, scene.mode, scene.friction_law, _highest(scene))
+    return (*shares, front, scene.mode, scene.friction_law)
 
 
-def _highest(scene: Scene) -> float:
-    """Return the largest friction of the map."""
+def highest_friction(scene: Scene) -> float:
+    """Return the largest friction of the map of a scene."""
     return float(max(1, math.ceil(1.5 * scene.friction)))
 
 
@@ -77,7 +77,8 @@ def regime_map(scene: Scene, progress: Progress) -> RegimeMap:
     """
     swept = isinstance(scene.friction_law, CoulombFriction)
     size = SIZE if swept else SIZE_ONE_BY_ONE
-    friction, ratios = _middles((0.0, _highest(scene)), size), _middles(POISSON_RATIOS, size)
+    highest = highest_friction(scene)
+    friction, ratios = _middles((0.0, highest), size), _middles(POISSON_RATIOS, size)
     names = list(REGIMES)
     image = np.full((size, size), float(names.index("failed")))
     for row, ratio in enumerate(ratios):
@@ -86,7 +87,7 @@ def regime_map(scene: Scene, progress: Progress) -> RegimeMap:
         for i, word in zip(there, _words(at, friction[there], swept), strict=True):
             image[row, i] = names.index(word)
         progress(row + 1, size)
-    return RegimeMap(image, POISSON_RATIOS, (0.0, _highest(scene)))
+    return RegimeMap(image, POISSON_RATIOS, (0.0, highest))
 
 
 def _middles(ends: tuple[float, float], count: int) -> NDArray[np.float64]:

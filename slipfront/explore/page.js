@@ -8,6 +8,11 @@
   const times = (window.slipfrontTimes = []); // from move to picture [ms]
   const STILL = 250; // after which a slider has stopped [ms]
   const BEHIND = 500; // after which a field that is late is grey [ms]
+  const TITLES = {
+    "particle speed": "Particle speed / V₀ in both bodies",
+    displacement: "Displacement / (V₀ T) in both bodies",
+  };
+  let said = 0;
   const LOST = 5000; // after which an answer is not waited for any more [ms]
 
   // values of controls, and the ranges, steps and units of sliders for them
@@ -17,30 +22,36 @@
     for (const { name, label, unit, low, high, step } of sliders) {
       const slider = by(name);
       Object.assign(slider, { min: low, max: high, step });
-      slider.labels[0].textContent = unit ? `${label} [${unit}]` : label;
+      const text = unit ? `${label} [${unit}]` : label;
+      slider.labels[0].textContent = text;
+      by(name + "-value").labels[0].textContent = text + ", as a number";
     }
     for (const [name, value] of Object.entries(values))
       if (by(name) && form.contains(by(name))) by(name).value = value;
     label();
   }
 
-  // values of controls; a number that the slider cannot hit stays as it was given
+  // values of controls; a number that no slider can hit is kept as it was given
   function values() {
     const all = { ...fixed };
-    for (const control of form.elements) {
-      if (!control.name) continue;
-      if (control.type !== "range") all[control.name] = control.value;
-      else if (Math.abs(+control.value - fixed[control.name]) > 0.51 * control.step)
-        all[control.name] = +control.value;
-    }
+    for (const control of form.querySelectorAll("select[name]")) all[control.name] = control.value;
     return all;
+  }
+
+  // takes over what a slider or the box beside it says; whether that is a number
+  function take(control) {
+    if (control.value === "" || !Number.isFinite(+control.value)) return false;
+    fixed[control.dataset.of || control.name] = +control.value;
+    if (control.dataset.of) by(control.dataset.of).value = control.value;
+    return true;
   }
 
   function label() {
     const all = values();
-    for (const control of form.querySelectorAll("input[type=range]")) {
-      const text = String(+(+all[control.name]).toPrecision(4));
-      by(control.name + "-value").value = text;
+    for (const control of form.querySelectorAll("input[type=range][name]")) {
+      const text = String(+(+all[control.name]).toPrecision(6));
+      const box = by(control.name + "-value");
+      if (box !== document.activeElement) box.value = text;
       control.setAttribute("aria-valuetext", text);
     }
     const shown = {};
@@ -56,7 +67,8 @@
   // one question at a time: what moves meanwhile is asked together when the answer is there
   function ask(moving) {
     label();
-    waiting = { values: values(), moving, since: performance.now() };
+    const moment = { share: +by("share").value, of: by("of").value };
+    waiting = { values: values(), moving, since: performance.now(), ...moment };
     if (!busy || performance.now() - busy > LOST) next();
   }
   function next() {
@@ -113,10 +125,19 @@
 
   // a slider that moves leaves the address alone; where it stops is a step of the history
   function keep(query) {
+    name(query);
     if (query === location.search) return;
     if (record === "push") history.pushState(null, "", query);
     else history.replaceState(null, "", query);
     record = "push";
+  }
+
+  // the menu names the scene while it is that of the name
+  function name(query) {
+    const plain = (text) => JSON.stringify([...new URLSearchParams(text)]
+      .map(([key, value]) => [key, value !== "" && Number.isFinite(+value) ? +value : value]).sort());
+    const known = [...by("scenes").options].find((one) => plain(one.value) === plain(query));
+    by("scenes").value = known ? known.value : "";
   }
 
   // numbers of pictures, by the model that shows them; null stands for no number
@@ -140,16 +161,34 @@
     });
     if ("values" in news) { show(news); ask(false); }
     if ("file" in news) save(news.file);
-    if ("query" in news && !news.moving) keep(news.query);
+    if ("query" in news) (news.moving ? name : keep)(news.query);
     if ("since" in news) next();
   }
 
   function moved(event) {
-    if (event.target.id === "scenes") return;
+    const control = event.target;
+    if (control.id === "scenes") return;
+    if (control.id === "share") by("share-value").value = control.value;
+    else if (control.id === "share-value") by("share").value = control.value;
+    else if (control.type === "range" || control.dataset.of) if (!take(control)) return;
+    if (control.id === "of") by("h-body").textContent = TITLES[control.value];
     clearTimeout(pause);
     by("message").textContent = "";
-    if (event.target.type === "range") ask(true);
-    pause = setTimeout(() => ask(false), event.target.type === "range" ? STILL : 0);
+    const moves = control.type === "range" || control.type === "number";
+    if (control.type === "range") ask(true);
+    pause = setTimeout(() => ask(false), moves ? STILL : 0);
+  }
+
+  // says for a while whether the address is in the clipboard
+  async function copy() {
+    try {
+      await navigator.clipboard.writeText(location.href);
+      by("copied").textContent = "copied";
+    } catch {
+      by("copied").textContent = "not copied; take it from the address bar";
+    }
+    clearTimeout(said);
+    said = setTimeout(() => { by("copied").textContent = ""; }, 4000);
   }
 
   // what colours and dashes stand for, beside the pictures
@@ -169,11 +208,14 @@
     form.addEventListener("submit", (event) => event.preventDefault());
     by("scenes").addEventListener("change", (event) => {
       if (event.target.value) send({ query: event.target.value });
-      event.target.value = "";
     });
+    form.addEventListener("change", (event) => {
+      if (event.target.id === "share-value") event.target.value = by("share").value;
+    });
+    form.addEventListener("focusout", label); // a box without a number shows the old one again
     for (const button of form.querySelectorAll("[data-file]"))
       button.addEventListener("click", () => send({ file: button.dataset.file }));
-    by("link").addEventListener("click", () => navigator.clipboard.writeText(location.href));
+    by("link").addEventListener("click", copy);
     addEventListener("popstate", () => {
       record = "replace";
       send({ query: location.search });

@@ -41,8 +41,8 @@ from slipfront.explore.controls import (
     values_from_query,
 )
 from slipfront.explore.downloads import FILES, program
-from slipfront.explore.jobs import MarchViews, marched_views, solved_field
-from slipfront.explore.maps import RegimeMap, can_map, map_key, regime_map
+from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views, solved_field
+from slipfront.explore.maps import RegimeMap, can_map, highest_friction, map_key, regime_map
 from slipfront.explore.pictures import (
     CURVES,
     SHADES,
@@ -52,7 +52,15 @@ from slipfront.explore.pictures import (
     MapPicture,
     SpaceTimePicture,
 )
-from slipfront.explore.views import NODES, FieldView, end_time, interface_view, space_time_view
+from slipfront.explore.views import (
+    DISPLACEMENT,
+    NODES,
+    SPEED,
+    FieldView,
+    end_time,
+    interface_view,
+    space_time_view,
+)
 from slipfront.explore.work import Worker
 
 MOVING_RTOL, RTOL = 1e-4, 1e-8
@@ -61,6 +69,8 @@ MOVING_NODES = 150
 """Nodes along curves while a slider moves; at edges and fronts, more are added."""
 MOVING_POINTS, POINTS = 24, 90
 """Points across the picture of the field while a slider moves, and when it stands still."""
+LEAST_SHARE = 0.05
+"""Earliest time that pictures show, over T; the first waves are narrower than a few pixels then."""
 LISTEN = 40
 """Interval at which messages of other processes are read [ms]."""
 
@@ -82,9 +92,13 @@ class Session:
         self._start = self._ruled = start
         self._answer: Solution | Marched | None = None
         self._shown: Scene | None = None
+        self._marching: Scene | None = None
         self._map_key: tuple[object, ...] | None = ()  # the map of no scene yet
+        self._map_to = 0.0  # its largest friction
+        self._maps: dict[tuple[object, ...], RegimeMap] = {}
+        self._moment = Moment()
         self._field_worker, self._map_worker, self._march_worker = Worker(), Worker(), Worker()
-        self._asked_field: tuple[Scene, int, float] | None = None
+        self._asked_field: tuple[Any, ...] | None = None
         self._board = board = Board()
         self._interface, self._space_time = InterfacePictures(board), SpaceTimePicture(board)
         self._field, self._map = FieldPicture(board), MapPicture(board)
@@ -102,6 +116,7 @@ class Session:
         roots = (
             self._interface.rate,
             self._interface.tractions,
+            self._interface.slip,
             self._space_time.panel,
             self._field.panel,
             self._map.panel,
@@ -116,6 +131,7 @@ class Session:
             sliders=[one.name for one in sliders(self._start)],
             choices=CHOICES,
             scenes=_known_queries(),
+            quantities=(SPEED, DISPLACEMENT),
             given={
                 **self._opened(query),
                 "shown": {"law": LAWS, "history": HISTORIES, "load": LOADS},
@@ -158,6 +174,8 @@ class Session:
         elif "file" in asked:
             self._send_file(asked["file"])
         else:
+            share = min(max(float(asked.get("share", 1.0)), LEAST_SHARE), 1.0)
+            self._moment = Moment(share, DISPLACEMENT if asked.get("of") == DISPLACEMENT else SPEED)
             self._show(asked["values"], asked["moving"], asked["since"])
 
     def _send_file(self, form: str) -> None:
@@ -170,10 +188,16 @@ class Session:
 
     def _show(self, values: Mapping[str, Any], moving: bool, since: float) -> None:
         """Draw the scene of the controls, or say why it does not exist."""
-        self._march_worker.stop()
-        self._shown = None
         try:
             scene = scene_of(values)
+            if isinstance(self._answer, Marched) and self._answer.scene == scene:
+                self._show_march(self._answer, moving, since, query_of(values))
+                return
+            if self._march_worker.busy and self._marching == scene:
+                self._tell(since=since, moving=moving)  # drawn when the march is done
+                return
+            self._march_worker.stop()
+            self._shown = self._marching = None
             self._map.place(scene.friction, scene.material.poisson_ratio)
             if chosen_method(scene) == "self-similar":
                 self._show_solution(scene, moving, since, query_of(values))
@@ -191,6 +215,7 @@ class Session:
 
     def _refuse(self, message: str, **news: Any) -> None:
         """Say why there is no answer, and remove everything that belongs to an answer."""
+        self._march_worker.stop()
         self._answer = self._shown = None
         self._tell(stale=True, status="no answer", message=message, readings=[], scales=[], **news)
 
@@ -207,16 +232,29 @@ class Session:
             scales=_scales(scene),
         )
         if not moving:
-            self._march_worker.start(marched_views, scene)
+            self._marching = scene
+            self._march_worker.start(marched_views, scene, self._moment)
+
+    def _show_march(self, marched: Marched, moving: bool, since: float, query: str) -> None:
+        """Draw another moment of a march that is done; its field comes when the slider stops."""
+        self._draw_contact(marched, NODES)
+        told = {"status": marched.status, "error": f"{marched.error_estimate:.1e}"}
+        self._tell(since=since, query=query, moving=moving, **told)
+        if not moving:
+            self._march_worker.start(marched_field, marched, self._moment)
+
+    def _draw_contact(self, answer: Solution | Marched, nodes: int) -> None:
+        """Draw the pictures of the contact at the present moment."""
+        share, space_time = self._moment.share, space_time_view(answer)
+        self._interface.draw(interface_view(answer, nodes, share), space_time, share)
+        self._space_time.draw(space_time)
+        self._space_time.mark(share)
 
     def _show_solution(self, scene: Scene, moving: bool, since: float, query: str) -> None:
         began = time.perf_counter()
         solution = solve(scene, rtol=MOVING_RTOL if moving else RTOL)
         solved = time.perf_counter() - began
-        space_time = space_time_view(solution)
-        view = interface_view(solution, MOVING_NODES if moving else NODES)
-        self._interface.draw(view, space_time)
-        self._space_time.draw(space_time)
+        self._draw_contact(solution, MOVING_NODES if moving else NODES)
         self._answer, self._shown = solution, scene
         self._tell(
             since=since,
@@ -230,7 +268,7 @@ class Session:
             program=program(scene),
         )
         points, rtol = (MOVING_POINTS, MOVING_RTOL) if moving else (POINTS, RTOL)
-        self._asked_field = (scene, points, rtol)
+        self._asked_field = (scene, points, rtol, self._moment)
         if not self._field_worker.busy:
             self._next_field()
 
@@ -240,11 +278,20 @@ class Session:
             self._asked_field = None
 
     def _draw_map(self, scene: Scene) -> None:
-        """Draw the map anew if anything but friction and Poisson ratio has changed."""
+        """Draw another map if anything but friction and Poisson ratio has changed.
+
+        A map is kept while friction lies on it, and found again when a scene comes back.
+        """
         key = map_key(scene) if can_map(scene) else None
-        if key == self._map_key:
+        if key == self._map_key and (key is None or scene.friction <= self._map_to):
             return
-        self._map_key = key
+        self._map_key, self._map_to = key, highest_friction(scene)
+        known = None if key is None else self._maps.get(key)
+        if known is not None and scene.friction <= known.friction[1]:
+            self._map_worker.stop()
+            self._map_to = known.friction[1]
+            self._tell(regimes=self._map.draw(known), map="")
+            return
         self._map.draw(None)
         if key is None:
             self._map_worker.stop()
@@ -277,6 +324,8 @@ class Session:
         if kind == "progress":
             self._tell(map=f"mapping, {content[0]} of {content[1]}")
         elif kind == "result" and isinstance(content, RegimeMap):
+            if self._map_key is not None:
+                self._maps[self._map_key] = content
             self._tell(regimes=self._map.draw(content), map="")
         else:
             self._tell(regimes=[], map=str(content))
@@ -286,9 +335,10 @@ class Session:
             self._tell(progress=content[0] / content[1])
         elif kind == "result" and isinstance(content, MarchViews):
             self._answer = content.marched
-            self._interface.draw(content.interface, content.space_time)
-            self._space_time.draw(content.space_time)
+            self._draw_contact(content.marched, NODES)
             self._field.draw(content.field)
+            if content.moment != self._moment:
+                self._march_worker.start(marched_field, content.marched, self._moment)
             self._tell(
                 progress=1.0,
                 status=content.marched.status,
@@ -297,6 +347,9 @@ class Session:
                 program=program(content.marched.scene),
                 field=True,
             )
+        elif kind == "result" and isinstance(content, FieldView):
+            self._field.draw(content)
+            self._tell(field=True)
         else:
             self._refuse(str(content), progress=1.0)
 

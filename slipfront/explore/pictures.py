@@ -16,6 +16,8 @@ from bokeh.model import Model
 from bokeh.models import (
     ColorBar,
     ColumnDataSource,
+    HoverTool,
+    LabelSet,
     LinearColorMapper,
     Range1d,
 )
@@ -50,6 +52,12 @@ FILLED, ROOM = 0.6, 0.04
 """Least share of an axis that values must fill, and the margin beside them at first."""
 WITH_COLOUR_BAR = 1.12
 """Width over height of a picture with equal axes and a colour bar."""
+
+
+def _tell_values(panel: figure, renderer: Any, mode: str = "mouse", **shown: str) -> None:
+    """Show values beside the pointer: what each is called, and the column that holds it."""
+    tips = [(name.replace("_", " "), column) for name, column in shown.items()]
+    panel.add_tools(HoverTool(renderers=[renderer], tooltips=tips, mode=mode))
 
 
 def _source(*names: str) -> ColumnDataSource:
@@ -135,25 +143,49 @@ class InterfacePictures:
         at = "x / (c_t T)"
         self.rate = _panel("rate", at, "slip rate / V₀")
         self.tractions = _panel("tractions", at, "traction / τ₀")
-        self._lines = _source("x", "rate", "shear", "upper", "lower", "pressure")
+        self.slip = _panel("slip", at, "slip / (V₀ T)")
+        self._lines = _source("x", "rate", "slip", "shear", "upper", "lower", "pressure")
         self._zones = _source("left", "right", "colour")
-        self._waves = _source("x")
-        for panel in (self.rate, self.tractions):
+        self._waves = _source("x", "name", "side", "offset")
+        for panel in (self.rate, self.tractions, self.slip):
             panel.quad("left", "right", 1e6, -1e6, source=self._zones, color="colour")
             panel.segment("x", -1e6, "x", 1e6, source=self._waves, color="#595959", line_dash="4 3")
-        self.rate.line("x", "rate", source=self._lines, color=BLUE, line_width=2)
+            panel.add_layout(
+                LabelSet(
+                    x="x",
+                    y=1,
+                    y_units="screen",
+                    text="name",
+                    source=self._waves,
+                    text_align="side",
+                    x_offset="offset",
+                    text_font_size="8pt",
+                    text_color="#404040",
+                )
+            )
+        rate, slip = (
+            panel.line("x", name, source=self._lines, color=BLUE, line_width=2)
+            for panel, name in ((self.rate, "rate"), (self.slip, "slip"))
+        )
+        place = "@x{0.0000}"
+        _tell_values(self.rate, rate, "vline", x=place, slip_rate="@rate{0.0000}")
+        _tell_values(self.slip, slip, "vline", x=place, slip="@slip{0.0000}")
         for name, colour, dash in (
             ("shear", *CURVES["shear traction"]),
             ("upper", *CURVES["± f p"]),
             ("lower", *CURVES["± f p"]),
             ("pressure", *CURVES["pressure p"]),
         ):
-            self.tractions.line(
+            line = self.tractions.line(
                 "x", name, source=self._lines, color=colour, line_dash=dash, line_width=2
             )
+            if name == "shear":
+                bound, pressed = "@upper{0.0000}", "@pressure{0.0000}"
+                told = {"shear_traction": "@shear{0.0000}", "f_p": bound, "pressure": pressed}
+                _tell_values(self.tractions, line, "vline", x=place, **told)
 
-    def draw(self, view: InterfaceView, space_time: SpaceTimeView) -> None:
-        """Show the state of the contact at T."""
+    def draw(self, view: InterfaceView, space_time: SpaceTimeView, share: float = 1.0) -> None:
+        """Show the state of the contact at one time."""
         board, rates, tractions = self._board, view.rate_limits, view.traction_limits
         span = tractions[1] - tractions[0]
         bound = _column(view.bound, span)
@@ -161,6 +193,7 @@ class InterfacePictures:
             self._lines,
             x=_column(view.x),
             rate=_column(view.slip_rate, rates[1] - rates[0]),
+            slip=_column(view.slip, view.slip_limits[1] - view.slip_limits[0]),
             shear=_column(view.shear, span),
             upper=bound,
             lower=[None if one is None else -one for one in bound],
@@ -168,12 +201,19 @@ class InterfacePictures:
         )
         board.fill(
             self._zones,
-            left=[inner for _, inner, _ in space_time.wedges],
-            right=[min(outer, space_time.reach) for *_, outer in space_time.wedges],
+            left=[share * inner for _, inner, _ in space_time.wedges],
+            right=[min(share * outer, space_time.reach) for *_, outer in space_time.wedges],
             colour=[SHADES[kind] for kind, *_ in space_time.wedges],
         )
-        board.fill(self._waves, x=list(space_time.waves.values()))
-        for panel, limits in ((self.rate, rates), (self.tractions, tractions)):
+        board.fill(
+            self._waves,
+            x=[share * at for at in space_time.waves.values()],
+            name=[WAVES[name] for name in space_time.waves],
+            side=["right" if name == "Rayleigh" else "left" for name in space_time.waves],
+            offset=[-3 if name == "Rayleigh" else 3 for name in space_time.waves],
+        )
+        drawn = ((self.rate, rates), (self.tractions, tractions), (self.slip, view.slip_limits))
+        for panel, limits in drawn:
             board.limit(panel.x_range, 0.0, space_time.reach)
             board.follow(panel.y_range, *limits)
 
@@ -183,13 +223,14 @@ class SpaceTimePicture:
 
     def __init__(self, board: Board) -> None:
         self._board = board
-        self.panel = _panel("zones", "x / (c_t T)", "t / T", 370)
+        self.panel = _panel("zones", "x / (c_t T)", "t / T")
+        self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
         self.panel.background_fill_color = STICK_SHADE
         self._image = _source("image", "dw")
         mapper = LinearColorMapper(list(SHADES.values()), low=-0.5, high=len(SHADES) - 0.5)
         self.panel.image("image", 0, 0, "dw", 1, source=self._image, color_mapper=mapper)
-        self._wedges = _source("xs", "ys", "colour")
-        self.panel.patches(
+        self._wedges = _source("xs", "ys", "colour", "kind")
+        wedges = self.panel.patches(
             "xs",
             "ys",
             source=self._wedges,
@@ -197,8 +238,10 @@ class SpaceTimePicture:
             line_color=BLACK,
             line_width=0.7,
         )
-        self._waves = _source("xs", "ys")
+        _tell_values(self.panel, wedges, state="@kind", x="$x{0.0000}", t="$y{0.0000}")
+        self._waves, self._time = _source("xs", "ys"), _source("y")
         self.panel.multi_line("xs", "ys", source=self._waves, color="#595959", line_dash="4 3")
+        self.panel.segment(0, "y", 1e3, "y", source=self._time, color=BLACK, line_width=1.5)
         self._names = _source("x", "name", "side")
         self.panel.text(
             "x",
@@ -209,6 +252,10 @@ class SpaceTimePicture:
             text_font_size="8pt",
             text_baseline="top",
         )
+
+    def mark(self, share: float) -> None:
+        """Draw a line at the time that the other pictures show."""
+        self._board.fill(self._time, y=[share] if share < 1 else [])
 
     def draw(self, view: SpaceTimeView) -> None:
         """Show wedges for a self-similar answer, an image for a march."""
@@ -221,6 +268,7 @@ class SpaceTimePicture:
             xs=[x for x, _ in shapes],
             ys=[y for _, y in shapes],
             colour=[SHADES[kind] for kind, *_ in view.wedges],
+            kind=[kind for kind, *_ in view.wedges],
         )
         board.fill(
             self._waves,
@@ -255,20 +303,36 @@ class FieldPicture:
         self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
         self._image = _source("image", "x", "width")
         self._colours = LinearColorMapper(Viridis256, low=0.0, high=1.0)
-        self.panel.image(
+        drawn = self.panel.image(
             "image", "x", "x", "width", "width", source=self._image, color_mapper=self._colours
         )
+        _tell_values(self.panel, drawn, value="@image{0.0000}", x="$x{0.000}", y="$y{0.000}")
+        self._names = _source("x", "y", "name")
         self._fronts, self._parts = _source("xs", "ys"), _source("xs", "ys", "colour")
         self.panel.multi_line("xs", "ys", source=self._fronts, color="white", line_dash="4 3")
         self.panel.segment(-100, 0, 0, 0, color=BLACK, line_width=4)
         self.panel.multi_line("xs", "ys", source=self._parts, color="colour", line_width=4)
         self.panel.add_layout(ColorBar(color_mapper=self._colours, width=10, padding=4), "right")
+        self.panel.text(
+            "x",
+            "y",
+            "name",
+            source=self._names,
+            text_color="white",
+            text_font_size="8pt",
+        )
 
     def draw(self, view: FieldView) -> None:
         """Show a field."""
         board, far = self._board, view.reach
-        self._image.data = {"image": [view.speed], "x": [-far], "width": [2 * far]}
+        self._image.data = {"image": [view.size], "x": [-far], "width": [2 * far]}
         board.set(self._colours, high=view.largest)
+        board.fill(
+            self._names,
+            x=[x for _, x, _ in view.names],
+            y=[y for *_, y in view.names],
+            name=[WAVES.get(name, name) for name, *_ in view.names],
+        )
         board.fill(
             self._fronts,
             xs=[_column(x) for x, _ in view.lines],
@@ -289,15 +353,17 @@ class MapPicture:
 
     def __init__(self, board: Board) -> None:
         self._board = board
-        self.panel = _panel("map", "friction f", "Poisson ratio ν", 320)
+        self.panel = _panel("map", "friction f", "Poisson ratio ν")
+        self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
         self._image = _source("image", "x", "y", "width", "height")
         names = list(REGIMES)
         mapper = LinearColorMapper(
             [REGIME_COLOURS[name] for name in names], low=-0.5, high=len(names) - 0.5
         )
-        self.panel.image(
+        drawn = self.panel.image(
             "image", "x", "y", "width", "height", source=self._image, color_mapper=mapper
         )
+        _tell_values(self.panel, drawn, friction="$x{0.000}", Poisson_ratio="$y{0.000}")
         self._place = _source("x", "y")
         self.panel.scatter(
             "x",

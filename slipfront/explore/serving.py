@@ -29,7 +29,7 @@ from slipfront.explore.page import Session
 HOST = "127.0.0.1"
 NAMES = ("localhost", HOST)
 """Host names under which browsers may request the page."""
-FILES = {"page.css": "text/css", "page.js": "text/javascript"}
+FILES = {"page.css": "text/css", "page.js": "text/javascript", "help.html": "text/html"}
 """Files of the page and their MIME types."""
 
 

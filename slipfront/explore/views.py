@@ -1,6 +1,7 @@
 """Arrays that the pictures of the page show, in the units of their axes.
 
-Positions are relative to c_t T, times to T, tractions to τ₀, slip rates to V₀; T is the end time.
+Positions are relative to c_t T, times to T, tractions to τ₀, slip rates to V₀, slip and
+displacement to V₀ T; T is the end time.  Pictures of one moment show the time `share` T.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ from numpy.typing import NDArray
 
 from compare.comparison.scales import scene_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
-from compare.figures.quantities import find_quantity
 from semianalytic import Marched, OpenZone, Scene, SlipZone, Solution
 from semianalytic.results.answer import WholeFields
 
@@ -27,6 +27,8 @@ BESIDE = np.outer([-1, 1], np.geomspace(1e-6, 3e-2, 9)).ravel()
 """Relative distances of the added nodes from their edge or front."""
 BEYOND = 1.05
 """Extent of pictures relative to the distance the waves have reached."""
+SPEED, DISPLACEMENT = "particle speed", "displacement"
+"""What the picture of both bodies shows."""
 MOST = 240
 """Largest number of rows and columns of a space-time image of a march."""
 
@@ -38,7 +40,7 @@ def end_time(scene: Scene) -> float:
 
 @dataclass(frozen=True, eq=False)
 class InterfaceView:
-    """State of the contact at T.
+    """State of the contact at one time.
 
     Attributes
     ----------
@@ -46,12 +48,15 @@ class InterfaceView:
         Positions over c_t T.
     slip_rate : (n,) array
         Slip rate over V₀.
+    slip : (n,) array
+        Slip over V₀ T.
     shear, bound, pressure : (n,) arrays
         Shear traction, friction bound f p and contact pressure over τ₀.
     """
 
     x: Array
     slip_rate: Array
+    slip: Array
     shear: Array
     bound: Array
     pressure: Array
@@ -62,38 +67,48 @@ class InterfaceView:
         return _limits(self.slip_rate, 0.05)
 
     @property
+    def slip_limits(self) -> tuple[float, float]:
+        """Return limits of an axis for the slip."""
+        return _limits(self.slip, 0.05)
+
+    @property
     def traction_limits(self) -> tuple[float, float]:
         """Return limits of an axis for tractions, without the singular values near the edge."""
-        inner = self.x > 0.05 * self.x[-1]
+        inner = self.x > 0.05 * np.max(self.x)
         parts = (self.shear, self.bound, -self.bound, self.pressure)
         return _limits(np.concatenate([part[inner] for part in parts]), 0.1)
 
 
-def interface_view(answer: Solution | Marched, nodes: int = NODES) -> InterfaceView:
-    """Return slip rate and tractions along the contact at T, at `nodes` places and at edges."""
+def interface_view(
+    answer: Solution | Marched, nodes: int = NODES, share: float = 1.0
+) -> InterfaceView:
+    """Return slip rate, slip and tractions along the contact, at `nodes` places and at edges."""
     scene = answer.scene
-    time, stress = end_time(scene), stress_scale(scene)
-    x = _march_places(answer) if isinstance(answer, Marched) else _places(answer, nodes)
+    end, stress = end_time(scene), stress_scale(scene)
+    time, rate = share * end, slip_rate_scale(scene)
+    x = _march_places(answer) if isinstance(answer, Marched) else _places(answer, nodes, share)
     pressure = answer.pressure(x, time) / stress
     return InterfaceView(
-        x=x / (scene.material.shear_speed * time),
-        slip_rate=answer.slip_rate(x, time) / slip_rate_scale(scene),
+        x=x / (scene.material.shear_speed * end),
+        slip_rate=answer.slip_rate(x, time) / rate,
+        slip=answer.slip(x, time) / (rate * end),
         shear=answer.shear_traction(x, time) / stress,
         bound=scene.friction * pressure,
         pressure=pressure,
     )
 
 
-def _places(solution: Solution, nodes: int) -> Array:
-    """Return positions [length] at T that make curves smooth, denser near edges and fronts."""
+def _places(solution: Solution, nodes: int, share: float) -> Array:
+    """Return positions [length] that make curves smooth, denser near edges and fronts."""
     scene = solution.scene
     far = BEYOND * scene.fastest_speed
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
     edges = [one for part in parts for one in (part.inner, part.outer) if 0 < one < np.inf]
     near = np.array([*scene_fronts(scene).values(), *edges])
     even = np.linspace(far / nodes, far, nodes)
-    speeds = np.concatenate([even, (near[:, None] * (1 + BESIDE)).ravel()])
-    return np.unique(speeds[(speeds > 0) & (speeds <= far)]) * end_time(scene)
+    speeds = np.concatenate([even / share, even, (near[:, None] * (1 + BESIDE)).ravel()])
+    inside = (speeds > 0) & (speeds <= far / share)
+    return np.unique(speeds[inside]) * share * end_time(scene)
 
 
 def _march_places(marched: Marched) -> Array:
@@ -159,46 +174,53 @@ def _senses(marched: Marched) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FieldView:
-    """Particle speed in both bodies at T.
+    """Particle speed or displacement in both bodies at one time.
 
     Attributes
     ----------
-    speed : (m, n) array
-        Particle speed over V₀, clipped at `largest`.
+    size : (m, n) array
+        Particle speed over V₀, or displacement over V₀ T, clipped at `largest`.
     reach : float
         Half the side of the picture over c_t T.
     largest : float
-        Speed at the end of the colour scale over V₀.
+        Value at the end of the colour scale.
     lines : list of (x, y)
         Wave fronts in both bodies.
+    names : list of (name, x, y)
+        Names of waves, each beside its front.
     parts : list of (kind, start, end)
         Slipping and open parts of the interface.
     """
 
-    speed: Array
+    size: Array
     reach: float
     largest: float
     lines: list[tuple[Array, Array]]
+    names: list[tuple[str, float, float]]
     parts: list[tuple[str, float, float]]
 
 
-def field_view(fields: WholeFields, points: int) -> FieldView:
-    """Return the particle speed on points x points square cells around the contact edge."""
-    scene, time = fields.scene, end_time(fields.scene)
-    length, far = scene.material.shear_speed * time, reach(fields, time)[1]
+def field_view(fields: WholeFields, points: int, share: float = 1.0, of: str = SPEED) -> FieldView:
+    """Return speed or displacement on points x points square cells around the contact edge."""
+    scene, end = fields.scene, end_time(fields.scene)
+    time, length = share * end, scene.material.shear_speed * end
+    far = reach(fields, end)[1]
     middles = far * (2 * (np.arange(points) + 0.5) / points - 1)
-    x, y = np.meshgrid(middles, middles)
-    quantity = find_quantity("speed", scene)
-    speed = quantity.at(fields, x.ravel(), y.ravel(), time).reshape(x.shape)
-    speed /= slip_rate_scale(scene)
-    largest = float(np.quantile(speed[np.isfinite(speed)], 0.995)) or 1.0
-    lines = []
+    x, y = (part.ravel() for part in np.meshgrid(middles, middles))
+    rows = (fields.velocity if of == SPEED else fields.displacement)(x, y, time)
+    scale = slip_rate_scale(scene) * (1.0 if of == SPEED else end)
+    size = np.sqrt(np.sum(np.square(rows), axis=0)).reshape(points, points) / scale
+    largest = float(np.quantile(size[np.isfinite(size)], 0.995)) or 1.0
+    lines, names = [], []
     for front in fronts(fields, time):
         inside = (np.abs(front.x) <= 2 * far) & (np.abs(front.y) <= 2 * far)
         along, across = front.x[inside] / length, front.y[inside] / length
         lines += [(along, side * across) for side in front.sides]
+        if len(along) and not front.name.startswith("plane"):
+            at = min(round(front.share * (len(along) - 1)), len(along) - 1)
+            names.append((front.name, float(along[at]), front.sides[0] * float(across[at])))
     parts = [
         (part.kind, part.start / length, min(part.end, far) / length)
         for part in moving_parts(fields, time)
     ]
-    return FieldView(np.minimum(speed, largest), far / length, largest, lines, parts)
+    return FieldView(np.minimum(size, largest), far / length, largest, lines, names, parts)

@@ -33,7 +33,7 @@ from semianalytic.scene.named import NAMED_SCENES, find_scene
 from semianalytic.scene.units import unit
 from slipfront.cli.commands import main
 from slipfront.explore import controls, downloads, maps, views
-from slipfront.explore.jobs import marched_views
+from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views
 from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, Session
 from slipfront.explore.pictures import SHADES, Board, SpaceTimePicture
 from slipfront.explore.serving import make_server
@@ -280,8 +280,8 @@ def test_a_march_is_shown_by_its_senses():
     image = views.space_time_view(marched).image
     assert set(np.unique(image)) == {0.0, 1.0, 2.0}
     field = views.field_view(marched, 6)
-    assert field.speed.shape == (6, 6)
-    assert np.all((field.speed >= 0) & (field.speed <= field.largest))
+    assert field.size.shape == (6, 6)
+    assert np.all((field.size >= 0) & (field.size <= field.largest))
 
 
 def test_the_field_is_the_speed_around_the_edge():
@@ -289,7 +289,7 @@ def test_the_field_is_the_speed_around_the_edge():
     view = views.field_view(solution, 9)
     middle = view.reach * (2 * 7.5 / 9 - 1)
     speed = np.hypot(*solution.velocity(middle, middle, 1.0)) / 2
-    assert view.speed[7, 7] == pytest.approx(min(speed, view.largest))
+    assert view.size[7, 7] == pytest.approx(min(speed, view.largest))
 
 
 @pytest.mark.parametrize("law", [None, ViscousFriction(0.1)])
@@ -418,6 +418,78 @@ def test_a_field_that_comes_late_is_not_drawn_over_a_march(monkeypatch):
     session._field_news("result", views.field_view(solve(STEEL), 6))
     assert session._field._image.data is drawn
     assert asked[-1] is marched_views
+
+
+@pytest.mark.parametrize("share", [0.25, 1.0])
+def test_pictures_show_the_moment_of_the_time_slider(share, alone):
+    session = Session(Document(), STEEL, "")
+    asked = {"values": controls.defaults(STEEL), "moving": True, "since": 0.0, "share": share}
+    session._answer_to(asked)
+    lines = told_by(session)["models"][session._interface._lines.id]["data"]
+    solution, end = solve(STEEL, rtol=MOVING_RTOL), views.end_time(STEEL)
+    x = np.array(lines["x"]) * STEEL.material.shear_speed * end
+    scale = 2 * 5e6 / STEEL.material.shear_impedance * end
+    expected = solution.slip(x, share * end) / scale
+    assert np.array(lines["slip"]) == pytest.approx(expected, abs=2e-4 * expected.max())
+    assert expected.max() > 0.1 * share
+
+
+def test_displacement_in_the_bodies_jumps_by_the_slip():
+    solution = solve(unit_scene())
+    view = views.field_view(solution, 10, 0.5, views.DISPLACEMENT)
+    middles = view.reach * (2 * (np.arange(10) + 0.5) / 10 - 1)
+    expected = np.hypot(*solution.displacement(middles[6], middles[7], 0.5)) / 2
+    assert view.size[7, 6] == pytest.approx(min(expected, view.largest))
+    names = {name for name, *_ in view.names}
+    assert {"S", "P"} <= names
+
+
+def test_another_moment_of_a_march_is_not_marched_anew(monkeypatch):
+    started = []
+    monkeypatch.setattr(Worker, "start", lambda self, function, *rest: started.append(function))
+    scene = unit_scene(friction_law=SlipWeakening(0.5, 0.3))
+    marched = march(scene, 1.0, nodes=64)
+    session = Session(Document(), scene, "")
+    values = controls.defaults(scene)
+    session._answer_to({"values": values, "moving": False, "since": 0.0})
+    assert started[0] is marched_views
+    moment = Moment()
+    field = views.field_view(marched, 4)
+    session._march_news("result", MarchViews(marched, moment, field))
+    started.clear()
+    session._answer_to({"values": values, "moving": False, "since": 0.0, "share": 0.5})
+    assert started == [marched_field]
+    assert not told_by(session).get("stale")
+    session._answer_to({"values": values | {"friction": 0.2}, "moving": False, "since": 0.0})
+    assert started[1] is marched_views
+
+
+def test_a_map_is_kept_and_found_again(monkeypatch):
+    started = []
+    monkeypatch.setattr(
+        Worker, "start", lambda self, function, *rest: started.append((function, rest))
+    )
+    session = Session(Document(), STEEL, "")
+
+    def maps_after(scene):
+        started.clear()
+        session._draw_map(scene)
+        return len(started)
+
+    def done(scene):
+        size = maps.highest_friction(scene)
+        drawn = maps.RegimeMap(np.zeros((2, 2)), maps.POISSON_RATIOS, (0.0, size))
+        session._map_news("result", drawn)
+
+    assert maps_after(STEEL) == 1
+    done(STEEL)
+    assert maps_after(replace(STEEL, friction=0.9)) == 0  # on the map, which ends at 1
+    assert maps_after(replace(STEEL, material=Material(80e9, 7800.0, 0.1))) == 0
+    other = replace(STEEL, base=Tractions(4e6, 0.0))
+    assert maps_after(other) == 1
+    done(other)
+    assert maps_after(STEEL) == 0
+    assert maps_after(replace(STEEL, friction=1.2)) == 1
 
 
 def test_pages_of_other_addresses_are_not_answered():

@@ -215,6 +215,34 @@ def test_a_scene_in_the_address_is_shown(browser, address):
     )
 
 
+CONTROLS = """
+box = document.getElementById('friction-value');
+box.value = '2.5'; box.dispatchEvent(new Event('input', {bubbles: true}));
+"""
+MOMENT = """
+time = document.getElementById('share');
+time.value = 0.5; time.dispatchEvent(new Event('input', {bubbles: true}));
+"""
+SHOWN = "document.getElementById('scenes').selectedOptions[0].text"
+
+
+@pytest.mark.slow
+def test_a_box_takes_what_no_slider_reaches_and_the_menu_names_the_scene(page):
+    _until(page, f"{SHOWN} === 'preloaded'")
+    page.value(CONTROLS)
+    _until(page, "location.search.includes('friction=2.5')")
+    assert page.value("document.getElementById('friction').value") == "2"
+    assert page.value(SHOWN) == "named scenes …"
+    assert "friction=2.5" in page.value(TEXT % "program")
+    before = page.value(RATE)
+    page.value(MOMENT)
+    _until(page, f"({RATE.strip()}) !== {before!r}")
+    assert page.value("document.getElementById('share-value').value") == "0.5"
+    page.value("document.getElementById('link').click()")
+    _until(page, f"({TEXT % 'copied'}).includes('copied')")
+    assert page.value("document.querySelector('a[href=\"help.html\"]').textContent") == "Help"
+
+
 @pytest.mark.slow
 def test_buttons_bring_files(page):
     page.value(

@@ -1,0 +1,104 @@
+"""Write what `slipfront explore` looks like, in Chromium: seven scenes at three widths.
+
+``python -m docs.studies.explore_pictures`` writes docs/figures/explore/SCENE-WIDTH.png, whole pages
+of few colours, and ends with exit code 1 if one is wider than its window or has a large hole.
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import io
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from PIL import Image
+
+from docs.studies.latency import DOCS, SCENES
+from semianalytic.scene.named import find_scene
+from slipfront.explore.chromium import CHROMIUM, Browser
+from slipfront.explore.controls import defaults, query_of
+
+FOLDER = DOCS / "figures" / "explore"
+WIDTHS = (390, 1280, 1920)
+COLOURS = 48
+"""Colours of a picture, on whose number the size of the files depends."""
+READY = """
+Boolean(window.slipfrontTimes && slipfrontTimes.length
+  && document.getElementById('pictures').dataset.late === 'false'
+  && document.querySelectorAll('#regimes span').length)
+"""
+LONGEST = 60.0
+"""Time after which a page is drawn as it is [s]; an idle machine has all of it in five."""
+SETTLED = 1.5
+"""Time in which the pictures follow the width of the window [s]."""
+HOLE = 0.12
+"""Largest share of the area of the pictures that may be empty: a row of a shorter picture."""
+EMPTY = """
+(() => {
+  const all = document.getElementById('pictures').getBoundingClientRect();
+  const one = [...document.querySelectorAll('#pictures > section')]
+    .map((part) => part.getBoundingClientRect());
+  const filled = one.reduce((sum, part) => sum + part.width * part.height, 0);
+  return all.width ? 1 - filled / (all.width * all.height) : 0;
+})()
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write the pictures and return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--output", type=Path, default=FOLDER, metavar="FOLDER")
+    folder = parser.parse_args(arguments).output
+    if CHROMIUM is None:
+        raise SystemExit("There is no Chromium to look at the page in; apt install chromium.")
+    folder.mkdir(parents=True, exist_ok=True)
+    command = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
+    arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
+    wrong = []
+    with (
+        tempfile.TemporaryDirectory() as profile,
+        subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server,
+    ):
+        assert server.stdout is not None
+        address = server.stdout.readline().split()[1]
+        browser = Browser(Path(profile))
+        for name in SCENES:
+            browser.open(address + query_of(defaults(find_scene(name))), 1280)
+            _wait(browser)
+            for width in WIDTHS:
+                browser.resize(width)
+                time.sleep(SETTLED)
+                (folder / f"{name}-{width}.png").write_bytes(_picture(browser))
+                if browser.value("document.documentElement.scrollWidth") > width:
+                    wrong.append(f"{name} at {width}: wider than the window")
+                if (hole := browser.value(EMPTY)) > HOLE:
+                    wrong.append(f"{name} at {width}: {hole:.0%} of the pictures is empty")
+        browser.close()
+        server.terminate()
+    print("\n".join(wrong) or f"{len(SCENES) * len(WIDTHS)} pictures in {folder}")
+    return int(bool(wrong))
+
+
+def _wait(browser: Browser) -> None:
+    """Wait for the field and the map of a scene; on a busy machine the map may be missing."""
+    limit = time.monotonic() + LONGEST
+    while not browser.value(READY) and time.monotonic() < limit:
+        time.sleep(0.2)
+
+
+def _picture(browser: Browser) -> bytes:
+    """Return the whole page as PNG of few colours."""
+    taken = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
+    image = Image.open(io.BytesIO(base64.b64decode(taken["data"]))).convert("RGB")
+    packed = io.BytesIO()
+    image.quantize(COLOURS, dither=Image.Dither.NONE).save(packed, "PNG", optimize=True)
+    return packed.getvalue()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
