@@ -32,10 +32,11 @@ ARGUMENTS: dict[str, Any] = {
     "t": np.linspace(0.05, 0.9, 23),
     "inner": 0.05,
     "outer": np.linspace(0.1, 1.3, 23),
+    "of": "slip",
 }
 """Of methods, by the names of their parameters."""
-ELSEWHERE = ("to_xarray", "save", "load", "derivative", "error_of", "seen", "trials")
-"""Asked below with other arguments, or of other objects."""
+ELSEWHERE = ("to_xarray", "save", "load", "derivative", "error_of", "seen", "trials", "chain")
+"""Asked below with other arguments, or of other objects, as a chain of marches holds."""
 RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}}
 SLOT = {"slot_velocity": {"x": -ARGUMENTS["x"]}}
 

@@ -258,6 +258,17 @@ class Line:
         rate[:slot] *= 1 / self.impedance
         return at, above
 
+    def spilled_power(self, level: Level, rate: Array) -> float:
+        """Return what friction that was left on the slot does per time, at slip rates (size,).
+
+        A slipping edge leaves some of the singular friction of the first cells on the slot
+        (`SLIPPING_EDGE`).  It is friction of the contact, whose work the first node carries.
+        """
+        if level.spilled is None:
+            return 0.0
+        near = rate[self._slot - len(level.spilled) : self._slot]
+        return self._friction * float(level.spilled @ near)
+
 
 def _partly(stopping: Array, strength: Array, slips: Flags) -> tuple[Indices, Array]:
     """Return the nodes that slip on a part of their cell, and the mean traction that moves them.
@@ -328,6 +339,7 @@ class Walk:
         for field, value in zip(self._fields, values, strict=True):
             field[0] = value
         self._last = 0
+        self._spilled = np.zeros(self.block + 1)
         self._above: list[tuple[int, Indices, Array]] = []
         self._transform, self._stopping = np.empty((2, grid.size))
 
@@ -363,6 +375,7 @@ class Walk:
         if segment.begin == 0 or segment.begin in _jumps(scene):
             self._jump(first)
             self.record.jump(self.time, self._rates[0], self._slips[0])
+        self._spilled[0] = self._line.spilled_power(first, self._rates[0])
         if segment.begin == 0:
             self.record.begin(self.state, first.pressure)
         self.done = 0
@@ -394,7 +407,7 @@ class Walk:
     def _go_back(self) -> None:
         """Make the level that is reached the first row of the next block."""
         if self._last:
-            for field in self._fields:
+            for field in (*self._fields, self._spilled):
                 field[0] = field[self._last]
             self._last = 0
 
@@ -455,6 +468,7 @@ class Walk:
         np.multiply(rate[contact], -line.impedance, out=self._tractions[new])
         self._tractions[new] += stopping[contact]
         self._tractions[new, at] += above
+        self._spilled[new] = line.spilled_power(level, rate)
         self._above.append((new, at, above))
 
     def _sum_up(self, half: float) -> None:
@@ -462,7 +476,9 @@ class Walk:
         last = self._last
         rates, tractions = self._rates[: last + 1, self.grid.contact], self._tractions[: last + 1]
         # the rate is linear in time over a step: slip is exact, work by the trapezoidal rule
-        sums = [(self._slips, rates), (self._works, tractions * rates)]
+        power = tractions * rates
+        power[:, 0] += self._spilled[: last + 1]
+        sums = [(self._slips, rates), (self._works, power)]
         if not self._by_slip:
             sums.append((self._paths, np.abs(rates)))
         for field, values in sums:

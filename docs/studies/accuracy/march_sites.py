@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from compare.figures.saving import figure_png
+from compare.figures.style import look
 from semianalytic import Scene, SlipWeakening, march
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.named import NAMED_SCENES
@@ -41,6 +42,7 @@ def errors(scene: Scene, nodes: int = NODES) -> tuple[Array, Array, Array]:
     return x, t, off / np.abs(exact).mean()
 
 
+@look()
 def sites_figure() -> Figure:
     """Draw the errors over place and time."""
     figure = Figure(figsize=(9.0, 3.2), layout="constrained")

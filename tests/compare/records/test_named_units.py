@@ -144,9 +144,9 @@ def test_a_station_may_name_the_unit_of_its_place(tmp_path):
 
 def test_other_units_of_the_si_need_pint(tmp_path, monkeypatch):
     monkeypatch.setattr("compare.records.units._size", _without_pint)
-    assert read(table(tmp_path, "t [s],x [m],tau [Pa]")).stations
+    assert read(table(tmp_path, "t [ms],x [cm],tau [Pa]")).stations
     with pytest.raises(MissingLibraryError, match=re.escape("pip install '.[units]'")):
-        read(table(tmp_path, "t [ms],x,slip"))
+        read(table(tmp_path, "t [min],x,slip"))
 
 
 def _without_pint(name, dimension):

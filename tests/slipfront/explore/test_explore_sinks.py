@@ -263,6 +263,7 @@ def test_pages_of_html_are_known():
         for path in (ROOT / folder).rglob("*.html")
     }
     assert written == {
+        "slipfront/explore/help.html",
         "slipfront/explore/page.html",
         "compare/studies/evidence/evidence.html",
         "compare/benchmarks/sheet.html",

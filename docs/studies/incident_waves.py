@@ -1,6 +1,6 @@
 """Draw P and SV waves that arrive at 30 degrees, and map what slips first over angle and friction.
 
-``python -m docs.examples.incident_waves [FOLDER]`` writes incident_waves.png.
+``python -m docs.studies.incident_waves docs/figures`` writes incident_waves.png.
 """
 
 from __future__ import annotations
