@@ -27,7 +27,8 @@ on 512 nodes is 0.16, 0.11, 0.064 and 0.031 % with 0 (none), 1, 1.5 and 2 (`anti
 0.030, 0.027 and 0.026 % (`preloaded`), but 0.59, 0.63, 0.70 and 0.81 % where the end is faster than
 shear waves (`pressure-drop`)."""
 BLOCK_STEPS = 64
-"""Largest number of steps that are recorded at once; 16 and 256 take as long (256 nodes)."""
+"""Largest number of steps that are recorded at once: 32 take 1.03 times as long, 128 take 0.95
+(`preloaded`, 256 nodes)."""
 STEP_VALUES = 1 << 15
 """Slip rates in a block of steps, so that its five fields stay in the cache."""
 LARGEST_FEEDBACK = 0.95
@@ -49,8 +50,8 @@ grid."""
 
 ERROR_SAFETY = 1.25
 """Estimate of the L1 error of the slip rate over the difference from the companion at half the
-nodes: the true error is 0.35 to 1.06 of that difference in 200 scenes (`march-error`), whatever the
-loads."""
+nodes: the true error is 0.35 to 1.06 of that difference in 163 scenes of steps, viscous films,
+histories and antiplane shear."""
 ORDER_SAFETY = 1.3
 """Estimate over difference / (2^p - 1) where the order p is known: true errors are 0.33 to 0.85 of
 it in 160 scenes.  With 1.0 it is no bound in three scenes of a hundred; 1.5 asks for a tenth more
