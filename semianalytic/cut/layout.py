@@ -253,25 +253,31 @@ def outline(
     tail: bool,
     cuts: tuple[CutPoints, ...] = (),
     opening: Zone | None = None,
+    laid: bool = False,
 ) -> tuple[list[CutPoints], Layout]:
     """Return the ends and the layout of panels.
 
     Panels end at zone edges, at the shear front, beside the hidden root, at more `cuts`, where the
     contact opens and closes, and at intermediate points of panels over a wide range of slowness.
-    Without `tail` the unbounded panel after others is left out.
+    Without `tail` the unbounded panel after others is left out.  Panels that are `laid` already
+    have their ends among the cuts, and are not divided again.
     """
     ends, stretches = [factors.front_a], []
+
+    def on_the_way(right: CutPoints) -> list[CutPoints]:
+        return [] if laid else _on_the_way(factors, ends[-1], right)
+
     edges = () if opening is None else (opening.left, opening.right)
     every = [*factors.cuts, *cuts, *(edge for edge in edges if edge is not None)]
     every.sort(key=lambda cut: cut.first)
     for right, zone, index in _stretches(zones):
         for cut in every:
             if lies_between(ends[-1], cut, right):
-                for end in (*_on_the_way(factors, ends[-1], cut), cut):
+                for end in (*on_the_way(cut), cut):
                     stretches.append((*_state(zone, ends[-1], opening), index))
                     ends.append(end)
         if right is not None:
-            for end in _on_the_way(factors, ends[-1], right):
+            for end in on_the_way(right):
                 stretches.append((*_state(zone, ends[-1], opening), index))
                 ends.append(end)
         stretches.append((*_state(zone, ends[-1], opening), index))

@@ -84,9 +84,9 @@ class ZoneFields:
         """Panels on a rule as fine and as long as these zones need."""
         if self.shared is not None:
             ends, count = tuple(self.shared.left[1:]), len(self.shared.left)
-            _, layout = outline(self.factors, self.zones, True, ends)
+            _, layout = outline(self.factors, self.zones, True, ends, laid=True)
             if len(layout.sense) > count:
-                _, layout = outline(self.factors, self.zones, False, ends)
+                _, layout = outline(self.factors, self.zones, False, ends, laid=True)
             return replace(self.shared, layout=layout)
         sets, load = np.shape(self.load.friction), self.load
         by_slip = load.resists_rate or load.given_slope is not None

@@ -297,3 +297,20 @@ def test_estimates_cover_the_gap_of_narrow_openings(nu, below):
         solution = solve(scene, rtol=rtol)
         error = weight @ np.abs(solution.gap(x, 1.0) - gap) / (weight @ gap)
         assert error < solution.error_estimate <= rtol
+
+
+@pytest.mark.parametrize("lift", [1e-6, 1e-9, 5e-10, 1e-12])
+def test_openings_of_no_width_change_nothing(lift):
+    """A wave that hardly lifts the contact opens (lift)^2 of it; slip is as without the lift."""
+    scene = Scene(
+        Material(1.0, 1.0, 0.25),
+        0.3,
+        Tractions(1.0, 0.1),
+        Tractions(-lift, 0.15),
+        load_on="remote",
+    )
+    solution = solve(scene)
+    assert solution.status == "converged"
+    assert 0 < solution.openings[0].outer < 2 * lift**2
+    # c_t / ((1 - nu) (1 + chi)^2) with what is missing to friction over the step, chi = 1/3
+    assert solution.zones[0].outer == pytest.approx(0.75, abs=4 * lift + 1e-9)
