@@ -360,3 +360,10 @@ def test_no_strip_of_a_solution_reads_as_if_it_were_empty(friction, nu):
         else:
             zones = [text.split(" < x < ") for text in cells[1] if " < x < " in text]
             assert all(float(inner) < float(outer) for inner, outer in zones)
+
+
+def test_a_history_that_no_memory_holds_is_refused():
+    solution = solve(NAMED_SCENES["preloaded"].scene)
+    x = np.linspace(0.01, 1.0, 40_000)
+    with pytest.raises(SceneError, match=r"40,000 positions and 40,000 times would take .* GB"):
+        solution.history(x, x)
