@@ -35,8 +35,8 @@ ARGUMENTS: dict[str, Any] = {
     "of": "slip",
 }
 """Of methods, by the names of their parameters."""
-ELSEWHERE = ("to_xarray", "save", "load", "derivative", "error_of", "seen", "trials", "chain")
-"""Asked below with other arguments, or of other objects, as a chain of marches holds."""
+ELSEWHERE = ("to_xarray", "save", "load", "derivative", "error_of", "seen", "trials")
+"""Asked below with other arguments, or of other objects."""
 RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}}
 SLOT = {"slot_velocity": {"x": -ARGUMENTS["x"]}}
 

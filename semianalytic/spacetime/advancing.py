@@ -46,46 +46,27 @@ def advance(
         If values are no longer finite.
     """
     began = time.perf_counter()
-    chain = marched.chain
-    ways = [
-        segments_between(
-            marched.scene, marched.end_time, end_time, marched.step_ratio, marched.grid.spacing
-        )
-    ]
-    for _ in chain[1:]:
-        ways.append([segment.coarser for segment in ways[-1]])
-    table = sum(_table_bytes(one, way) for one, way in zip(chain, ways, strict=True))
-    every = affordable_every(marched, memory, sum(part.steps for part in ways[0]), table)
+    segments = segments_between(
+        marched.scene, marched.end_time, end_time, marched.step_ratio, marched.grid.spacing
+    )
+    coarser, companion = [segment.coarser for segment in segments], marched.companion
+    table = _table_bytes(marched, segments)
+    table += 0.0 if companion is None else _table_bytes(companion, coarser)
+    every = affordable_every(marched, memory, sum(part.steps for part in segments), table)
+    walk = _walk(marched, segments, every, progress)
+    if companion is None:
+        for segment in segments:
+            _march_segment(segment, walk, None)
+        return _reached(marched, walk, every, setup, time.perf_counter() - began)
     # Half of `every`, rounded up, of half the steps: stored levels lie at about the same times.
-    spaced = [every]
-    for _ in chain[1:]:
-        spaced.append(-(-spaced[-1] // 2))
-    followers: list[Follower] = []
-
-    def stopped(rank: int) -> Callable[[int, int], bool]:
-        # a companion stops where its follower says so; the last of the chain is the first made
-        return lambda done, steps: followers[-rank].stopping
-
-    walks = [
-        _walk(one, way, own, stopped(rank) if rank else progress)
-        for rank, (one, way, own) in enumerate(zip(chain, ways, spaced, strict=True))
-    ]
-    for rank in range(len(chain) - 1, 0, -1):
-        before, behind = chain[rank - 1].departure, followers[-1] if followers else None
-        followers.append(Follower(walks[rank], walks[rank - 1], before, behind))
-    first = followers[-1] if followers else None
-    for segment in ways[0]:
-        _march_segment(segment, walks[0], first)
-    reached = None
-    for rank in range(len(chain) - 1, -1, -1):
-        follower = followers[-rank] if rank else None
-        seconds = follower.seconds if follower else time.perf_counter() - began
-        one = replace(chain[rank], companion=reached)
-        if reached is not None:
-            one = replace(one, departure=followers[-rank - 1].departure)
-        reached = _reached(one, walks[rank], spaced[rank], 0.0 if rank else setup, seconds)
-    assert reached is not None
-    return reached
+    own_every = -(-every // 2)
+    behind = _walk(companion, coarser, own_every, lambda done, steps: follower.stopping)
+    follower = Follower(behind, walk, marched.departure)
+    for segment in segments:
+        _march_segment(segment, walk, follower)
+    companion = _reached(companion, behind, own_every, 0.0, follower.seconds)
+    marched = replace(marched, companion=companion, departure=follower.departure)
+    return _reached(marched, walk, every, setup, time.perf_counter() - began)
 
 
 def _march_segment(segment: Segment, walk: Walk, follower: Follower | None) -> None:
@@ -96,7 +77,7 @@ def _march_segment(segment: Segment, walk: Walk, follower: Follower | None) -> N
     if follower is not None:
         follower.begin(segment)
     while walk.done < segment.steps and not walk.record.stopped:
-        walk.advance(segment.steps - walk.done)
+        walk.step()
         if follower is not None:
             follower.follow()
     walk.end()
@@ -144,5 +125,4 @@ def _reached(marched: Marched, walk: Walk, every: int, setup: float, steps: floa
         statistics=replace(before, steps=before.steps + record.done, seconds=seconds),
         state=walk.state,
         seen=record.seen,
-        partly=record.partly(),
     )

@@ -17,7 +17,6 @@ residues from least squares.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -27,12 +26,10 @@ from numpy.typing import NDArray
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.tuning import (
-    BANDS,
     FAR_SAMPLE,
     MOST_PAIRS,
     SAMPLES,
     SHORTEST_SAMPLE,
-    TOLERANCES,
 )
 
 Array = NDArray[np.float64]
@@ -64,81 +61,6 @@ class Memory:
     def __call__(self, x: Array) -> Array:
         """Return h at x = q c_t t >= 0, (n,)."""
         return self.static + (np.exp(np.multiply.outer(x, self.poles)) @ self.residues).real
-
-
-@dataclass(frozen=True, eq=False)
-class GridMemory:
-    """The memory of all cosines of a grid: the shorter the waves, the fewer exponentials.
-
-    Short waves hold little of the slip rate, so their kernels may be rougher (`BANDS`).
-
-    Attributes
-    ----------
-    poles, residues : (m,) complex arrays
-        Those of `Memory` for one band of wavenumbers after the other, long waves first.
-    counts : (bands,) int array
-        Number of poles of each band.
-    static, error : float
-        As of `Memory`, the error that of long waves.
-    """
-
-    poles: Complex
-    residues: Complex
-    counts: NDArray[np.int64]
-    static: float
-    error: float
-
-    @property
-    def most(self) -> int:
-        """Number of exponentials of long waves, which have the most."""
-        return int(self.counts.max())
-
-    def bands(self, size: int) -> list[tuple[slice, slice]]:
-        """Return the cosines of each band of a grid of `size` nodes, and its part of the poles."""
-        ends = [round(share * size) for share, _ in BANDS]
-        lasts = np.cumsum(self.counts).tolist()
-        return [
-            (slice(first, end), slice(low, high))
-            for first, end, low, high in zip([0, *ends], ends, [0, *lasts], lasts, strict=False)
-        ]
-
-    def values(self, size: int) -> int:
-        """Return how many numbers carry the memory of a grid of `size` nodes."""
-        return sum(
-            (end.stop - end.start) * (part.stop - part.start) for end, part in self.bands(size)
-        )
-
-
-def grid_memory(impedance: Impedance, horizon: float, tolerance: float) -> GridMemory:
-    """Fit the memory of all wavenumbers of a grid.
-
-    Parameters
-    ----------
-    impedance : Impedance
-        G of in-plane or antiplane shear.
-    horizon : float
-        Largest q c_t t of the shortest wave.
-    tolerance : float
-        Relative error of the transform for long waves.
-
-    Raises
-    ------
-    ComputationError
-        If the tolerance is not met.
-    """
-    # at a power of two, marches on other grids find their fits made
-    horizon = 2.0 ** math.ceil(math.log2(horizon))
-    fits = [
-        fit_memory(impedance, share * horizon, min(factor * tolerance, TOLERANCES[1]))
-        for share, factor in BANDS
-    ]
-    return GridMemory(
-        np.concatenate([fit.poles for fit in fits]),
-        np.concatenate([fit.residues for fit in fits]),
-        np.array([len(fit.poles) for fit in fits]),
-        impedance.static,
-        fits[0].error,
-    )
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ Slip between identical bodies does not change the pressure, so that of the stuck
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +14,11 @@ from numpy.typing import NDArray
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.scene.friction import CoulombFriction, ViscousFriction
 from semianalytic.scene.loads import Pieces
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.tuning import (
     BLOCK_VALUES,
     EXACT_KINKS,
-    FAR_SLOWNESS,
-    SLIPPING_EDGE,
     TABLE_BYTES,
     TABLE_ROWS,
     TABLE_SAMPLES,
@@ -40,70 +37,6 @@ def _needs_table(scene: Scene) -> bool:
     pieces = scene.pressure_history.pieces
     load = scene.superposition.taken_off
     return bool(load.pressure and (pieces.waves or len(pieces.kinks) > EXACT_KINKS))
-
-
-def knows_slipping_edge(scene: Scene) -> bool:
-    """Return whether the pressure beside an edge that slips has its own form in a march.
-
-    It has if the pressure jumps and is constant in between, and friction is the pressure times a
-    constant but for a viscous part.
-    """
-    pieces = scene.pressure_history.pieces
-    jumps_only = bool(pieces.jumps) and not pieces.kinks and not pieces.waves
-    dry = isinstance(scene.friction_law, CoulombFriction | ViscousFriction)
-    return bool(scene.superposition.taken_off.pressure) and jumps_only and dry
-
-
-def spilled_pressure(scene: Scene, spacing: float, times: Array) -> Array:
-    """Return the pressure that an edge which slips leaves on the last nodes of the slot, (l, m).
-
-    It belongs to the pressure of `GridPressure.block` with `slipping`.
-
-    Parameters
-    ----------
-    scene : Scene
-        One that `knows_slipping_edge`.
-    spacing : float
-        Node distance [length].
-    times : (l,) array
-        Times [time].
-    """
-    # p* + 1 = intensity sqrt(u) at the edge, where u = c_t t / x is large
-    far = stuck_traction(scene.material.poisson_ratio, "I")(np.array([FAR_SLOWNESS]))[0] + 1
-    per = spacing / scene.material.shear_speed * FAR_SLOWNESS
-    root = np.zeros(len(times))
-    for start, height in scene.pressure_history.pieces.jumps:
-        root += height * np.sqrt(np.maximum(times - start, 0.0) / per)
-    load = scene.superposition.taken_off.pressure
-    return np.asarray(load * float(far) * np.multiply.outer(root, SLIPPING_EDGE[0]))
-
-
-class PressureRows:
-    """The pressure at the nodes at some times, computed a few times at once when asked for.
-
-    Parameters
-    ----------
-    pressure : GridPressure
-        What computes it.
-    times : (m,) array
-        The times [time].
-    """
-
-    def __init__(self, pressure: GridPressure, times: Array) -> None:
-        self._pressure, self._times = pressure, times
-        self._first, self._slipping, self._block = 0, False, np.zeros((0, 0))
-
-    def __call__(self, row: int, slipping: bool = False) -> Array:
-        """Return the pressure at a time by its index, (n,) [stress], positive in compression.
-
-        `slipping` says whether the edge slips, if a scene `knows_slipping_edge`.
-        """
-        within = self._first <= row < self._first + len(self._block)
-        if not within or slipping != self._slipping:
-            rows = max(1, BLOCK_VALUES // self._pressure.count)
-            self._first, self._slipping = row, slipping
-            self._block = self._pressure.block(self._times[row : row + rows], slipping)
-        return self._block[row - self._first]
 
 
 class GridPressure:
@@ -131,7 +64,7 @@ class GridPressure:
         self, scene: Scene, count: int, spacing: float, end_time: float, time_step: float
     ) -> None:
         offset, factors = edge_offset_and_factors()
-        self.spacing, self.count = spacing, count
+        self.spacing = spacing
         held, self._load = (part.pressure for part in scene.superposition)
         self._history = scene.pressure_history
         self._factor = np.ones(count)
@@ -141,10 +74,6 @@ class GridPressure:
         self._x = (np.arange(count) + offset) * spacing
         self._arrival = self._x / scene.material.longitudinal_speed
         self._per = self._x / scene.material.shear_speed
-        self._unit = spacing / scene.material.shear_speed
-        near = np.array(SLIPPING_EDGE[1])[:count]
-        self._slipping_factor = np.ones(count)
-        self._slipping_factor[: len(near)] = near * np.sqrt(np.arange(len(near)) + 0.5)
         self._pieces = self._history.pieces if self._load else Pieces()
         nu = scene.material.poisson_ratio
         self._stuck, self._primitive = stuck_traction(nu, "I"), stuck_primitive(nu, "I")
@@ -159,31 +88,22 @@ class GridPressure:
 
     def __call__(self, t: float) -> Array:
         """Return the pressure at time t, (n,) [stress], positive in compression."""
-        return self.over(np.array([t]))(0)
+        return next(self.over(np.array([t])))
 
-    def over(self, times: Array) -> PressureRows:
-        """Return the pressure at all of these times, computed some rows at a time."""
-        return PressureRows(self, times)
+    def over(self, times: Array) -> Iterator[Array]:
+        """Yield the pressure at one time after the other, (n,) each [stress]."""
+        rows = max(1, BLOCK_VALUES // len(self._x))
+        for first in range(0, len(times), rows):
+            yield from self._block(times[first : first + rows])
 
-    def block(self, times: Array, slipping: bool) -> Array:
-        """Return the pressure at a few times, (m, n) [stress].
-
-        Beside an edge that sticks the grid sees the singular pressure at its own edge.  Friction at
-        one that slips is a traction that is given: it has to have the resultant and moment of the
-        exact one, and the slip rate that this one causes (`SLIPPING_EDGE`).
-        """
+    def _block(self, times: Array) -> Iterator[Array]:
+        """Yield the pressure at a few times, for which it is computed at once."""
         if self._load == 0:
-            return np.broadcast_to(self._held, (len(times), len(self._held)))
+            yield from (self._held for _ in times)
+            return
         response = np.zeros((len(times), len(self._x)))
-        if slipping:
-            per = self._per + (0.5 - self._per[0] / self._unit) * self._unit
-            arrival = per * self._arrival[0] / self._per[0]
-        else:
-            per, arrival = self._per, self._arrival
-        self._add(response, times, self._pieces.jumps, lambda u, per: self._stuck(u), per, arrival)
-        self._add(
-            response, times, self._kinks, lambda u, per: per * self._primitive(u), per, arrival
-        )
+        self._add(response, times, self._pieces.jumps, lambda u, per: self._stuck(u))
+        self._add(response, times, self._kinks, lambda u, per: per * self._primitive(u))
         if len(self._table):
             at = times / self._interval
             low = np.minimum(at.astype(int), self._rows - 1)
@@ -192,8 +112,7 @@ class GridPressure:
         # Singular at the edge is the response together with the load: that sum vanishes on the
         # slot faces.  Only it is multiplied by the factors of the grid's first nodes.
         load = self._history.value(times)[:, None]
-        factor = self._slipping_factor if slipping else self._factor
-        return np.asarray(self._held + self._load * ((response + load) * factor - load))
+        yield from self._held + self._load * ((response + load) * self._factor - load)
 
     def _add(
         self,
@@ -201,15 +120,13 @@ class GridPressure:
         times: Array,
         pieces: tuple[tuple[float, float], ...],
         unit: Callable[[Array, Array], Array],
-        per_speed: Array,
-        arrival: Array,
     ) -> None:
         """Add to (m, n) responses those to jumps or kinks, of which `unit` is one of height 1."""
         for start, amplitude in pieces:
             lag = times - start
-            reached = lag[:, None] > arrival
+            reached = lag[:, None] > self._arrival
             if reached.any():
-                per = np.broadcast_to(per_speed, reached.shape)[reached]
+                per = np.broadcast_to(self._per, reached.shape)[reached]
                 u = np.broadcast_to(lag[:, None], reached.shape)[reached] / per
                 response[reached] += amplitude * unit(u, per)
 

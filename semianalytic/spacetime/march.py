@@ -35,17 +35,10 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.spacetime.advancing import advance
-from semianalytic.spacetime.exponentials import GridMemory, grid_memory, impedance_of
+from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
 from semianalytic.spacetime.grid_pressure import GridPressure
 from semianalytic.spacetime.march_memory import check_size
-from semianalytic.spacetime.marched import (
-    Extremes,
-    Grid,
-    Marched,
-    MarchState,
-    MarchStatistics,
-    Partly,
-)
+from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
 from semianalytic.spacetime.resolution import (
     check_loads,
     check_weakening_seen,
@@ -62,11 +55,9 @@ from semianalytic.spacetime.tuning import (
     LEAST_GROWTH,
     LEAST_NODES,
     MARGIN_NODES,
-    MEMORY_SHARE,
     MOST_NODES,
     NODES,
     ORDERS,
-    SINGLE_TOLERANCE,
     STEP_RATIO,
     TOLERANCES,
 )
@@ -114,15 +105,15 @@ def march(
     step_ratio: float = STEP_RATIO,
     damping: float = 0.7,
     every: int = 1,
-    tolerance: float = 1e-5,
+    tolerance: float = 1e-6,
     memory: float | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Marched:
     """March the interface of a scene in time, under any load history and friction law.
 
     The method is described in docs/spacetime.md; its equation is (4.40) with the right sign
-    (docs/theory.md, "Any load history").  A march needs up to 80 bytes per pole (about 20) and grid
-    node (about 1.5 per contact node), 32 bytes per stored node and level (see `GridPressure` for
+    (docs/theory.md, "Any load history").  A march needs 80 bytes per pole (about 25) and grid node
+    (about 1.5 per contact node), 32 bytes per stored node and level (see `GridPressure` for
     pressure that oscillates), and half as much again for the companion.  Its time grows like
     nodes^2.
 
@@ -156,9 +147,7 @@ def march(
         Store every n-th time level; the last is always stored.  The number is raised if the stored
         levels do not fit into the memory: see `Marched.every`.
     tolerance : float
-        Relative error of the memory's transform for long waves, above 1e-11 and up to 1e-2.  From
-        1e-6 on the memory is in single precision, which rounds slip to 1e-7 of itself.  For an
-        `rtol` it is at most a fiftieth of that.
+        Relative error of the memory's transform, above 1e-11 and up to 1e-2.
     memory : float, optional
         Memory that the march may take [bytes]; by default 70 % of what the machine has available.
     progress : callable, optional
@@ -315,22 +304,20 @@ class _Plan:
 
         See docs/spacetime.md, "Its own error".
         """
-        nodes = self.enough_nodes(None, FIRST_NODES, memory)
-        # march and companions share the error of the memory: it has to stay well below
-        plan = replace(self, tolerance=min(self.tolerance, max(rtol * MEMORY_SHARE, TOLERANCES[0])))
+        nodes, order, coarser = self.enough_nodes(None, FIRST_NODES, memory), 1.0, None
         while True:
-            marched = plan.run(nodes, memory, progress)
+            marched = self.run(nodes, memory, progress)
             estimate = marched.error_estimate
             stopped = marched.end_time < self.end_time
             if stopped or nodes >= MOST_NODES or estimate <= rtol:
                 return marched
+            if coarser is not None and math.isfinite(coarser.error_estimate):
+                ratio = math.log(nodes / coarser.grid.observed)
+                order = math.log(coarser.error_estimate / estimate) / ratio
             # error ~ nodes^-order: the nodes that bring the estimate to rtol / GROWTH_MARGIN
-            order = float(np.clip(np.nan_to_num(marched.order, nan=1.0), *ORDERS))
-            growth = max(LEAST_GROWTH, (GROWTH_MARGIN * estimate / rtol) ** (1 / order))
-            if growth > LARGEST_GROWTH:
-                # A march on a quarter of the nodes costs a sixteenth, and tells the order better.
-                growth = max(growth / 4, LARGEST_GROWTH)
-            nodes = min(MOST_NODES, math.ceil(growth * nodes))
+            growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / np.clip(order, *ORDERS))
+            growth = float(np.clip(growth, LEAST_GROWTH, LARGEST_GROWTH))
+            nodes, coarser = min(MOST_NODES, math.ceil(growth * nodes)), marched
 
     def run(
         self,
@@ -346,24 +333,19 @@ class _Plan:
         # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
         # same sum of exponentials serves both.
         horizon = grid.wavenumbers[-1] * material.shear_speed * self.latest
-        past = grid_memory(impedance_of(self.scene), horizon, self.tolerance)
-        at_rest = replace(self._at_rest(grid, past), companion=self._companion(grid, past))
+        past = fit_memory(impedance_of(self.scene), horizon, self.tolerance)
+        at_rest = self._at_rest(grid, past)
+        if self.companion:
+            # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
+            coarse = math.ceil(nodes / 2)
+            length = 2 * grid.spacing * coarse
+            companion = self._at_rest(causal_grid(self.scene, self.latest, length, coarse), past)
+            at_rest = replace(at_rest, companion=companion)
         at_rest = replace(at_rest, rtol=self.rtol)
         setup = time.perf_counter() - started
         return advance(at_rest, self.end_time, memory, setup, progress)
 
-    def _companion(self, grid: Grid, past: GridMemory, rank: int = 1) -> Marched | None:
-        """Return the companion of a march on a grid, before its first step."""
-        # for an `rtol` the companion has one too: it shows the order
-        if not self.companion or rank > (1 if self.rtol is None else 2):
-            return None
-        # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
-        nodes = math.ceil(grid.observed / 2)
-        coarse = causal_grid(self.scene, self.latest, 2 * grid.spacing * nodes, nodes)
-        behind = self._companion(coarse, past, rank + 1)
-        return replace(self._at_rest(coarse, past), companion=behind)
-
-    def _at_rest(self, grid: Grid, past: GridMemory) -> Marched:
+    def _at_rest(self, grid: Grid, past: Memory) -> Marched:
         """Return a march on a grid at t = 0, before its first step."""
         no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
         return Marched(
@@ -375,13 +357,12 @@ class _Plan:
             damping=self.damping,
             every=self.every,
             statistics=MarchStatistics(
-                0, grid.size, past.most, past.error, {"setup": 0.0, "steps": 0.0}
+                0, grid.size, len(past.poles), past.error, {"setup": 0.0, "steps": 0.0}
             ),
             grid=grid,
             memory=past,
-            state=MarchState.at_rest(grid, past, single=self.tolerance >= SINGLE_TOLERANCE),
+            state=MarchState.at_rest(len(past.poles), grid),
             seen=Extremes.at_rest(grid.observed),
-            partly=Partly.nowhere(),
         )
 
 

@@ -70,7 +70,7 @@ def affordable_every(marched: Marched, memory: float | None, steps: int, table: 
     SceneError
         If the march does not fit even without storing anything.
     """
-    both = marched.chain
+    both = [one for one in (marched, marched.companion) if one is not None]
     state = sum(state_bytes(one.grid.size, one.statistics.poles) for one in both)
     per_level = sum(one.grid.observed * BYTES_STORED for one in both)
     earlier = sum(len(one.interface.t) * one.grid.observed * BYTES_STORED for one in both)

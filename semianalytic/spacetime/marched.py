@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +20,7 @@ from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, scene_document, scene_from_document
-from semianalytic.spacetime.exponentials import GridMemory
+from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.marched_bodies import MarchedBodies
 from semianalytic.spacetime.resolution import (
     Shortfall,
@@ -34,14 +34,12 @@ from semianalytic.spacetime.tuning import (
     FIELD_SMOOTHING,
     LARGEST_ERROR,
     MEMORY_SAFETY,
-    ORDER_SAFETY,
-    ORDERS,
     READING_SAFETY,
 )
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront march 5"
+FORMAT = "slipfront march 4"
 
 
 @dataclass(frozen=True)
@@ -113,65 +111,32 @@ class Extremes:
         """Largest |slip rate| (n,) [length / time]."""
         return np.maximum(self.forward, np.abs(self.reverse))
 
-    def with_levels(self, times: Sequence[float], rates: Array, slips: Array) -> Extremes:
-        """Return the extremes with k more levels included.
+    def with_level(
+        self, before: float, now: float, old: Array, new: Array, slip: Array
+    ) -> Extremes:
+        """Return the extremes with one more level included.
 
         Parameters
         ----------
-        times : (k + 1,) sequence
-            Times of the levels and of the one before them [time].
-        rates : (k + 1, n) array
-            Slip rates at these [length / time].
-        slips : (k, n) array
-            Slip at the levels [length].
+        before, now : float
+            Times of the level before it and of the level itself [time].
+        old, new : (n,) arrays
+            Slip rates at these two levels [length / time].
+        slip : (n,) array
+            Slip at the level [length].
         """
-        forward = np.maximum(self.forward, rates[1:].max(axis=0))
-        reverse = np.minimum(self.reverse, rates[1:].min(axis=0))
-        slip = np.maximum(self.slip, np.maximum(slips.max(axis=0), -slips.min(axis=0)))
-        waiting = np.flatnonzero(np.isinf(self.onset))
-        if not len(waiting):
-            return Extremes(forward, reverse, slip, self.onset)
-        speeds = np.abs(rates)
-        until = np.maximum.accumulate(speeds[1:].max(axis=1))
-        threshold = ONSET_SHARE * np.maximum(until, float(self.slip_rate.max()))
-        begins = speeds[1:, waiting] > threshold[:, None]
-        first = np.argmax(begins, axis=0)
-        began = np.flatnonzero(begins[first, np.arange(len(waiting))])
+        forward, reverse = np.maximum(self.forward, new), np.minimum(self.reverse, new)
+        threshold = ONSET_SHARE * max(float(forward.max()), -float(reverse.min()))
+        late, speed = np.abs(old), np.abs(new)
+        begins = (speed > threshold) & np.isinf(self.onset)
         onset = self.onset
-        if len(began):
-            level, node, t = first[began], waiting[began], np.asarray(times)
-            late, speed = speeds[level, node], speeds[level + 1, node]
+        if begins.any():
+            onset, late, speed = onset.copy(), late[begins], speed[begins]
             # |V| is linear between the two levels; after a jump, where they are one, onset is now
             rise = np.where(speed > late, speed - late, 1.0)
-            share = np.where(speed > late, (threshold[level] - late) / rise, 0.0)
-            onset = onset.copy()
-            onset[node] = t[level] + (t[level + 1] - t[level]) * np.clip(share, 0.0, 1.0)
-        return Extremes(forward, reverse, slip, onset)
-
-
-@dataclass(frozen=True, eq=False)
-class Partly:
-    """The nodes beside the end of a zone that slip on a part of their cell, at stored levels.
-
-    Their shear traction is given as that of the part that slips, the strength.  The mean over the
-    cell is what waves carry into the bodies.
-
-    Attributes
-    ----------
-    levels, nodes : (k,) integer arrays
-        Stored levels, and observed nodes.
-    above : (k,) array
-        What the traction of the part that slips is above the mean [stress].
-    """
-
-    levels: NDArray[np.intp]
-    nodes: NDArray[np.intp]
-    above: Array
-
-    @classmethod
-    def nowhere(cls) -> Partly:
-        """Return no nodes."""
-        return cls(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp), np.zeros(0))
+            share = np.where(speed > late, (threshold - late) / rise, 0.0)
+            onset[begins] = before + (now - before) * np.clip(share, 0.0, 1.0)
+        return Extremes(forward, reverse, np.maximum(self.slip, np.abs(slip)), onset)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,8 +147,8 @@ class MarchState:
     ----------
     time : float
         Time reached [time].
-    modes : (n,) complex array
-        Memory of past slip, per pole and cosine (`Recursion`) [length / time].
+    modes : (poles, size) complex array
+        Memory of past slip, per pole and cosine [length / time].
     lasting : (size,) array
         Static part of the memory, per cosine [length / time].
     rate : (size,) array
@@ -197,7 +162,7 @@ class MarchState:
     """
 
     time: float
-    modes: NDArray[np.complex64] | NDArray[np.complex128]
+    modes: NDArray[np.complex128]
     lasting: Array
     rate: Array
     traction: Array
@@ -206,14 +171,10 @@ class MarchState:
     work: Array
 
     @classmethod
-    def at_rest(cls, grid: Grid, memory: GridMemory, single: bool) -> MarchState:
-        """Return the state before anything happens, its memory in single or double precision."""
+    def at_rest(cls, poles: int, grid: Grid) -> MarchState:
+        """Return the state before anything happens, for so many poles."""
         lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
-        modes: NDArray[np.complex64] | NDArray[np.complex128] = np.zeros(
-            memory.values(grid.size), dtype=complex
-        )
-        if single:
-            modes = modes.astype(np.complex64)
+        modes = np.zeros((poles, grid.size), dtype=complex)
         return cls(0.0, modes, lasting, lasting, contact, contact, contact, contact)
 
     def copy(self) -> MarchState:
@@ -233,30 +194,6 @@ class Departure:
 
     difference: float = 0.0
     slip_rate: float = 0.0
-
-    @property
-    def share(self) -> float:
-        """Difference over slip rate; 0 where nothing slips."""
-        return self.difference / self.slip_rate if self.slip_rate else 0.0
-
-
-def error_bound(difference: float, order: float, memory_error: float) -> float:
-    """Return the estimate of the relative L1 error of the slip rate, meant as a bound.
-
-    Parameters
-    ----------
-    difference : float
-        Relative difference from the companion.
-    order : float
-        Observed order of that difference in the node distance; nan where it is not known.
-    memory_error : float
-        Relative error of the memory's transform, which march and companion share.
-    """
-    factor = ERROR_SAFETY
-    if not math.isnan(order):
-        # an error of order p is the difference over 2^p - 1
-        factor = min(factor, ORDER_SAFETY / (2 ** min(max(order, ORDERS[0]), ORDERS[1]) - 1))
-    return factor * difference + MEMORY_SAFETY * memory_error
 
 
 @dataclass(frozen=True)
@@ -311,8 +248,6 @@ class Marched(SampledAnswer):
         The grid, memory kernel and state from which a continuation starts.
     seen : Extremes
         Largest values and onset times of slip over all steps, stored or not.
-    partly : Partly
-        Nodes that slip on a part of their cell, at the stored levels.
     companion : Marched or None
         The same march on half the nodes in half the steps, to the same time.  The difference
         between the two indicates the error (see `error_of`).  It stores every other level.
@@ -347,10 +282,9 @@ class Marched(SampledAnswer):
     every: int
     statistics: MarchStatistics
     grid: Grid
-    memory: GridMemory
+    memory: Memory
     state: MarchState
     seen: Extremes
-    partly: Partly
     companion: Marched | None = None
     departure: Departure = Departure()
     rtol: float | None = None
@@ -359,11 +293,6 @@ class Marched(SampledAnswer):
     def end_time(self) -> float:
         """Time reached [time]."""
         return self.state.time
-
-    @property
-    def chain(self) -> list[Marched]:
-        """This march, its companion, and in turn the companion of that if there is one."""
-        return [self, *(self.companion.chain if self.companion is not None else ())]
 
     @property
     def error_estimate(self) -> float:
@@ -380,19 +309,8 @@ class Marched(SampledAnswer):
             return math.inf if self.departure.difference or self._missed_zone else 0.0
         # Both marches share the error of the memory's transform, which their difference does not
         # show.
-        return error_bound(self.departure.share, self.order, self.memory.error)
-
-    @property
-    def order(self) -> float:
-        """Observed order of the error of the slip rate in the node distance.
-
-        It compares the differences between the march, its companion, and the companion of that,
-        which marches for an `rtol` have; it is nan without.
-        """
-        if len(self.chain) < 3 or self.companion is None:
-            return math.nan
-        fine, coarse = self.departure.share, self.companion.departure.share
-        return math.log2(coarse / fine) if fine > 0 and coarse > 0 else math.nan
+        share = self.departure.difference / self.departure.slip_rate
+        return ERROR_SAFETY * share + MEMORY_SAFETY * self.memory.error
 
     def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
         """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
@@ -467,9 +385,7 @@ class Marched(SampledAnswer):
 
     @cached_property
     def _bodies(self) -> MarchedBodies:
-        means = self.interface.shear_traction.copy()
-        means[self.partly.levels, self.partly.nodes] -= self.partly.above
-        return MarchedBodies(self.scene, replace(self.interface, shear_traction=means))
+        return MarchedBodies(self.scene, self.interface)
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity anywhere in the bodies [length / time].
@@ -584,9 +500,11 @@ class Marched(SampledAnswer):
             file.attrs["format"] = FORMAT
             file.attrs["scene"] = json.dumps(scene_document(self.scene))
             self._write(file)
+            if self.companion is not None:
+                self.companion._write(file.create_group("companion"))
 
     def _write(self, group: Any) -> None:
-        """Write everything but the scene into an HDF5 group."""
+        """Write everything but scene and companion into an HDF5 group."""
         for name in _OPTIONS:
             group.attrs[name] = getattr(self, name)
         if self.rtol is not None:
@@ -597,8 +515,6 @@ class Marched(SampledAnswer):
             part = group.create_group(name)
             for field in fields(getattr(self, name)):
                 part[field.name] = getattr(getattr(self, name), field.name)
-        if self.companion is not None:
-            self.companion._write(group.create_group("companion"))
 
     @classmethod
     def load(cls, path: str | Path) -> Marched:
@@ -620,7 +536,9 @@ class Marched(SampledAnswer):
             with sealed_hdf5(path) as file:
                 if file.attrs.get("format") != FORMAT:
                     raise DataFileError(f"{path} is not a slipfront march; give a file of one.")
-                return cls._read(file, scene_from_document(json.loads(file.attrs["scene"])))
+                scene = scene_from_document(json.loads(file.attrs["scene"]))
+                companion = cls._read(file["companion"], scene) if "companion" in file else None
+                return replace(cls._read(file, scene), companion=companion)
         except (OSError, KeyError, TypeError, ValueError, SceneError) as error:
             raise DataFileError(
                 f"{path} cannot be read as a march ({error}); march again."
@@ -643,7 +561,6 @@ class Marched(SampledAnswer):
             statistics=MarchStatistics(**json.loads(group.attrs["statistics"])),
             departure=Departure(**json.loads(group.attrs["departure"])),
             rtol=float(group.attrs["rtol"]) if "rtol" in group.attrs else None,
-            companion=cls._read(group["companion"], scene) if "companion" in group else None,
             **parts,
         )
 
@@ -653,8 +570,7 @@ _GROUPS = {
     "interface": InterfaceHistory,
     "totals": Totals,
     "grid": Grid,
-    "memory": GridMemory,
+    "memory": Memory,
     "state": MarchState,
     "seen": Extremes,
-    "partly": Partly,
 }

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import fields as fields_of
+from collections.abc import Callable
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.spacetime.marched import Marched, MarchState, Partly
+from semianalytic.spacetime.marched import Marched, MarchState
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 """Fields that are stored of each level; a march ends where the contact would open."""
@@ -60,110 +59,65 @@ class MarchRecord:
         levels = self._stored + (not self._stored) + whole + bool((before + steps) % every) + 1
         self._times = _extended(earlier.t, levels)
         self._fields = [_extended(getattr(earlier, name), levels) for name in _FIELDS]
-        self._partly = [marched.partly]
         self._summed = len(marched.totals.t)
         self._totals = [
             _extended(getattr(marched.totals, field.name), self._summed + (not before) + steps)
-            for field in fields_of(Totals)
+            for field in fields(Totals)
         ]
 
     def begin(self, state: MarchState, pressure: Array) -> None:
         """Store the level at t = 0, with the pressure of the contact, unless it is stored."""
         if self._stored:
             return
-        rate = self._marched.grid.observe(state.rate)
-        fields = state.slip, rate, state.traction, pressure
-        self._store(np.array([state.time]), *(field[None] for field in fields))
-        self._sum([state.time], state.slip[None], state.path[None], state.work[None])
+        self._store(state, pressure)
+        self._sum(state)
 
-    def jump(self, time: float, rate: Array, slip: Array) -> None:
-        """Include in `seen` the slip rate (size,) right after a jump of the loads."""
-        rate = self._marched.grid.observe(rate)
-        self.seen = self.seen.with_levels(
-            [time, time], np.stack([rate, rate]), slip[: self._observed][None]
+    def jump(self, state: MarchState) -> None:
+        """Include in `seen` the slip rate right after a jump of the loads."""
+        rate = self._marched.grid.observe(state.rate)
+        self.seen = self.seen.with_level(
+            state.time, state.time, rate, rate, state.slip[: self._observed]
         )
 
-    def count(self) -> None:
-        """Count a step, which belongs to the next levels that are added, and tell of it."""
+    def add(self, before: MarchState, state: MarchState, pressure: Array) -> None:
+        """Add the level `state` that follows `before`, with the pressure of the contact."""
+        observe = self._marched.grid.observe
+        self.seen = self.seen.with_level(
+            before.time,
+            state.time,
+            observe(before.rate),
+            observe(state.rate),
+            state.slip[: self._observed],
+        )
+        self._sum(state)
         self.done += 1
         self.stopped = self._progress is not None and (
             self._progress(self.done, self._steps) is True
         )
+        reached = self._marched.statistics.steps + self.done
+        if reached % self._every == 0 or self.done == self._steps or self.stopped:
+            self._store(state, pressure)
 
-    def add(
-        self,
-        times: Sequence[float],
-        pressures: Sequence[Array],
-        partly: Sequence[tuple[int, Indices, Array]],
-        rates: Array,
-        tractions: Array,
-        slips: Array,
-        paths: Array,
-        works: Array,
-    ) -> None:
-        """Add the levels of the last k steps.
+    def _store(self, state: MarchState, pressure: Array) -> None:
+        """Store a level."""
+        self._times[self._stored] = state.time
+        rate = state.rate[self._marched.grid.contact]
+        for kept, field in zip(
+            self._fields, (state.slip, rate, state.traction, pressure), strict=True
+        ):
+            kept[self._stored] = field[: self._observed]
+        self._stored += 1
 
-        Parameters
-        ----------
-        times : (k + 1,) sequence
-            Times of the levels and of the one before them [time].
-        pressures : k arrays of (contact,)
-            Pressure of the contact at the levels [stress].
-        partly : sequence of (row, nodes, values)
-            Contact nodes that slip in part at the levels, counted from 1, as in `Partly`.
-        rates : (k + 1, size) array
-            Slip rates at `times`.
-        tractions, slips, paths, works : (k + 1, contact) arrays
-            Fields of `MarchState` at `times`.
-        """
-        grid, n = self._marched.grid, self._observed
-        rates = rates[:, grid.slot : grid.slot + n]
-        self.seen = self.seen.with_levels(times, rates, slips[1:, :n])
-        self._sum(times[1:], slips[1:], paths[1:], works[1:])
-        taken = len(times) - 1
-        reached = self._marched.statistics.steps + self.done - taken + np.arange(1, taken + 1)
-        kept = reached % self._every == 0
-        kept[taken - 1 :] |= self.stopped or self.done == self._steps
-        rows = np.flatnonzero(kept)
-        levels = {int(row) + 1: self._stored + at for at, row in enumerate(rows)}
-        for row, nodes, above in partly:
-            if row in levels and len(nodes):
-                seen = nodes < n
-                level = np.full(int(seen.sum()), levels[row])
-                self._partly.append(Partly(level, nodes[seen], above[seen]))
-        # all of them without a copy, which takes as long as the storing
-        part: slice | Indices = slice(1, None) if len(rows) == taken else rows + 1
-        stored = slips[part], rates[part], tractions[part], self._pressed(pressures, rows)
-        self._store(np.asarray(times)[part], *stored)
-
-    def _pressed(self, pressures: Sequence[Array], rows: Indices) -> Array:
-        """Return the pressure (k, observed) of some of the levels."""
-        if not len(rows):
-            return np.zeros((0, self._observed))
-        if all(one is pressures[0] for one in pressures):
-            return np.broadcast_to(pressures[0], (len(rows), len(pressures[0])))
-        return np.array([pressures[row][: self._observed] for row in rows])
-
-    def _store(self, times: Array, *fields: Array) -> None:
-        """Store levels, the fields in the order of `_FIELDS`."""
-        part = slice(self._stored, self._stored + len(times))
-        self._times[part] = times
-        for kept, field in zip(self._fields, fields, strict=True):
-            kept[part] = field[:, : self._observed]
-        self._stored += len(times)
-
-    def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
-        """Add the totals of levels: sums over nodes times h are integrals over the contact."""
-        n, part = self._observed, slice(self._summed, self._summed + len(times))
-        totals = (
-            times,
-            np.abs(slips[:, :n]).max(axis=1),
-            paths[:, :n].sum(axis=1) * self._spacing,
-            works[:, :n].sum(axis=1) * self._spacing,
+    def _sum(self, state: MarchState) -> None:
+        """Add the totals of a level: sums over nodes times h are integrals over the contact."""
+        slip, path, work = (
+            field[: self._observed] for field in (state.slip, state.path, state.work)
         )
+        largest = np.abs(slip).max()
+        totals = (state.time, largest, path.sum() * self._spacing, work.sum() * self._spacing)
         for kept, total in zip(self._totals, totals, strict=True):
-            kept[part] = total
-        self._summed += len(times)
+            kept[self._summed] = total
+        self._summed += 1
 
     def interface(self) -> InterfaceHistory:
         """Return the stored levels."""
@@ -172,15 +126,6 @@ class MarchRecord:
         # a march ends where the contact would open, so the gap is zero throughout
         closed = np.broadcast_to(0.0, (self._stored, self._observed))
         return InterfaceHistory(self._marched.grid.x, self._times[kept], *[*fields, closed])
-
-    def partly(self) -> Partly:
-        """Return the nodes that slip in part at the stored levels."""
-        return Partly(
-            *(
-                np.concatenate([getattr(one, field.name) for one in self._partly])
-                for field in fields_of(Partly)
-            )
-        )
 
     def totals(self) -> Totals:
         """Return the totals of every step."""

@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import SceneError
-from semianalytic.spacetime.exponentials import GridMemory
+from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.tuning import (
     LARGEST_FEEDBACK,
 )
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Modes = NDArray[np.complex64] | NDArray[np.complex128]
 
 
 class Recursion:
@@ -29,17 +28,12 @@ class Recursion:
 
     Parameters
     ----------
-    memory : GridMemory
+    memory : Memory
         Poles, residues and the static part of h.
     phase : (size,) array
         q c_t dt of all cosines.
     damping : float
         Least feedback of the shortest wave.
-    modes : (n,) complex array
-        The numbers m, band by band, in each pole by pole; steps change them in place.  The
-        coefficients have the same precision, rates and sums are double.
-    lasting : (size,) array
-        The static part of the memory, changed in place.
 
     Attributes
     ----------
@@ -52,42 +46,21 @@ class Recursion:
         If the feedback of the shortest wave is too close to 1 for the iteration of a step.
     """
 
-    def __init__(
-        self, memory: GridMemory, phase: Array, damping: float, modes: Modes, lasting: Array
-    ) -> None:
-        self._modes, self._lasting, kind = modes, lasting, modes.dtype
-        self._decay, self._end, gains = (np.empty(len(modes), dtype=kind) for _ in range(3))
-        feedback, first = np.zeros(len(phase)), 0
-        real = modes.real.dtype
-        self._twice = np.empty(2 * len(phase), dtype=real)
-        self._sums, self._scratch = np.empty_like(self._twice), np.empty(2 * len(modes), dtype=real)
-        parts, gain, self._bands = modes.view(real), gains.view(real), []
-        for cosines, poles in memory.bands(len(phase)):
-            here, begin = phase[cosines], first
-            for pole, residue in zip(memory.poles[poles], memory.residues[poles], strict=True):
-                z = pole * here
-                one, two = _phi(z)
-                weight, decay = residue * here, np.exp(z)
-                # int_0^1 exp(z (1 - s)) V(s) ds for V from V0 to V1: (one - two) V0 + two V1
-                end, row = weight * two, slice(first, first + len(here))
-                # V0 was the end value of the step before, left out there and added here, decayed
-                gains[row] = weight * (one - two) + decay * end
-                self._decay[row], self._end[row] = decay, end
-                feedback[cosines] += end.real
-                first = row.stop
-            # Real and imaginary parts lie side by side.  With each rate written twice, the product
-            # of complex gains and real rates is one of real numbers, in half the time.
-            both = slice(2 * cosines.start, 2 * cosines.stop)
-            views = (
-                values[2 * begin : 2 * first].reshape(-1, 2 * len(here))
-                for values in (parts, gain, self._scratch)
-            )
-            self._bands.append((*views, self._twice[both], self._sums[both]))
-        self._parts = parts
+    def __init__(self, memory: Memory, phase: Array, damping: float) -> None:
+        shape = (len(memory.poles), len(phase))
+        self._decay, self._end, self._gain = (np.empty(shape, dtype=complex) for _ in range(3))
+        for row, (pole, residue) in enumerate(zip(memory.poles, memory.residues, strict=True)):
+            z = pole * phase
+            first, second = _phi(z)
+            weight = residue * phase
+            # int_0^1 exp(z (1 - s)) V(s) ds for V from V0 to V1: (first - second) V0 + second V1
+            self._decay[row], self._end[row] = np.exp(z), weight * second
+            # V0 was the end value of the step before, left out there and so added here, decayed
+            self._gain[row] = weight * (first - second) + self._decay[row] * self._end[row]
         # the static part of h remembers slip itself: the trapezoidal rule, exact for linear V
         self._half = memory.static * phase / 2
-        self._whole = 2 * self._half
-        feedback += self._half
+        self._scratch = np.empty(shape, dtype=complex)
+        feedback = self._end.real.sum(axis=0) + self._half
         # The iteration of a step contracts by the feedback, which must be below 1; the shortest
         # wave has the largest.  h(0) = 0, so the feedback grows like the square of the step.
         shortest = float(feedback[-1])
@@ -99,41 +72,28 @@ class Recursion:
         # damping: the shortest wave gets the feedback `damping`, longer ones much less more
         self.feedback = feedback + max(damping - shortest, 0.0) * (phase / phase[-1]) ** 4
 
-    def exerted(self) -> Array:
-        """Return the convolution over past slip in (4.40), per cosine (size,) [length / time]."""
-        for modes, _, _, _, sums in self._bands:
-            np.add.reduce(modes, axis=0, out=sums)
-        return np.asarray(self._sums[::2] + self._lasting)
+    def enter(self, modes: Complex, lasting: Array, rate: Array) -> None:
+        """Begin steps of this length at a rate (size,): take its end value out, in place."""
+        modes -= self._end * rate
+        lasting -= self._half * rate
 
-    def enter(self, rate: Array) -> None:
-        """Begin steps of this length at a rate (size,): take its end value out."""
-        self._add_end(-rate)
-
-    def step(self, rate: Array) -> Array:
-        """Step on, leaving out the end value; `rate` is that at the start, (size,).
-
-        Returns what is exerted at the end of the step but for its end value, as `exerted` does.
-        """
-        self._twice.reshape(-1, 2)[:] = rate[:, None]
-        np.multiply(self._modes, self._decay, out=self._modes)
-        for _, gain, scratch, twice, _ in self._bands:
-            np.multiply(gain, twice, out=scratch)
-        np.add(self._parts, self._scratch, out=self._parts)
+    def step(self, modes: Complex, lasting: Array, rate: Array) -> None:
+        """Step on in place, leaving out the end value; `rate` is that at the start, (size,)."""
+        modes *= self._decay
+        np.multiply(self._gain, rate, out=self._scratch)
+        modes += self._scratch
         # half as the start of this step, half as the end value left out of the one before
-        self._lasting += self._whole * rate
-        return self.exerted()
+        lasting += 2 * self._half * rate
 
-    def leave(self, rate: Array) -> None:
-        """End the steps of this length: add the end value."""
-        self._add_end(rate)
+    def leave(self, modes: Complex, lasting: Array, rate: Array) -> None:
+        """End the steps of this length: add the end value, in place."""
+        modes += self._end * rate
+        lasting += self._half * rate
 
-    def _add_end(self, rate: Array) -> None:
-        """Add what an end value of V contributes."""
-        self._twice.reshape(-1, 2)[:] = rate[:, None]
-        for _, _, scratch, twice, _ in self._bands:
-            scratch[:] = twice
-        self._parts += self._end.view(self._parts.dtype) * self._scratch
-        self._lasting += self._half * rate
+
+def exerted(modes: Complex, lasting: Array) -> Array:
+    """Return the convolution over past slip in (4.40), per cosine (size,) [length / time]."""
+    return np.asarray(modes.real.sum(axis=0) + lasting)
 
 
 def _phi(z: Complex) -> tuple[Complex, Complex]:

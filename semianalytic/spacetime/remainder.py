@@ -27,14 +27,8 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid_pressure import knows_slipping_edge, spilled_pressure
 from semianalytic.spacetime.resolution import nodes_for_loads
-from semianalytic.spacetime.tuning import (
-    FIELD_MARGIN,
-    FIELD_NODES,
-    FIELD_VALUES,
-    SLIPPING_EDGE,
-)
+from semianalytic.spacetime.tuning import FIELD_MARGIN, FIELD_NODES, FIELD_VALUES
 from semianalytic.spacetime.wavefield import (
     Spectrum,
     Window,
@@ -218,17 +212,8 @@ class Remainder:
         slips, coefficient = (one[:, 0] for one in self._edge(every))
         stuck = self._stuck(self.shear, seen.t, 1)[:, 0] + self.shear.jumped(seen.t)
         pressed = seen.pressure[:, 0] - self._held.pressure + self._pressure_load(seen.t)
-        if self._placed:
-            # the pressure of an edge that slips has its own value at the first node
-            offset, factors = edge_offset_and_factors()
-            pressed = pressed * np.where(slips, factors[0] / offset**0.5 / SLIPPING_EDGE[1][0], 1.0)
         known = slips & (stuck != 0)
         return np.where(known, coefficient * pressed / np.where(known, stuck, 1.0), 1.0)
-
-    @property
-    def _placed(self) -> bool:
-        """Whether the pressure of an edge that slips belongs to the places of the nodes."""
-        return knows_slipping_edge(self.scene)
 
     @property
     def _held(self) -> Tractions:
@@ -247,27 +232,19 @@ class Remainder:
         sheared = seen.shear_traction[part, :contact] - held.shear - self.far[part, None]
         pressed = seen.pressure[part, :contact] - held.pressure
         # at an edge that slips, friction under the singular pressure is singular, the rest is not
-        # ... unless the grid has its own form for that friction, with the nodes in their places
-        moved = 0.0 if self._placed else coefficient
-        bounded[:, :contact] = np.where(slips, sheared - moved * pressed, 0.0)
-        singular[:, :contact] = np.where(slips, moved * pressed, sheared)
+        bounded[:, :contact] = np.where(slips, sheared - coefficient * pressed, 0.0)
+        singular[:, :contact] = np.where(slips, coefficient * pressed, sheared)
         singular[:, :contact] -= self._stuck(self.shear, t[part], contact)
         # Singular is the response plus the load; the load is a constant on the contact, subtracted
         # again.  On nodes of which the first is 0.310 h from the edge, that constant would begin
         # (0.5 - 0.310) h before the edge; the excess is taken off the first node.
         offset, _ = edge_offset_and_factors()
-        excess = -self.shear.jumped(t[part])
-        if not self._placed:
-            excess += coefficient[:, 0] * self._pressure_load(t[part])
-        bounded[:, 0] += (0.5 - offset) * np.where(slips[:, 0], excess, 0.0)
+        moved = coefficient[:, 0] * self._pressure_load(t[part]) - self.shear.jumped(t[part])
+        bounded[:, 0] += (0.5 - offset) * np.where(slips[:, 0], moved, 0.0)
         if self._slot:
             rest = -self.shear.rest[part, None]
             bounded[:, -self._slot :] = np.where(slips, rest, 0.0)
             singular[:, -self._slot :] = np.where(slips, 0.0, rest)
-        if self._placed:
-            left = spilled_pressure(self.scene, self._spacing, t[part])
-            sense = np.sign(seen.slip_rate[part, :1])
-            bounded[:, -left.shape[1] :] += self.scene.friction * sense * left
         return singular, bounded
 
     def _stuck(self, slot: SlotLoad, t: Array, nodes: int) -> Array:

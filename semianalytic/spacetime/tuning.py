@@ -21,16 +21,6 @@ SWEEPS = 2
 """Iterations of a step, an even number: with one or three, marches grow without bounds.  With two
 and four the slip rate is off by 0.047 and 0.062 % (`preloaded`), 0.161 and 0.159 %
 (`remote-shock`), 0.381 and 0.380 % (`auxetic`), 400 nodes."""
-CELL_WIDTH = 1.5
-"""Cells over which a node beside the end of a slip zone slips in part.  The error of the slip rate
-on 512 nodes is 0.16, 0.11, 0.064 and 0.031 % with 0 (none), 1, 1.5 and 2 (`antiplane`), 0.037,
-0.030, 0.027 and 0.026 % (`preloaded`), but 0.59, 0.63, 0.70 and 0.81 % where the end is faster than
-shear waves (`pressure-drop`)."""
-BLOCK_STEPS = 64
-"""Largest number of steps that are recorded at once: 32 take 1.03 times as long, 128 take 0.95
-(`preloaded`, 256 nodes)."""
-STEP_VALUES = 1 << 15
-"""Slip rates in a block of steps, so that its five fields stay in the cache."""
 LARGEST_FEEDBACK = 0.95
 """Largest feedback of the shortest wave: the iteration of a step diverges from 1 on."""
 AVERAGED_BREAKS = 2
@@ -50,14 +40,8 @@ grid."""
 
 ERROR_SAFETY = 1.25
 """Estimate of the L1 error of the slip rate over the difference from the companion at half the
-nodes: the true error is 0.35 to 1.06 of that difference in 163 scenes of steps, viscous films,
-histories and antiplane shear."""
-ORDER_SAFETY = 1.3
-"""Estimate over difference / (2^p - 1) where the order p is known: true errors are 0.33 to 0.85 of
-it in 160 scenes.  With 1.0 it is no bound in three scenes of a hundred; 1.5 asks for a tenth more
-nodes."""
-ORDERS = (0.5, 1.5)
-"""Range within which an observed order is believed; 0.7 to 1.8 are measured."""
+nodes: the true error is 0.35 to 1.05 of that difference in 100 scenes (`march-error`), whatever the
+loads."""
 LARGEST_ERROR = 0.5
 """Estimate above which a march is called unresolved unless an `rtol` is given: away from the edge,
 strips of slip narrower than the grid have no other sign.  The true errors of 420 random marches on
@@ -71,16 +55,18 @@ are 0.1 to 1.7 of the difference."""
 MEMORY_SAFETY = 4.0
 """Factor on the error of the memory's transform, which march and companion share: at a tolerance of
 1e-4 the slip rate is off by 3.5 times that."""
+COMPANION_LAG = 64
+"""Steps of a march after which its companion catches up: stepping in turn is a tenth slower."""
 FIRST_NODES = 250
 """Nodes of the first march for an `rtol`: 0.6 % in 0.05 s (`preloaded`)."""
-LARGEST_GROWTH = 6.0
-"""Growth of the nodes up to which a march for an `rtol` goes straight to the number it needs;
-before a larger one, a march on a quarter of it costs a sixteenth and tells the order better."""
-LEAST_GROWTH = 1.15
+LARGEST_GROWTH = 4.0
+"""Largest growth of the nodes from one march for an `rtol` to the next: the order is not known
+before the second, and a march at a quarter of the nodes costs a sixteenth."""
+LEAST_GROWTH = 1.3
 GROWTH_MARGIN = 1.15
 """Factor by which the error aimed at lies below `rtol`."""
-MEMORY_SHARE = 0.02
-"""Tolerance of the memory over `rtol`: the estimate then grows by 4 to 8 % of `rtol`."""
+ORDERS = (0.5, 2.0)
+"""Range within which the order seen in two marches is believed; 0.7 to 1.4 are measured."""
 
 # --- the memory as a sum of exponentials ------------------------------------------------------
 
@@ -90,15 +76,6 @@ MOST_PAIRS = 60
 """Largest number of pairs of conjugate poles; the finest tolerance takes 45 poles."""
 FAR_SAMPLE = 30.0
 """Largest s of samples: 1.5/s^2, the tail of G - 1, is right to 0.1 % there (nu = 1/3)."""
-SINGLE_TOLERANCE = 1e-6
-"""Tolerance from which on the memory is carried in single precision, in half the time.  It adds 1,
-2 and 35 % to the error of the slip rate on 1,024, 2,048 and 4,096 nodes (`preloaded`)."""
-BANDS = ((0.25, 1.0), (0.5, 10.0), (1.0, 100.0))
-"""Bands of wavenumbers: where each ends, over the largest, and the factor on the tolerance of its
-memory.  Short waves hold little of the slip rate: with a tolerance of 1e-6, 100 times that from a
-quarter of the wavenumbers on and 1,000 times from half of them on, the error changes by 1 % of
-itself at most (`preloaded`, `antiplane`, `remote-shock`, `auxetic`, 512 nodes).  With 1,000 times
-from a quarter on it grows by up to 13 %, from an eighth on by up to 30 %."""
 SHORTEST_SAMPLE = 0.1
 """Smallest distance of samples to the branch points, over 1 / horizon."""
 
@@ -135,17 +112,6 @@ TABLE_SAMPLES = 2
 """Samples of the table per time step, so that a kink is spread over half a step."""
 TABLE_ROWS = 64
 """Nodes whose responses are convolved at once, to stay in the cache."""
-FAR_SLOWNESS = 1e8
-"""Slowness times c_t at which the singularity of the pressure at the edge is read: p* + 1 over its
-square root is the same to six digits from 1e6 on."""
-SLIPPING_EDGE = (
-    (0.0041, 0.0405, 0.2522),
-    (1.7470, 0.7675, 0.6627, 0.5264, 0.4803, 0.4220, 0.3945, 0.3605),
-)
-"""Samples that stand for 1 / sqrt(x) (h = 1) on the last nodes of the slot and the first of the
-contact; the nodes after take the values at their places.  The grid then finds the slip rate that
-the exact traction causes, and the samples have its resultant and moment.  The error of
-`remote-shock` falls by 2.2, 2.6 and 4.5 times at 256, 512 and 1,024 nodes."""
 BLOCK_VALUES = 1 << 16
 """Pressures that are computed at once, to stay in the cache."""
 

@@ -10,9 +10,9 @@ from scipy.fft import dct, idct
 
 from semianalytic import Scene
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.spacetime.exponentials import grid_memory, impedance_of
+from semianalytic.spacetime.exponentials import fit_memory, impedance_of
 from semianalytic.spacetime.march import causal_grid
-from semianalytic.spacetime.recursion import Recursion
+from semianalytic.spacetime.recursion import Recursion, exerted
 
 Array = NDArray[np.float64]
 
@@ -53,9 +53,8 @@ def held_slot(scene: Scene, nodes: int) -> HeldSlot:
     x = (np.arange(grid.size - grid.slot) + 0.5) * grid.spacing
     steps = int(np.ceil(material.shear_speed / (_STEP_RATIO * grid.spacing)))
     phase = grid.wavenumbers * material.shear_speed / steps
-    memory = grid_memory(impedance_of(scene), steps * float(phase[-1]), _TOLERANCE)
-    modes = np.zeros(memory.values(grid.size), dtype=complex)
-    recursion = Recursion(memory, phase, _DAMPING, modes, np.zeros(grid.size))
+    memory = fit_memory(impedance_of(scene), steps * float(phase[-1]), _TOLERANCE)
+    recursion = Recursion(memory, phase, _DAMPING)
     impedance = material.shear_impedance / 2
     tables = [stuck_traction(material.poisson_ratio, mode) for mode in ("II", "I")]
 
@@ -72,11 +71,14 @@ def held_slot(scene: Scene, nodes: int) -> HeldSlot:
     def cosines(rate: Array) -> Array:
         return np.asarray(dct(np.concatenate([np.zeros(grid.slot), rate]), type=2))
 
+    modes = np.zeros((len(memory.poles), grid.size), dtype=complex)
+    lasting = np.zeros(grid.size)
     rate, traction = contact_rate(0.0, np.zeros(len(x)))
     transform = cosines(rate)
-    recursion.enter(transform)
+    recursion.enter(modes, lasting, transform)
     for step in range(1, steps + 1):
-        past = recursion.step(transform)
+        recursion.step(modes, lasting, transform)
+        past = exerted(modes, lasting)
         for _ in range(_SWEEPS):
             exertion = idct(past + recursion.feedback * transform, type=2)[grid.contact]
             rate, traction = contact_rate(step / steps, exertion)
