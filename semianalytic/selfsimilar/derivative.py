@@ -171,7 +171,7 @@ class Derivative:
             compared.append((near.traction(u), far.traction(u), normal.shear_change(u)))
         for one, other, field in compared:
             worst = max(worst, _share(one, other, float(np.abs(field).max()) / size))
-        return tuning.LEAST_DERIVATIVE_ERROR + tuning.SAFETY * worst
+        return tuning.LEAST_DERIVATIVE_ERROR + tuning.DERIVATIVE_SAFETY * worst
 
     @property
     def _size(self) -> float:
