@@ -194,9 +194,8 @@ def arrived_wave(
     lag = t - (n_x * x + n_y * y) / wave.speed(solid)
     # both histories of a wave are the same
     history = next(iter(scene.acting_histories.values()), Step())
-    # a front that sits on a node has passed it, as in `Solution.velocity`
-    value = np.where(lag == 0, history.pieces.value(np.nextafter(lag, np.inf)), 0.0)
-    value = np.where(lag == 0, value, history.pieces.value(lag))
+    # the value after a jump: a front that sits on a node has passed it, as in `Solution.velocity`
+    value = history.pieces.value(np.nextafter(lag, np.inf))
     along = wave.particle_velocity(solid) * np.array(wave.polarisation())[:, None]
     return Arrived(
         along * history.pieces.integral(lag),

@@ -191,21 +191,19 @@ class Record:
             "state": self._state,
             "final_path": self._final[0],
             "final_work_density": self._final[1],
-            "slot": SlotHistory(self._slot_x, t, *(self._velocity + self._arrived(t))),
+            "slot": SlotHistory(self._slot_x, t, *self._whole_velocity(t)),
             "totals": Totals(dt * np.arange(steps + 1.0), *self._totals),
             "energy": EnergyHistory(np.arange(0.5, steps) * dt, *self._energy[:, 1:]),
             "opened": None if math.isinf(first) else Opening(first, place, largest, length),
         }
 
-    def _arrived(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the velocity of an incident wave on the slot, (2, m, n) as `_velocity`."""
-        scene, along = self.model.plan.scene, Z if self.model.plan.scene.antiplane else X
-        result = np.zeros(self._velocity.shape)
-        for row, t in enumerate(times):
-            wave = arrived_wave(scene, self._slot_x, np.zeros_like(self._slot_x), float(t))
-            if wave is not None:
-                result[:, row] = wave.velocity[[along, Y]]
-        return result
+    def _whole_velocity(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the velocity of the slot, (2, m, n), with an incident wave as part of it."""
+        scene, places = self.model.plan.scene, np.zeros_like(self._slot_x)
+        waves = [arrived_wave(scene, self._slot_x, places, t) for t in times.tolist()]
+        along = [Z if scene.antiplane else X, Y]
+        arrived = [wave.velocity[along] for wave in waves if wave is not None]
+        return self._velocity + np.stack(arrived, axis=1) if arrived else self._velocity
 
 
 def displacement_scale(scene: Scene, end_time: float) -> float:
