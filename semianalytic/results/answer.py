@@ -96,28 +96,11 @@ def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "
     return 17
 
 
-class Answer(Protocol):
-    """An answer to a scene: slip, tractions, gap and totals of the contact, from any solver.
+class ContactFields(Protocol):
+    """Slip, tractions, gap and totals of a contact, whatever describes the problem.
 
-    Positions x > 0 [length] and times t [time] broadcast; before t = 0 the base state is returned.
-    Slip and slip rate are relative, upper minus lower side; tractions include the base, and
-    pressure is positive in compression.  All methods raise SceneError for positions off the
-    contact, for values that are not finite numbers, and beyond what the answer has recorded.
-
-    Examples
-    --------
-    >>> from semianalytic import Answer, find_scene, predict
-    >>> answer: Answer = predict(find_scene("preloaded"))
-    >>> round(float(answer.slip_rate(0.1, 1.0)), 3)
-    0.771
-    >>> answer.pressure([0.1, 0.2], 1.0).tolist()
-    [1.0, 1.0]
+    `Answer` says what positions, times and signs mean; it also knows the scene that was asked.
     """
-
-    @property
-    def scene(self) -> Scene:
-        """The scene that was asked."""
-        ...
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Relative slip rate [length / time]."""
@@ -171,6 +154,30 @@ class Answer(Protocol):
         ...
 
 
+class Answer(ContactFields, Protocol):
+    """An answer to a scene: slip, tractions, gap and totals of the contact, from any solver.
+
+    Positions x > 0 [length] and times t [time] broadcast; before t = 0 the base state is returned.
+    Slip and slip rate are relative, upper minus lower side; tractions include the base, and
+    pressure is positive in compression.  All methods raise SceneError for positions off the
+    contact, for values that are not finite numbers, and beyond what the answer has recorded.
+
+    Examples
+    --------
+    >>> from semianalytic import Answer, find_scene, predict
+    >>> answer: Answer = predict(find_scene("preloaded"))
+    >>> round(float(answer.slip_rate(0.1, 1.0)), 3)
+    0.771
+    >>> answer.pressure([0.1, 0.2], 1.0).tolist()
+    [1.0, 1.0]
+    """
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that was asked."""
+        ...
+
+
 @runtime_checkable
 class BodyFields(Protocol):
     """The motion and the stress of both bodies.
@@ -212,7 +219,7 @@ FEW_POINTS = 100_000
 """Points from which on the memory is looked at: so many take a third of a gigabyte."""
 
 
-def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+def sampled_history(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
     """Return all fields of an answer at positions x (n,) [length] and times t (m,) [time].
 
     Raises
@@ -231,12 +238,12 @@ def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHist
     return InterfaceHistory(x, t, *(getattr(answer, name)(x, t[:, None]) for name in FIELDS))
 
 
-def answer_dataset(answer: Answer, x: ArrayLike, t: ArrayLike) -> Any:
+def answer_dataset(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> Any:
     """Return fields and totals of an answer as an `xarray.Dataset` of dimensions t and x.
 
     Parameters
     ----------
-    answer : Answer
+    answer : ContactFields
         The answer to be sampled.
     x : (n,) array
         Positions [length].

@@ -131,7 +131,7 @@ class LineSolution:
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
-        return sampled_history(self, x, t)  # type: ignore[arg-type]
+        return sampled_history(self, x, t)
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
         """Return fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`.
@@ -141,7 +141,7 @@ class LineSolution:
         MissingLibraryError
             If xarray is not installed.
         """
-        return answer_dataset(self, x, t)  # type: ignore[arg-type]
+        return answer_dataset(self, x, t)
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
         """Return the part that slips at a time; none before the load."""
