@@ -18,6 +18,7 @@ from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, MODES, Material, Tract
 from semianalytic.scene.units import SI
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone
 from semianalytic.whole_line.growing_zone import GrowingZone, growing_zone
+from semianalytic.whole_line.solution import finite_points
 
 POWERS = (1, 2)
 _SAMPLES = 300
@@ -296,9 +297,7 @@ class GrowingSolution:
 
     def _velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Return x / (c_t t), beyond all waves up to t = 0, and t or 0."""
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        if not (np.isfinite(x).all() and np.isfinite(t).all()):
-            raise SceneError("x and t must be finite numbers.")
+        x, t = finite_points(x, t)
         if not (x > 0).all():
             raise SceneError("x must be positive; the contact is x > 0.")
         speed = self.slot.material.shear_speed

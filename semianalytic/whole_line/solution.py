@@ -192,9 +192,7 @@ class LineSolution:
 
     def _velocity(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return |x| / t, inf up to t = 0; x or t that is not finite is refused."""
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        if not (np.isfinite(x).all() and np.isfinite(t).all()):
-            raise SceneError("x and t must be finite numbers.")
+        x, t = finite_points(x, t)
         return np.divide(np.abs(x), t, out=np.full(x.shape, np.inf), where=t > 0)
 
     def _moving(self, xi: Array, field: Any) -> Array:
@@ -232,3 +230,11 @@ class LineSolution:
     def excess_at_shear_wave(self) -> float:
         """Traction ahead of the zone at the shear wave, above the base [stress]."""
         return self._stress_unit * self.spreading.turning[0]
+
+
+def finite_points(x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
+    """Return positions and times as arrays of one shape; raise SceneError if one is not finite."""
+    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+    if not (np.isfinite(x).all() and np.isfinite(t).all()):
+        raise SceneError("x and t must be finite numbers.")
+    return x, t
