@@ -8,7 +8,7 @@ from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
-from semianalytic.scene.given.quantities import with_quantities
+from semianalytic.scene.quantities import with_quantities
 from semianalytic.scene.scene import Material, Tractions
 
 _LARGEST_CONTRAST = 1e5

@@ -17,9 +17,9 @@ from semianalytic.field.cells import Primitives
 from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
+from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
-from semianalytic.scene.loading import traction_ahead
 from semianalytic.scene.scene import Scene
 
 _SHEARED = np.array([-1, 1, -1, -1, 1, -1, 1])

@@ -33,9 +33,10 @@ from semianalytic.results.reading import (
 )
 from semianalytic.results.renamed import renamed
 from semianalytic.scene.checks import checked_number
+from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import asked_in_units
-from semianalytic.scene.loading import Tractions, traction_ahead
+from semianalytic.scene.loading import Tractions
+from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion, over_slowness

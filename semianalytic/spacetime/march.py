@@ -32,7 +32,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import taking_quantities
+from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.spacetime.advancing import advance
 from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of

@@ -18,7 +18,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.quantities import asked_in_units
+from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, scene_document, scene_from_document
 from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.marched_bodies import MarchedBodies

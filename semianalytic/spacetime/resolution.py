@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import process_zone
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.tuning import (

@@ -1,1 +1,1 @@
-"""What users hand over for a scene: quantities with units, tables of loads, known solids."""
+"""What users start a scene from: known solids, the parameters they may set, and a TOML template."""
