@@ -100,7 +100,7 @@ class Pair:
 
     @property
     def exchanged(self) -> Pair:
-        """This pair seen from below: the bodies change places, and y and shear change sign."""
+        """The same pair described from below: bodies change places, and y and shear change sign."""
         base, load = (Tractions(one.pressure, -one.shear) for one in (self.base, self.load))
         return Pair(self.lower, self.upper, self.friction, base, load, self.friction_law)
 

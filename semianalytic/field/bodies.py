@@ -25,7 +25,8 @@ from semianalytic.scene.scene import Scene
 _SHEARED = np.array([-1, 1, -1, -1, 1, -1, 1])
 """Signs that turn fields of shear at the mirrored place of the upper body into the lower one's."""
 _ALONG = np.array([-1, -1, 1, -1])
-"""These signs for antiplane shear; those for pressure are -_SHEARED."""
+"""Signs that turn fields of antiplane shear into those of the lower body in the same way; for
+pressure the signs are -_SHEARED."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""What happens at points of the contact: when slip arrives, slip and tractions, each with an error.
+"""Readings at points of the contact: arrival times, slip and tractions, each with an error bar.
 
 An exact self-similar answer and an answer that was sampled on a grid know their errors in different
 ways; `Reading` is the table that both return.
@@ -53,7 +53,7 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What an answer says about points of the contact: arrivals and fields, with their errors.
+    """Arrival times and fields of an answer at points of the contact, each with its error.
 
     The method `reading` of an answer returns it.  Positions and times are broadcast.
 

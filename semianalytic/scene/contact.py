@@ -1,4 +1,4 @@
-"""What a scene says about its contact before anything is solved: tractions there, and a length.
+"""Properties of the contact that follow from a scene without solving it: tractions and a length.
 
 The functions take a whole scene, so they stand above the modules that describe its parts.
 """

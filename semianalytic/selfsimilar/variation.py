@@ -223,7 +223,7 @@ class NodeFields:
 
     @property
     def of_resting_panels(self) -> NodeFields:
-        """These fields as derivatives for panels that stay, with exponents of X that stay."""
+        """The part of the derivatives that is left if panels and the exponents of X are held."""
         resting = {
             name: np.zeros_like(getattr(self, name)) for name in ("ends", "skew", "exponents")
         }

@@ -1,1 +1,1 @@
-"""What users start a scene from: known solids, the parameters they may set, and a TOML template."""
+"""Helps for writing a scene: known solids, the parameters of a scene, and a TOML template."""
