@@ -20,7 +20,7 @@ from compare.comparison.scales import reference_values, scene_fronts, speed_regi
 from semianalytic import Marched, Measured, Reading, Scene, Solution
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.results.answer import FIELDS
-from semianalytic.scene.parameters import EVERY_LOAD, MATERIAL, TRACTIONS, part_parameters
+from semianalytic.scene.given.parameters import EVERY_LOAD, MATERIAL, TRACTIONS, part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
 

@@ -44,7 +44,7 @@ class Segment:
 
     @property
     def coarser(self) -> Segment:
-        """This span in half as many steps, rounded up, for the companion."""
+        """The same span of time in half as many steps, rounded up, for the companion march."""
         return Segment(self.begin, self.end, math.ceil(self.steps / 2))
 
     @property

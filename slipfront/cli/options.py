@@ -17,7 +17,7 @@ from compare.records.units import si_size
 from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import in_units_of
+from semianalytic.scene.quantities import in_units_of
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import PARAMETERS, SI, measure
 from slipfront.cli.scenes.completion import (

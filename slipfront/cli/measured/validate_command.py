@@ -174,7 +174,7 @@ def _columns(told: Sequence[str]) -> dict[str, str]:
 
 
 def _scales(units: Mapping[str, str], scale: Sequence[str]) -> dict[str, float]:
-    """What numbers of a file are multiplied by, from names of units and from numbers."""
+    """Return the factors on the numbers of a file, from names of units and from given numbers."""
     sizes = {}
     for option, name in units.items():
         kind = option.removesuffix("_unit")
