@@ -101,6 +101,11 @@ def superposition(scene: Scene) -> Superposition:
     return Superposition(scene.base, load)
 
 
+def tractions_before(scene: Scene) -> Tractions:
+    """Return the tractions of the whole interface before the load, or its front, has come."""
+    return scene.base
+
+
 def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
     """Return the parts of the superposition to which a traction of base or load is added.
 

@@ -33,6 +33,7 @@ from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.quantities import taking_quantities
+from semianalytic.scene.loading import tractions_before
 from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.spacetime.advancing import advance, loads_on_grid
 from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
@@ -67,9 +68,7 @@ from semianalytic.spacetime.tuning import (
 _log = logging.getLogger(__name__)
 
 
-def causal_grid(
-    scene: Scene, latest: float, length: float, nodes: int, entry: float = 0.0
-) -> Grid:
+def causal_grid(scene: Scene, latest: float, length: float, nodes: int, entry: float = 0.0) -> Grid:
     """Return the smallest grid whose mirror images do not reach 0 < x < length until `latest`.
 
     Parameters
@@ -89,8 +88,7 @@ def causal_grid(
 
     spacing = length / nodes
     contact, slot = (
-        math.ceil(part / spacing) + MARGIN_NODES
-        for part in extents(scene, latest, length, entry)
+        math.ceil(part / spacing) + MARGIN_NODES for part in extents(scene, latest, length, entry)
     )
     # the nodes that are added for the fast transform lengthen the slot
     size = next_fast_len(contact + slot, real=True)
@@ -275,9 +273,7 @@ def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> Non
     ranges = (scene, end_time, end_time, length, STEP_RATIO, DAMPING, 1, TOLERANCE)
     at_rest = _Plan(*ranges, None, False, entry).at_rest(nodes)
     check_weakening_seen(scene, at_rest.grid.spacing)
-    segments = segments_between(
-        scene, at_rest.begins, end_time, STEP_RATIO, at_rest.grid.spacing
-    )
+    segments = segments_between(scene, at_rest.begins, end_time, STEP_RATIO, at_rest.grid.spacing)
     check_levels(scene, segments, *loads_on_grid(at_rest, segments))
 
 
@@ -492,15 +488,15 @@ def _check_held(scene: Scene, until: float) -> None:
     """
     if scene.front_slowness >= 0 or not scene.arrives:
         return
-    load, low, high = scene.superposition.taken_off, 0.0, 0.0
+    base, load, low, high = tractions_before(scene), scene.superposition.taken_off, 0.0, 0.0
     for history in scene.acting_histories.values():
         times = np.append(np.linspace(0.0, until, TIMES), history.pieces.breaks)
         # just before and just after a jump; the load is linear in the value
         values = history.value(np.concatenate([times, np.nextafter(times, np.inf)]))
         low, high = min(low, float(values.min())), max(high, float(values.max()))
     for share in (low, high):
-        shear = abs(scene.base.shear + share * load.shear)
-        strength = scene.friction * (scene.base.pressure + share * load.pressure)
+        shear = abs(base.shear + share * load.shear)
+        strength = scene.friction * (base.pressure + share * load.pressure)
         if shear > strength * (1 + 1e-12):
             raise SceneError(
                 "march: the wave alone exceeds friction, so that the contact slips from its front "

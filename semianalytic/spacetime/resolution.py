@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.halfplane.rayleigh import Mode, rayleigh_factors
+from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import process_zone
@@ -166,9 +166,10 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     for name, history in scene.acting_histories.items():
         intensities = intensity_history(history, load, scene.material, times, scene.shear_mode)
         if name == "pressure":
-            mode_one = intensities[0] * _of_front(scene, "I")
+            mode_one = intensities[0] * front_share(scene.material, scene.front_slowness, "I")
         else:
-            mode_two = intensities[1] * _of_front(scene, scene.shear_mode)
+            share = front_share(scene.material, scene.front_slowness, scene.shear_mode)
+            mode_two = intensities[1] * share
     # Beside the edge |tau| - f p ~ (|K_II| - f K_I) / sqrt(2 pi x).  The zone closes that against
     # f p less the shear that the slot faces carry, both of the tractions left on the slot.
     excess = np.abs(mode_two) - scene.friction * mode_one
@@ -181,16 +182,6 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     ratio = np.where(slips, excess, 0.0) / np.where(bounded, strength, 1.0)
     zone = np.where(slips & ~bounded, np.inf, np.pi / 8 * ratio**2)
     return float(np.minimum(zone, scene.fastest_speed * times).max())
-
-
-def _of_front(scene: Scene, mode: Mode) -> float:
-    """Return K of a load whose front moves over K of one that comes at once, M_+(0)/M_+(-p)."""
-    slowness = scene.front_slowness * scene.material.shear_speed
-    if not slowness:
-        return 1.0
-    factors = rayleigh_factors(scene.material.poisson_ratio, mode)
-    at_once, moving = (float(factors.m_plus_at_load(p, mode)) for p in (0.0, slowness))
-    return at_once / moving
 
 
 def nodes_for_zone(scene: Scene, end_time: float, length: float) -> int:

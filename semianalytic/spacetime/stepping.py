@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.errors import ComputationError, TensionError
 from semianalytic.scene.friction import CoulombFriction
+from semianalytic.scene.loading import tractions_before
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid_loads import FrontLoad, NodalPressure
 from semianalytic.spacetime.marched import Grid, Marched, MarchState
@@ -125,11 +126,13 @@ def _levels(
     loads, held = _shear_loads(scene, times), scene.superposition.in_place.shear
     for now, load, on_contact in zip(times.tolist(), loads, pressure.over(times), strict=True):
         # the slot carries Q_b - Q_0 f
-        uncut, on_slot = held, held - load
+        uncut: float | Array = held
+        on_slot: float | Array = held - load
         if front is not None:
             uncut, on_slot = front.tractions("shear", now, step)
         elif scene.arrives:
-            uncut, on_slot = scene.base.shear + load, scene.base.shear
+            on_slot = tractions_before(scene).shear
+            uncut = on_slot + load
         yield Level(now, step, uncut, on_slot, on_contact)
 
 

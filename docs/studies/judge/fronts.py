@@ -133,9 +133,7 @@ def judged(trial: int) -> Iterator[TrialRow]:
         if row.bar and row.difference is not None:
             bars = abs(row.difference) / row.bar
         names = repr(scene), row.kind, row.name
-        yield TrialRow(
-            trial, kind, slowness, *names, float(bars), row.verdict, bool(row.obstacle)
-        )
+        yield TrialRow(trial, kind, slowness, *names, float(bars), row.verdict, bool(row.obstacle))
 
 
 def summary(rows: Sequence[TrialRow]) -> list[BarRow]:
