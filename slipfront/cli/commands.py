@@ -33,6 +33,7 @@ from slipfront.cli.scenes.sliding import sliding
 from slipfront.cli.simulate_command import simulate_command
 from slipfront.cli.solve_command import solve_command
 from slipfront.cli.survey_command import survey_command
+from slipfront.cli.usage import in_one_sentence
 
 NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a larger machine."
 
@@ -40,13 +41,20 @@ NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a 
 class _Commands(TyperGroup):
     """Group of commands that reports unexpected endings, which typer would pass over, as faults.
 
-    Exit code 1 remains reserved for answers that differ.
+    Exit code 1 remains reserved for answers that differ.  Words that no command knows are refused
+    in one sentence, as all other input is.
     """
+
+    def make_context(self, *args: Any, **given: Any) -> Any:
+        """Read the options before the command."""
+        with in_one_sentence():
+            return super().make_context(*args, **given)
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command; a file that ends too early and a library that exits count as faults."""
         try:
-            return super().invoke(ctx)
+            with in_one_sentence():
+                return super().invoke(ctx)
         except EOFError as error:
             raise RuntimeError("a file ends before it should") from error
         except SystemExit as end:
