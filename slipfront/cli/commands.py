@@ -26,14 +26,13 @@ from slipfront.cli.interruption import INTERRUPTED, INTERRUPTION
 from slipfront.cli.measured.benchmark_command import app as benchmark_app
 from slipfront.cli.measured.fit_command import fit_command
 from slipfront.cli.measured.validate_command import validate_command
-from slipfront.cli.refusals import in_options
+from slipfront.cli.refusals import in_one_sentence, in_options
 from slipfront.cli.run_command import run_command
 from slipfront.cli.scenes.commands import init, scenes
 from slipfront.cli.scenes.sliding import sliding
 from slipfront.cli.simulate_command import simulate_command
 from slipfront.cli.solve_command import solve_command
 from slipfront.cli.survey_command import survey_command
-from slipfront.cli.usage import in_one_sentence
 
 NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a larger machine."
 
