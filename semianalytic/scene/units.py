@@ -40,6 +40,7 @@ _SIZES: Mapping[str, Mapping[str, float]] = {
     "mass / length^3": {"kg/m^3": 1.0, "kg/m3": 1.0, "g/cm^3": 1e3, "g/cm3": 1e3},
     "length / time": {f"{prefix}m/s": size for prefix, size in _PREFIXES.items() if size < 1e6},
     "stress time / length": {"Pa s/m": 1.0, "kPa s/m": 1e3, "MPa s/m": 1e6, "GPa s/m": 1e9},
+    "stress length": {"J/m^2": 1.0, "J/m2": 1.0, "N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3},
     "angle": {**dict.fromkeys(("deg", "degree", "degrees", "°"), 1.0), "rad": math.degrees(1.0)},
     "1": {"": 1.0, "1": 1.0, "%": 1e-2},
 }
@@ -52,6 +53,7 @@ _SHOWN: Mapping[str, str] = {
     "mass / length^3": "kg/m^3 or g/cm^3",
     "length / time": "m/s, mm/s or km/s",
     "stress time / length": "Pa s/m or MPa s/m",
+    "stress length": "N/m, kN/m or N/mm",
     "angle": "deg or rad",
     "1": "%",
 }
