@@ -220,15 +220,15 @@ FRONT_SHEETS: Mapping[str, Sheet] = {
     "incident-sv": Sheet(
         "incident-sv",
         "An SV wave at an angle",
-        "a load whose front moves: the wave meets the contact first, adds pressure and shear to it, "
-        "and both are singular at the edge, which slips against the wave",
+        "a load whose front moves: the wave meets the contact first, adds pressure and shear to "
+        "it, and both are singular at the edge, which slips against the wave",
         (*SLIPPING, "pressure"),
         note="The wave has passed all of the contact by t = 0, so that the contact carries it from "
         "the outset. With the stress S = rho c_t v_0 of the wave, 0.3 or 3 MPa, and theta = -20 "
         "degrees, P_0 = -S sin(2 theta) and Q_0 = -S cos(2 theta).",
     )
 }
-"""Problems with a slot and a load whose front moves, for which no tolerance classes are measured."""
+"""Problems with a slot and a load whose front moves; no tolerance classes are measured."""
 ALL_SHEETS: Mapping[str, Sheet] = {**SHEETS, **LINE_SHEETS, **FRONT_SHEETS}
 
 
