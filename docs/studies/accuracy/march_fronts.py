@@ -55,8 +55,9 @@ def fronts() -> list[FrontRow]:
                     off += float(np.abs(getattr(marched, quantity)(x, t) - right).sum())
                     size += float(np.abs(right).sum())
                 errors.append(off / size)
-            order = math.log2(before / errors[0])
-            row = (scene.front_slowness, nodes, errors[0], order, *errors[1:])
-            rows.append(FrontRow(name, *row, marched.error_estimate))
-            before = errors[0]
+            rate, shear, pressure = errors
+            order = math.log2(before / rate)
+            sizes = rate, order, shear, pressure, marched.error_estimate
+            rows.append(FrontRow(name, scene.front_slowness, nodes, *sizes))
+            before = rate
     return rows
