@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from semianalytic import Marched, Scene, march, solve
+from semianalytic import Marched, Scene, Tractions, march, solve
 from slipfront.explore.views import (
     SPEED,
     FieldView,
@@ -29,11 +29,14 @@ class Moment(NamedTuple):
 
 
 class MarchViews(NamedTuple):
-    """A march, and the field at one moment, whose computation takes as long."""
+    """A march, and the field at one moment, whose computation takes as long.
+
+    The field is None where a march does not know it.
+    """
 
     marched: Marched
     moment: Moment
-    field: FieldView
+    field: FieldView | None
 
 
 def solved_field(
@@ -56,4 +59,6 @@ def marched_views(scene: Scene, moment: Moment, progress: Progress) -> MarchView
             progress(done, steps)
 
     marched = march(scene, end_time(scene), progress=tell)
-    return MarchViews(marched, moment, field_view(marched, MARCH_POINTS, *moment))
+    known = isinstance(scene.load, Tractions)
+    field = field_view(marched, MARCH_POINTS, *moment) if known else None
+    return MarchViews(marched, moment, field)

@@ -22,7 +22,7 @@ from bokeh.server.views.static_handler import StaticHandler
 from jinja2 import Environment, Template
 
 from compare.comparison.scales import reference_values
-from semianalytic import Marched, Scene, SlipZone, Solution, solve
+from semianalytic import Marched, Scene, SlipZone, Solution, Tractions, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.errors import SlipfrontError
@@ -71,6 +71,7 @@ MOVING_POINTS, POINTS = 24, 90
 """Points across the picture of the field while a slider moves, and when it stands still."""
 LEAST_SHARE = 0.05
 """Earliest time that pictures show, over T; the first waves are narrower than a few pixels then."""
+NO_FIELD = "The field in the bodies under a load whose front moves is not known from a march."
 LISTEN = 40
 """Interval at which messages of other processes are read [ms]."""
 
@@ -240,7 +241,7 @@ class Session:
         self._draw_contact(marched, NODES)
         told = {"status": marched.status, "error": f"{marched.error_estimate:.1e}"}
         self._tell(since=since, query=query, moving=moving, **told)
-        if not moving:
+        if not moving and isinstance(marched.scene.load, Tractions):
             self._march_worker.start(marched_field, marched, self._moment)
 
     def _draw_contact(self, answer: Solution | Marched, nodes: int) -> None:
@@ -336,16 +337,21 @@ class Session:
         elif kind == "result" and isinstance(content, MarchViews):
             self._answer = content.marched
             self._draw_contact(content.marched, NODES)
-            self._field.draw(content.field)
-            if content.moment != self._moment:
-                self._march_worker.start(marched_field, content.marched, self._moment)
+            said = {}
+            if content.field is None:
+                said["message"] = NO_FIELD
+            else:
+                self._field.draw(content.field)
+                if content.moment != self._moment:
+                    self._march_worker.start(marched_field, content.marched, self._moment)
             self._tell(
                 progress=1.0,
                 status=content.marched.status,
                 error=f"{content.marched.error_estimate:.1e}",
                 readings=_readings(content.marched),
                 program=program(content.marched.scene),
-                field=True,
+                field=content.field is not None,
+                **said,
             )
         elif kind == "result" and isinstance(content, FieldView):
             self._field.draw(content)
