@@ -132,16 +132,18 @@ def _document(done: Run, name: str) -> dict[str, Any]:
 def _show(done: Run, name: str) -> None:
     """Print a run as a table."""
     shown = _document(done, name)
-    table = Table("quantity", "value", title=name, show_header=False)
-    table.add_row("until", f"t = {done.end_time:.6g}")
+    table = Table("quantity", "value", "unit", title=name)
+    table.add_row("until", f"t = {done.end_time:.6g}", "time")
     table.add_row("nodes, frames", f"{done.nodes}, {len(done.t)}")
     table.add_row(
-        "steps", f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}"
+        "steps",
+        f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}",
+        "time",
     )
-    table.add_row("largest slip", f"{shown['largest_slip']:.6g}")
-    table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}")
-    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} % of the contact")
+    table.add_row("largest slip", f"{shown['largest_slip']:.6g}", "length")
+    table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}", "length/time")
+    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} %", "of the contact")
     for quantity, error in done.error_estimates.items():
-        table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}")
+        table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}", "relative")
     table.add_row("status", done.status)
     Console().print(table)

@@ -35,7 +35,7 @@ from semianalytic.scene.named import NAMED_SCENES, find_scene
 from semianalytic.scene.units import unit
 from slipfront.cli.commands import main
 from slipfront.explore import controls, downloads, jobs, maps, views
-from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views
+from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views, moment_in
 from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, Session
 from slipfront.explore.pictures import SHADES, Board, SpaceTimePicture
 from slipfront.explore.serving import make_server
@@ -144,6 +144,22 @@ def test_sliders_stay_as_they_are_while_they_serve():
     session._answer_to({"query": "?load_shear=1e9"})
     (slider,) = (one for one in told_by(session)["sliders"] if one["name"] == "load_shear")
     assert slider["high"] == 2e9
+
+
+@pytest.mark.parametrize("moment", [Moment(), Moment(0.4), Moment(0.05, "displacement")])
+def test_the_address_holds_the_moment(moment):
+    scene = controls.query_of(controls.defaults(STEEL))
+    assert moment_in(scene + moment.query) == (moment, scene)
+    session = Session(Document(), find_scene("preloaded"), scene + moment.query)
+    assert given_to(session)["moment"] == moment._asdict()
+    assert given_to(session)["values"] == controls.defaults(STEEL)
+
+
+@pytest.mark.parametrize("query", ["?time=0.01", "?time=2", "?time=nan", "?picture=heat"])
+def test_a_moment_that_is_none_is_a_message(query):
+    session = Session(Document(), STEEL, query)
+    assert "must be" in given_to(session)["message"]
+    assert given_to(session)["moment"] == Moment()._asdict()
 
 
 def test_what_axes_are_over_is_told(alone):
