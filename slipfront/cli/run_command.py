@@ -44,10 +44,10 @@ def run_command(
         float | None, typer.Option(help="Error of slip: nodes are doubled until it is met.")
     ] = None,
     save: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Keep the run (.npz), to go on later.")
+        Path | None, typer.Option(metavar="FILE", help="File to save the run to (.npz).")
     ] = None,
     go_on: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Continue a run that was saved.")
+        Path | None, typer.Option(metavar="FILE", help="File of a saved run to continue.")
     ] = None,
     netcdf: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write all fields as NetCDF (.nc).")
@@ -61,7 +61,8 @@ def run_command(
     """Run an interface: contacts, fields along x and friction with state, in steps of any length.
 
     The exit code is 4 if the run is unresolved or misses --rtol; the result is printed all the
-    same.  Ctrl-C ends a run early and keeps what is there.
+    same.  Ctrl-C ends a run early; what was computed is printed, and saved
+    with --save.
     """
     found = find_interface(source)
     if isinstance(end_time, InSI):
