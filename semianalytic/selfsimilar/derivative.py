@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.scene.contact import superposed_by
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.incident import OF_FRONT, IncidentWave, MovingLoad
-from semianalytic.scene.loading import superposed_by
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.borders import border, starts_at_front
