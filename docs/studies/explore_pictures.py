@@ -1,8 +1,8 @@
 """Write what `slipfront explore` looks like, in Chromium: seven scenes at three widths.
 
 ``python -m docs.studies.explore_pictures`` writes docs/figures/explore/SCENE-WIDTH.png, whole pages
-of few colours, and ends with exit code 1 if one is wider than its window, has a large hole or is not
-finished.
+of few colours, and ends with exit code 1 if one is wider than its window, has a large hole or is
+not finished.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from slipfront.explore.controls import defaults, query_of
 
 FOLDER = DOCS / "figures" / "explore"
 WIDTHS = (390, 1280, 1920)
-COLOURS = 48
+COLOURS = 128
 """Colours of a picture, on whose number the size of the files depends."""
 READY = """
 Boolean(window.slipfrontTimes && slipfrontTimes.length
@@ -38,7 +38,10 @@ Boolean(window.slipfrontTimes && slipfrontTimes.length
 RESIZED = """
 window.frames_after = 0;
 if (!window.counts_frames)
-  (function next() { window.frames_after += 1; window.counts_frames = requestAnimationFrame(next); })();
+  (function next() {
+    window.frames_after += 1;
+    window.counts_frames = requestAnimationFrame(next);
+  })();
 """
 SETTLED = "window.frames_after > 20 && Bokeh.documents.every((one) => one.is_idle)"
 """Whether the pictures have followed the width of the window: some frames on, nothing is drawn."""
