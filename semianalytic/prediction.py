@@ -31,6 +31,8 @@ def chosen_method(scene: Scene, method: str = "auto") -> str:
     if method not in METHODS:
         raise SceneError(f"method must be one of {', '.join(METHODS)}, got {shown(method)}.")
     if method == "auto":
+        if scene.is_step:
+            scene.check_front()  # a march would answer, but of a load that begins somewhere
         marched = not scene.is_self_similar or scene.friction_law.fall_with_rate > 0
         return "space-time" if marched else "self-similar"
     if method == "self-similar":

@@ -326,23 +326,6 @@ class Scene:
         """
         return self.load.slowness(self.material)
 
-    def check_at_once(self, function: str, instead: str = "solve it") -> None:
-        """Raise SceneError if the front of the load moves along the interface.
-
-        Parameters
-        ----------
-        function : str
-            What knows only loads that come everywhere at once, for the message.
-        instead : str
-            What to do with the scene, for the message.
-        """
-        if not isinstance(self.load, Tractions):
-            self.check_front()
-            raise SceneError(
-                f"{function}: incident waves and moving loads are not known here; {instead}, or "
-                "give tractions for the load (docs/scenes.md)."
-            )
-
     @property
     def antiplane(self) -> bool:
         """Whether shear and slip are along z."""
@@ -391,10 +374,10 @@ class Scene:
         The front of a load that comes along the slot must be ahead of all waves besides.
         """
         lawful = isinstance(self.friction_law, CoulombFriction | RateFriction)
-        return self.is_step and lawful and not self._front_too_slow
+        return self.is_step and lawful and not self.front_too_slow
 
     @property
-    def _front_too_slow(self) -> bool:
+    def front_too_slow(self) -> bool:
         """Whether the front of the load comes along the slot no faster than the first wave."""
         return self.front_slowness * self.fastest_speed >= 1 - NEAREST_FRONT
 
@@ -406,13 +389,14 @@ class Scene:
                 f"{SLOWEST_FRONT:g} of the shear wave, so that digits are lost; make it faster "
                 "(docs/limits.md)."
             )
-        if self._front_too_slow:
+        if self.front_too_slow:
             raise SceneError(
                 "solve: the front of the load comes along the slot at "
                 f"{1 / self.front_slowness:.4g}, not faster than the first wave, "
                 f"{self.fastest_speed:.4g}, so that the edge was loaded for all time before and "
                 "nothing depends on x/t alone; let it meet the contact first (a negative angle), "
-                "or march it from a time at which it enters the slot (docs/limits.md)."
+                "or march it from where it enters the slot, with `march` or `method` space-time "
+                "(docs/limits.md)."
             )
         if self.front_slowness and self.far_slip_rate:
             raise SceneError(

@@ -19,7 +19,7 @@ from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.quantities import asked_in_units
-from semianalytic.scene.scene import Scene, scene_document, scene_from_document
+from semianalytic.scene.scene import Scene, Tractions, scene_document, scene_from_document
 from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.marched_bodies import MarchedBodies
 from semianalytic.spacetime.resolution import (
@@ -68,6 +68,11 @@ class Grid:
     def contact(self) -> slice:
         """The slice of all nodes that lie on the contact."""
         return slice(self.slot, self.size)
+
+    @property
+    def nodes(self) -> Array:
+        """Positions of all nodes, slot included, (size,) [length]."""
+        return np.asarray((np.arange(self.size) - self.slot + 0.5) * self.spacing)
 
     def observe(self, values: Array) -> Array:
         """Return the values of (size,) at the observed nodes of the contact, (observed,)."""
@@ -172,11 +177,11 @@ class MarchState:
     work: Array
 
     @classmethod
-    def at_rest(cls, poles: int, grid: Grid) -> MarchState:
-        """Return the state before anything happens, for so many poles."""
+    def at_rest(cls, poles: int, grid: Grid, time: float = 0.0) -> MarchState:
+        """Return the state before anything happens, at a time, for so many poles."""
         lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
         modes = np.zeros((poles, grid.size), dtype=complex)
-        return cls(0.0, modes, lasting, lasting, contact, contact, contact, contact)
+        return cls(time, modes, lasting, lasting, contact, contact, contact, contact)
 
     def copy(self) -> MarchState:
         """Return a state whose memory can be changed in place."""
@@ -256,6 +261,8 @@ class Marched(SampledAnswer):
         Difference from the companion.
     rtol : float or None
         The error that was asked for.
+    entry : float
+        Distance from the tip at which a load that comes along the slot begins [length], else 0.
 
     Examples
     --------
@@ -289,6 +296,17 @@ class Marched(SampledAnswer):
     companion: Marched | None = None
     departure: Departure = Departure()
     rtol: float | None = None
+    entry: float = 0.0
+
+    @property
+    def begins(self) -> float:
+        """Time at which the load begins [time]: before 0 if it comes along the slot."""
+        return -max(self.scene.front_slowness, 0.0) * self.entry
+
+    @property
+    def recorded_from(self) -> float:
+        """First time of the record [time]: 0, or before it if waves of the load come earlier."""
+        return self.begins if self.scene.front_too_slow else 0.0
 
     @property
     def end_time(self) -> float:
@@ -391,6 +409,11 @@ class Marched(SampledAnswer):
 
     @cached_property
     def _bodies(self) -> MarchedBodies:
+        if not isinstance(self.scene.load, Tractions):
+            raise SceneError(
+                "march: the fields in the bodies under an incident wave or a moving load are not "
+                "known from a march; ask `solve`, or simulate the scene (docs/limits.md)."
+            )
         return MarchedBodies(self.scene, self.interface)
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
@@ -517,6 +540,8 @@ class Marched(SampledAnswer):
             group.attrs[name] = getattr(self, name)
         if self.rtol is not None:
             group.attrs["rtol"] = self.rtol
+        if self.entry:
+            group.attrs["entry"] = self.entry
         group.attrs["statistics"] = json.dumps(asdict(self.statistics))
         group.attrs["departure"] = json.dumps(asdict(self.departure))
         for name in _GROUPS:
@@ -570,11 +595,17 @@ class Marched(SampledAnswer):
             statistics=MarchStatistics(**json.loads(group.attrs["statistics"])),
             departure=Departure(**json.loads(group.attrs["departure"])),
             rtol=float(group.attrs["rtol"]) if "rtol" in group.attrs else None,
+            entry=float(group.attrs.get("entry", 0.0)),
             **parts,
         )
 
 
-_OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}
+_OPTIONS = {
+    "latest": float,
+    "step_ratio": float,
+    "damping": float,
+    "every": int,
+}
 _GROUPS = {
     "interface": InterfaceHistory,
     "totals": Totals,

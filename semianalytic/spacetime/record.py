@@ -83,6 +83,20 @@ class MarchRecord:
 
     def add(self, before: MarchState, state: MarchState, pressure: Array) -> None:
         """Add the level `state` that follows `before`, with the pressure of the contact."""
+        reached = self._marched.statistics.steps + self.done + 1
+        if state.time > self._marched.recorded_from:
+            self._see(before, state)
+        self.done += 1
+        self.stopped = self._progress is not None and (
+            self._progress(self.done, self._steps) is True
+        )
+        last = self.done == self._steps or self.stopped
+        recorded = state.time > self._marched.recorded_from or self.stopped
+        if recorded and (reached % self._every == 0 or last):
+            self._store(state, pressure)
+
+    def _see(self, before: MarchState, state: MarchState) -> None:
+        """Include a level in extremes and totals."""
         observe = self._marched.grid.observe
         self.seen = self.seen.with_level(
             before.time,
@@ -92,13 +106,6 @@ class MarchRecord:
             state.slip[: self._observed],
         )
         self._sum(state)
-        self.done += 1
-        self.stopped = self._progress is not None and (
-            self._progress(self.done, self._steps) is True
-        )
-        reached = self._marched.statistics.steps + self.done
-        if reached % self._every == 0 or self.done == self._steps or self.stopped:
-            self._store(state, pressure)
 
     def _store(self, state: MarchState, pressure: Array) -> None:
         """Store a level."""

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
@@ -155,6 +156,8 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     float
         Length of the zone [length]; 0 where the edge sticks.
     """
+    if scene.front_too_slow:
+        return 0.0  # its intensity depends on where the load begins
     breaks = [at for history in scene.acting_histories.values() for at in history.pieces.breaks]
     # Each time costs a sum over all breaks (the Duhamel integral (3.20)), hence fewer of them.
     count = max(LEAST_TIMES, min(TIMES, MOST_SAMPLES // max(1, len(breaks))))
@@ -165,9 +168,10 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     for name, history in scene.acting_histories.items():
         intensities = intensity_history(history, load, scene.material, times, scene.shear_mode)
         if name == "pressure":
-            mode_one = intensities[0]
+            mode_one = intensities[0] * front_share(scene.material, scene.front_slowness, "I")
         else:
-            mode_two = intensities[1]
+            share = front_share(scene.material, scene.front_slowness, scene.shear_mode)
+            mode_two = intensities[1] * share
     # Beside the edge |tau| - f p ~ (|K_II| - f K_I) / sqrt(2 pi x).  The zone closes that against
     # f p less the shear that the slot faces carry, both of the tractions left on the slot.
     excess = np.abs(mode_two) - scene.friction * mode_one

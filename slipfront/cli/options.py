@@ -123,6 +123,27 @@ def asked(scene: Scene, name: str, value: float | None, dimension: str) -> float
     return number
 
 
+def read_number(scene: Scene, name: str, text: str, dimension: str) -> float:
+    """Return the number of an option's text, which a unit may follow, in the units of a scene.
+
+    Raises
+    ------
+    SceneError
+        If it is no number, its unit is unknown, or the scene does not say its own.
+    """
+    try:
+        number = measure(text, dimension, si_size)
+    except SceneError as error:
+        raise SceneError(f"{option_name(name)} {error}") from None
+    in_scene = asked(scene, name, number, dimension)
+    return number if in_scene is None else in_scene
+
+
+def option_dimension(name: str) -> str:
+    """Return the dimension of the option of a scene's parameter, by the parameter's name."""
+    return PARAMETERS[re.sub("^(base|load|lower)_", "", name)]
+
+
 def _option(type_: type, panel: str, text: str, *names: str, dimension: str = "") -> Any:
     if dimension:
         return Annotated[float | None, measured_option(dimension, text, panel)]
@@ -164,7 +185,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         float,
         _SCENE_PANEL,
         text,
-        dimension=PARAMETERS[name.removeprefix("base_").removeprefix("load_")],
+        dimension=option_dimension(name),
     )
     for name, text in {
         "shear_modulus": "Shear modulus [stress].",
@@ -222,7 +243,7 @@ MARCH_OPTIONS: Mapping[str, Any] = {
         type_,
         "Space-time solver",
         text,
-        dimension={"length": "length", "latest": "time"}.get(name, ""),
+        dimension={"length": "length", "latest": "time", "entry": "length"}.get(name, ""),
     )
     for name, (type_, text) in {
         "nodes": (int, "Contact nodes; 1000 by default, or as many as the loads need."),
@@ -231,6 +252,7 @@ MARCH_OPTIONS: Mapping[str, Any] = {
         "step_ratio": (float, "c_t times the step over the node distance; 0.5 by default."),
         "every": (int, "Store every n-th step."),
         "latest": (float, "Time to which a saved march can be continued [time]; T by default."),
+        "entry": (float, "Where a load that comes along the slot begins [length before the tip]."),
         "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
         "save": (Path, "File to save the march to (.h5)."),
         "go_on": (Path, "File of a saved march to continue."),

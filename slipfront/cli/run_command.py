@@ -14,10 +14,11 @@ from compare.output.places import check_file, save_somewhere
 from compare.output.progress import progress_bar
 from semianalytic import Run, find_interface, run
 from semianalytic.engine.named import NAMED_INTERFACES
-from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import XARRAY, require
+from semianalytic.scene.units import InSI
 from slipfront.cli.interruption import INTERRUPTED
-from slipfront.cli.options import AsJson, Quiet
+from slipfront.cli.options import AsJson, Quiet, measured_option
 from slipfront.cli.scenes.completion import interface_names
 from slipfront.cli.terminal import print_json
 
@@ -34,7 +35,10 @@ def run_command(
             autocompletion=interface_names,
         ),
     ],
-    end_time: Annotated[float | None, typer.Option(help="Last time \\[time].")] = None,
+    end_time: Annotated[
+        float | None,
+        measured_option("time", "Last time [time], a number in the units of the interface."),
+    ] = None,
     nodes: Annotated[int | None, typer.Option(help="Nodes of one period, a multiple of 4.")] = None,
     rtol: Annotated[
         float | None, typer.Option(help="Error of slip: nodes are doubled until it is met.")
@@ -61,6 +65,11 @@ def run_command(
     with --save.
     """
     found = find_interface(source)
+    if isinstance(end_time, InSI):
+        raise SceneError(
+            "--end-time has a unit, but interfaces do not say which units their numbers have; "
+            "give a number alone."
+        )
     options: dict[str, Any] = {**found.options, "estimate": not no_estimate}
     given = {"nodes": nodes, "rtol": rtol}
     options |= {name: value for name, value in given.items() if value is not None}
@@ -124,16 +133,18 @@ def _document(done: Run, name: str) -> dict[str, Any]:
 def _show(done: Run, name: str) -> None:
     """Print a run as a table."""
     shown = _document(done, name)
-    table = Table("quantity", "value", title=name, show_header=False)
-    table.add_row("until", f"t = {done.end_time:.6g}")
+    table = Table("quantity", "value", "unit", title=name)
+    table.add_row("until", f"t = {done.end_time:.6g}", "time")
     table.add_row("nodes, frames", f"{done.nodes}, {len(done.t)}")
     table.add_row(
-        "steps", f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}"
+        "steps",
+        f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}",
+        "time",
     )
-    table.add_row("largest slip", f"{shown['largest_slip']:.6g}")
-    table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}")
-    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} % of the contact")
+    table.add_row("largest slip", f"{shown['largest_slip']:.6g}", "length")
+    table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}", "length/time")
+    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} %", "of the contact")
     for quantity, error in done.error_estimates.items():
-        table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}")
+        table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}", "relative")
     table.add_row("status", done.status)
     Console().print(table)
