@@ -479,7 +479,6 @@ class Solution:
         fronts = (material.longitudinal_speed, material.shear_speed, material.rayleigh_speed)
         edges = [*np.ravel(self.edge_speeds), *(part.outer for part in self.openings)]
         edges += [part.inner for part in self.openings]
-        # At fixed x the slip rate is not smooth at the times x / c of fronts and edges.
         slip = slip_of_rates(self.slip_rate, reading.x, reading.t, (*fronts, *edges))
         value, error = reading.slip
         with np.errstate(invalid="ignore"):
