@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import taking_quantities
+from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve

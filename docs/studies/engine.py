@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,9 @@ COMMAND = "python -m docs.studies.engine"
 Row = tuple[str, str, str, str, str]
 MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 UNIT = sf.Material(1.0, 1.0, 0.25)
+RATIOS, INERTIAS = (1.1, 1.4, 2.0), (0.01, 0.1, 0.3, 1.0, 3.0)
+SHARES = (0.3, 0.5, 0.7, 0.9)  # of the critical wavenumber: the growing waves of the notes
+WEAKEST = 0.004  # V / L; half of it would need marches of 1,250 L / V
 
 
 def main() -> None:
@@ -64,7 +68,9 @@ def exact() -> Iterator[Row]:
 def marched_growth(mode: str, ratio: float, inertia: float, kappa: float, step: float) -> complex:
     """Return lambda L / V0 of a marched wave, by linear prediction of its amplitude.
 
-    The wave grows until it is about tenfold; the mean slip is held.
+    The wave grows at least tenfold and at most e^9-fold: a march of 60 L / V0 whatever the growth
+    rate took the fastest waves beyond the linear range, and their rates were off by .02 to .9.  The
+    mean slip is held.
     """
     found = growth(ratio, inertia, kappa, MODES[mode])
     a = 0.01
@@ -83,8 +89,9 @@ def marched_growth(mode: str, ratio: float, inertia: float, kappa: float, step: 
         loads=[kick],
         even=True,
     )
-    # waves that die away fall like t^-3/2, and weak growth needs its time
-    until = max(60.0, 2.5 / found.real)
+    # waves that die away fall like t^-3/2, and weak growth needs its time; slip rates of the wave
+    # stay below 1e-4 of V0, where friction is linear
+    until = min(max(60.0, 2.5 / found.real), 9.0 / found.real)
     stepper = Stepper(fault, 8, 0.4, end_time=until / rate)
     now, amplitudes = stepper.begin(), []
     for _ in range(int(until / step)):
@@ -99,28 +106,28 @@ def marched_growth(mode: str, ratio: float, inertia: float, kappa: float, step: 
 
 
 def dispersion() -> Iterator[Row]:
-    """Yield growing waves of rate-and-state friction, marched, against the dispersion relation."""
-    worst: dict[float, list[float]] = {0.1: []}
-    for mode in MODES:
-        for ratio in (1.4, 2.0):
-            for inertia in (0.01, 0.3, 1.0):
-                for share in (0.5, 0.9):
-                    kappa = share * critical_wavenumber(ratio, inertia, MODES[mode])
-                    known = growth(ratio, inertia, kappa, MODES[mode])
-                    if known.real < 0.01:  # not tenfold within 250 L / V0
-                        continue
-                    for step, errors in worst.items():
-                        found = marched_growth(mode, ratio, inertia, kappa, step)
-                        errors.append(abs(found - known) / abs(known))
-    for step, errors in worst.items():
-        median, largest = np.median(errors), max(errors)
-        yield (
-            f"{len(errors)} growing waves, steps of {step:g} L/V",
-            "complex growth rate",
-            "dispersion relation",
-            f"median off by {median:.1e}",
-            f"{largest:.1e} at most",
-        )
+    """Yield growing waves of rate-and-state friction, marched, against the dispersion relation.
+
+    The grid is that of the 210 digits of the notes (two modes, three b/a, five inertias, seven
+    wavelengths), without the waves that decay, whose rates cannot be told from a march.
+    """
+    errors, weak = [], 0
+    for mode, ratio, inertia, share in product(MODES, RATIOS, INERTIAS, SHARES):
+        kappa = share * critical_wavenumber(ratio, inertia, MODES[mode])
+        known = growth(ratio, inertia, kappa, MODES[mode])
+        if known.real < WEAKEST:
+            weak += 1
+            continue
+        # the march is of second order in |Lambda| times the step: 1e-3 at .05 L / V0 and |Lambda| 1
+        found = marched_growth(mode, ratio, inertia, kappa, 0.05)
+        errors.append(abs(found - known) / abs(known))
+    yield (
+        f"{len(errors)} growing waves, steps of 0.05 L/V ({weak} grow slower than {WEAKEST:g} V/L)",
+        "complex growth rate",
+        "dispersion relation",
+        f"median off by {np.median(errors):.1e}",
+        f"{max(errors):.1e} at most",
+    )
 
 
 def patches() -> Iterator[Row]:

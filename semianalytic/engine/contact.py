@@ -1,4 +1,4 @@
-"""Where the bodies touch, as masks of nodes, and the local problem at nodes that do and do not."""
+"""The parts of the line on which the bodies touch, and the mean of a traction near their ends."""
 
 from __future__ import annotations
 
@@ -81,23 +81,23 @@ class Contact:
 
 
 def area_mean(excess: Array, inner: NDArray[np.bool_]) -> Array:
-    """Return the excess of traction over strength as the mean of its positive part around a node.
+    """Return the mean of the positive part of the excess of traction over strength around nodes.
 
-    A node stands for a stretch of the line on which the excess is linear.  Without this an end of a
-    slip zone crosses nodes one by one and sends back waves three nodes long.
+    A node stands for a stretch of the line on which the excess is linear.  Without the mean, the
+    end of a slip zone crosses nodes one by one and radiates waves three nodes long.
 
     Parameters
     ----------
     excess : (n,) array
-        What the traction of nodes at rest exceeds their strength by [stress].
+        Traction of nodes at rest, less their strength [stress].
     inner : (n,) array of bool
         Whether a node has neighbours of the same contact on both sides.
     """
     left, right = np.roll(excess, 1), np.roll(excess, -1)
-    # where strength or load jumps, one of the two differences says nothing of the other
+    # Where strength or load jumps, the two one-sided slopes differ: the smaller one counts.
     even = np.minimum(np.abs(right - excess), np.abs(excess - left))
     reach = AREA * np.minimum(np.abs(right - left) / 4, even)
-    # beside a stuck singular edge the excess differs much but has one sign: nothing is to slip
+    # Beside a stuck edge the excess is singular but of one sign: there the mean must not slip.
     ends = np.minimum(np.minimum(left, right), excess) < 0
     ends &= np.maximum(np.maximum(left, right), excess) > 0
     mixed = inner & ends & (np.abs(excess) < reach)

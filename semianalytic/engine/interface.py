@@ -1,4 +1,4 @@
-"""The description of an interface: bodies, contact, friction, tractions, and what loads it."""
+"""The description of an interface: bodies, contact, friction, tractions and loads."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class ShearLoad:
     Raises
     ------
     SceneError
-        If something is of the wrong kind.
+        If a parameter is of the wrong kind.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class ShearLoad:
     def traction(self, x: Any, t: float, after: bool = False) -> Array:
         """Return the traction at positions x (n,) at a time, (n,) [stress].
 
-        At a jump of the history it is that before it, or `after` it.
+        At a jump of the history this is the value before it, or the one `after` it.
         """
         x = np.asarray(x, dtype=float)
         if self.history is None:
@@ -79,7 +79,7 @@ class ShearLoad:
         return np.broadcast_to(np.asarray(shape, dtype=float) * self.factor(t, after), x.shape)
 
     def factor(self, t: float, after: bool = False) -> float:
-        """Return the factor at a time; at a jump it is that before it, or `after` it."""
+        """Return the factor at a time; at a jump, the value before it or the one `after` it."""
         if isinstance(self.history, LoadHistory):
             return float(self.history.value(math.nextafter(t, math.inf) if after else t))
         return float(self.history(t)) if self.history is not None else 1.0
@@ -94,7 +94,7 @@ class ShearLoad:
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """A frictional interface between two alike half-planes, with fields that may vary along x.
+    """A frictional interface between two identical half-planes, with fields that vary along x.
 
     Pressure, base shear, loads and all parameters of the law are fields: numbers, functions of x,
     or a `Table`.  The line y = 0 is periodic; waves leave one end and enter the other after
@@ -113,18 +113,18 @@ class Interface:
     shear : field
         Shear traction before slip, in place at t = 0 [stress].
     loads : sequence of ShearLoad
-        What is added to it.
+        Shear tractions that are added from t = 0 on.
     contact : Contact
         Where the bodies touch; everywhere by default.
     mode : str
         "in-plane" or "antiplane".
     rate : field
-        Slip rate at t = 0 [length / time] for a law with state whose base shear is carried by it.
+        Slip rate at t = 0 [length / time], at which a law with a state carries the base shear.
     plate_rate : float
         Slip rate of the bodies far away [length / time]; the memory acts on the difference.
     held : float
-        Wavelength of slip whose stiffness the mean slip meets [length]; inf for none: the mean slip
-        then only radiates.
+        Wavelength [length] of the slip whose stiffness resists the mean slip.  With inf no
+        stiffness does, and the mean slip only radiates.
     even : bool
         Whether everything is even in x, so that only x > 0 is computed.
 

@@ -1,4 +1,4 @@
-"""What a run writes down while it goes: fields at some levels, and a few numbers of every step."""
+"""The record of a run: fields at some of its time levels, and a few numbers of every step."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ class Record:
     Parameters
     ----------
     stepper : Stepper
-        Where the nodes are, and which of them touch.
+        The stepper of the run, which knows the nodes and which of them touch.
     every : int
-        k, which doubles when frames run out.
+        k, which doubles each time the number of frames exceeds its limit.
     frames : int
         Largest number of frames.
     times : sequence of float, optional
-        Times at which to write instead [time], in order.
+        Times [time], in increasing order, at which fields are recorded instead.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class Record:
         self._touching = stepper.touching
 
     def begin(self, now: State) -> None:
-        """Write down the first state."""
+        """Record the state at the beginning of the run."""
         self._peak(now)
         if self.times is None:
             self._write(now.time, self._shown(now))
@@ -50,7 +50,7 @@ class Record:
                 self._write(self.times.pop(0), self._shown(now))
 
     def add(self, before: State, now: State) -> None:
-        """Write down what belongs to a step."""
+        """Record a step: fields if they are due, and its time and largest slip rate always."""
         self.count += 1
         self._peak(now)
         if self.times is None:
@@ -64,7 +64,7 @@ class Record:
             self._write(time, self._between(before, now, time))
 
     def end(self, now: State) -> None:
-        """Write down the last state, unless it is there."""
+        """Record the last state unless the last step recorded it."""
         if self.times is None and self.t[-1] != now.time:
             self._write(now.time, self._shown(now))
 

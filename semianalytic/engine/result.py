@@ -1,4 +1,4 @@
-"""The result of a run: fields of the interface, an estimate of their error, and where to go on."""
+"""The result of a run: fields of the interface, their error estimates, and a checkpoint."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ _UNITS = {
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What happened on an interface until a time.
+    """The fields of an interface from t = 0 until the end of a run, with their error estimates.
 
     Attributes
     ----------
     interface : Interface
-        What was computed.
+        The interface that was computed.
     nodes : int
         Nodes of one period.
     x : (n,) array
         Positions of nodes [length]; x >= 0 only if the interface is even.
     touching : (n,) array of bool
-        Whether the bodies touch there.
+        Whether the bodies touch at these nodes.
     t : (m,) array
         Times of the frames [time].
     slip, slip_rate, shear_traction, state : (m, n) arrays
@@ -47,12 +47,12 @@ class Run:
     step_times, peak_rates : (steps + 1,) arrays
         Time and largest |slip rate| of the contact after every step.
     error_estimates : mapping
-        Estimated L1 errors of slip, slip rate and the change of shear traction over frames and
-        contact, relative; from a second run with half the nodes.  Empty if none was made.
+        Estimated relative L1 errors, over frames and contact, of slip, slip rate and the change of
+        shear traction, from a second run with half the nodes; empty if there was no such run.
     status : str
         "done", "unresolved: ..." or "interrupted at t = ...".
     checkpoint : mapping of arrays
-        What `run` needs to go on.
+        Everything that `run` needs to continue this run.
 
     Examples
     --------
@@ -123,7 +123,7 @@ class Run:
         return data
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write fields and checkpoint to an .npz file, from which `Run.load` and `run` go on."""
+        """Write fields and checkpoint to an .npz file; `Run.load` reads it, `run` continues it."""
         kept: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
         kept |= {f"checkpoint_{name}": value for name, value in self.checkpoint.items()}
         kept |= {"format": FORMAT, "status": self.status, "nodes": self.nodes}

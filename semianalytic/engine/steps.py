@@ -1,4 +1,4 @@
-"""Steps of a run: how long they may be, and what one does."""
+"""Steps of a run: the longest that friction and convergence allow, and the update of one step."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Everything at one time, (n,) each, from which a run goes on.
+    """The state of an interface at one time, from which the next step starts; arrays are (n,).
 
     Attributes
     ----------
@@ -61,12 +61,12 @@ class State:
 
 
 class Stepper:
-    """An interface on a grid, and how it takes a step.
+    """An interface on a grid, and the time stepping of its fields.
 
     Parameters
     ----------
     interface : Interface
-        What is to be computed.
+        The interface to compute.
     nodes : int
         Nodes of a period.
     step_ratio : float
@@ -139,9 +139,9 @@ class Stepper:
         return fixed
 
     def loads(self, time: float, after: bool = False) -> tuple[Array, Array]:
-        """Return the shear of an uncut line, and that which faces of slots carry, (n,) each.
+        """Return the shear that an uncut line carries, and that of slot faces, (n,) each.
 
-        At a jump they are those before it, or `after` it.
+        At a jump of a load these are the values before it, or those `after` it.
         """
         line, slot = self.shear.copy(), self.shear.copy()
         for field, load in self._fixed:
@@ -177,7 +177,8 @@ class Stepper:
         line, slot = self.loads(now.time, after=True)
         stopping = self._stopping(line, held)
         rate, traction = self._balance(stopping, slot, now.state)
-        # the newest rate's share in the memory is left out, and taken from `rate` in the next step
+        # The memory lacks the share of the newest rate, which the next step adds from `rate`; the
+        # jump changes that rate, so the share that is missing has to change with it.
         if table is not None:
             change = self._amplitudes(rate - now.rate)
             self.memory.modes -= table.end * change
@@ -200,14 +201,14 @@ class Stepper:
         return self.shortest * LADDER**rung, rung
 
     def step(self, now: State, length: float, rung: int, time: float | None = None) -> State:
-        """Return the state one step later; the memory goes along.
+        """Return the state one step later, and advance the memory to the same time.
 
         Parameters
         ----------
         now : State
-            Where the step begins.
+            The state at the beginning of the step.
         length, rung
-            As `length` gives them.
+            Length [time] and rung of the step, as `length` returns them.
         time : float, optional
             Exact time of the end where a load jumps there [time].
         """
@@ -261,6 +262,6 @@ class Stepper:
             size = rest + area_mean(size - rest, self._inner)
         speed = self.law.slip_speed(size, self.pressure, self.impedance, state)
         rate = (stopping - slot) / self.impedance
-        # slip has the sense of the traction that it relaxes; 0.0 - speed keeps +0.0 where it sticks
+        # Slip has the sense of the traction it relaxes; 0.0 - speed keeps +0.0 where it sticks.
         rate[self.touching] = np.where(on < 0, 0.0 - speed, speed)
         return rate, stopping - self.impedance * rate

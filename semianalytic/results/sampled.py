@@ -25,7 +25,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import Reading, sampled_reading
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import asked_in_units
+from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]

@@ -28,7 +28,6 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
-from semianalytic.scene.given.quantities import made_in_si, with_quantities
 from semianalytic.scene.incident import (
     IncidentWave,
     Load,
@@ -36,10 +35,11 @@ from semianalytic.scene.incident import (
     load_document,
     load_from_document,
 )
-from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions, superposition
+from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import HISTORIES, LAWS, kind_of, known_class, plugin_names
+from semianalytic.scene.quantities import made_in_si, with_quantities
 from semianalytic.scene.units import SI
 
 HISTORY_KINDS: Mapping[str, type[LoadHistory]] = {
@@ -309,7 +309,8 @@ class Scene:
     @cached_property
     def superposition(self) -> Superposition:
         """Tractions in place on the contact from t = 0 on, and those taken off the slot faces."""
-        return superposition(self)
+        load = self.load.tractions(self.material)
+        return Superposition(self.base.plus(load) if self.arrives else self.base, load)
 
     @property
     def arrives(self) -> bool:

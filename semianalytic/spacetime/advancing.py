@@ -58,6 +58,7 @@ def advance(
         marched.scene, marched.end_time, end_time, marched.step_ratio, marched.grid.spacing
     )
     coarser, companion = [segment.coarser for segment in segments], marched.companion
+    # `every` is chosen before the first step, from all memory that the march will hold at once.
     table = _table_bytes(marched, segments)
     table += 0.0 if companion is None else _table_bytes(companion, coarser)
     every = affordable_every(marched, memory, sum(part.steps for part in segments), table)
@@ -68,6 +69,7 @@ def advance(
         return _reached(marched, walk, every, setup, time.perf_counter() - began)
     # Half of `every`, rounded up, of half the steps: stored levels lie at about the same times.
     own_every = -(-every // 2)
+    # The companion has no progress of its own; it stops where the march was stopped.
     behind = _walk(companion, coarser, own_every, lambda done, steps: follower.stopping)
     follower = Follower(behind, walk, marched.departure)
     for segment in segments:

@@ -32,8 +32,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import taking_quantities
-from semianalytic.scene.loading import tractions_before
+from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.spacetime.advancing import advance, loads_on_grid
 from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
@@ -200,11 +199,13 @@ def march(
     '3.0e-06 m'
     """
     material = checked_scene("march", scene).material
+    # By default a march lasts until a shear wave has travelled a length of 1 in the scene's units.
     end_time = 1 / material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
     length = scene.fastest_speed * end_time if length is None else length
     length = checked_size("march: length", length, "be above 0")
     latest = end_time if latest is None else latest
+    # The range is open below, and `latest` may equal the end time: hence the next smaller number.
     latest = _check_range("latest", latest, math.nextafter(end_time, 0.0))
     step_ratio = _check_range("step_ratio", step_ratio, 0.0, LARGEST_STEP_RATIO)
     damping = checked_number(
@@ -335,6 +336,7 @@ class _Plan:
                 return marched
             if coarser is not None and math.isfinite(coarser.error_estimate):
                 ratio = math.log(nodes / coarser.grid.observed)
+                # Until two estimates are known, first order is assumed, that of slip rate at edges.
                 order = math.log(coarser.error_estimate / estimate) / ratio
             # error ~ nodes^-order: the nodes that bring the estimate to rtol / GROWTH_MARGIN
             growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / np.clip(order, *ORDERS))
@@ -488,7 +490,7 @@ def _check_held(scene: Scene, until: float) -> None:
     """
     if scene.front_slowness >= 0 or not scene.arrives:
         return
-    base, load, low, high = tractions_before(scene), scene.superposition.taken_off, 0.0, 0.0
+    base, load, low, high = scene.base, scene.superposition.taken_off, 0.0, 0.0
     for history in scene.acting_histories.values():
         times = np.append(np.linspace(0.0, until, TIMES), history.pieces.breaks)
         # just before and just after a jump; the load is linear in the value

@@ -18,7 +18,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.quantities import asked_in_units
+from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions, scene_document, scene_from_document
 from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.marched_bodies import MarchedBodies
@@ -130,6 +130,7 @@ class Extremes:
         slip : (n,) array
             Slip at the level [length].
         """
+        # The threshold uses only the past, so that a march that is continued finds the same onsets.
         forward, reverse = np.maximum(self.forward, new), np.minimum(self.reverse, new)
         threshold = ONSET_SHARE * max(float(forward.max()), -float(reverse.min()))
         late, speed = np.abs(old), np.abs(new)
@@ -323,6 +324,8 @@ class Marched(SampledAnswer):
         """
         if self.companion is None:
             return math.nan
+        # Without slip the ratio is 0 / 0.  That is no error where the edge sticks in the continuum
+        # as well, and a total one where K_II exceeds f K_I and the grid misses the zone.
         if self.departure.slip_rate == 0:
             return math.inf if self.departure.difference or self._missed_zone else 0.0
         # Both marches share the error of the memory's transform, which their difference does not
@@ -354,12 +357,14 @@ class Marched(SampledAnswer):
 
     def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
         """Return the times at which something begins at the nodes; slip is known at every step."""
+        # `Extremes` knows this onset at every step; all others are read off the stored levels.
         at_every_step = of == "slip" and share == ONSET_SHARE
         return self.seen.onset if at_every_step else super()._onset(of, share)
 
     @cached_property
     def _missed_zone(self) -> Shortfall | None:
         """A slip zone at the edge that the grid does not resolve, or None."""
+        # Any slip ever seen counts: a zone may have been on the grid and have healed since.
         slips = self.seen.slip_rate > 0
         reach = float(self.grid.x[slips].max(initial=0.0))
         return missed_zone(self.scene, self.end_time, self.grid.spacing, reach)
@@ -383,6 +388,7 @@ class Marched(SampledAnswer):
         """An error estimate above what was asked for, or None."""
         estimate = self.error_estimate
         largest = LARGEST_ERROR if self.rtol is None else self.rtol
+        # nan (no companion) and inf (a missed zone, which has its own sentence) fail both sides.
         if not largest < estimate < math.inf:
             return None
         limit = "" if self.rtol is None else f", above the `rtol` of {self.rtol:.1e}"
@@ -474,8 +480,10 @@ class Marched(SampledAnswer):
         crossed the observed contact.  The estimate is nan without a companion.
         """
         reach = self.grid.observed * self.grid.spacing
+        # The seed is fixed, so that the estimate of a march is always the same number.
         x, y = reach * np.random.default_rng(0).uniform(-1, 1, (2, FIELD_POINTS))
         end = min(self.end_time, reach / self.scene.fastest_speed)
+        # Sums come first: at points that no wave has reached, a ratio would be 0 / 0.
         off = self.error_of(lambda march: march.stress(x, y, end)).sum()
         change = np.abs(self.stress(x, y, end) - self.stress(x, y, 0.0)).sum()
         return float(off / change) + FIELD_SMOOTHING if change else 0.0
@@ -576,6 +584,7 @@ class Marched(SampledAnswer):
             name: kind(**{field.name: group[name][field.name][()] for field in fields(kind)})
             for name, kind in _GROUPS.items()
         }
+        # HDF5 returns numpy scalars; the grid of a new march holds Python's own numbers.
         parts["grid"] = Grid(
             float(parts["grid"].spacing),
             *(int(getattr(parts["grid"], name)) for name in ("slot", "observed", "size")),

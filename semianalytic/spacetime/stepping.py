@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.errors import ComputationError, TensionError
 from semianalytic.scene.friction import CoulombFriction
-from semianalytic.scene.loading import tractions_before
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid_loads import FrontLoad, NodalPressure
 from semianalytic.spacetime.marched import Grid, Marched, MarchState
@@ -45,7 +44,7 @@ class Segment:
 
     @property
     def coarser(self) -> Segment:
-        """This span in half as many steps, rounded up, for the companion."""
+        """The same span of time in half as many steps, rounded up, for the companion march."""
         return Segment(self.begin, self.end, math.ceil(self.steps / 2))
 
     @property
@@ -131,7 +130,7 @@ def _levels(
         if front is not None:
             uncut, on_slot = front.tractions("shear", now, step)
         elif scene.arrives:
-            on_slot = tractions_before(scene).shear
+            on_slot = scene.base.shear
             uncut = on_slot + load
         yield Level(now, step, uncut, on_slot, on_contact)
 

@@ -216,15 +216,10 @@ def check_random_scenes(count, names_of):
 
 @pytest.mark.slow
 def test_differences_of_solutions_agree_in_random_scenes():
-    assert check_random_scenes(25, lambda index: [NAMES[index % len(NAMES)]]) >= 12
-
-
-@pytest.mark.slow
-def test_differences_of_solutions_agree_in_two_hundred_scenes():
     """With respect to two of the parameters in each, in turn."""
     count = len(NAMES)
     pairs = [(NAMES[i], NAMES[(i + count // 2) % count]) for i in range(count)]
-    assert check_random_scenes(200, lambda index: pairs[index % count]) >= 200
+    assert check_random_scenes(50, lambda index: pairs[index % count]) >= 50
 
 
 def opened_errors(solution, name):
@@ -535,13 +530,9 @@ def check_estimates(count):
     return len(shares)
 
 
-def test_error_estimates_bound_errors_in_random_scenes():
-    assert check_estimates(20) >= 15
-
-
 @pytest.mark.slow
-def test_error_estimates_bound_errors_in_two_hundred_scenes():
-    assert check_estimates(200) >= 150
+def test_error_estimates_bound_errors_in_random_scenes():
+    assert check_estimates(60) >= 45
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e7])

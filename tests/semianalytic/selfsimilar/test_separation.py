@@ -29,7 +29,7 @@ def lifted(friction=0.3, shear=1.0, held=0.0, **rest):
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10**9))
 def test_laws_hold_in_scenes_that_open(seed):
     check_invariants(opening_scene(np.random.default_rng(seed)))
@@ -260,11 +260,6 @@ def check_estimates(seeds):
     assert checked > 0.8 * len(seeds)
 
 
-@pytest.mark.slow
-def test_estimates_bound_errors():
-    check_estimates(range(12))
-
-
 @pytest.mark.thinned(4)
 @pytest.mark.parametrize("seed", [1058, 1074, 1121, 1258])
 def test_estimates_bound_work_on_narrow_slip_ahead_of_an_opening(seed):
@@ -277,8 +272,9 @@ def test_estimates_bound_work_between_nodes():
 
 
 @pytest.mark.slow
-def test_estimates_bound_errors_in_three_hundred_scenes():
-    check_estimates(range(1000, 1300))
+def test_estimates_bound_errors():
+    """Of 60 openings; the campaign of docs/verification.md asks more of thousands."""
+    check_estimates(range(1000, 1060))
 
 
 @pytest.mark.thinned(2)

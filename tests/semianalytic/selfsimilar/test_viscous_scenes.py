@@ -46,8 +46,8 @@ def test_films_are_answered_lawfully_and_honestly(seed):
 
 
 @pytest.mark.slow
-def test_two_hundred_films_are_answered_or_say_why_not():
-    assert sum(check_film(seed, 1e-12) for seed in range(200)) >= 190
+def test_films_are_answered_or_say_why_not():
+    assert sum(check_film(seed, 1e-12) for seed in range(40)) >= 38
 
 
 @pytest.mark.thinned(2)

@@ -40,22 +40,13 @@ def check_against_single(swept, count):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SWEEPS)
-def test_a_grid_agrees_with_single_solutions(name):
-    friction, ratio = grid(name, 20)
-    swept = sweep(find_scene(name), friction, RTOL, poisson_ratio=ratio)
-    assert set(swept.origin) == {"from scratch", "computed", "interpolated"}
-    assert len({tuple(zone.sense for zone in one.zones) for one in swept}) > 1
-    check_against_single(swept, 40)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SWEEPS)
-def test_two_hundred_points_of_a_fine_grid_agree_with_single_solutions(name):
+def test_points_of_a_fine_grid_agree_with_single_solutions(name):
     friction, ratio = grid(name, 60)
     swept = sweep(find_scene(name), friction, RTOL, poisson_ratio=ratio)
     origin = Counter(swept.origin)
     assert origin["interpolated"] > 2 * origin["computed"] > 4 * origin["from scratch"]
-    check_against_single(swept, 200)
+    assert len({tuple(zone.sense for zone in one.zones) for one in swept}) > 1
+    check_against_single(swept, 60)
 
 
 @pytest.mark.slow
