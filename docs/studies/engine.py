@@ -76,7 +76,7 @@ def marched_growth(mode: str, ratio: float, inertia: float, kappa: float, step: 
     a = 0.01
     rate, q = inertia * 2 * a, kappa * 2 * a
     law = sf.RateAndState(a, ratio * a, 0.6, rate, 1.0)
-    kick = sf.ShearLoad(lambda x: 1e-8 * np.cos(q * x), history=lambda t: math.exp(-rate * t))
+    kick = sf.InterfaceLoad(lambda x: 1e-8 * np.cos(q * x), history=lambda t: math.exp(-rate * t))
     fault = sf.Interface(
         UNIT,
         law,
@@ -153,7 +153,7 @@ def patches() -> Iterator[Row]:
                 rise = np.clip((0.3 * t - np.abs(x)) * n / 20 + 0.5, 0, 1)
                 return np.asarray(rise * rise * (3 - 2 * rise))
 
-            load = sf.ShearLoad(shear, history=None)
+            load = sf.InterfaceLoad(shear, history=None)
             fault = sf.Interface(solid, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
             done = sf.run(fault, 1.0, nodes, times=[1.0], estimate=False)
             v = 1 / done.x[1:]
@@ -205,7 +205,7 @@ def edges() -> Iterator[Row]:
         scene.material,
         sf.Coulomb(scene.friction),
         16.0,
-        loads=[sf.ShearLoad(1.0, on="slot")],
+        loads=[sf.InterfaceLoad(1.0, on="slot")],
         contact=sf.Contact([(-math.inf, -2.0), (0.0, math.inf)]),
     )
     for nodes in (1024, 2048, 4096):

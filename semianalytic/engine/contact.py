@@ -1,15 +1,16 @@
-"""Where the bodies touch, as masks of nodes, and the local problem at nodes that do and do not."""
+"""Where the bodies touch, as masks of nodes, and what opens and closes there."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.line import Grid, LineMemory
 from semianalytic.engine.tuning import AREA
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -103,3 +104,116 @@ def area_mean(excess: Array, inner: NDArray[np.bool_]) -> Array:
     mixed = inner & ends & (np.abs(excess) < reach)
     safe = np.where(mixed, reach, 1.0)
     return np.where(mixed, (excess + reach) ** 2 / (4 * safe), excess)
+
+
+@dataclass(frozen=True, eq=False)
+class Faces:
+    """What the faces do across the interface at one time, (n,) each.
+
+    Attributes
+    ----------
+    pressure : array
+        Contact pressure [stress], 0 where the contact is open and on slots.
+    gap, gap_rate : array
+        Gap [length] and its rate [length / time], 0 or more on the contact; on slots what their
+        width has changed by.
+    closing : array
+        Work per area that the contact has taken from the bodies in closing [stress length].
+    """
+
+    pressure: Array
+    gap: Array
+    gap_rate: Array
+    closing: Array
+
+    @property
+    def is_open(self) -> NDArray[np.bool_]:
+        """Whether a node is open or has just been freed, (n,)."""
+        return (self.gap > 0) | (self.gap_rate > 0)
+
+
+class Unilateral:
+    """Contact that opens where pressure would be below 0, and closes where the gap does.
+
+    An opening rate U exerts the pressure Z [U + int h(q c_t (t - s)) q c_t U ds] with Z = rho c_l/2
+    (`spacetime.exponentials.Opening`).  Slip does not change the pressure of alike bodies, so this
+    goes ahead of friction in every step.  The gap follows backward Euler's rule, by which p U <= 0
+    at every node and step: the contact never gives energy.  The trapezoidal rule does.
+
+    Parameters
+    ----------
+    impedance : float
+        Z [stress time / length].
+    memory : LineMemory
+        Memory of past opening.
+    grid : Grid
+        Nodes.
+    loads : function of time and whether it is after a jump
+        Pressure of a line without gaps and of faces of slots, (n,) each [stress].
+    touching : (n,) array of bool
+        Whether the bodies touch.
+    """
+
+    def __init__(
+        self,
+        impedance: float,
+        memory: LineMemory,
+        grid: Grid,
+        loads: Callable[..., tuple[Array, Array]],
+        touching: NDArray[np.bool_],
+    ) -> None:
+        self.impedance, self.memory, self.loads = impedance, memory, loads
+        self._grid, self._touching = grid, touching
+
+    def jump(self, now: Faces, time: float) -> Faces:
+        """Return what the faces do after loads have jumped; gaps need time to change."""
+        held = self.memory.convolution(self._grid.amplitudes(now.gap_rate))
+        line, slot = self.loads(time, after=True)
+        least = np.where(now.gap > 0, -math.inf, 0.0)
+        pressure, rate = self._balance(line, slot, held, least)
+        self.memory.exchange(self._grid.amplitudes(rate - now.gap_rate))
+        return Faces(pressure, now.gap, rate, now.closing)
+
+    def step(self, now: Faces, time: float, length: float, path: float, sweeps: int) -> Faces:
+        """Return what the faces do one step later; the memory goes along.
+
+        Parameters
+        ----------
+        now : Faces
+            Where the step begins.
+        time : float
+            End of the step [time].
+        length, path : float
+            Its length [time], and c_t times it [length].
+        sweeps : int
+            Iterations.
+        """
+        amplitudes = self._grid.amplitudes(now.gap_rate)
+        past, feedback = self.memory.advance(amplitudes, path)
+        line, slot = self.loads(time)
+        least = 0.0 - now.gap / length
+        for _ in range(sweeps):
+            pressure, rate = self._balance(line, slot, past + feedback * amplitudes, least)
+            amplitudes = self._grid.amplitudes(rate)
+        gap = now.gap + length * rate
+        gap[self._touching] = np.where(rate > least, np.maximum(gap, 0.0), 0.0)[self._touching]
+        return Faces(pressure, gap, rate, now.closing - length * pressure * rate)
+
+    def frees(self, now: Faces, time: float) -> bool:
+        """Return whether a node is open, or would be at a time with the waves of now."""
+        if now.is_open[self._touching].any():
+            return True
+        held = self.memory.convolution(self._grid.amplitudes(now.gap_rate))
+        left = self.loads(time)[0] + self.impedance * self._grid.values(held)
+        return bool((left[self._touching] < 0).any())
+
+    def _balance(
+        self, line: Array, slot: Array, convolution: Array, least: Array
+    ) -> tuple[Array, Array]:
+        """Return pressure and opening rate, given the convolution and the rate that closes."""
+        stopping = line + self.impedance * self._grid.values(convolution)
+        freed = -stopping / self.impedance
+        rate = np.where(self._touching, np.maximum(freed, least), freed + slot / self.impedance)
+        # where a node is freed the pressure is 0 to the last digit, so that p U is not above 0
+        held = self._touching & (least >= freed)
+        return np.where(held, np.maximum(stopping + self.impedance * rate, 0.0), 0.0), rate

@@ -8,6 +8,8 @@ B = sqrt(s^2 + 1), g = c_t/c_l, it is
     G = [(s^2 + 2)^2 - 4 A B] / (s^3 B)   in plane (`InPlane`),
     G = B / s                             in antiplane shear (`Antiplane`), h = int J_1(x) / x dx.
 
+An opening rate meets g G_in-plane B / A of the impedance rho c_l / 2 (`Opening`).
+
 Near s = 0, G tends to 2 (1 - g^2)/s and 1/s, the static stiffness.  The remainder is approximated
 by poles in the left half-plane, which turns the convolution over all the past into one recursion
 per pole (as for non-reflecting boundaries: Alpert, Greengard & Hagstrom 2000).  The poles come from
@@ -99,6 +101,24 @@ class Antiplane:
     def __call__(self, s: Complex) -> Complex:
         """Return G(s) for Re s > 0, any shape."""
         return _root(s, 1.0) / s
+
+
+@dataclass(frozen=True)
+class Opening(InPlane):
+    """The impedance of an opening rate, over rho c_l / 2: g [(s^2 + 2)^2 - 4 A B] / (s^3 A).
+
+    It tends to 1 for fast changes, like that of shear over rho c_t / 2.
+    """
+
+    @property
+    def static(self) -> float:
+        """Limit of s G at s = 0, 2 g (1 - g^2)."""
+        return self.speed_ratio * super().static
+
+    def __call__(self, s: Complex) -> Complex:
+        """Return G(s) for Re s > 0, any shape."""
+        # A of the equation is g times the root here, which cancels the g before it
+        return super().__call__(s) * _root(s, 1.0) / _root(s, 1 / self.speed_ratio)
 
 
 Impedance = InPlane | Antiplane

@@ -47,7 +47,7 @@ def test_a_file_and_the_same_in_python(folder):
         sf.SlipDependent(lambda x: 0.5 + 0.1 * np.cos(np.pi * x / 4), 0.2, 4.0),
         8.0,
         shear=lambda x: 0.2 * (1 - np.abs(x) / 4),
-        loads=[sf.ShearLoad(lambda x: np.exp(-(x**2)), sf.Ramp(0.5))],
+        loads=[sf.InterfaceLoad(lambda x: np.exp(-(x**2)), sf.Ramp(0.5))],
     )
     other = sf.run(same, 1.0, 64, estimate=False)
     assert done.slip.max() > 0.1
