@@ -81,7 +81,7 @@ class Contact:
         return np.any([(begin < x) & (x < end) for begin, end in self.intervals], axis=0)
 
 
-def area_mean(excess: Array, inner: NDArray[np.bool_]) -> Array:
+def area_mean(excess: Array, inner: NDArray[np.bool_], mirror: int | None = None) -> Array:
     """Return the excess of traction over strength as the mean of its positive part around a node.
 
     A node stands for a stretch of the line on which the excess is linear.  Without this an end of a
@@ -93,8 +93,12 @@ def area_mean(excess: Array, inner: NDArray[np.bool_]) -> Array:
         What the traction of nodes at rest exceeds their strength by [stress].
     inner : (n,) array of bool
         Whether a node has neighbours of the same contact on both sides.
+    mirror : int, optional
+        Node that is the image of the one before the first, on half of an even line.
     """
     left, right = np.roll(excess, 1), np.roll(excess, -1)
+    if mirror is not None and len(excess) > mirror:
+        left[0], right[-1] = excess[mirror], excess[-1 - mirror]
     # where strength or load jumps, one of the two differences says nothing of the other
     even = np.minimum(np.abs(right - excess), np.abs(excess - left))
     reach = AREA * np.minimum(np.abs(right - left) / 4, even)

@@ -97,6 +97,8 @@ class Stepper:
         self._on = x[self.touching]
         self.law = interface.law.on(self._on)
         self._inner = self._neighbours()[self.touching]
+        # the images of the first and the last node are their neighbours, or themselves
+        self._mirror = (0 if self.grid.between else 1) if self.grid.even else None
         self.pressure = sampled("interface: pressure", interface.pressure, self._on)
         required(
             "interface: pressure", self.pressure, self.pressure >= 0, "not be negative", self._on
@@ -279,7 +281,7 @@ class Stepper:
             rest = self.law.strength(pressure, np.zeros(len(on)), state)
             if freed is not None:
                 rest = np.where(freed, 0.0, rest)
-            size = rest + area_mean(size - rest, self._inner)
+            size = rest + area_mean(size - rest, self._inner, self._mirror)
         if freed is not None:
             # any positive number: what friction says of open nodes is put aside below
             pressure = np.where(freed, 1.0, pressure)
