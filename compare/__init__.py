@@ -1,7 +1,7 @@
-"""On top of the solvers: command line, judgement, figures, studies.
+"""Comparison of solvers, records of other codes, validation, benchmarks, figures and studies.
 
-`judge` holds any prediction against a simulation; see docs/judge.md for how far it can be trusted.
-`choose_mesh` says beforehand which mesh is worth it.
+`judge` compares any prediction with a simulation; docs/judge.md states how reliable its verdicts
+are.  `choose_mesh` predicts which mesh a comparison needs.
 """
 
 import logging

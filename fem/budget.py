@@ -61,8 +61,8 @@ PACE_UNKNOWNS = 2**16
 """Size of the matrix whose product tells how fast a machine is: more than a cache holds."""
 
 PACE_SECONDS = 0.4
-"""For how long such products are timed: long enough to be interrupted as a simulation will be where
-others share the cores.  Half of it missed that half of the time."""
+"""Duration of the timing of such products [s], long enough to be interrupted as a simulation is
+where others share the cores: half of it missed half of the time lost to them."""
 
 PACE_TIME = 0.75e-3
 """Time of that product on an idle core of 2024, to which the times above belong [s]."""

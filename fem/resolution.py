@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import process_zone
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Material, Scene
 

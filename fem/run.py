@@ -21,7 +21,7 @@ from fem.results import Simulation
 from fem.snapshots import Snapshots
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.given.quantities import taking_quantities
+from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 
 _log = logging.getLogger(__name__)

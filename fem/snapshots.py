@@ -291,7 +291,7 @@ def _listed(directory: Path) -> list[str]:
 
 
 def companion_folder(snapshots: Path, number: int) -> Path:
-    """Where the companion of 2^number times the element size leaves its last frame."""
+    """Return the folder of the last frame of the companion of 2^number times the element size."""
     return snapshots / f"{2**number}h"
 
 

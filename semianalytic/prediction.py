@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import taking_quantities
+from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
@@ -31,6 +31,8 @@ def chosen_method(scene: Scene, method: str = "auto") -> str:
     if method not in METHODS:
         raise SceneError(f"method must be one of {', '.join(METHODS)}, got {shown(method)}.")
     if method == "auto":
+        if scene.is_step:
+            scene.check_front()  # a march would answer, but of a load that begins somewhere
         marched = not scene.is_self_similar or scene.friction_law.fall_with_rate > 0
         return "space-time" if marched else "self-similar"
     if method == "self-similar":

@@ -7,6 +7,7 @@ from functools import cache
 from importlib import import_module
 
 import pytest
+from hypothesis import settings
 
 from meshes.build import APT_PACKAGES
 from slipfront.explore.chromium import CHROMIUM, Browser
@@ -30,6 +31,13 @@ collect_ignore = (
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # as many processes as cores: one thread each
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+settings.register_profile("repeatable", derandomize=True)
+settings.register_profile("searching")
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+# The same scenes in every run, so that a failing run is a fault of the change it tests;
+# HYPOTHESIS_PROFILE=searching draws others.
 
 
 @pytest.fixture(autouse=True, scope="session")

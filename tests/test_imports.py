@@ -47,6 +47,7 @@ ARROWS = {
         "cli": "surveys fits explore",
     },
 }
+"""What each folder of a package may import of the others of that package, at any depth."""
 PACKAGES = {
     "semianalytic": "",
     "meshes": "semianalytic",
@@ -55,7 +56,12 @@ PACKAGES = {
     "slipfront": "semianalytic meshes fem compare",
 }
 """What each package may import of the others; docs/studies and docs/examples may import all."""
-"""What each folder of a package may import of the others of that package, at any depth."""
+WITHOUT_NESTED_CIRCLES = ("semianalytic", "meshes", "fem")
+"""Packages in which no folder imports from its parent what the parent imports from it.
+
+In the two others a folder of rows, studies or commands uses the tables and options of its parent,
+which assembles what the folder holds.
+"""
 
 
 def imported_modules(path):
@@ -127,6 +133,76 @@ def test_an_arrow_back_up_is_found(tmp_path):
     folder.mkdir(parents=True)
     (folder / "planted.py").write_text("from semianalytic.sweeps.sweep import sweep\n")
     assert len(list(against_the_arrows("semianalytic", tmp_path))) == 1
+
+
+def module_name(path, root=ROOT):
+    """Return the dotted name of a file; that of a package's face is the package's own."""
+    parts = path.relative_to(root).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports_between_files(package, root=ROOT):
+    """Return the modules of its package that each module takes from, for type checking too."""
+    modules = {module_name(path, root): path for path in sources(package, root)}
+    graph = {}
+    for name, path in modules.items():
+        taken = set()
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Import):
+                taken |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                # A name after `import` may itself be a module of the package.
+                inner = {f"{node.module}.{alias.name}" for alias in node.names}
+                taken |= inner & modules.keys() or {node.module}
+        graph[name] = (taken & modules.keys()) - {name}
+    return graph
+
+
+def imports_between_folders(package, root=ROOT):
+    """Return the folders, nested ones on their own, that the files of each folder take from."""
+    files = imports_between_files(package, root)
+    faces = {module_name(path, root) for path in (root / package).rglob("__init__.py")}
+    folder = {name: name if name in faces else name.rpartition(".")[0] for name in files}
+    graph = {}
+    for name, taken in files.items():
+        # The face of a folder shows what is inside, in deeper folders too.
+        if name not in faces:
+            graph.setdefault(folder[name], set()).update(folder[one] for one in taken)
+    return {name: taken - {name} for name, taken in graph.items()}
+
+
+def circle_in(graph):
+    """Return the nodes that remain when those without an arrow out of them are removed in turn."""
+    left = set(graph)
+    while ends := {name for name in left if not graph[name] & left}:
+        left -= ends
+    return sorted(left)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_circle_of_imports_between_files(package):
+    assert circle_in(imports_between_files(package)) == []
+
+
+@pytest.mark.parametrize("package", WITHOUT_NESTED_CIRCLES)
+def test_no_circle_of_imports_between_nested_folders(package):
+    assert circle_in(imports_between_folders(package)) == []
+
+
+def test_circles_are_found_between_files_and_between_a_folder_and_its_parent(tmp_path):
+    inner = tmp_path / "semianalytic" / "scene" / "given"
+    inner.mkdir(parents=True)
+    for folder in (inner, inner.parent, inner.parent.parent):
+        (folder / "__init__.py").write_text("")
+    (inner / "units.py").write_text("from semianalytic.scene.checks import shown\n")
+    (inner.parent / "checks.py").write_text("")
+    (inner.parent / "law.py").write_text("from semianalytic.scene.given import units\n")
+    assert circle_in(imports_between_files("semianalytic", tmp_path)) == []
+    nested = ["semianalytic.scene", "semianalytic.scene.given"]
+    assert circle_in(imports_between_folders("semianalytic", tmp_path)) == nested
+    typed = "if TYPE_CHECKING:\n    from semianalytic.scene.law import Law\n"
+    (inner.parent / "checks.py").write_text(typed)
+    assert "semianalytic.scene.law" in circle_in(imports_between_files("semianalytic", tmp_path))
 
 
 @pytest.mark.parametrize("package", PACKAGES)

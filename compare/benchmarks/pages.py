@@ -12,7 +12,7 @@ from compare.benchmarks.classes import CLASSES, Tolerance, tolerances
 from compare.benchmarks.sheets import OPENING, SI_SCALES, STATIONS, Sheet
 from compare.output.files import filled_template
 from compare.output.tables import markdown_table
-from semianalytic import Patch, Pulse, Scene, ViscousFriction, WholeLine
+from semianalytic import IncidentWave, Patch, Pulse, Scene, ViscousFriction, WholeLine
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
@@ -88,7 +88,8 @@ def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
         yield from _classes(bounds)
     yield Heading("Scoring")
     if not bounds:
-        yield Text("Errors are given without classes: our own codes do not take this problem.")
+        why = "our own codes do not take this problem" if sheet.is_line else "none are measured"
+        yield Text(f"Errors are given without classes: {why}.")
     yield Code(("slipfront benchmark score FILE ...",))
 
 
@@ -125,13 +126,16 @@ def _line(line: WholeLine) -> str:
 def _problem(scene: Scene) -> str:
     """The statement in words."""
     along = "along z, the edge" if scene.antiplane else "along x"
-    start = (
-        "At t = 0 a uniform pressure P_0 and shear Q_0 come from afar, everywhere on y = 0 at "
-        "once; the faces of the slot stay free"
-        if scene.load_on == REMOTE
-        else "Everything is at rest under the base tractions P_b, Q_b; from t = 0 on the faces of "
-        "the slot, x < 0, receive the change of tractions (-P_0, -Q_0)"
-    )
+    load, start = scene.load, _slot_load(scene)
+    if isinstance(load, IncidentWave):
+        side, body = ("+x", "-x")[load.angle < 0], load.from_
+        start = (
+            f"A plane {load.kind} step wave arrives from {body}, towards {side}, at the angle "
+            "theta to the normal of y = 0; its front reaches the tip of the slot, x = 0, at t = 0. "
+            "Behind the front, from t = p x on with p = sin(theta)/c of its speed c, an uncut line "
+            "y = 0 would carry P_0, Q_0 more than the base tractions P_b, Q_b; the faces of the "
+            "slot stay free of them"
+        )
     history = scene.shear_history
     until = f", until {history.duration:g} T" if isinstance(history, Pulse) else ""
     film = " + viscosity |V|" if isinstance(scene.friction_law, ViscousFriction) else ""
@@ -140,6 +144,19 @@ def _problem(scene: Scene) -> str:
         f"slot. On the contact Coulomb's law holds, strength f p{film}; it carries no tension. "
         f"{start}{until}. Shear and slip act {along}. Pressure is positive in compression; slip V "
         "and its rate are those of the upper face less the lower one; tractions are the whole ones."
+    )
+
+
+def _slot_load(scene: Scene) -> str:
+    """What tractions do as a load, in words."""
+    if scene.load_on == REMOTE:
+        return (
+            "At t = 0 a uniform pressure P_0 and shear Q_0 come from afar, everywhere on y = 0 at "
+            "once; the faces of the slot stay free"
+        )
+    return (
+        "Everything is at rest under the base tractions P_b, Q_b; from t = 0 on the faces of the "
+        "slot, x < 0, receive the change of tractions (-P_0, -Q_0)"
     )
 
 
@@ -152,7 +169,12 @@ def _numbers(sheet: Sheet) -> Iterator[tuple[str, str, str]]:
     ]
     for name, symbols in (("base", "P_b Q_b"), ("load", "P_0 Q_0")):
         for part, symbol in zip(("pressure", "shear"), symbols.split(), strict=True):
-            ours, theirs = (getattr(getattr(scene, name), part) for scene in (plain, si))
+            ours, theirs = (
+                getattr(getattr(one, name).tractions(one.material), part)
+                if name == "load" and isinstance(one, Scene)
+                else getattr(getattr(one, name), part)
+                for one in (plain, si)
+            )
             rows.append((f"{part} of the {name} {symbol}", ours, theirs, "stress"))
     speeds = [one.load.speed for one in (plain, si) if isinstance(one.load, Patch)]
     if speeds:
@@ -169,6 +191,8 @@ def _numbers(sheet: Sheet) -> Iterator[tuple[str, str, str]]:
     nu = plain.material.poisson_ratio
     yield "Poisson ratio ν", "1/3" if abs(3 * nu - 1) < 1e-12 else f"{nu:g}", "the same"
     yield "friction f", f"{plain.friction:g}", "the same"
+    if isinstance(plain.load, IncidentWave):
+        yield "angle theta", f"{plain.load.angle:g} degrees", "the same"
 
 
 def _to_report(sheet: Sheet) -> Iterator[Block]:

@@ -14,7 +14,16 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic import Material, Patch, Scene, Tractions, ViscousFriction, WholeLine, find_line
+from semianalytic import (
+    Material,
+    MovingLoad,
+    Patch,
+    Scene,
+    Tractions,
+    ViscousFriction,
+    WholeLine,
+    find_line,
+)
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import LINES, find_scene
@@ -207,7 +216,20 @@ LINE_SHEETS: Mapping[str, Sheet] = {
     )
 }
 """Problems without a slot, which have no tolerance classes: our own codes do not take them."""
-ALL_SHEETS: Mapping[str, Sheet] = {**SHEETS, **LINE_SHEETS}
+FRONT_SHEETS: Mapping[str, Sheet] = {
+    "incident-sv": Sheet(
+        "incident-sv",
+        "An SV wave at an angle",
+        "a load whose front moves: the wave meets the contact first, adds pressure and shear to "
+        "it, and both are singular at the edge, which slips against the wave",
+        (*SLIPPING, "pressure"),
+        note="The wave has passed all of the contact by t = 0, so that the contact carries it from "
+        "the outset. With the stress S = rho c_t v_0 of the wave, 0.3 or 3 MPa, and theta = -20 "
+        "degrees, P_0 = -S sin(2 theta) and Q_0 = -S cos(2 theta).",
+    )
+}
+"""Problems with a slot and a load with a moving front, without measured tolerance classes."""
+ALL_SHEETS: Mapping[str, Sheet] = {**SHEETS, **LINE_SHEETS, **FRONT_SHEETS}
 
 
 def find_sheet(name: str) -> Sheet:
@@ -231,20 +253,26 @@ def in_si(scene: Scene) -> Scene:
     Raises
     ------
     SceneError
-        If its solid is not of unit shear modulus and density.
+        If its solid is not of unit shear modulus and density, or its load moves over the slot.
     """
     if (scene.material.shear_modulus, scene.material.density) != (1.0, 1.0):
         raise SceneError("in_si: the scene must have a shear modulus and a density of 1.")
-    scene.check_at_once("in_si")
     law, load = scene.friction_law, scene.load
-    assert isinstance(load, Tractions)
+    if isinstance(load, MovingLoad):
+        raise SceneError("in_si: moving loads are not known here; give tractions or a wave.")
+    if isinstance(load, Tractions):
+        load = _in_pascal(load)
+    elif load.stress is not None:
+        load = replace(load, stress=load.stress * SI_STRESS)
+    else:
+        load = replace(load, velocity=(load.velocity or 0.0) * SI_SCALES["slip_rate"])
     if isinstance(law, ViscousFriction):
         law = ViscousFriction(law.viscosity * SI_STRESS / SI_SCALES["slip_rate"])
     return replace(
         scene,
         material=Material(SI_SHEAR_MODULUS, SI_DENSITY, scene.material.poisson_ratio),
         base=_in_pascal(scene.base),
-        load=_in_pascal(load),
+        load=load,
         friction_law=law,
         units=SI,
     )

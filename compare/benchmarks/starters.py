@@ -31,8 +31,11 @@ CONTACT, SLOT_FACES = {"low": 5, "up": 6}, {"low": 7, "up": 8}
 
 
 def starter_inputs(sheet: Sheet) -> Mapping[str, str]:
-    """Texts of the inputs for a sheet by file name, code/name; none where there is no slot."""
-    if sheet.is_line:
+    """Texts of the inputs for a sheet by file name, code/name.
+
+    There are none where there is no slot, or where the load comes to one place after the other.
+    """
+    if sheet.is_line or sheet.scene.front_slowness:
         return {}
     inputs = {
         f"uguca/{sheet.name}.in": uguca_parameters(sheet),

@@ -18,9 +18,10 @@ from compare.comparison.measures import nearest
 from compare.comparison.quantities.history_rows import PROBES, SENSE_THRESHOLD
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Measured, Reading, Scene, Solution
+from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.results.answer import FIELDS
-from semianalytic.scene.parameters import EVERY_LOAD, MATERIAL, TRACTIONS, part_parameters
+from semianalytic.scene.given.parameters import EVERY_LOAD, MATERIAL, TRACTIONS, part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
 
@@ -231,9 +232,12 @@ def march_document(marched: Marched) -> dict[str, Any]:
     length = scene.material.shear_speed * marched.end_time
     threshold = SENSE_THRESHOLD * largest
     load = scene.superposition.taken_off
+    reached, mode, slowness = marched.end_time, scene.shear_mode, scene.front_slowness
+    histories, modes = (scene.pressure_history, scene.shear_history), ("I", mode)
     intensities = [
-        intensity_history(history, load, scene.material, marched.end_time, scene.shear_mode)[number]
-        for number, history in enumerate((scene.pressure_history, scene.shear_history))
+        intensity_history(history, load, scene.material, reached, mode)[number]
+        * (math.nan if scene.front_too_slow else front_share(scene.material, slowness, of))
+        for number, (history, of) in enumerate(zip(histories, modes, strict=True))
     ]
     document = {
         "scene": scene_document(scene),
@@ -255,7 +259,12 @@ def march_document(marched: Marched) -> dict[str, Any]:
         ],
         "accumulated_slip": float(marched.accumulated_slip(marched.end_time)),
         "frictional_work": float(marched.frictional_work(marched.end_time)),
-        "stress_intensity_of_a_stuck_edge": _intensities(scene, intensities),
+        # a load that comes along the slot slower than its waves has one that depends on its start
+        "stress_intensity_of_a_stuck_edge": {
+            name: value
+            for name, value in _intensities(scene, intensities).items()
+            if value == value
+        },
         "stored_levels": len(marched.interface.t),
         "statistics": {
             name: getattr(marched.statistics, name)

@@ -8,7 +8,7 @@ from typing import Any
 
 from compare.comparison.documents import END_DIMENSIONS, Dimensions
 from semianalytic import GrowingSlot, GrowingSolution, LineSolution, PointForce, WholeLine
-from semianalytic.scene.parameters import MATERIAL, TRACTIONS
+from semianalytic.scene.given.parameters import MATERIAL, TRACTIONS
 from semianalytic.scene.units import unit
 from semianalytic.whole_line.named import line_document
 

@@ -14,8 +14,8 @@ from semianalytic import Scene
 from semianalytic.results.answer import Answer
 from semianalytic.results.memory import GIGABYTE, memory_limit
 from semianalytic.scene.checks import checked_size
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import process_zone
 
 DEFAULT_BUDGET = 20.0
 """Default budget [s], as `fem.Cost` counts time, so that every machine gets the same mesh."""

@@ -37,7 +37,8 @@ LONGEST = 32
 
 _BASE = {
     **{"length": "m", "time": "s", "length / time": "m/s", "stress": "Pa", "1 / time": "Hz"},
-    **{"mass / length^3": "kg/m**3", "stress time / length": "Pa*s/m", "1": ""},
+    **{"mass / length^3": "kg/m**3", "stress time / length": "Pa*s/m"},
+    **{"stress length": "N/m", "1": ""},
 }
 _CASES = {name.lower(): name for name in ("Pa", "kPa", "MPa", "GPa")}
 _KNOWN = re.compile(r"[A-Za-zµμ][A-Za-zµμ0-9*/^. ()⁻¹²³·⋅-]*\Z")

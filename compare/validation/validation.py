@@ -24,6 +24,7 @@ from semianalytic import Scene
 from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import checked_scene
+from semianalytic.scene.units import InSI
 
 CONVERTED = "agrees after conversion"
 """The verdict where units or conventions had to be inferred."""
@@ -186,7 +187,10 @@ def _norms(grids: Grids, exact: Exact) -> Iterator[Norm]:
 def _noise(conventions: Conventions, detection: Detection, run: Records) -> Mapping[str, float]:
     """Standard deviations of samples in units of the scene."""
     return {
-        name: noise * _size(run, name) * abs(detection.reading.factor(name))
+        # one with a unit is in that of the scene, whatever the file is in
+        name: noise
+        if isinstance(noise, InSI)
+        else noise * _size(run, name) * abs(detection.reading.factor(name))
         for name, noise in conventions.noise.items()
     }
 
@@ -217,8 +221,8 @@ def _spacings(
         for size in given
     ]
     return [
-        size * _size(run, "x") * one.reading.factor("x")
-        for size, one, run in zip(sizes, found, runs, strict=True)
+        size if isinstance(as_given, InSI) else size * _size(run, "x") * one.reading.factor("x")
+        for as_given, size, one, run in zip(given, sizes, found, runs, strict=True)
     ]
 
 

@@ -116,7 +116,8 @@ class CanonicalFunction:
         chord = start + (stop - start) * panels.rule.share
         whole = np.arctan2(imag[:ahead], real)
         if self.factors.mode == "I":
-            whole += np.pi / 2  # that of the root at a
+            # 1 / alpha in the impedance of mode I turns its phase by -pi / 2, which phi lacks.
+            whole += np.pi / 2
         rest = (whole - chord) * panels.jacobian[:ahead]
         return Phase(ends.v[:-1], ends.v[1:], panels.widths[:ahead], start, stop, rest)
 
@@ -151,7 +152,8 @@ class CanonicalFunction:
         assert self.resistance is not None
         resistance = np.asarray(self.resistance)
         if resistance.ndim == len(shape):
-            resistance = resistance[: shape[0]]  # the tail may be left out
+            # Resistance may be given on the panel behind the last edge too, which is left out here.
+            resistance = resistance[: shape[0]]
         return np.broadcast_to(resistance, shape)[self.layout.slip]
 
     @cached_property
@@ -253,7 +255,7 @@ class CanonicalFunction:
         panels, layout, factors = self.panels, self.layout, self.factors
         from_root, from_c = np.abs(panels.at.parts[factors.root]), panels.at.from_c
         # One square root of the product of all distances is cheaper than one for each.
-        square = np.ones_like(from_root)  # of what has the exponent 1/2
+        square = np.ones_like(from_root)
         for end, exponent in layout.roots:
             distance = np.abs(panels.from_ends[end])
             square = square * distance if exponent > 0 else square / distance
@@ -270,7 +272,9 @@ class CanonicalFunction:
             product[layout.slip] *= -from_c[layout.slip]
         if factors.has_rayleigh_wave:
             product *= np.exp(self._log_of_phase)
-            direct = layout.slip_behind  # with |S_+(-v)| on the cut
+            # Slip that is not joined to the shear front is written with |S_+(-v)| on the cut, from
+            # |M_+(-v + i0)| = |M| / (kappa M_+(v)).
+            direct = layout.slip_behind
             if len(direct) and not layout.slips_at_b:
                 modulus = np.abs(self.impedance[1][direct]) / (factors.kappa * self.m_plus[direct])
                 product[direct] *= modulus * np.sqrt(from_root[direct]) / np.abs(from_c[direct])
@@ -299,7 +303,8 @@ class CanonicalFunction:
         if not layout.slips_at_root:
             square = square / front
         value = layout.sign[layout.pole] * np.sqrt(square) * np.exp(log)
-        if not layout.slips_at_b:  # with |S_+(-c)| on the cut
+        # As in `values`, with the slope of M at its zero c in place of M.
+        if not layout.slips_at_b:
             modulus = factors.impedance_slope_at_c / (factors.kappa * factors.m_plus(factors.c))
             value = value * np.abs(modulus) * np.sqrt(front)
         return np.asarray(value)

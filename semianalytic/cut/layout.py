@@ -74,10 +74,12 @@ class Pairs:
 
 def _paired(count: int, weights: dict[tuple[int, int], float]) -> Pairs:
     """Return pairs of `count` panels from {(source, target): weight}."""
+    # Sources behind their targets come first, so that both groups are slices and not masks.
     chosen = sorted(weights, key=lambda pair: (pair[0] < pair[1], *pair))
     source, target = np.array(chosen, dtype=int).reshape(-1, 2).T
     onto = np.zeros((count, len(chosen)))
     onto[target, np.arange(len(chosen))] = [weights[pair] for pair in chosen]
+    # The end nearest to the source is its right one if it lies ahead of the target, else its left.
     after = source < target
     return Pairs(source, target, source + after, int(np.sum(~after)), onto)
 
@@ -190,6 +192,8 @@ class Layout:
             # (e + k)^(1/2) turns by pi / 2 across its edge e; the total phase of X (or X / M_+) is
             # 0 or pi.
             phase += exponent * (panels >= end)
+        # M_+ has the factor (r + k)^exponent.  Where slip covers r, X is regular there and X / M_+
+        # has the root of 1 / M_+; where r sticks, X / M_+ is regular and X has the root of M_+.
         exponent = self.root_exponent
         of_root = -exponent * ~self.slipping if self.slips_at_root else exponent * self.slipping
         return np.asarray(np.cos(np.pi * (phase + of_root * (panels >= self.behind_root))).round())
@@ -267,6 +271,7 @@ def outline(
     def on_the_way(right: CutPoints) -> list[CutPoints]:
         return [] if laid else _on_the_way(factors, ends[-1], right)
 
+    # The condition on T changes where the contact opens or closes, so panels end there too.
     edges = () if opening is None else (opening.left, opening.right)
     every = [*factors.cuts, *cuts, *(edge for edge in edges if edge is not None)]
     every.sort(key=lambda cut: cut.first)
@@ -294,6 +299,7 @@ def outline(
         any(lies_between(zone.left, front, zone.right) for zone in zones)
         for front in (factors.front_b, factors.front_c)
     )
+    # The stick that covers c lies between two zones if a zone is outward of it and one inward.
     gap = not slips_at_c and over_c >= 0 and 0 < owners[over_c] < len(zones)
     ahead, roots = min(before_b, len(senses)), _roots(zones, ends, factors.root)
     from_front = factors.root == 1
@@ -323,6 +329,7 @@ def _on_the_way(factors: RayleighFactors, left: CutPoints, right: CutPoints) -> 
     ratio = right.first[0] / left.first[0]
     if left.first[2] < 0 or ratio < tuning.WIDE_PANEL:
         return []
+    # Equal ratios of slowness from end to end: a power is then equally smooth on every part.
     count = int(np.ceil(np.log(ratio) / np.log(tuning.PANEL_GROWTH)))
     count = min(count, tuning.MOST_PANELS)
     growth = np.log(right.v / left.v) / count
@@ -364,6 +371,7 @@ def _roots(
     for zone in zones:
         for edge, opening in ((zone.left, True), (zone.right, False)):
             if edge is not None and edge.first[root] > 0:
+                # Im M changes its sign at c, and with it which of the two kinds of edge is smooth.
                 smooth = opening == (edge.first[3] < 0)
                 roots.append((place[id(edge)], 0.5 if smooth else -0.5))
     return tuple(roots)

@@ -122,6 +122,7 @@ class Load:
         """Whether no friction resists slip, or only as much as rounding takes from the step of
         shear; () or (k,)."""
         strength = np.asarray(per_set(self.friction)) * max(self.base_pressure, self.load_pressure)
+        # Below this, the sum of strength and load has no digit of the strength.
         negligible = tuning.NEGLIGIBLE_FRICTION * abs(self.load_shear)
         return np.asarray((strength == 0) | (strength < negligible))
 
@@ -166,6 +167,7 @@ def scaled_load(scene: Scene) -> tuple[Load, float]:
     f, (base, load) = scene.friction, scene.superposition
     parts = (load.shear, f * load.pressure, base.shear, f * base.pressure)
     # A scene without tractions has the unit 1.
+    # In this unit all numbers are at most 1, so that tolerances need no scale of their own.
     unit = max(abs(part) for part in parts) or 1.0
     return _in_unit(scene, f, scene.far_slip_rate, unit), unit
 
@@ -230,5 +232,6 @@ def contact_opens(scene: Scene) -> bool:
     """
     base, step = (part.pressure for part in scene.superposition)
     slowness = scene.front_slowness * scene.material.shear_speed
+    # p* has its minimum at the Rayleigh front, which is therefore the first place to open.
     stuck = stuck_traction(scene.material.poisson_ratio, "I", slowness)
     return step < -tuning.LEAST_BASE * base or base + step * stuck.at_rayleigh_front < 0

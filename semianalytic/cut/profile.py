@@ -386,7 +386,9 @@ class Profile:
         for power in rate.powers:
             i, by_y = power.panel, power.by_y(panels)
             left = passed[i] if power.at_left else passed[i] - whole[i]
-            if power.at_left:  # rounding would count
+            # Beside the left end the running integral has lost its digits to rounding; there it is
+            # the density times the distance.
+            if power.at_left:
                 near = power.share(panels) < tuning.LEAST_SHARE
                 left[near] = (density * panels.from_left)[i, near]
             lost[i] += panels.rule.spacing * np.sum(left * by_y)
@@ -395,7 +397,9 @@ class Profile:
         for i in panels.layout.slip:
             end = self.starts[0][i] + rate.totals[i]
             gained = float(end * whole[i] - lost[i])
-            if i in infinite:  # and perhaps the weight
+            # The rate is infinite at an end of this panel, and the weight may be: their product is
+            # summed at the nodes, where both are finite.
+            if i in infinite:
                 product = (density * panels.jacobian)[i] * self.slip_rate_at_nodes[i]
                 gained = _summed(product, panels.rule.spacing)
             total += panels.sense[i] * gained

@@ -111,6 +111,8 @@ class PressurePart:
         ratio = np.empty_like(at.v)
         ratio[ahead:] = normal.impedance_behind(factors.seen_in_plane(at[ahead:]), "I")
         ratio[ahead:] /= unit[ahead:] * np.sqrt(at.from_b[ahead:])
+        # In mode III M_+ = sqrt(b + k), which is imaginary behind the shear front b only: the ratio
+        # keeps both parts of the mode I impedance ahead of it.
         both = np.stack(normal.impedance_ahead(at[:ahead], "I")) / unit[:ahead]
         ratio[:ahead], imag = both / np.sqrt(-at.from_b[:ahead])
         return ratio, imag
@@ -138,6 +140,8 @@ class PressurePart:
         else:
             (real, imag), ahead = canonical.impedance, canonical.layout.ahead
             ratio, _ = self.mode_ratio
+            # Im P with P = (P / M_+^I) (M_+^I / M_+) M_+: the ratio is real behind the shear front,
+            # and -i |ratio| ahead of it, where Im (-i M) = -Re M.
             slope = imag * ratio
             slope[:ahead] = -real * ratio[:ahead]
             slope /= np.pi * factors.kappa * canonical.m_plus * at.v

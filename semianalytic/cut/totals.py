@@ -25,6 +25,7 @@ def largest_slip_over_time(profile: Profile) -> float:
     slipping = list(profile.panels.layout.slip)
     if not slipping:
         return max(limits)
+    # slip / t is stationary where it is largest: an error d of the place costs only d^2.
     u = np.sort(profile.panels.at.v[slipping].ravel())
     for _ in range(tuning.ZOOMS):
         size = np.abs(profile.slip_over_time(u))
@@ -86,6 +87,7 @@ def running_integrals(
     rule = finer_rule(panels.rule, tuning.TOTALS_STRIP, panels.rule.further)
     front = panels.left[0].v[0]
     speed = np.array([panels.sense[0] * float(profile.fields.load.far_slip_rate)])
+    # Ahead of all waves V is constant, and its integrals over xi and over v are elementary.
     ahead = weight(0, np.zeros(1), speed) * speed
     reached = np.minimum(u, front)
     result = ahead * np.stack([1 / front - 1 / np.maximum(reached, tuning.EARLIEST), reached])
@@ -99,6 +101,7 @@ def running_integrals(
             density = _density(profile, int(panel), (left, right), weight, rule)
             from_left, to_right = at.minus(left), -at.minus(right)
             inside, behind = (from_left > 0) & (to_right > 0), to_right <= 0
+            # y is the variable of the rule, v = left + width / (1 + e^-y).
             y = np.log(from_left[inside] / to_right[inside])
             result[:, inside] += rule.interpolate_running(y, density).T
             result[:, behind] += (density @ rule.weights)[:, None]
@@ -124,6 +127,7 @@ def _beside_opening(
     exponent = np.log(last[:, :1] / last[:, 1:]) / panels.rule.spacing
     unit = Power(panel, False, exponent, np.ones_like(exponent))
     unit = replace(unit, amount=last[:, 1:] / unit.by_y(panels)[:, -1:])
+    # What is left after the power vanishes at the end of the panel, so the rule converges.
     rest = density - unit.by_y(panels)
     inside, behind = (at.minus(left) > 0) & (at.minus(right) < 0), at.minus(right) >= 0
     result = np.zeros((2, len(at.v)))

@@ -8,7 +8,7 @@ from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
-from semianalytic.scene.given.quantities import with_quantities
+from semianalytic.scene.quantities import with_quantities
 from semianalytic.scene.scene import Material, Tractions
 
 _LARGEST_CONTRAST = 1e5
@@ -100,7 +100,7 @@ class Pair:
 
     @property
     def exchanged(self) -> Pair:
-        """This pair seen from below: the bodies change places, and y and shear change sign."""
+        """The same pair described from below: bodies change places, and y and shear change sign."""
         base, load = (Tractions(one.pressure, -one.shear) for one in (self.base, self.load))
         return Pair(self.lower, self.upper, self.friction, base, load, self.friction_law)
 

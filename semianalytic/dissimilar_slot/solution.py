@@ -26,7 +26,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.friction import ViscousFriction
-from semianalytic.scene.given.quantities import asked_in_units
+from semianalytic.scene.quantities import asked_in_units
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone, over_slowness
 
 

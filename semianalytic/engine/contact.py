@@ -1,4 +1,4 @@
-"""Where the bodies touch, as masks of nodes, and what opens and closes there."""
+"""The parts of the line on which the bodies touch, and contact that opens and closes."""
 
 from __future__ import annotations
 
@@ -82,15 +82,15 @@ class Contact:
 
 
 def area_mean(excess: Array, inner: NDArray[np.bool_], mirror: int | None = None) -> Array:
-    """Return the excess of traction over strength as the mean of its positive part around a node.
+    """Return the mean of the positive part of the excess of traction over strength around nodes.
 
-    A node stands for a stretch of the line on which the excess is linear.  Without this an end of a
-    slip zone crosses nodes one by one and sends back waves three nodes long.
+    A node stands for a stretch of the line on which the excess is linear.  Without the mean, the
+    end of a slip zone crosses nodes one by one and radiates waves three nodes long.
 
     Parameters
     ----------
     excess : (n,) array
-        What the traction of nodes at rest exceeds their strength by [stress].
+        Traction of nodes at rest, less their strength [stress].
     inner : (n,) array of bool
         Whether a node has neighbours of the same contact on both sides.
     mirror : int, optional
@@ -99,10 +99,10 @@ def area_mean(excess: Array, inner: NDArray[np.bool_], mirror: int | None = None
     left, right = np.roll(excess, 1), np.roll(excess, -1)
     if mirror is not None and len(excess) > mirror:
         left[0], right[-1] = excess[mirror], excess[-1 - mirror]
-    # where strength or load jumps, one of the two differences says nothing of the other
+    # Where strength or load jumps, the two one-sided slopes differ: the smaller one counts.
     even = np.minimum(np.abs(right - excess), np.abs(excess - left))
     reach = AREA * np.minimum(np.abs(right - left) / 4, even)
-    # beside a stuck singular edge the excess differs much but has one sign: nothing is to slip
+    # Beside a stuck edge the excess is singular but of one sign: there the mean must not slip.
     ends = np.minimum(np.minimum(left, right), excess) < 0
     ends &= np.maximum(np.maximum(left, right), excess) > 0
     mixed = inner & ends & (np.abs(excess) < reach)
@@ -112,15 +112,15 @@ def area_mean(excess: Array, inner: NDArray[np.bool_], mirror: int | None = None
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """What the faces do across the interface at one time, (n,) each.
+    """Pressure and gap of the interface at one time; arrays are (n,).
 
     Attributes
     ----------
     pressure : array
         Contact pressure [stress], 0 where the contact is open and on slots.
     gap, gap_rate : array
-        Gap [length] and its rate [length / time], 0 or more on the contact; on slots what their
-        width has changed by.
+        Gap [length] and its rate [length / time].  The gap is 0 or more on the contact; on slots it
+        is the change of their width.
     closing : array
         Work per area that the contact has taken from the bodies in closing [stress length].
     """
@@ -132,17 +132,18 @@ class Faces:
 
     @property
     def is_open(self) -> NDArray[np.bool_]:
-        """Whether a node is open or has just been freed, (n,)."""
+        """Whether a node is open or begins to open, (n,)."""
         return (self.gap > 0) | (self.gap_rate > 0)
 
 
 class Unilateral:
-    """Contact that opens where pressure would be below 0, and closes where the gap does.
+    """Contact that opens where the pressure would be negative, and closes where the gap ends.
 
     An opening rate U exerts the pressure Z [U + int h(q c_t (t - s)) q c_t U ds] with Z = rho c_l/2
-    (`spacetime.exponentials.Opening`).  Slip does not change the pressure of alike bodies, so this
-    goes ahead of friction in every step.  The gap follows backward Euler's rule, by which p U <= 0
-    at every node and step: the contact never gives energy.  The trapezoidal rule does.
+    (`spacetime.exponentials.Opening`).  Slip does not change the pressure between identical bodies,
+    so each step computes the pressure before friction.  The gap follows the backward Euler rule, by
+    which p U <= 0 at every node and step: the contact never gives energy to the bodies, which it
+    does with the trapezoidal rule.
 
     Parameters
     ----------
@@ -153,7 +154,7 @@ class Unilateral:
     grid : Grid
         Nodes.
     loads : function of time and whether it is after a jump
-        Pressure of a line without gaps and of faces of slots, (n,) each [stress].
+        Pressure that an uncut line carries, and that of slot faces, (n,) each [stress].
     touching : (n,) array of bool
         Whether the bodies touch.
     """
@@ -170,7 +171,7 @@ class Unilateral:
         self._grid, self._touching = grid, touching
 
     def jump(self, now: Faces, time: float) -> Faces:
-        """Return what the faces do after loads have jumped; gaps need time to change."""
+        """Return pressure and opening rate after loads have jumped, with the gap as it is."""
         held = self.memory.convolution(self._grid.amplitudes(now.gap_rate))
         line, slot = self.loads(time, after=True)
         least = np.where(now.gap > 0, -math.inf, 0.0)
@@ -179,12 +180,12 @@ class Unilateral:
         return Faces(pressure, now.gap, rate, now.closing)
 
     def step(self, now: Faces, time: float, length: float, path: float, sweeps: int) -> Faces:
-        """Return what the faces do one step later; the memory goes along.
+        """Return pressure and gap one step later, and advance the memory to the same time.
 
         Parameters
         ----------
         now : Faces
-            Where the step begins.
+            Pressure and gap at the beginning of the step.
         time : float
             End of the step [time].
         length, path : float
@@ -204,7 +205,7 @@ class Unilateral:
         return Faces(pressure, gap, rate, now.closing - length * pressure * rate)
 
     def frees(self, now: Faces, time: float) -> bool:
-        """Return whether a node is open, or would be at a time with the waves of now."""
+        """Return whether a node is open, or would open under the loads of a later time."""
         if now.is_open[self._touching].any():
             return True
         held = self.memory.convolution(self._grid.amplitudes(now.gap_rate))
@@ -218,6 +219,6 @@ class Unilateral:
         stopping = line + self.impedance * self._grid.values(convolution)
         freed = -stopping / self.impedance
         rate = np.where(self._touching, np.maximum(freed, least), freed + slot / self.impedance)
-        # where a node is freed the pressure is 0 to the last digit, so that p U is not above 0
+        # An open node has a pressure of exactly 0, since rounding could make p U positive.
         held = self._touching & (least >= freed)
         return np.where(held, np.maximum(stopping + self.impedance * rate, 0.0), 0.0), rate

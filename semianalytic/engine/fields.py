@@ -126,7 +126,7 @@ def sampled(what: str, field: Any, x: Array) -> Array:
     Raises
     ------
     SceneError
-        If it is no field, or does not give a finite number at each position.
+        If the field is of another kind, or has no finite number at one of the positions.
     """
     number = finite(field)
     if number is not None:

@@ -1,4 +1,4 @@
-"""Interfaces in TOML files: the description, and how far and on how many nodes to run it."""
+"""Interfaces in TOML files: the description of an interface and the options of its run."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class InterfaceFile:
     options : mapping
         Further arguments of `run`, such as nodes.
     summary : str
-        A line that says what it shows.
+        One line that says what the run shows.
 
     Examples
     --------

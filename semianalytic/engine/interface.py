@@ -1,4 +1,4 @@
-"""The description of an interface: bodies, contact, friction, tractions, and what loads it."""
+"""The description of an interface: bodies, contact, friction, tractions and loads."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ class InterfaceLoad:
         "line": the tractions that an interface without slots, slip and gap would carry, such as
         those of an over-stressed patch or of a wave.  "slot": taken off the faces of slots.
     pressure : field or function of x and t
-        Pressure [stress], positive in compression, given like `shear`.  Where it leaves less than
-        no pressure the contact opens.
+        Pressure [stress], positive in compression, given like `shear`.  The contact opens where the
+        total pressure would be negative.
 
     Raises
     ------
     SceneError
-        If something is of the wrong kind.
+        If a parameter is of the wrong kind.
 
     Examples
     --------
@@ -84,7 +84,7 @@ class InterfaceLoad:
     def traction(self, x: Any, t: float, after: bool = False, of: str = "shear") -> Array:
         """Return the shear, or the pressure, at positions x (n,) at a time, (n,) [stress].
 
-        At a jump of the history it is that before it, or `after` it.
+        At a jump of the history this is the value before it, or the one `after` it.
         """
         x, field = np.asarray(x, dtype=float), getattr(self, of)
         if self.history is None:
@@ -93,7 +93,7 @@ class InterfaceLoad:
         return np.broadcast_to(np.asarray(shape, dtype=float) * self.factor(t, after), x.shape)
 
     def factor(self, t: float, after: bool = False) -> float:
-        """Return the factor at a time; at a jump it is that before it, or `after` it."""
+        """Return the factor at a time; at a jump, the value before it or the one `after` it."""
         if isinstance(self.history, LoadHistory):
             return float(self.history.value(math.nextafter(t, math.inf) if after else t))
         return float(self.history(t)) if self.history is not None else 1.0
@@ -107,16 +107,16 @@ class InterfaceLoad:
 
 
 class ActingLoads:
-    """Shear or pressure at the nodes of a grid over time: what is in place, and loads.
+    """Shear or pressure at the nodes of a grid over time: the base traction and the loads.
 
     Parameters
     ----------
     of : str
         "shear" or "pressure".
     base : (n,) array
-        What is in place before t = 0 [stress].
+        Traction before t = 0 [stress].
     loads : sequence of InterfaceLoad
-        What is added to it.
+        Loads, of which those that have this traction are added.
     x : (n,) array
         Positions of the nodes [length].
     touching : (n,) array of bool
@@ -132,7 +132,7 @@ class ActingLoads:
         touching: NDArray[np.bool_],
     ) -> None:
         self._of, self._base, self._x = of, base, x
-        # of loads that are products of space and time the fields do not change
+        # The field of a load that is a product of space and time is sampled only once.
         self._parts: list[tuple[Array | None, InterfaceLoad]] = []
         for load in loads:
             if load.acts(of):
@@ -143,9 +143,9 @@ class ActingLoads:
                 self._parts.append((field, load))
 
     def __call__(self, time: float, after: bool = False) -> tuple[Array, Array]:
-        """Return the traction of an uncut line, and that of faces of slots, (n,) each [stress].
+        """Return the traction that an uncut line carries, and that of slot faces, (n,) each.
 
-        At a jump they are those before it, or `after` it.
+        At a jump of a load these are the values before it, or those `after` it.
         """
         line, slot = self._base.copy(), self._base.copy()
         for field, load in self._parts:
@@ -162,7 +162,7 @@ class ActingLoads:
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """A frictional interface between two alike half-planes, with fields that may vary along x.
+    """A frictional interface between two identical half-planes, with fields that vary along x.
 
     Pressure, base shear, loads and all parameters of the law are fields: numbers, functions of x,
     or a `Table`.  The line y = 0 is periodic; waves leave one end and enter the other after
@@ -181,18 +181,18 @@ class Interface:
     shear : field
         Shear traction before slip, in place at t = 0 [stress].
     loads : sequence of InterfaceLoad
-        Shear and pressure that are added to both.
+        Shear and pressure that are added from t = 0 on.
     contact : Contact
         Where the bodies touch; everywhere by default.
     mode : str
         "in-plane" or "antiplane".
     rate : field
-        Slip rate at t = 0 [length / time] for a law with state whose base shear is carried by it.
+        Slip rate at t = 0 [length / time], at which a law with a state carries the base shear.
     plate_rate : float
         Slip rate of the bodies far away [length / time]; the memory acts on the difference.
     held : float
-        Wavelength of slip whose stiffness the mean slip meets [length]; inf for none: the mean slip
-        then only radiates.
+        Wavelength [length] of the slip whose stiffness resists the mean slip.  With inf no
+        stiffness does, and the mean slip only radiates.
     even : bool
         Whether everything is even in x, so that only x > 0 is computed.
 

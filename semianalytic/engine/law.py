@@ -1,4 +1,4 @@
-"""What a law of friction has to say: strength, the evolution of its state, and their slopes."""
+"""The interface that friction laws implement: strength, evolution of the state, and slopes."""
 
 from __future__ import annotations
 

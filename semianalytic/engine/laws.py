@@ -15,7 +15,8 @@ from semianalytic.scene.errors import SceneError
 Array = NDArray[np.float64]
 
 BALANCE = 60
-"""Most iterations of the local balance; it takes 4 to 8."""
+"""Most Newton steps for the local balance of rate-and-state friction, which takes 4 to 8: half as
+many or twice as many change nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +182,7 @@ class RateDependent(InterfaceLaw):
 
     def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
         """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
-        # times (V + rate) the balance is a quadratic for w = impedance V
+        # Multiplied by (V + rate), the balance is a quadratic in w = impedance V.
         excess = stopping - self.static * pressure - self.cohesion
         knee = impedance * self.rate
         linear = excess + (self.static - self.dynamic) * pressure - knee

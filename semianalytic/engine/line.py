@@ -69,7 +69,7 @@ class Grid:
 
     def amplitudes(self, values: Array) -> Array:
         """Return the amplitudes of waves along x, real (rows, m)."""
-        from scipy.fft import dct, rfft  # here, for `import semianalytic` is to be quick
+        from scipy.fft import dct, rfft  # imported late, which keeps `import semianalytic` fast
 
         if self.even:
             return np.asarray(dct(values, type=2 if self.between else 1))[None]
@@ -87,16 +87,16 @@ class Grid:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """What a step of one length does to the memory, per pole and wavenumber.
+    """Factors by which a step of one length changes the memory, per pole and wavenumber.
 
     Attributes
     ----------
     decay, gain, end : (poles, 1, m) complex arrays
         Factor on the memory, on the rate at the beginning and on the rate at the end of the step.
     half : (m,) array
-        The same for the static part.
+        Factor on the rates at both ends of the step in the static part of the memory.
     feedback : (m,) array
-        What a unit of the end rate contributes to the convolution.
+        Contribution of a unit rate at the end of the step to the convolution.
     """
 
     decay: Complex
@@ -112,7 +112,7 @@ class Table:
         first, second = _phi(z)
         weight = np.multiply.outer(memory.residues, phase)
         decay, end = np.exp(z), weight * second
-        # the rate at the beginning was the end rate of the step before, whose share was left out
+        # The rate at the beginning ended the step before, which left its share out of the memory.
         gain = weight * (first - second) + decay * end
         half = memory.static * phase / 2
         feedback = end.real.sum(axis=0) + half
@@ -127,7 +127,7 @@ class LineMemory:
     modes : (poles, rows, m) complex array
         Convolutions with the exponentials, without the share of the newest rate.
     lasting : (rows, m) array
-        The static part, without that share.
+        Convolution with the static part of the kernel, without the share of the newest rate.
     last : float
         c_t times the length of the last step [length]; 0 before the first.
     """
@@ -162,7 +162,8 @@ class LineMemory:
         """
         table = self.table(step)
         if self.last != step:
-            # the share of the newest rate that this table adds below is one of its own step
+            # The memory lacks the share of the newest rate as the table of the last step had it;
+            # the table of this step has another share, which `gain` adds below.
             before = self.table(self.last) if self.last else None
             if before is not None:
                 self.modes += before.end * amplitudes
@@ -184,8 +185,9 @@ class LineMemory:
         return np.asarray(held)
 
     def exchange(self, change: Array) -> None:
-        """Leave the convolution as it is where the newest rate jumps by amplitudes (rows, m)."""
-        # the newest rate's share is left out, and taken from the rate in the next step
+        """Change the newest rate by amplitudes (rows, m), with the convolution as it is."""
+        # The memory lacks the share of the newest rate, which the next step adds from the rate; a
+        # jump changes that rate, so the share that is missing has to change with it.
         if self.last:
             table = self.table(self.last)
             self.modes -= table.end * change
@@ -198,7 +200,7 @@ def _phi(z: Complex) -> tuple[Complex, Complex]:
     large = np.where(small, 1.0, z)
     first = (np.exp(large) - 1) / large
     second = (first - 1) / large
-    # the series to z^9 is right to the last digit below 0.1
+    # For |z| < 0.1 the quotients above cancel digits; this series is exact to rounding.
     series = np.zeros_like(z)
     for power in range(11, 1, -1):
         series = (1 + z * series) / power

@@ -26,13 +26,13 @@ class Record:
     Parameters
     ----------
     stepper : Stepper
-        Where the nodes are, and which of them touch.
+        The stepper of the run, which knows the nodes and which of them touch.
     every : int
-        k, which doubles when frames run out.
+        k, which doubles each time the number of frames exceeds its limit.
     frames : int
         Largest number of frames.
     times : sequence of float, optional
-        Times at which to write instead [time], in order.
+        Times [time], in increasing order, at which fields are recorded instead.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Record:
         self._touching = stepper.touching
 
     def begin(self, now: State) -> None:
-        """Write down the first state."""
+        """Record the state at the beginning of the run."""
         self._peak(now)
         if self.times is None:
             self._write(now.time, self._shown(now))
@@ -56,7 +56,7 @@ class Record:
                 self._write(self.times.pop(0), self._shown(now))
 
     def add(self, before: State, now: State) -> None:
-        """Write down what belongs to a step."""
+        """Record a step: fields if they are due, and its time and largest slip rate always."""
         self.count += 1
         self._peak(now)
         if self.times is None:
@@ -70,7 +70,7 @@ class Record:
             self._write(time, self._between(before, now, time))
 
     def end(self, now: State) -> None:
-        """Write down the last state, unless it is there."""
+        """Record the last state unless the last step recorded it."""
         if self.times is None and self.t[-1] != now.time:
             self._write(now.time, self._shown(now))
 

@@ -1,4 +1,4 @@
-"""The result of a run: fields of the interface, an estimate of their error, and where to go on."""
+"""The result of a run: fields of the interface, their error estimates, and a checkpoint."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ _UNITS = {
     "shear_traction": ("stress", "shear traction"),
     "state": ("", "state of friction"),
     "pressure": ("stress", "contact pressure, 0 where the contact is open and on slots"),
-    "gap": ("length", "gap, on slots what their width has changed by"),
+    "gap": ("length", "gap, on slots the change of their width"),
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What happened on an interface until a time.
+    """The fields of an interface from t = 0 until the end of a run, with their error estimates.
 
     Attributes
     ----------
     interface : Interface
-        What was computed.
+        The interface that was computed.
     nodes : int
         Nodes of one period.
     x : (n,) array
         Positions of nodes [length]; x >= 0 only if the interface is even.
     touching : (n,) array of bool
-        Whether the bodies touch there.
+        Whether the bodies touch at these nodes.
     t : (m,) array
         Times of the frames [time].
     slip, slip_rate, shear_traction, state : (m, n) arrays
@@ -48,17 +48,17 @@ class Run:
         the state is nan on slots.
     pressure, gap : (m, n) arrays
         Contact pressure [stress], 0 where the contact is open and on slots; gap [length], 0 or more
-        on the contact, and on slots what their width has changed by.
+        on the contact, and the change of their width on slots.
     step_times, peak_rates : (steps + 1,) arrays
         Time and largest |slip rate| of the contact after every step.
     error_estimates : mapping
-        Estimated L1 errors of slip, slip rate and the change of shear traction over frames and
-        contact, relative; from a second run with half the nodes.  Where loads change the pressure
-        also those of gap and pressure.  Empty if no second run was made.
+        Estimated relative L1 errors, over frames and contact, of slip, slip rate and the change of
+        shear traction, and of gap and pressure if loads change the pressure, from a second run with
+        half the nodes; empty if there was no such run.
     status : str
         "done", "unresolved: ..." or "interrupted at t = ...".
     checkpoint : mapping of arrays
-        What `run` needs to go on.
+        Everything that `run` needs to continue this run.
 
     Examples
     --------
@@ -96,12 +96,12 @@ class Run:
     def work(self) -> dict[str, float]:
         """Work that the contact has taken from the bodies, per width [stress length^2].
 
-        "friction" is that of slip; "closing" is that of pressure on faces that meet: 0 or more, and
-        0 in the limit of fine grids unless whole stretches of faces collide.
+        "friction" is the work of slip; "closing" is the work of the pressure on faces that meet,
+        which is not negative and tends to 0 as the grid is refined.
         """
         weights = np.full(len(self.x), self.interface.length / self.nodes)
         if self.interface.even:
-            # nodes at x = 0 and length / 2 are their own mirror images
+            # Nodes at x = 0 and length / 2 are their own mirror images.
             weights[self.x > 0] *= 2
             weights[self.x >= self.interface.length / 2] /= 2
         kept = {"friction": self.checkpoint["work"], "closing": self.checkpoint["closing"]}
@@ -146,7 +146,7 @@ class Run:
         return data
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write fields and checkpoint to an .npz file, from which `Run.load` and `run` go on."""
+        """Write fields and checkpoint to an .npz file; `Run.load` reads it, `run` continues it."""
         kept: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
         kept |= {f"checkpoint_{name}": value for name, value in self.checkpoint.items()}
         kept |= {"format": FORMAT, "status": self.status, "nodes": self.nodes}

@@ -1,4 +1,4 @@
-"""Run an interface until a time: steps, record, a second run for the error, and going on."""
+"""Runs of an interface until an end time, with error estimates, and their continuation."""
 
 from __future__ import annotations
 
@@ -50,27 +50,28 @@ def run(
 
     Steps are as long as friction and convergence allow: shortest in an event, up to a million times
     longer between events.  A second run with half the nodes gives the error estimates.  Ctrl-C ends
-    a run early and keeps what is there.
+    a run early and returns what was computed until then.
 
     Parameters
     ----------
     interface : Interface
-        What to compute.
+        The interface to compute.
     end_time : float
         Last time [time].
     nodes : int, optional
         Nodes of one period, a multiple of 4; 512 by default.
     rtol : float, optional
-        Error of slip and gap aimed at; nodes are doubled until the estimates are below it, to
-        16,384 at most.
+        Wanted relative error of slip and gap; nodes are doubled until the estimates are below it,
+        up to 16,384.
     step_ratio : float
         Shortest step c_t dt / h.
     every, frames : int
-        Every so many steps fields are stored, and thinned if there are more frames than this.
+        Fields are stored after every `every` steps; if there are more than `frames` of them, every
+        second one is dropped and `every` doubles.
     times : sequence of float, optional
-        Times at which to store them instead [time].
+        Times at which fields are stored instead [time].
     estimate : bool
-        Whether to make the second run.
+        Whether to compute the second run, on which the error estimates rest.
     go_on : Run, optional
         A run of the same interface to continue; the result is the same to the last bit as that of
         a run which was not interrupted.
@@ -126,7 +127,8 @@ def run(
         error = max(done.error_estimates.get(name, 0.0) for name in ("slip", "gap"))
         if rtol is None or error <= rtol or 2 * count > MOST_NODES or go_on is not None:
             return done
-        # second order where it is smooth, first beside edges: never more than four times as many
+        # The order is two where fields are smooth and one beside edges: at order one, four times as
+        # many nodes reduce the error to a quarter.
         growth = 2 if error / rtol < 4 else 4
         count = min(count * growth, MOST_NODES)
 
@@ -150,7 +152,7 @@ def _one(
     go_on: Run | None,
     progress: Progress | None,
 ) -> Run:
-    """Run once on one grid."""
+    """Return a run on one grid, without error estimates."""
     stepper = Stepper(interface, nodes, options["step_ratio"], end_time=end_time, **settings)
     record = Record(stepper, options["every"], options["frames"], options["times"])
     print_of = fingerprint(stepper)
@@ -165,7 +167,7 @@ def _one(
         while stops and not stopped:
             length, rung = stepper.length(now)
             left = stops[0] - now.time
-            # a step that almost reaches the stop does reach it: no sliver is left
+            # A step that almost reaches the stop is stretched to it, so that no sliver is left.
             last = left <= length * (1 + 1e-9)
             stop = stops.pop(0) if last else None
             before, now = now, stepper.step(now, left if last else length, rung, stop)

@@ -1,4 +1,4 @@
-"""Exact numbers of ruptures: critical wavelengths of rate-and-state, and supershear strength."""
+"""Closed results on ruptures: critical wavelengths of rate-and-state, and supershear strength."""
 
 from __future__ import annotations
 

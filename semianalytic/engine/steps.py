@@ -1,4 +1,4 @@
-"""Steps of a run: how long they may be, and what one does."""
+"""Steps of a run: the longest that friction and convergence allow, and the update of one step."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class State(Faces):
-    """Everything at one time, (n,) each, from which a run goes on; `Faces` has the rest.
+    """The state of an interface at one time, from which the next step starts; arrays are (n,).
 
     Attributes
     ----------
@@ -61,12 +61,12 @@ class State(Faces):
 
 
 class Stepper:
-    """An interface on a grid, and how it takes a step.
+    """An interface on a grid, and the time stepping of its fields.
 
     Parameters
     ----------
     interface : Interface
-        What is to be computed.
+        The interface to compute.
     nodes : int
         Nodes of a period.
     step_ratio : float
@@ -97,7 +97,7 @@ class Stepper:
         self._on = x[self.touching]
         self.law = interface.law.on(self._on)
         self._inner = self._neighbours()[self.touching]
-        # the images of the first and the last node are their neighbours, or themselves
+        # Beyond the ends of half a line lie mirror images of the nodes inside it.
         self._mirror = (0 if self.grid.between else 1) if self.grid.even else None
         self.pressure = sampled("interface: pressure", interface.pressure, self._on)
         required(
@@ -201,20 +201,20 @@ class Stepper:
         if limit > self.shortest:
             rung = min(int(math.log(limit / self.shortest) / math.log(LADDER)), now.rung + 1)
         if rung and self.unilateral is not None:
-            # free faces have no direct effect of friction that lengthens steps
+            # Free faces have no direct effect of friction, which is what permits long steps.
             length = self.shortest * LADDER**rung
             rung = 0 if self.unilateral.frees(now, now.time + length) else rung
         return self.shortest * LADDER**rung, rung
 
     def step(self, now: State, length: float, rung: int, time: float | None = None) -> State:
-        """Return the state one step later; the memory goes along.
+        """Return the state one step later, and advance the memory to the same time.
 
         Parameters
         ----------
         now : State
-            Where the step begins.
+            The state at the beginning of the step.
         length, rung
-            As `length` gives them.
+            Length [time] and rung of the step, as `length` returns them.
         time : float, optional
             Exact time of the end where a load jumps there [time].
         """
@@ -283,11 +283,11 @@ class Stepper:
                 rest = np.where(freed, 0.0, rest)
             size = rest + area_mean(size - rest, self._inner, self._mirror)
         if freed is not None:
-            # any positive number: what friction says of open nodes is put aside below
+            # Open nodes need some positive pressure here; their slip rate is replaced below.
             pressure = np.where(freed, 1.0, pressure)
         speed = self.law.slip_speed(size, pressure, self.impedance, state)
         rate = (stopping - slot) / self.impedance
-        # slip has the sense of the traction that it relaxes; 0.0 - speed keeps +0.0 where it sticks
+        # Slip has the sense of the traction it relaxes; 0.0 - speed keeps +0.0 where it sticks.
         rate[self.touching] = np.where(on < 0, 0.0 - speed, speed)
         traction = stopping - self.impedance * rate
         if freed is not None:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 STEP_RATIO = 0.4
-"""Shortest step c_t dt / h, the lowest rung of the ladder."""
+"""Shortest step c_t dt / h, which is the lowest rung of the ladder of step lengths."""
 LADDER = 2.0
-"""Ratio of two rungs: with sqrt(2) errors are the same and twice as many tables are kept."""
+"""Ratio of the step lengths of two rungs: with sqrt(2) errors are the same, and twice as many
+tables are kept."""
 TABLES = 8
-"""Rungs whose tables are kept; at 4,096 nodes and 42 poles each takes 8 MB."""
+"""Rungs whose tables are kept; at 4,096 nodes and 42 poles each table takes 8 MB."""
 SWEEPS = 2
 """Iterations of a step, an even number: a free face grows without bounds with 1 or 3."""
 STATE_SHARE = 0.25
 """Largest slip of a step over the slip in which the state of friction changes, xi."""
 RATE_SHARE = 0.2
 """Change of the slip rate in a step, over the largest rate, above which steps become shorter.
-With 0.2 and 0.1 slip of TPV101 on 1,440 nodes is off by 1.2e-4, without it by 2.1e-3: what a load
-does to a slow interface is not in the other bounds."""
+The other bounds do not see what a load does to a slow interface: slip of TPV101 on 1,440 nodes is
+off by 2.1e-3 without this bound, and by 1.2e-4 with 0.2 and with 0.1."""
 BOUND_SHARE = 0.7
 """Share of the longest step at which the iteration of a step still converges."""
 TOLERANCE = 1e-7
@@ -23,7 +24,7 @@ TOLERANCE = 1e-7
 1e-9 by 5e-7."""
 CROSSINGS = 20.0
 """Times in which a shear wave crosses the line that the sum of exponentials covers: the memory of
-an event with its echoes.  Beyond it static stiffness is left, which is not part of the sum."""
+an event with its echoes.  Later only the static stiffness acts, which is not part of the sum."""
 LARGEST_HORIZON = 1e6
 """Largest q c_t t of a fit: from 1e8 on its values at short times are off by 1e-3."""
 LEAST_HORIZON = 100.0

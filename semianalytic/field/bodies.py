@@ -17,15 +17,16 @@ from semianalytic.field.cells import Primitives
 from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
+from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
-from semianalytic.scene.loading import traction_ahead
 from semianalytic.scene.scene import Scene
 
 _SHEARED = np.array([-1, 1, -1, -1, 1, -1, 1])
 """Signs that turn fields of shear at the mirrored place of the upper body into the lower one's."""
 _ALONG = np.array([-1, -1, 1, -1])
-"""These signs for antiplane shear; those for pressure are -_SHEARED."""
+"""Signs that turn fields of antiplane shear into those of the lower body in the same way; for
+pressure the signs are -_SHEARED."""
 
 
 @dataclass(frozen=True, eq=False)

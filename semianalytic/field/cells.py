@@ -10,7 +10,7 @@ where it is known, between 0 and -a, where no wave has arrived yet.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, cmp_to_key, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -60,6 +60,15 @@ def _pattern() -> tuple[Complex, Complex]:
     return nodes, np.asarray(np.linalg.pinv(powers), dtype=complex)
 
 
+def _order(one: Centre, other: Centre) -> int:
+    """Return -1 or 1 if a centre lies left or right of another, however close, and 0 at the same
+    point.
+
+    Places tie where an edge is closer to a front than the rounding of its slowness.
+    """
+    return int(np.sign(other.distance(one)))
+
+
 @dataclass(frozen=True)
 class Primitives:
     """Integrals of all densities (see `waves`), and the density of v_x in the S wave.
@@ -88,7 +97,7 @@ class Primitives:
         pole = self.transform.pole
         if pole is not None and all(one.distance(pole) != 0.0 for one in every):
             every.append(pole)
-        return sorted(every, key=lambda centre: centre.place)
+        return sorted(every, key=cmp_to_key(_order))
 
     @cached_property
     def parting(self) -> Centre:

@@ -221,3 +221,20 @@ def stress_intensity(
     yielding = 1 - nu if shear_mode == "II" else 1.0
     sheared = 2 * load.shear * np.sqrt(2 * material.shear_speed / yielding)
     return mode_one * root, sheared * root
+
+
+def front_share(material: Material, slowness: float, mode: Mode) -> float:
+    """Return K of a load whose front moves over K of one that comes at once, M_+(0) / M_+(-p).
+
+    Parameters
+    ----------
+    material : Material
+    slowness : float
+        p, that of the front along x [time / length], below that of the first wave.
+    mode : "I", "II" or "III"
+    """
+    if not slowness:
+        return 1.0
+    factors = rayleigh_factors(material.poisson_ratio, "III" if mode == "III" else "II")
+    moving = factors.m_plus_at_load(slowness * material.shear_speed, mode)
+    return float(factors.m_plus_at_zero[mode] / moving)

@@ -24,7 +24,7 @@ FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
 TOTALS = ("max_slip", "accumulated_slip", "frictional_work")
 """Methods of times alone."""
 ARRIVALS = ("slip", "forward", "reverse", "opening")
-"""What may arrive at a position: slip of either sense, slip of one sense, an open contact."""
+"""Events that may reach a position: slip of either sense, slip of one sense, and opening."""
 
 
 @dataclass(frozen=True)

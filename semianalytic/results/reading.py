@@ -1,4 +1,4 @@
-"""What happens at points of the contact: when slip arrives, slip and tractions, each with an error.
+"""Readings at points of the contact: arrival times, slip and tractions, each with an error bar.
 
 An exact self-similar answer and an answer that was sampled on a grid know their errors in different
 ways; `Reading` is the table that both return.
@@ -10,16 +10,13 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.answer import ARRIVALS, FIELDS
 from semianalytic.scene.errors import SceneError
-
-if TYPE_CHECKING:
-    from semianalytic.results.sampled import SampledAnswer
 
 Array = NDArray[np.float64]
 
@@ -56,7 +53,7 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What an answer says about points of the contact: arrivals and fields, with their errors.
+    """Arrival times and fields of an answer at points of the contact, each with its error.
 
     The method `reading` of an answer returns it.  Positions and times are broadcast.
 
@@ -246,11 +243,14 @@ def sampled_reading(answer: Any, x: ArrayLike, t: ArrayLike) -> Reading:
     return Reading(x, t, arrivals, status=answer.status, **fields)
 
 
-def _around(answer: SampledAnswer, coarse: SampledAnswer, x: Array) -> tuple[list[Array], float]:
-    """Return the places around positions that count for them, and the distance between them."""
-    nodes = coarse.interface.x
-    step = float(nodes[1] - nodes[0]) if len(nodes) > 1 else float(nodes[0])
-    reach = min(one.interface.x[-1] + one.interface.x[0] for one in (answer, coarse))
+def _around(fine: Array, coarse: Array, x: Array) -> tuple[list[Array], float]:
+    """Return the places around positions x that count for them, and the distance between them.
+
+    `fine` (n,) are the nodes of the answer and `coarse` (m,) those of its companion [length].
+    """
+    step = float(coarse[1] - coarse[0]) if len(coarse) > 1 else float(coarse[0])
+    # The contact that both answers know ends one node distance beyond the last node.
+    reach = min(nodes[-1] + nodes[0] for nodes in (fine, coarse))
     return [np.clip(x + k * step, np.minimum(x, step / 8), reach) for k in _STENCIL], step
 
 
@@ -258,7 +258,7 @@ def _sampled_arrival(answer: Any, x: Array, of: str) -> Measured:
     when, coarse = answer.arrival(x, of), answer.companion
     if coarse is None:
         return Measured(when, np.full(x.shape, np.inf))
-    places, step = _around(answer, coarse, x)
+    places, step = _around(answer.interface.x, coarse.interface.x, x)
     error = np.zeros(x.shape)
     for place in places:
         here, there = answer.arrival(place, of), coarse.arrival(place, of)
@@ -284,7 +284,7 @@ def _sampled_field(answer: Any, name: str, x: Array, t: Array) -> Measured:
     def apart(x: Array, t: Array) -> Array:
         return np.abs(np.asarray(field(x, t) - other(x, t)))
 
-    places, step = _around(answer, coarse, x)
+    places, step = _around(answer.interface.x, coarse.interface.x, x)
     lag, end = step / answer.scene.material.shear_speed, min(answer.end_time, coarse.end_time)
     error = np.zeros(value.shape)
     for place in places:

@@ -25,7 +25,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import Reading, sampled_reading
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import asked_in_units
+from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ class Totals:
     Attributes
     ----------
     t : (m,) array
-        Times, increasing from 0 [time].
+        Times, increasing from 0, or before it as the record does [time].
     max_slip : (m,) array
         Largest |slip| at each time [length].
     accumulated_slip : (m,) array
@@ -251,7 +251,7 @@ class SampledAnswer:
             If the time is not a finite number or beyond the last.
         """
         t = checked_number("zones_at: t", t)
-        if t <= 0:
+        if t <= min(self.interface.t[0], 0.0):
             return ()
         seen = self.interface
         least = _NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
@@ -267,7 +267,9 @@ class SampledAnswer:
         `open_intervals` finds them.  Errors are those of `zones_at`.
         """
         t = checked_number("openings_at: t", t)
-        return () if t <= 0 else open_intervals(self.interface.x, self.gap(self.interface.x, t))
+        if t <= min(self.interface.t[0], 0.0):
+            return ()
+        return open_intervals(self.interface.x, self.gap(self.interface.x, t))
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """Return all fields at positions x (n,), times t (m,); errors are those of `slip_rate`."""
@@ -289,7 +291,9 @@ class SampledAnswer:
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         _check_positions(x, self.interface.x)
         _check_times(t, self.interface.t)
-        return np.asarray(np.where(t < 0, at_rest, interpolated(self.interface, name, x, t)))
+        # a record begins before t = 0 where a load comes along the slot no faster than its waves
+        before = t < min(self.interface.t[0], 0.0)
+        return np.asarray(np.where(before, at_rest, interpolated(self.interface, name, x, t)))
 
 
 def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Array:

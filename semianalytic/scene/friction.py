@@ -6,19 +6,14 @@ The article treats Coulomb's law with a constant coefficient only; the other law
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import checked_number, checked_size
-from semianalytic.scene.given.quantities import with_quantities
-
-if TYPE_CHECKING:
-    from semianalytic.scene.scene import Scene
+from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
@@ -333,17 +328,3 @@ class SlipWeakening(FrictionLaw):
     def fall_with_slip(self) -> float:
         """Fall of strength per accumulated slip, over f p [1 / length]."""
         return self.reduction / self.distance
-
-
-def process_zone(scene: Scene) -> float:
-    """Return the length within which friction weakens behind a front [length].
-
-    It is mu / ((1 - nu) f p w), in antiplane shear without 1 - nu, where p is the pressure in place
-    and w the largest fall of the friction factor per slip: a crack of about that length is as
-    compliant as friction weakens.  It is inf if friction does not weaken with slip.
-    """
-    held = scene.superposition.in_place
-    fall = scene.friction * held.pressure * scene.friction_law.fall_with_slip
-    if not fall:
-        return math.inf
-    return scene.static_modulus / fall

@@ -15,9 +15,9 @@ from typing import Any
 
 from semianalytic.scene.checks import LARGEST, checked_number, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import with_quantities
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
+from semianalytic.scene.quantities import with_quantities
 
 WAVES = ("P", "SV", "SH")
 SIDES = ("below", "above")

@@ -12,19 +12,11 @@ a front t = p x of slowness p (`Scene.front_slowness`, semianalytic/scene/incide
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from typing import NamedTuple
 
 from semianalytic.scene.checks import checked_number
-from semianalytic.scene.given.quantities import with_quantities
-
-if TYPE_CHECKING:
-    from semianalytic.scene.material import Material
-    from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
+from semianalytic.scene.material import Material
+from semianalytic.scene.quantities import with_quantities
 
 SLOT, REMOTE = "slot", "remote"
 LOADED = (SLOT, REMOTE)
@@ -91,50 +83,3 @@ class Superposition(NamedTuple):
 
     in_place: Tractions
     taken_off: Tractions
-
-
-def superposition(scene: Scene) -> Superposition:
-    """Return the tractions in place on the interface of a scene, and those taken off its slot."""
-    load = scene.load.tractions(scene.material)
-    if scene.arrives:
-        return Superposition(scene.base.plus(load), load)
-    return Superposition(scene.base, load)
-
-
-def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
-    """Return the parts of the superposition to which a traction of base or load is added.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene; the place of its load matters.
-    name : str
-        "base_pressure", "base_shear", "load_pressure" or "load_shear"; any other name is added to
-        nothing.
-
-    Returns
-    -------
-    tuple of str
-        The same names, where "base_..." stands for the traction in place and "load_..." for the
-        traction taken off.
-    """
-    part, _, kind = name.partition("_")
-    if part not in ("base", "load"):
-        return ()
-    comes_everywhere = part == "load" and scene.arrives
-    return (f"base_{kind}", name) if comes_everywhere else (name,)
-
-
-def traction_ahead(
-    scene: Scene, kind: Literal["pressure", "shear"], x: ArrayLike, t: ArrayLike
-) -> Array:
-    """Return a traction of the contact ahead of the waves from the slot [stress].
-
-    It is that of the base before the front of the load, t = p x, and the traction in place from
-    then on.  The shape is that of the positions x [length] and times t [time] together.
-    """
-    before, after = getattr(scene.base, kind), getattr(scene.superposition.in_place, kind)
-    slowness, lag = scene.front_slowness, np.asarray(t, dtype=float)
-    if slowness:
-        lag = lag - slowness * np.asarray(x, dtype=float)
-    return np.where(lag < 0, before, after)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import LARGEST, checked_number, checked_size, finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import with_quantities
+from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
 

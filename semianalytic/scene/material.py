@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from semianalytic.scene.checks import checked_number, checked_size
-from semianalytic.scene.given.quantities import with_quantities
+from semianalytic.scene.quantities import with_quantities
 
 
 @with_quantities

@@ -28,7 +28,6 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
-from semianalytic.scene.given.quantities import made_in_si, with_quantities
 from semianalytic.scene.incident import (
     IncidentWave,
     Load,
@@ -36,10 +35,11 @@ from semianalytic.scene.incident import (
     load_document,
     load_from_document,
 )
-from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions, superposition
+from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import HISTORIES, LAWS, kind_of, known_class, plugin_names
+from semianalytic.scene.quantities import made_in_si, with_quantities
 from semianalytic.scene.units import SI
 
 HISTORY_KINDS: Mapping[str, type[LoadHistory]] = {
@@ -309,7 +309,8 @@ class Scene:
     @cached_property
     def superposition(self) -> Superposition:
         """Tractions in place on the contact from t = 0 on, and those taken off the slot faces."""
-        return superposition(self)
+        load = self.load.tractions(self.material)
+        return Superposition(self.base.plus(load) if self.arrives else self.base, load)
 
     @property
     def arrives(self) -> bool:
@@ -390,10 +391,10 @@ class Scene:
         The front of a load that comes along the slot must be ahead of all waves besides.
         """
         lawful = isinstance(self.friction_law, CoulombFriction | RateFriction)
-        return self.is_step and lawful and not self._front_too_slow
+        return self.is_step and lawful and not self.front_too_slow
 
     @property
-    def _front_too_slow(self) -> bool:
+    def front_too_slow(self) -> bool:
         """Whether the front of the load comes along the slot no faster than the first wave."""
         return self.front_slowness * self.fastest_speed >= 1 - NEAREST_FRONT
 
@@ -405,13 +406,14 @@ class Scene:
                 f"{SLOWEST_FRONT:g} of the shear wave, so that digits are lost; make it faster "
                 "(docs/limits.md)."
             )
-        if self._front_too_slow:
+        if self.front_too_slow:
             raise SceneError(
                 "solve: the front of the load comes along the slot at "
                 f"{1 / self.front_slowness:.4g}, not faster than the first wave, "
                 f"{self.fastest_speed:.4g}, so that the edge was loaded for all time before and "
                 "nothing depends on x/t alone; let it meet the contact first (a negative angle), "
-                "or march it from a time at which it enters the slot (docs/limits.md)."
+                "or march it from where it enters the slot, with `march` or `method` space-time "
+                "(docs/limits.md)."
             )
         if self.front_slowness and self.far_slip_rate:
             raise SceneError(

@@ -40,6 +40,7 @@ _SIZES: Mapping[str, Mapping[str, float]] = {
     "mass / length^3": {"kg/m^3": 1.0, "kg/m3": 1.0, "g/cm^3": 1e3, "g/cm3": 1e3},
     "length / time": {f"{prefix}m/s": size for prefix, size in _PREFIXES.items() if size < 1e6},
     "stress time / length": {"Pa s/m": 1.0, "kPa s/m": 1e3, "MPa s/m": 1e6, "GPa s/m": 1e9},
+    "stress length": {"J/m^2": 1.0, "J/m2": 1.0, "N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3},
     "angle": {**dict.fromkeys(("deg", "degree", "degrees", "°"), 1.0), "rad": math.degrees(1.0)},
     "1": {"": 1.0, "1": 1.0, "%": 1e-2},
 }
@@ -52,10 +53,12 @@ _SHOWN: Mapping[str, str] = {
     "mass / length^3": "kg/m^3 or g/cm^3",
     "length / time": "m/s, mm/s or km/s",
     "stress time / length": "Pa s/m or MPa s/m",
+    "stress length": "N/m, kN/m or N/mm",
     "angle": "deg or rad",
-    "1": "% or none",
+    "1": "%",
 }
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*\Z", re.DOTALL)
+_NOT_FINITE = frozenset({"nan", "inf", "infinity"})
 
 PARAMETERS: Mapping[str, str] = {
     "shear_modulus": "stress",
@@ -165,17 +168,17 @@ def measure(text: str, dimension: str, size: Callable[[str, str], float | None] 
     Raises
     ------
     SceneError
-        If it is no number, or the unit is unknown or of another dimension; the message lists units.
+        If it is no finite number, or the unit is unknown or of another dimension; the message lists
+        units.
     """
     match = _NUMBER.match(text)
-    if match is None:
-        raise SceneError(f"must be a number, or one with a unit, got {shown(text)}.")
-    number = float(match[1])
-    if not match[2]:
-        return number
-    factor = size(match[2], dimension)
-    if factor is None:
+    name = match[2] if match else ""
+    factor = size(name, dimension) if name else None
+    number = float(match[1]) if match else math.nan
+    if math.isinf(number) or text.strip().lstrip("+-").lower() in _NOT_FINITE:
+        raise SceneError(f"must be a finite number, got {shown(text)}.")
+    if match is None or (name and factor is None):
         raise SceneError(
             f"must be a number alone or in {units_shown(dimension)}, got {shown(text)}."
         )
-    return InSI(number, match[2], factor)
+    return number if factor is None else InSI(number, name, factor)

@@ -8,8 +8,8 @@ import numpy as np
 
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.contact import superposed_by
 from semianalytic.scene.incident import OF_FRONT
-from semianalytic.scene.loading import superposed_by
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import doubtful, excess_intensity

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.scene.contact import superposed_by
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.incident import OF_FRONT, IncidentWave, MovingLoad
-from semianalytic.scene.loading import superposed_by
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.borders import border, starts_at_front
@@ -171,7 +171,8 @@ class Derivative:
             compared.append((near.traction(u), far.traction(u), normal.shear_change(u)))
         for one, other, field in compared:
             worst = max(worst, _share(one, other, float(np.abs(field).max()) / size))
-        return tuning.LEAST_DERIVATIVE_ERROR + tuning.DERIVATIVE_SAFETY * worst
+        safety = tuning.UNSEEN_SAFETY if _passes_over_a_strip(profile, u) else tuning.SAFETY
+        return tuning.LEAST_DERIVATIVE_ERROR + safety * worst
 
     @property
     def _size(self) -> float:
@@ -383,6 +384,12 @@ def _compared(profile: Profile) -> Array:
     marks = np.array([edge.v[0] for edge in _edges(profile)] + [factors.a, 1.0, factors.c])
     xi = np.geomspace(tuning.CLEAR_OF_EDGES, 1 / factors.a, tuning.COMPARED_POINTS)
     return np.asarray(1 / xi[np.abs(xi[:, None] - 1 / marks).min(axis=1) > tuning.CLEAR_OF_EDGES])
+
+
+def _passes_over_a_strip(profile: Profile, u: Array) -> bool:
+    """Return whether two neighbouring edges have none of some slownesses between them."""
+    edges = np.unique([edge.v[0] for edge in _edges(profile)])
+    return bool(np.any(np.histogram(u, edges)[0] == 0)) if len(edges) > 1 else False
 
 
 def _edges(profile: Profile) -> list[CutPoints]:

@@ -136,6 +136,7 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
     points = _points_in_opening(profile)
+    # At a point where V is exactly 0 there is no sense; its neighbours decide.
     rate = profile.slip_rate_at(points)
     points, sense = points[rate != 0], np.sign(rate[rate != 0]).astype(int)
     if not len(sense):
@@ -150,6 +151,7 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
 
         outer.append(float(speed / (start + brentq(signed, 0.0, 1.0) * step)[0, 0]))
         senses.append(int(sense[i + 1]))
+    # Parts are in order of slowness, so that each ends, in velocity, where the next one begins.
     inner = [*outer[1:], opening.inner]
     return [SlipZone(*part) for part in zip(inner, outer, senses, strict=True)]
 
@@ -177,6 +179,7 @@ def _points_in_opening(profile: Profile) -> CutPoints:
         # V has a logarithm at c where the contact is open: its sense may change very close to c.
         parts += [factors.beside("c", -near).parts, factors.beside("c", beyond).parts]
     every = np.concatenate(parts, axis=1)
+    # Row 3 is the distance from c, which orders points beside c that v itself cannot tell apart.
     return CutPoints(every[:, np.argsort(every[3], kind="stable")])
 
 
@@ -197,6 +200,7 @@ def over_slowness(
         raise SceneError("positions and times must be finite numbers.")
     if np.any(x <= 0):
         raise SceneError("the contact is x > 0; ask for positive positions.")
+    # Fields are functions of u = t / x, here in units b = 1 / c_t = 1.
     u = (t * shear_speed / x).ravel()
     value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
     return value.reshape((*value.shape[:-1], *x.shape))

@@ -33,9 +33,10 @@ from semianalytic.results.reading import (
 )
 from semianalytic.results.renamed import renamed
 from semianalytic.scene.checks import checked_number
+from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import asked_in_units
-from semianalytic.scene.loading import Tractions, traction_ahead
+from semianalytic.scene.loading import Tractions
+from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion, over_slowness
@@ -207,6 +208,8 @@ class Solution:
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the total shear traction sigma_xy [stress], base included; raises like
         `slip_rate`."""
+        # The profile holds what the waves from the slot change; ahead of them the base, or the
+        # traction in place behind the front of the load, acts alone.
         change = self._evaluate(x, t, self.profile.shear_change)
         return traction_ahead(self.scene, "shear", x, t) + self.stress_unit * change
 
@@ -354,6 +357,8 @@ class Solution:
         Slip ahead of all waves counts from the longitudinal front.
         """
         value = np.full(x.shape, self._whole_power)
+        # Slip ahead of all waves dissipates without bound; counted from the longitudinal front,
+        # what lies beyond x = inf is then minus infinity, and the power of the contact +infinity.
         value[np.isinf(x)] = -np.inf if self.scene.far_slip_rate else 0.0
         part = (x > 0) & np.isfinite(x) & (time > 0)
         u = time[part] * self.scene.material.shear_speed / x[part]
@@ -448,6 +453,7 @@ class Solution:
         SceneError
             If a position is not positive, or x or t is not finite.
         """
+        # The scale of the shear traction is that of the largest load, the wave of a remote one too.
         base, (held, load) = self.scene.base, self.scene.superposition
         largest = max(abs(load.pressure), abs(load.shear), abs(held.shear - base.shear))
         time, gaps = np.maximum(np.asarray(t, dtype=float), 0.0), 0.0
@@ -473,6 +479,7 @@ class Solution:
         fronts = (material.longitudinal_speed, material.shear_speed, material.rayleigh_speed)
         edges = [*np.ravel(self.edge_speeds), *(part.outer for part in self.openings)]
         edges += [part.inner for part in self.openings]
+        # At fixed x the slip rate is not smooth at the times x / c of fronts and edges.
         slip = slip_of_rates(self.slip_rate, reading.x, reading.t, (*fronts, *edges))
         value, error = reading.slip
         with np.errstate(invalid="ignore"):
@@ -568,6 +575,7 @@ class Solution:
         """
         from semianalytic.selfsimilar.derivative import Known, differentiated
 
+        # `differentiated` gets plain numbers, so that its module need not import this one.
         zones = tuple((zone.inner, zone.outer, zone.sense) for zone in self.zones)
         known = Known(zones, self.status)
         return differentiated(self.scene, self._surroundings, self.stress_unit, known, name)
@@ -659,6 +667,7 @@ class Solution:
         x = np.asarray(x, dtype=float)
         if np.any(x >= 0):
             raise SceneError("the slot is x < 0; ask for negative positions.")
+        # The closed form below is that of a step on the slot; other loads use the whole field.
         if not isinstance(self.scene.load, Tractions):
             rows = self.velocity(x, 0.0, t)
             return rows[-1 if self.scene.antiplane else 0], rows[1]

@@ -97,6 +97,7 @@ class Rates:
         All fields are linear in shear tractions and in friction times pressure. The result is None
         if anything else changes: impedances, or the open part of the contact.
         """
+        # A change of pressure moves the ends of the opening, and fields are not linear in these.
         if self.nonlinear or (load.opened and self.of_pressure):
             return None
         friction, pressures = load.friction, (self.base_pressure, self.load_pressure)
@@ -132,6 +133,7 @@ class Stencil:
         return np.tensordot(values, self.weights / self.step, ([axis], [0]))
 
 
+# Weights of f' from f at the offsets: central of order 2 and 4, and one-sided of order 4.
 _SECOND_ORDER = np.array([-1.0, 1.0]), np.array([-0.5, 0.5])
 _FOURTH_ORDER = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 _TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
@@ -140,6 +142,7 @@ _TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
 def _stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
     """Yield central differences, and one-sided ones for neighbours with other panels on one
     side."""
+    # Beside a change of the set of zones a tenth of the step may still stay on this side.
     for size in (step, step / 10):
         yield Stencil(*central, size)
         yield Stencil(*_TO_ONE_SIDE, size)
@@ -212,6 +215,7 @@ class NodeFields:
             zip(*(one._parts for one in beside), strict=True), _SETS, strict=True
         ):
             values = np.stack(every, axis) if len(beside) > 1 else every[0]
+            # Numbers that all sets share have no axis of sets, and their difference is 0.
             if axis == 0:
                 values = np.broadcast_to(values, (count,))
             parts.append(stencil.difference(values, axis))
@@ -223,7 +227,7 @@ class NodeFields:
 
     @property
     def of_resting_panels(self) -> NodeFields:
-        """These fields as derivatives for panels that stay, with exponents of X that stay."""
+        """The part of the derivatives that is left if panels and the exponents of X are held."""
         resting = {
             name: np.zeros_like(getattr(self, name)) for name in ("ends", "skew", "exponents")
         }
@@ -345,6 +349,7 @@ class Surroundings:
         """
         (edges, unknowns), fields = self._placed, self._fields
         rule = rule_for(tuning.COARSER_COMPANION * fields.rule.tolerance)
+        # One chord step places the edges on the coarser rule: they are off by its error only.
         if len(unknowns):
             left = replace(fields, rule=rule).mismatch()
             unknowns = unknowns - self._inverse @ left.reshape(-1)
@@ -418,6 +423,7 @@ class Surroundings:
             if getattr(rates, name)
         }
         load = replace(load, **changed)
+        # A film changes no pressure, so the opening stays where it is.
         if load.opened is None or rates.resistance:
             return own, load
         known = self._opened
@@ -456,6 +462,7 @@ class Surroundings:
         one, other = (_widths(fields) for fields in (beside[0], beside[-1]))
         if len(beside) == 1:
             one, other = one[:, 0], other[:, 1]
+        # Other panels, or a negative width, mean that the step crosses a change of zones.
         if one.shape != other.shape or np.any(one <= 0) or np.any(other <= 0):
             return np.inf
         return float(np.abs(np.log(other / one)).max(initial=0.0)) / 2
@@ -466,6 +473,7 @@ class Surroundings:
         steps, nu = [np.inf], self._fields.factors.poisson_ratio
         if moved.any():
             steps.append(1 / float(np.abs(moved).max()))
+        # Fields are singular at nu = 1/2, where a = 0, and at nu = -1.
         if rates.poisson_ratio:
             steps.append(_OF_POISSON * min(0.5 - nu, 1 + nu))
         if rates.resistance:
@@ -545,6 +553,7 @@ class Surroundings:
             first = Stencil(*_SECOND_ORDER, self._step(rates, resting))
             beside = self._neighbours(rates, resting, first.points, self._loose_rule)
             along = unfulfilled + self._unfulfilled(beside, first)
+        # The mismatch F(e, p) stays 0: de/dp = -(dF/de)^-1 dF/dp.
         moved = -self._inverse @ along
         stencil = self._stencil(rates, moved)
         if stencil is None:

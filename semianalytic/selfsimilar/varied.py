@@ -61,6 +61,7 @@ class VariedProfile:
 
     def _velocity_of_share(self, panel: int, at: CutPoints) -> Array:
         """Return the velocity of points (m,) of a panel at a fixed share of it."""
+        # v = left + s width, hence dv = d left + (v - left) d ln width at a fixed share s.
         from_left = at.minus(self._panels.left[panel])
         return np.asarray(self._nodes.ends[0, panel] + from_left * self._growth[panel])
 
@@ -161,6 +162,7 @@ class VariedProfile:
         if not self._panels.sense[i]:
             return np.zeros(at.v.shape)
         rate = self.profile.rate_integral
+        # The derivative at a fixed point is that at the moving node, less dV/dv times its velocity.
         value = self._nodes.rate_starts[i] + self._rate(i, at)
         value = value - _carried(self._slope(rate, i, at), self._velocity(i, at))
         of_powers = rate.slope_of_powers(i, at)
@@ -191,6 +193,7 @@ class VariedProfile:
             moved = self._nodes.ends[0, power.end_index]
             moment = moment + moved * power.inside(self._panels, at)
         before = self._nodes.rate_starts[i]
+        # Slip / x is [v V] - int v dV over slowness; both parts are counted from the left end.
         left = self._panels.left[i].v
         return np.asarray(start + at.v * gain + (at.v - left) * before - moment)
 
@@ -269,6 +272,7 @@ class VariedProfile:
     def strength(self, u: Array) -> Array:
         """Return the derivative of the strength f p."""
         load, rates = self.profile.fields.load, self.variation.rates
+        # d(f p) = f dp + p df.
         change = load.friction * self.pressure(u)
         if rates.friction:
             pressure = load.base_pressure + self.profile.pressure_change(u)

@@ -7,11 +7,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from semianalytic.spacetime.companion import Follower
-from semianalytic.spacetime.grid_pressure import GridPressure, table_bytes
-from semianalytic.spacetime.march_memory import affordable_every
+from semianalytic.spacetime.exponentials import Opening, fit_memory
+from semianalytic.spacetime.grid_loads import (
+    FrontLoad,
+    FrontPressure,
+    GridPressure,
+    NodalPressure,
+    table_bytes,
+)
+from semianalytic.spacetime.march_memory import affordable_every, state_bytes
 from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.stepping import Segment, Walk, segments_between
+from semianalytic.spacetime.tuning import TOLERANCES
 
 
 def advance(
@@ -50,6 +58,7 @@ def advance(
         marched.scene, marched.end_time, end_time, marched.step_ratio, marched.grid.spacing
     )
     coarser, companion = [segment.coarser for segment in segments], marched.companion
+    # `every` is chosen before the first step, from all memory that the march will hold at once.
     table = _table_bytes(marched, segments)
     table += 0.0 if companion is None else _table_bytes(companion, coarser)
     every = affordable_every(marched, memory, sum(part.steps for part in segments), table)
@@ -60,6 +69,7 @@ def advance(
         return _reached(marched, walk, every, setup, time.perf_counter() - began)
     # Half of `every`, rounded up, of half the steps: stored levels lie at about the same times.
     own_every = -(-every // 2)
+    # The companion has no progress of its own; it stops where the march was stopped.
     behind = _walk(companion, coarser, own_every, lambda done, steps: follower.stopping)
     follower = Follower(behind, walk, marched.departure)
     for segment in segments:
@@ -92,15 +102,43 @@ def _walk(
     progress: Callable[[int, int], object] | None,
 ) -> Walk:
     """Prepare a march for its way through segments."""
-    scene, grid, finest = marched.scene, marched.grid, _finest(segments)
-    contact = grid.size - grid.slot
-    pressure = GridPressure(scene, contact, grid.spacing, segments[-1].end, finest)
+    pressure, front = loads_on_grid(marched, segments)
     steps = sum(segment.steps for segment in segments)
-    return Walk(marched, pressure, MarchRecord(marched, steps, every, progress))
+    return Walk(marched, pressure, front, MarchRecord(marched, steps, every, progress))
+
+
+def loads_on_grid(
+    marched: Marched, segments: Sequence[Segment]
+) -> tuple[NodalPressure, FrontLoad | None]:
+    """Return the pressure at the nodes of a march, and its load if the front of that moves.
+
+    Parameters
+    ----------
+    marched : Marched
+        The march; its grid, memory and damping are used.
+    segments : sequence of Segment
+        The time steps to come.
+    """
+    scene, grid, finest = marched.scene, marched.grid, _finest(segments)
+    front = None
+    if scene.front_slowness:
+        front = FrontLoad(scene, grid.nodes, grid.spacing, grid.slot, marched.entry)
+        if scene.superposition.taken_off.pressure:
+            material, memory = scene.material, marched.memory
+            impedance = Opening(material.shear_speed / material.longitudinal_speed)
+            # as accurate as the memory of shear
+            tolerance = min(max(memory.error, 2 * TOLERANCES[0]), TOLERANCES[1])
+            opening = fit_memory(impedance, memory.horizon, tolerance)
+            start = (front, opening, grid.wavenumbers, marched.damping, marched.begins, finest)
+            return FrontPressure(*start), front
+    contact = grid.size - grid.slot
+    return GridPressure(scene, contact, grid.spacing, segments[-1].end, finest), front
 
 
 def _table_bytes(marched: Marched, segments: Sequence[Segment]) -> float:
-    """Return the size of the pressure table of a march [bytes]."""
+    """Return the size of the pressure table of a march, or of its march of pressure [bytes]."""
+    if marched.scene.front_slowness and marched.scene.superposition.taken_off.pressure:
+        return state_bytes(marched.grid.size, marched.statistics.poles)
     contact = marched.grid.size - marched.grid.slot
     return table_bytes(marched.scene, contact, segments[-1].end / _finest(segments))
 

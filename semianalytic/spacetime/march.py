@@ -32,12 +32,11 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import taking_quantities
+from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
-from semianalytic.spacetime.advancing import advance
+from semianalytic.spacetime.advancing import advance, loads_on_grid
 from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
-from semianalytic.spacetime.grid_pressure import GridPressure
-from semianalytic.spacetime.march_memory import check_size
+from semianalytic.spacetime.march_memory import check_size, extents
 from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
 from semianalytic.spacetime.resolution import (
     check_loads,
@@ -47,6 +46,7 @@ from semianalytic.spacetime.resolution import (
 )
 from semianalytic.spacetime.stepping import check_levels, segments_between
 from semianalytic.spacetime.tuning import (
+    DAMPING,
     FIRST_NODES,
     GROWTH_MARGIN,
     LARGEST_FEEDBACK,
@@ -59,13 +59,15 @@ from semianalytic.spacetime.tuning import (
     NODES,
     ORDERS,
     STEP_RATIO,
+    TIMES,
+    TOLERANCE,
     TOLERANCES,
 )
 
 _log = logging.getLogger(__name__)
 
 
-def causal_grid(scene: Scene, latest: float, length: float, nodes: int) -> Grid:
+def causal_grid(scene: Scene, latest: float, length: float, nodes: int, entry: float = 0.0) -> Grid:
     """Return the smallest grid whose mirror images do not reach 0 < x < length until `latest`.
 
     Parameters
@@ -78,15 +80,15 @@ def causal_grid(scene: Scene, latest: float, length: float, nodes: int) -> Grid:
         Length of the observed contact [length].
     nodes : int
         Number of nodes on the observed contact.
+    entry : float
+        Distance from the tip at which a load that comes along the slot begins [length].
     """
     from scipy.fft import next_fast_len
 
     spacing = length / nodes
-    reach = scene.fastest_speed * latest
-    # A wave from x = 0 that is mirrored at x = L travels L + (L - length) to the observed contact;
-    # one that is mirrored at x = -L travels 2 L back to x = 0.
-    contact = math.ceil(max(length, (reach + length) / 2) / spacing) + MARGIN_NODES
-    slot = math.ceil(reach / 2 / spacing) + MARGIN_NODES
+    contact, slot = (
+        math.ceil(part / spacing) + MARGIN_NODES for part in extents(scene, latest, length, entry)
+    )
     # the nodes that are added for the fast transform lengthen the slot
     size = next_fast_len(contact + slot, real=True)
     return Grid(spacing, size - contact, nodes, size)
@@ -103,10 +105,11 @@ def march(
     latest: float | None = None,
     companion: bool = True,
     step_ratio: float = STEP_RATIO,
-    damping: float = 0.7,
+    damping: float = DAMPING,
     every: int = 1,
-    tolerance: float = 1e-6,
+    tolerance: float = TOLERANCE,
     memory: float | None = None,
+    entry: float | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Marched:
     """March the interface of a scene in time, under any load history and friction law.
@@ -150,6 +153,11 @@ def march(
         Relative error of the memory's transform, above 1e-11 and up to 1e-2.
     memory : float, optional
         Memory that the march may take [bytes]; by default 70 % of what the machine has available.
+    entry : float, optional
+        Distance from the tip at which a load that comes along the slot begins [length].  By
+        default it is so long that no wave tells the beginning until `latest`.  If the front is no
+        faster than the first wave, there is no such length, the answer depends on it, and the
+        default is `length`; times then begin before 0, where the front reaches the tip.
     progress : callable, optional
         Called with (step, steps) after each step of a march, not of its companion; if it returns
         True the march ends there, and can go on with `march_on`.  With `rtol` each march counts
@@ -191,12 +199,13 @@ def march(
     '3.0e-06 m'
     """
     material = checked_scene("march", scene).material
-    scene.check_at_once("march")
+    # By default a march lasts until a shear wave has travelled a length of 1 in the scene's units.
     end_time = 1 / material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
     length = scene.fastest_speed * end_time if length is None else length
     length = checked_size("march: length", length, "be above 0")
     latest = end_time if latest is None else latest
+    # The range is open below, and `latest` may equal the end time: hence the next smaller number.
     latest = _check_range("latest", latest, math.nextafter(end_time, 0.0))
     step_ratio = _check_range("step_ratio", step_ratio, 0.0, LARGEST_STEP_RATIO)
     damping = checked_number(
@@ -215,8 +224,20 @@ def march(
             raise SceneError("march: `rtol` chooses the nodes; leave out `nodes`, or `rtol`.")
         if not companion:
             raise SceneError("march: `rtol` needs the companion; leave `companion` out.")
+    entry = _checked_entry(scene, latest, length, entry)
+    _check_held(scene, latest + length * abs(scene.front_slowness))
     plan = _Plan(
-        scene, end_time, latest, length, step_ratio, damping, every, tolerance, rtol, companion
+        scene,
+        end_time,
+        latest,
+        length,
+        step_ratio,
+        damping,
+        every,
+        tolerance,
+        rtol,
+        companion,
+        entry,
     )
     if rtol is None:
         marched = plan.run(plan.enough_nodes(nodes, NODES, memory), memory, progress)
@@ -248,12 +269,13 @@ def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> Non
     TensionError
         If the pressure turns tensile at a node.
     """
-    grid = causal_grid(scene, end_time, length, nodes)
-    check_weakening_seen(scene, grid.spacing)
-    segments = segments_between(scene, 0.0, end_time, STEP_RATIO, grid.spacing)
-    finest = min(segment.time_step for segment in segments)
-    pressure = GridPressure(scene, grid.size - grid.slot, grid.spacing, end_time, finest)
-    check_levels(scene, segments, pressure)
+    entry = _checked_entry(scene, end_time, length, None)
+    _check_held(scene, end_time + length * abs(scene.front_slowness))
+    ranges = (scene, end_time, end_time, length, STEP_RATIO, DAMPING, 1, TOLERANCE)
+    at_rest = _Plan(*ranges, None, False, entry).at_rest(nodes)
+    check_weakening_seen(scene, at_rest.grid.spacing)
+    segments = segments_between(scene, at_rest.begins, end_time, STEP_RATIO, at_rest.grid.spacing)
+    check_levels(scene, segments, *loads_on_grid(at_rest, segments))
 
 
 @dataclass(frozen=True)
@@ -270,6 +292,7 @@ class _Plan:
     tolerance: float
     rtol: float | None
     companion: bool
+    entry: float
 
     def enough_nodes(self, nodes: int | None, least: int, memory: float | None) -> int:
         """Return the given nodes, or from `least` on as many as loads, edge and friction law need.
@@ -279,7 +302,7 @@ class _Plan:
         SceneError
             If the loads need more than are given, or more than `MOST_NODES`.
         """
-        check_size(self.scene, self.latest, self.length, nodes or least, memory, self.companion)
+        self._check_size(nodes or least, memory)
         most = nodes
         if nodes is None:
             zones = (
@@ -313,6 +336,7 @@ class _Plan:
                 return marched
             if coarser is not None and math.isfinite(coarser.error_estimate):
                 ratio = math.log(nodes / coarser.grid.observed)
+                # Until two estimates are known, first order is assumed, that of slip rate at edges.
                 order = math.log(coarser.error_estimate / estimate) / ratio
             # error ~ nodes^-order: the nodes that bring the estimate to rtol / GROWTH_MARGIN
             growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / np.clip(order, *ORDERS))
@@ -326,29 +350,39 @@ class _Plan:
         progress: Callable[[int, int], object] | None,
     ) -> Marched:
         """March on a given number of contact nodes."""
-        started, material = time.perf_counter(), self.scene.material
-        grid = causal_grid(self.scene, self.latest, self.length, nodes)
-        check_size(self.scene, self.latest, self.length, nodes, memory, self.companion)
-        check_weakening_seen(self.scene, grid.spacing)
-        # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
-        # same sum of exponentials serves both.
-        horizon = grid.wavenumbers[-1] * material.shear_speed * self.latest
-        past = fit_memory(impedance_of(self.scene), horizon, self.tolerance)
-        at_rest = self._at_rest(grid, past)
-        if self.companion:
-            # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
-            coarse = math.ceil(nodes / 2)
-            length = 2 * grid.spacing * coarse
-            companion = self._at_rest(causal_grid(self.scene, self.latest, length, coarse), past)
-            at_rest = replace(at_rest, companion=companion)
-        at_rest = replace(at_rest, rtol=self.rtol)
+        started = time.perf_counter()
+        self._check_size(nodes, memory)
+        check_weakening_seen(self.scene, self.length / nodes)
+        at_rest = replace(self.at_rest(nodes), rtol=self.rtol)
         setup = time.perf_counter() - started
         return advance(at_rest, self.end_time, memory, setup, progress)
 
-    def _at_rest(self, grid: Grid, past: Memory) -> Marched:
-        """Return a march on a grid at t = 0, before its first step."""
+    def _check_size(self, nodes: int, memory: float | None) -> None:
+        """Raise SceneError if the march does not fit into the memory."""
+        reach = self.scene, self.latest, self.length
+        check_size(*reach, nodes, memory, self.companion, self.entry)
+
+    def at_rest(self, nodes: int) -> Marched:
+        """Return the march on a number of contact nodes before its first step."""
+        grid = causal_grid(self.scene, self.latest, self.length, nodes, self.entry)
+        # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
+        # same sum of exponentials serves both.
+        passing = self.latest + max(self.scene.front_slowness, 0.0) * self.entry
+        horizon = grid.wavenumbers[-1] * self.scene.material.shear_speed * passing
+        past = fit_memory(impedance_of(self.scene), horizon, self.tolerance)
+        marched = self._on(grid, past)
+        if not self.companion:
+            return marched
+        # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
+        coarse = math.ceil(nodes / 2)
+        length = 2 * grid.spacing * coarse
+        coarser = causal_grid(self.scene, self.latest, length, coarse, self.entry)
+        return replace(marched, companion=self._on(coarser, past))
+
+    def _on(self, grid: Grid, past: Memory) -> Marched:
+        """Return a march on a grid before its first step, without a companion."""
         no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
-        return Marched(
+        marched = Marched(
             scene=self.scene,
             interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 5),
             totals=Totals(*[no_times] * 4),
@@ -363,7 +397,10 @@ class _Plan:
             memory=past,
             state=MarchState.at_rest(len(past.poles), grid),
             seen=Extremes.at_rest(grid.observed),
+            entry=self.entry,
         )
+        state = MarchState.at_rest(len(past.poles), grid, marched.begins)
+        return replace(marched, state=state)
 
 
 @taking_quantities
@@ -420,6 +457,54 @@ def march_on(
             "later `latest`."
         )
     return advance(marched, end_time, memory, 0.0, progress)
+
+
+def _checked_entry(scene: Scene, latest: float, length: float, entry: float | None) -> float:
+    """Return where a load that comes along the slot begins [length]; 0 for any other load.
+
+    Raises
+    ------
+    SceneError
+        If it is given for another load, or is not a positive number.
+    """
+    slowness = scene.front_slowness
+    if slowness <= 0:
+        if entry is not None:
+            raise SceneError(
+                "march: `entry` is for a load that comes along the slot; leave it out."
+            )
+        return 0.0
+    if entry is not None:
+        return checked_size("march: entry", entry, "be above 0")
+    if scene.front_too_slow:
+        return length
+    # the first wave of the beginning reaches the tip at `latest`
+    return latest / (1 / scene.fastest_speed - slowness)
+
+
+def _check_held(scene: Scene, until: float) -> None:
+    """Raise SceneError if a wave that meets the contact first makes it slip behind its front.
+
+    The wave has passed all of the contact before the march begins.  `until` is the time after its
+    front to which its history matters [time].
+    """
+    if scene.front_slowness >= 0 or not scene.arrives:
+        return
+    base, load, low, high = scene.base, scene.superposition.taken_off, 0.0, 0.0
+    for history in scene.acting_histories.values():
+        times = np.append(np.linspace(0.0, until, TIMES), history.pieces.breaks)
+        # just before and just after a jump; the load is linear in the value
+        values = history.value(np.concatenate([times, np.nextafter(times, np.inf)]))
+        low, high = min(low, float(values.min())), max(high, float(values.max()))
+    for share in (low, high):
+        shear = abs(base.shear + share * load.shear)
+        strength = scene.friction * (base.pressure + share * load.pressure)
+        if shear > strength * (1 + 1e-12):
+            raise SceneError(
+                "march: the wave alone exceeds friction, so that the contact slips from its front "
+                "on, before anything comes from the slot; lower the wave, or raise friction or the "
+                "base pressure (docs/limits.md)."
+            )
 
 
 def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> float:

@@ -29,8 +29,44 @@ def state_bytes(size: int, poles: int) -> int:
     return size * (poles * BYTES_PER_POLE + BYTES_PER_NODE)
 
 
+def extents(scene: Scene, latest: float, length: float, entry: float) -> tuple[float, float]:
+    """Return the lengths of contact and slot beyond which nothing is seen until `latest` [length].
+
+    Parameters
+    ----------
+    scene : Scene
+        The fastest wave speed and the slowness of the front of the load are taken from it.
+    latest : float
+        Time until which the observed contact must be unaffected by the mirrors [time].
+    length : float
+        Length of the observed contact [length].
+    entry : float
+        Distance from the tip at which a load that comes along the slot begins [length], else 0.
+    """
+    speed, slowness = scene.fastest_speed, scene.front_slowness
+    begins = -max(slowness, 0.0) * entry
+    # waves leave the tip when the first of them, or the front itself, has come there
+    reach = speed * (latest - min(0.0, begins + entry / speed))
+    # A wave from x = 0 that is mirrored at x = L travels L + (L - length) to the observed contact;
+    # one that is mirrored at x = -L travels 2 L back to x = 0, one from x = -entry as much less.
+    slot = max(reach / 2, (speed * (latest - begins) + entry) / 2 if entry else 0.0, entry)
+    contact = max(length, (reach + length) / 2)
+    # A front that outruns the waves meets its mirror image at an end, whose waves come back.
+    if slowness < 0:
+        slot = max(slot, latest / (1 / speed - slowness))
+    elif slowness > 0 and scene.arrives and (scene.far_slip_rate or not scene.is_step):
+        contact = max(contact, (latest + length / speed) / (1 / speed + slowness))
+    return contact, slot
+
+
 def check_size(
-    scene: Scene, latest: float, length: float, nodes: int, memory: float | None, companion: bool
+    scene: Scene,
+    latest: float,
+    length: float,
+    nodes: int,
+    memory: float | None,
+    companion: bool,
+    entry: float = 0.0,
 ) -> None:
     """Refuse a grid whose state, with that of its companion, does not fit into the memory.
 
@@ -39,9 +75,8 @@ def check_size(
     SceneError
         If it does not fit; `memory` [bytes] is what the march may take.
     """
-    reach = scene.fastest_speed * latest / length
     # all nodes over the observed ones, as in `causal_grid`
-    share = max(1.0, (reach + 1) / 2) + reach / 2
+    share = sum(extents(scene, latest, length, entry)) / length
     size = int(min(share, _HUGE) * min(nodes, _HUGE))
     check_memory(
         state_bytes(size + companion * (size // 2), TYPICAL_POLES),

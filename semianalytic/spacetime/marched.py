@@ -18,8 +18,8 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.quantities import asked_in_units
-from semianalytic.scene.scene import Scene, scene_document, scene_from_document
+from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.scene import Scene, Tractions, scene_document, scene_from_document
 from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.marched_bodies import MarchedBodies
 from semianalytic.spacetime.resolution import (
@@ -39,7 +39,7 @@ from semianalytic.spacetime.tuning import (
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront march 4"
+FORMAT = "slipfront march 5"
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,11 @@ class Grid:
     def contact(self) -> slice:
         """The slice of all nodes that lie on the contact."""
         return slice(self.slot, self.size)
+
+    @property
+    def nodes(self) -> Array:
+        """Positions of all nodes, slot included, (size,) [length]."""
+        return np.asarray((np.arange(self.size) - self.slot + 0.5) * self.spacing)
 
     def observe(self, values: Array) -> Array:
         """Return the values of (size,) at the observed nodes of the contact, (observed,)."""
@@ -125,6 +130,7 @@ class Extremes:
         slip : (n,) array
             Slip at the level [length].
         """
+        # The threshold uses only the past, so that a march that is continued finds the same onsets.
         forward, reverse = np.maximum(self.forward, new), np.minimum(self.reverse, new)
         threshold = ONSET_SHARE * max(float(forward.max()), -float(reverse.min()))
         late, speed = np.abs(old), np.abs(new)
@@ -171,11 +177,11 @@ class MarchState:
     work: Array
 
     @classmethod
-    def at_rest(cls, poles: int, grid: Grid) -> MarchState:
-        """Return the state before anything happens, for so many poles."""
+    def at_rest(cls, poles: int, grid: Grid, time: float = 0.0) -> MarchState:
+        """Return the state before anything happens, at a time, for so many poles."""
         lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
         modes = np.zeros((poles, grid.size), dtype=complex)
-        return cls(0.0, modes, lasting, lasting, contact, contact, contact, contact)
+        return cls(time, modes, lasting, lasting, contact, contact, contact, contact)
 
     def copy(self) -> MarchState:
         """Return a state whose memory can be changed in place."""
@@ -255,6 +261,8 @@ class Marched(SampledAnswer):
         Difference from the companion.
     rtol : float or None
         The error that was asked for.
+    entry : float
+        Distance from the tip at which a load that comes along the slot begins [length], else 0.
 
     Examples
     --------
@@ -288,6 +296,17 @@ class Marched(SampledAnswer):
     companion: Marched | None = None
     departure: Departure = Departure()
     rtol: float | None = None
+    entry: float = 0.0
+
+    @property
+    def begins(self) -> float:
+        """Time at which the load begins [time]: before 0 if it comes along the slot."""
+        return -max(self.scene.front_slowness, 0.0) * self.entry
+
+    @property
+    def recorded_from(self) -> float:
+        """First time of the record [time]: 0, or before it if waves of the load come earlier."""
+        return self.begins if self.scene.front_too_slow else 0.0
 
     @property
     def end_time(self) -> float:
@@ -305,6 +324,8 @@ class Marched(SampledAnswer):
         """
         if self.companion is None:
             return math.nan
+        # Without slip the ratio is 0 / 0.  That is no error where the edge sticks in the continuum
+        # as well, and a total one where K_II exceeds f K_I and the grid misses the zone.
         if self.departure.slip_rate == 0:
             return math.inf if self.departure.difference or self._missed_zone else 0.0
         # Both marches share the error of the memory's transform, which their difference does not
@@ -336,12 +357,14 @@ class Marched(SampledAnswer):
 
     def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
         """Return the times at which something begins at the nodes; slip is known at every step."""
+        # `Extremes` knows this onset at every step; all others are read off the stored levels.
         at_every_step = of == "slip" and share == ONSET_SHARE
         return self.seen.onset if at_every_step else super()._onset(of, share)
 
     @cached_property
     def _missed_zone(self) -> Shortfall | None:
         """A slip zone at the edge that the grid does not resolve, or None."""
+        # Any slip ever seen counts: a zone may have been on the grid and have healed since.
         slips = self.seen.slip_rate > 0
         reach = float(self.grid.x[slips].max(initial=0.0))
         return missed_zone(self.scene, self.end_time, self.grid.spacing, reach)
@@ -365,6 +388,7 @@ class Marched(SampledAnswer):
         """An error estimate above what was asked for, or None."""
         estimate = self.error_estimate
         largest = LARGEST_ERROR if self.rtol is None else self.rtol
+        # nan (no companion) and inf (a missed zone, which has its own sentence) fail both sides.
         if not largest < estimate < math.inf:
             return None
         limit = "" if self.rtol is None else f", above the `rtol` of {self.rtol:.1e}"
@@ -385,6 +409,11 @@ class Marched(SampledAnswer):
 
     @cached_property
     def _bodies(self) -> MarchedBodies:
+        if not isinstance(self.scene.load, Tractions):
+            raise SceneError(
+                "march: the fields in the bodies under an incident wave or a moving load are not "
+                "known from a march; ask `solve`, or simulate the scene (docs/limits.md)."
+            )
         return MarchedBodies(self.scene, self.interface)
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
@@ -451,8 +480,10 @@ class Marched(SampledAnswer):
         crossed the observed contact.  The estimate is nan without a companion.
         """
         reach = self.grid.observed * self.grid.spacing
+        # The seed is fixed, so that the estimate of a march is always the same number.
         x, y = reach * np.random.default_rng(0).uniform(-1, 1, (2, FIELD_POINTS))
         end = min(self.end_time, reach / self.scene.fastest_speed)
+        # Sums come first: at points that no wave has reached, a ratio would be 0 / 0.
         off = self.error_of(lambda march: march.stress(x, y, end)).sum()
         change = np.abs(self.stress(x, y, end) - self.stress(x, y, 0.0)).sum()
         return float(off / change) + FIELD_SMOOTHING if change else 0.0
@@ -551,6 +582,7 @@ class Marched(SampledAnswer):
             name: kind(**{field.name: group[name][field.name][()] for field in fields(kind)})
             for name, kind in _GROUPS.items()
         }
+        # HDF5 returns numpy scalars; the grid of a new march holds Python's own numbers.
         parts["grid"] = Grid(
             float(parts["grid"].spacing),
             *(int(getattr(parts["grid"], name)) for name in ("slot", "observed", "size")),
@@ -565,7 +597,13 @@ class Marched(SampledAnswer):
         )
 
 
-_OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}
+_OPTIONS = {
+    "latest": float,
+    "step_ratio": float,
+    "damping": float,
+    "every": int,
+    "entry": float,
+}
 _GROUPS = {
     "interface": InterfaceHistory,
     "totals": Totals,

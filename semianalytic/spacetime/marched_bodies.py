@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loading import traction_ahead
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.spacetime.remainder import Remainder, SlotLoad, far_traction
 from semianalytic.spacetime.tuning import EDGE_SHARE

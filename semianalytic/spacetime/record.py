@@ -54,6 +54,7 @@ class MarchRecord:
         self.done, self.stopped, self.seen = 0, False, marched.seen
         earlier, before = marched.interface, marched.statistics.steps
         self._stored = len(earlier.t)
+        # Levels are counted from t = 0, so that a continued march stores the same ones.
         whole = (before + steps) // every - before // every
         # besides every n-th: the level at t = 0, the last, and one where the march may be stopped
         levels = self._stored + (not self._stored) + whole + bool((before + steps) % every) + 1
@@ -74,6 +75,7 @@ class MarchRecord:
 
     def jump(self, state: MarchState) -> None:
         """Include in `seen` the slip rate right after a jump of the loads."""
+        # Both levels are the same one: nothing is interpolated across a jump.
         rate = self._marched.grid.observe(state.rate)
         self.seen = self.seen.with_level(
             state.time, state.time, rate, rate, state.slip[: self._observed]
@@ -81,6 +83,20 @@ class MarchRecord:
 
     def add(self, before: MarchState, state: MarchState, pressure: Array) -> None:
         """Add the level `state` that follows `before`, with the pressure of the contact."""
+        reached = self._marched.statistics.steps + self.done + 1
+        if state.time > self._marched.recorded_from:
+            self._see(before, state)
+        self.done += 1
+        self.stopped = self._progress is not None and (
+            self._progress(self.done, self._steps) is True
+        )
+        last = self.done == self._steps or self.stopped
+        recorded = state.time > self._marched.recorded_from or self.stopped
+        if recorded and (reached % self._every == 0 or last):
+            self._store(state, pressure)
+
+    def _see(self, before: MarchState, state: MarchState) -> None:
+        """Include a level in extremes and totals."""
         observe = self._marched.grid.observe
         self.seen = self.seen.with_level(
             before.time,
@@ -90,13 +106,6 @@ class MarchRecord:
             state.slip[: self._observed],
         )
         self._sum(state)
-        self.done += 1
-        self.stopped = self._progress is not None and (
-            self._progress(self.done, self._steps) is True
-        )
-        reached = self._marched.statistics.steps + self.done
-        if reached % self._every == 0 or self.done == self._steps or self.stopped:
-            self._store(state, pressure)
 
     def _store(self, state: MarchState, pressure: Array) -> None:
         """Store a level."""
@@ -113,6 +122,7 @@ class MarchRecord:
         slip, path, work = (
             field[: self._observed] for field in (state.slip, state.path, state.work)
         )
+        # Each node is the middle of a stretch h (x = (i + 1/2) h): the midpoint rule.
         largest = np.abs(slip).max()
         totals = (state.time, largest, path.sum() * self._spacing, work.sum() * self._spacing)
         for kept, total in zip(self._totals, totals, strict=True):

@@ -19,9 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import process_zone
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.tuning import (
@@ -118,6 +119,7 @@ def check_loads(
     SceneError
         If more than `most` are needed; the message states their number.
     """
+    # Nodes that were given are not raised silently: `most` equals them, and the message says more.
     needed, name = nodes_for_loads(scene, latest, length, nodes, step_ratio)
     if needed > most:
         raise SceneError(
@@ -154,7 +156,10 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     float
         Length of the zone [length]; 0 where the edge sticks.
     """
+    if scene.front_too_slow:
+        return 0.0  # its intensity depends on where the load begins
     breaks = [at for history in scene.acting_histories.values() for at in history.pieces.breaks]
+    # Each time costs a sum over all breaks (the Duhamel integral (3.20)), hence fewer of them.
     count = max(LEAST_TIMES, min(TIMES, MOST_SAMPLES // max(1, len(breaks))))
     times = np.linspace(0, end_time, count + 1)
     times = np.concatenate([times, [at for at in breaks[:count] if at < end_time]])
@@ -163,9 +168,10 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     for name, history in scene.acting_histories.items():
         intensities = intensity_history(history, load, scene.material, times, scene.shear_mode)
         if name == "pressure":
-            mode_one = intensities[0]
+            mode_one = intensities[0] * front_share(scene.material, scene.front_slowness, "I")
         else:
-            mode_two = intensities[1]
+            share = front_share(scene.material, scene.front_slowness, scene.shear_mode)
+            mode_two = intensities[1] * share
     # Beside the edge |tau| - f p ~ (|K_II| - f K_I) / sqrt(2 pi x).  The zone closes that against
     # f p less the shear that the slot faces carry, both of the tractions left on the slot.
     excess = np.abs(mode_two) - scene.friction * mode_one
@@ -176,6 +182,7 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     slips = excess > NO_INTENSITY * scale
     bounded = strength > 0
     ratio = np.where(slips, excess, 0.0) / np.where(bounded, strength, 1.0)
+    # Without strength beside the edge nothing bounds the zone but the waves.
     zone = np.where(slips & ~bounded, np.inf, np.pi / 8 * ratio**2)
     return float(np.minimum(zone, scene.fastest_speed * times).max())
 
@@ -236,6 +243,7 @@ def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> 
         Largest distance from the edge at which the march found slip [length].
     """
     least = ZONE_NODES * spacing
+    # What the march found is asked first, because it costs nothing.
     if reach >= least:
         return None
     zone = zone_at_edge(scene, end_time)

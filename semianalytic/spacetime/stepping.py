@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from semianalytic.scene.errors import ComputationError, TensionError
 from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid_pressure import GridPressure
+from semianalytic.spacetime.grid_loads import FrontLoad, NodalPressure
 from semianalytic.spacetime.marched import Grid, Marched, MarchState
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.recursion import Recursion, exerted
@@ -44,7 +44,7 @@ class Segment:
 
     @property
     def coarser(self) -> Segment:
-        """This span in half as many steps, rounded up, for the companion."""
+        """The same span of time in half as many steps, rounded up, for the companion march."""
         return Segment(self.begin, self.end, math.ceil(self.steps / 2))
 
     @property
@@ -70,7 +70,9 @@ def segments_between(
     spacing : float
         Node distance h [length].
     """
-    ends = [start, *(at for at in _jumps(scene) if start < at < end), end]
+    # a march that begins with a load far along the slot is recorded from t = 0 on at the latest
+    ends = [start, *(at for at in {0.0, *_jumps(scene)} if start < at < end), end]
+    ends.sort()
     speed, largest = scene.material.shear_speed, step_ratio * spacing
     return [
         Segment(begin, until, max(1, math.ceil(speed * (until - begin) / largest)))
@@ -79,7 +81,12 @@ def segments_between(
 
 
 def _jumps(scene: Scene) -> list[float]:
-    """Return the times at which a load jumps, in increasing order [time]."""
+    """Return the times at which a load jumps, in increasing order [time].
+
+    Jumps of a load whose front moves come to each node in turn.
+    """
+    if scene.front_slowness:
+        return []
     histories = scene.acting_histories.values()
     return sorted({at for history in histories for at, _ in history.pieces.jumps})
 
@@ -94,30 +101,46 @@ class Level:
         Time of the level [time].
     step : float
         Length of the step that ends there [time].
-    shear_load : float
-        Shear traction Q_0 f that is taken off the slot [stress].
+    uncut, on_slot : float, or (size,) and (slot,) arrays
+        Shear traction of the uncut interface, and that of the slot faces [stress].
     pressure : (contact,) array
         Contact pressure at the nodes [stress].
     """
 
     time: float
     step: float
-    shear_load: float
+    uncut: float | Array
+    on_slot: float | Array
     pressure: Array
 
 
-def _levels(scene: Scene, segment: Segment, pressure: GridPressure) -> Iterator[Level]:
+def _levels(
+    scene: Scene, segment: Segment, pressure: NodalPressure, front: FrontLoad | None
+) -> Iterator[Level]:
     """Yield the levels of a segment.
 
     At a jump, the first level takes the shear load just after it and the last one that before it.
     """
     times, step = segment.levels, segment.time_step
-    loads = _shear_loads(scene, times)
+    loads, held = _shear_loads(scene, times), scene.superposition.in_place.shear
     for now, load, on_contact in zip(times.tolist(), loads, pressure.over(times), strict=True):
-        yield Level(now, step, load, on_contact)
+        # the slot carries Q_b - Q_0 f
+        uncut: float | Array = held
+        on_slot: float | Array = held - load
+        if front is not None:
+            uncut, on_slot = front.tractions("shear", now, step)
+        elif scene.arrives:
+            on_slot = scene.base.shear
+            uncut = on_slot + load
+        yield Level(now, step, uncut, on_slot, on_contact)
 
 
-def check_levels(scene: Scene, segments: Sequence[Segment], pressure: GridPressure) -> None:
+def check_levels(
+    scene: Scene,
+    segments: Sequence[Segment],
+    pressure: NodalPressure,
+    front: FrontLoad | None,
+) -> None:
     """Raise the errors that steps through segments would raise for the pressure.
 
     The pressure can be checked without marching because slip between identical bodies does not
@@ -133,7 +156,7 @@ def check_levels(scene: Scene, segments: Sequence[Segment], pressure: GridPressu
     if not scene.superposition.taken_off.pressure:
         return
     for segment in segments:
-        for level in islice(_levels(scene, segment, pressure), 1, None):
+        for level in islice(_levels(scene, segment, pressure, front), 1, None):
             _check_pressure(scene, level, pressure.spacing)
 
 
@@ -150,19 +173,20 @@ class Line:
         # rho c_t / 2: half of it because V is the relative rate of two bodies
         return self.scene.material.shear_impedance / 2
 
-    def stopping_traction(self, past: Array) -> Array:
+    def stopping_traction(self, past: Array, level: Level) -> Array:
         """Return the shear traction of all nodes if none of them moved now, (size,) [stress].
 
         Parameters
         ----------
         past : (size,) array
             Convolution over past slip in (4.40), per cosine [length / time].
+        level : Level
+            Loads at the time.
         """
         from scipy.fft import idct
 
-        held = self.scene.superposition.in_place.shear
         # docs/theory.md, "Any load history", without the local term V
-        return np.asarray(held - self.impedance * idct(past, type=2))
+        return np.asarray(level.uncut - self.impedance * idct(past, type=2))
 
     def slip_rate(self, stopping: Array, level: Level, path: Array) -> Array:
         """Return the relative slip rate of all nodes (size,) [length / time].
@@ -183,9 +207,9 @@ class Line:
         speed = scene.friction_law.slip_speed(
             np.abs(on_contact), scene.friction * level.pressure, self.impedance, path
         )
-        rate, held = np.empty(len(stopping)), scene.superposition.in_place.shear
-        # the slot carries Q_b - Q_0 f: tau_stop - (rho c_t/2) V equals it
-        rate[:slot] = (stopping[:slot] - (held - level.shear_load)) / self.impedance
+        rate = np.empty(len(stopping))
+        # on the slot tau_stop - (rho c_t/2) V is what its faces carry
+        rate[:slot] = (stopping[:slot] - level.on_slot) / self.impedance
         # Slip has the sense of the traction that it reduces: V tau >= 0.  0.0 - speed, and not
         # -speed, keeps the rate of nodes that stick at +0.0.
         rate[slot:] = np.where(on_contact < 0, 0.0 - speed, speed)
@@ -204,8 +228,10 @@ class Walk:
     ----------
     marched : Marched
         Where the march starts from; it is not changed.
-    pressure : GridPressure
+    pressure : NodalPressure
         Contact pressure at the nodes.
+    front : FrontLoad, optional
+        The load, if its front moves.
     record : MarchRecord
         Where the steps are recorded.
 
@@ -217,11 +243,17 @@ class Walk:
         Steps that have been taken in the present segment.
     """
 
-    def __init__(self, marched: Marched, pressure: GridPressure, record: MarchRecord) -> None:
+    def __init__(
+        self,
+        marched: Marched,
+        pressure: NodalPressure,
+        front: FrontLoad | None,
+        record: MarchRecord,
+    ) -> None:
         self.grid, self.record = marched.grid, record
         self.state = self.before = marched.state.copy()
         self.done = 0
-        self._marched, self._pressure = marched, pressure
+        self._marched, self._pressure, self._front = marched, pressure, front
         self._line = Line(marched.scene, marched.grid)
 
     def begin(self, segment: Segment) -> None:
@@ -229,14 +261,14 @@ class Walk:
         marched, grid, scene = self._marched, self.grid, self._marched.scene
         phase = grid.wavenumbers * scene.material.shear_speed * segment.time_step
         self._recursion = Recursion(marched.memory, phase, marched.damping)
-        self._levels = _levels(scene, segment, self._pressure)
+        self._levels = _levels(scene, segment, self._pressure, self._front)
         first = next(self._levels)
-        # A segment that begins neither at t = 0 nor at a jump continues an earlier march, whose
-        # rate is the right one already.
-        if segment.begin == 0 or segment.begin in _jumps(scene):
+        # A segment that begins neither with the load nor at a jump continues an earlier march,
+        # whose rate is the right one already.
+        if segment.begin == marched.begins or segment.begin in _jumps(scene):
             self.state = _after_jump(self._line, self.state, first)
             self.record.jump(self.state)
-        if segment.begin == 0:
+        if segment.begin == marched.recorded_from:
             self.record.begin(self.state, first.pressure)
         self.before, self.done = self.state, 0
         self._transform = _cosines(self.state.rate)
@@ -266,7 +298,7 @@ def _after_jump(line: Line, state: MarchState, level: Level) -> MarchState:
     The memory is an integral over the past, which a jump does not change; slip rate and traction
     change at once, through the local term of (4.40).
     """
-    stopping = line.stopping_traction(exerted(state.modes, state.lasting))
+    stopping = line.stopping_traction(exerted(state.modes, state.lasting), level)
     rate = line.slip_rate(stopping, level, state.path)
     return replace(state, rate=rate, traction=line.traction(stopping, rate))
 
@@ -300,7 +332,7 @@ def _step(
     # Fixed-point iteration for the end value; its contraction factor is the feedback (< 1).  The
     # accumulated slip is iterated with it, since friction may depend on it.
     for _ in range(SWEEPS):
-        stopping = line.stopping_traction(past + recursion.feedback * transform)
+        stopping = line.stopping_traction(past + recursion.feedback * transform, level)
         rate = line.slip_rate(stopping, level, path)
         path = before.path + half * (np.abs(old) + np.abs(rate[contact]))
         transform = _cosines(rate)

@@ -21,6 +21,10 @@ SWEEPS = 2
 """Iterations of a step, an even number: with one or three, marches grow without bounds.  With two
 and four the slip rate is off by 0.047 and 0.062 % (`preloaded`), 0.161 and 0.159 %
 (`remote-shock`), 0.381 and 0.380 % (`auxetic`), 400 nodes."""
+DAMPING = 0.7
+"""Default least feedback of the shortest wave: without any, small steps leave an odd-even mode."""
+TOLERANCE = 1e-6
+"""Default tolerance of the memory's transform: for 1024 nodes as good as 1e-10."""
 LARGEST_FEEDBACK = 0.95
 """Largest feedback of the shortest wave: the iteration of a step diverges from 1 on."""
 AVERAGED_BREAKS = 2

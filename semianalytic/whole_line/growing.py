@@ -1,4 +1,4 @@
-"""A slot whose load grows as a power of time, and whose strength grows alike."""
+"""A slot under a load and a strength that both grow as the same power of time."""
 
 from __future__ import annotations
 
@@ -48,15 +48,15 @@ class GrowingSlot:
     power : 1 or 2
         n; a step, n = 0, is a `Scene`.
     base : Tractions
-        Must be (0, 0): under a base strength does not grow as the load does.
+        Must be (0, 0): with a base, strength is not proportional to the load.
     mode : "in-plane" or "antiplane"
     units : "" or "SI"
 
     Raises
     ------
     SceneError
-        If a part is of another kind or out of range, or there is a base, under which the edge of
-        slip accelerates: `march` answers that.
+        If a part is of another kind or out of range, or if there is a base, with which the edge of
+        slip accelerates; `march` computes that case.
 
     Examples
     --------
@@ -104,13 +104,14 @@ class GrowingSlot:
         if self.base.pressure or self.base.shear:
             raise SceneError(
                 "growing load: with a base the edge of slip accelerates (x as t^3 at first under a "
-                "ramp) and nothing is self-similar; leave the base out, or march a scene with this "
-                "base and shear_history = Ramp(rise_time), slipfront solve --method space-time."
+                "ramp) and fields are not self-similar; leave the base out, or march a scene with "
+                "this base and shear_history = Ramp(rise_time), slipfront solve --method "
+                "space-time."
             )
         if not self.load.pressure > 0:
             raise SceneError(
-                "growing load: pressure must be positive, for strength grows with it, got "
-                f"{self.load.pressure:.6g}."
+                "growing load: pressure must be positive, because strength is proportional to it, "
+                f"got {self.load.pressure:.6g}."
             )
         if not self.load.shear:
             raise SceneError("growing load: without shear nothing slips; give load a shear.")
@@ -143,11 +144,11 @@ class GrowingSolution:
     ----------
     slot : GrowingSlot
     status : str
-        "converged", or a sentence saying what to distrust.
+        "converged", or a sentence that says which values are not to be trusted.
     error_estimate : float
         Estimate, meant as a bound, of the relative errors of edge speed, slip rate, slip and
-        totals, and of the shear traction over strength plus load: how far the traction behind the
-        edge is from strength.
+        totals, and of the shear traction over strength plus load.  It is the distance of the
+        traction behind the edge from the strength.
     zone : GrowingZone
         The fields over x/t, dimensionless.
 
@@ -319,8 +320,8 @@ def solve_growing(slot: GrowingSlot) -> GrowingSolution:
     Raises
     ------
     SceneError
-        If slot is none, the edge of slip would be faster than the Rayleigh wave, or shear meets
-        strength ahead of it: no closed form is known then.
+        If `slot` is not a GrowingSlot, or if no closed form is known: the edge of slip would be
+        faster than the Rayleigh wave, or the shear traction reaches the strength ahead of it.
 
     Examples
     --------
@@ -352,12 +353,12 @@ def _check_one_zone(zone: GrowingZone) -> None:
     traction = np.abs(zone.traction(ahead[ahead > edge]))
     if traction.max() > zone.ratio:
         raise SceneError(
-            "growing load: a second zone of slip starts at the shear wave, where shear comes to "
-            f"{traction.max() / zone.ratio:.3g} of strength, and the pair has no closed form here; "
-            "raise pressure or friction, or lower the shear."
+            "growing load: a second zone of slip starts at the shear wave, where shear would be "
+            f"{traction.max() / zone.ratio:.3g} times the strength, and no closed form is known "
+            "for two zones; raise pressure or friction, or lower the shear."
         )
     if zone.slip_rate(edge * share).min() < 0:
         raise SceneError(
-            "growing load: slip turns back within its zone, which has no closed form here; raise "
-            "pressure or friction, or lower the shear."
+            "growing load: slip would reverse within its zone, for which no closed form is known; "
+            "raise pressure or friction, or lower the shear."
         )

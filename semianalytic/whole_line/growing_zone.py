@@ -29,7 +29,8 @@ _POINTS = 12
 singular point.  With 8 slip rates are off by 1e-9; with 24 the weights, which differentiate n
 times, lose four more digits where n = 2."""
 _SHORT = 4.0
-"""Half of it leaves 1e-10 of the slip rate; twice changes nothing."""
+"""Distance of a panel from the next singular point over its length: half of it leaves an error of
+1e-10 of the slip rate, and twice of it changes nothing."""
 _FARTHEST = 1e16
 """Slowness over that of the edge beyond which the slip rate no longer changes."""
 _SLOWEST = 1e12

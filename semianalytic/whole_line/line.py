@@ -1,4 +1,4 @@
-"""Two like half-planes in contact along a whole line, and what drives slip or opening there."""
+"""Identical half-planes in contact along a whole line, and the loads that make it slip or open."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Patch:
 class PointForce:
     """A line force on the interface at x = 0 that grows evenly in time, F = rate * t.
 
-    It is the limit of a `Patch` that hardly grows, rate = 2 * speed * stress.
+    It is the limit of a `Patch` whose speed tends to 0 at constant rate = 2 * speed * stress.
 
     Parameters
     ----------
@@ -143,8 +143,8 @@ class WholeLine:
     Raises
     ------
     SceneError
-        If a part is of another kind, strength is negative, the base already slides, the load opens
-        the interface and shears it as well, or drives neither slip nor opening.
+        If a part is of another kind, strength is negative, the base alone makes the interface
+        slide, the load opens the interface and shears it too, or it moves nothing.
 
     Examples
     --------
@@ -199,9 +199,9 @@ class WholeLine:
         if self.opens:
             if self.load.shear or self.base.shear:
                 raise SceneError(
-                    "whole line: the load opens the interface, whose sides would move along one "
-                    "another freely there under this shear; raise the base pressure above "
-                    f"{-self.load.pressure:.6g}, or leave shear out of base and load."
+                    "whole line: the load opens the interface, and nothing would resist this shear "
+                    f"there; raise the base pressure above {-self.load.pressure:.6g}, or set the "
+                    "shear of base and load to 0."
                 )
         elif not abs(self.base.shear) < self.strength:
             raise SceneError(
@@ -214,19 +214,19 @@ class WholeLine:
         if isinstance(self.load, PointForce):
             if self.load.shear and self.load.pressure:
                 raise SceneError(
-                    "whole line: under a point force of both kinds pressure is infinite where slip "
-                    "starts; leave its pressure or its shear out."
+                    "whole line: under a point force with both pressure and shear the pressure is "
+                    "infinite where slip starts; set its pressure or its shear to 0."
                 )
             if not (self.load.shear or self.load.pressure < 0):
                 raise SceneError(
-                    "whole line: the point force moves nothing; give it shear, or a negative "
+                    "whole line: the point force moves nothing; give it a shear, or a negative "
                     "pressure."
                 )
         elif not self.excess > self.missing:
             raise SceneError(
-                f"whole line: the load adds {self.excess:.6g} to what drives slip and "
-                f"{self.missing:.6g} are missing to friction, so that nothing slips; raise the "
-                "load, or lower friction."
+                f"whole line: nothing slips, because the load adds {self.excess:.6g} to the shear "
+                f"that drives slip, and the base lacks {self.missing:.6g} to overcome friction; "
+                "raise the load, or lower friction."
             )
 
     @property
@@ -256,9 +256,9 @@ class WholeLine:
 
     @property
     def excess(self) -> float:
-        """What the load adds to what drives motion: S, or F_0 of a point force.
+        """The drive S of the motion that the load adds [stress]; F_0 for a point force.
 
-        It is s Q - f P with the sense s of slip, and -P where the interface opens.
+        It is s Q - f P where the interface slips in the sense s, and -P where it opens.
         """
         if self.opens:
             return -self.load.pressure
@@ -266,15 +266,15 @@ class WholeLine:
 
     @property
     def missing(self) -> float:
-        """What is missing to motion outside of the load, d > 0: f P_b - s Q_b, or P_b [stress]."""
+        """The drive d > 0 that the base lacks [stress]: f P_b - s Q_b to slip, P_b to open."""
         return self.base.pressure if self.opens else self.strength - self.sense * self.base.shear
 
     @property
     def slot_scene(self) -> Scene:
         """The scene with a slot on x < 0 that moves in the same way on x > 0 as this half-line.
 
-        Where x < 0 slips at once, its shear falls to strength; so do the faces of a slot under a
-        load of the difference.
+        On x < 0 the interface slips at once and its shear falls to the strength.  Slot faces move
+        in the same way under a load equal to that fall.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What happens on a whole line: slip or opening that spreads evenly to both sides of its load."""
+"""The solution of a whole line: slip or opening that spreads symmetrically from its load."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from semianalytic.whole_line.spreading import Spreading
 class LineSolution:
     """Self-similar slip or opening of a whole line around a growing patch or point force.
 
-    Fields broadcast over positions x [length], of either sign, and times t [time]; up to t = 0
-    there is the base state.  Slip and gap are relative, upper minus lower side.  They end smoothly,
-    so that no edge has a stress intensity.
+    Fields broadcast over positions x [length], of either sign, and times t [time]; until t = 0
+    they are those of the base.  Slip and gap are relative, upper minus lower side.  Their rates
+    vanish like a square root at the edges, so that no edge has a stress intensity.
 
     Attributes
     ----------
     line : WholeLine
     status : str
-        "converged", or a sentence saying what to distrust.
+        "converged", or a sentence that says which values are not to be trusted.
     error_estimate : float
         Estimate, meant as a bound, of the relative errors of edge speed, slip rate, slip and
         totals, and of tractions over base and load, from two evaluations of the condition at the
@@ -100,7 +100,7 @@ class LineSolution:
         return self.line.sense * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
 
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """How fast the interface opens [length / time], 0 where closed; raises as `slip_rate`."""
+        """Rate of the gap [length / time], 0 where closed; raises as `slip_rate`."""
         xi = self._velocity(x, t)
         return self._opens * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
 
@@ -109,7 +109,7 @@ class LineSolution:
         return self.line.sense * self._moved(x, t)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """How far the interface is open [length], 0 where closed; raises as `slip_rate`."""
+        """Gap between the sides [length], 0 where closed; raises as `slip_rate`."""
         return self._opens * self._moved(x, t)
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:

@@ -1,4 +1,4 @@
-"""Solve a whole line: one zone that spreads, where nothing else moves, and refuse the rest."""
+"""Solve a whole line with one zone that spreads, and refuse lines on which other zones arise."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _TOLERANCE = 1e-9
 _COARSE = 0.3
 """Spacing of the quadrature whose difference from the usual one counts as an error."""
 _ROUNDING = 1e-14
-"""Added to the error estimate: what both evaluations share."""
+"""Rounding error that both evaluations share, added to the error estimate."""
 _STEP = 1e-4
-"""Relative change of the edge that tells how far off an error of the condition puts it."""
+"""Relative change of the edge by which the slope of the condition is formed."""
 
 
 def solve_line(line: WholeLine) -> LineSolution | Solution:
@@ -38,9 +38,8 @@ def solve_line(line: WholeLine) -> LineSolution | Solution:
     Raises
     ------
     SceneError
-        If the line is none, a patch grows faster than its edge can, the edge would be faster than
-        the Rayleigh wave, or a second zone would start at the shear wave: no closed form is known
-        then.
+        If `line` is not a WholeLine, or if no closed form is known: the patch or the edge of motion
+        would be faster than the Rayleigh wave, or a second zone would start.
 
     Examples
     --------
@@ -68,7 +67,7 @@ def solve_line(line: WholeLine) -> LineSolution | Solution:
             wave = "Rayleigh" if factors.has_rayleigh_wave else "shear"
             raise SceneError(
                 f"whole line: the patch must grow slower than the {wave} wave, {slowest:.6g}, for "
-                "motion around a faster one has no closed form here; lower its speed, got "
+                "motion around a faster one has no known closed form; lower its speed, got "
                 f"{line.load.speed:.6g}."
             )
     elif isinstance(line.load, PointForce):
@@ -90,10 +89,11 @@ def _check_one_zone(line: WholeLine, found: Spreading, unit: float) -> None:
     if at_shear > missing:
         least = least_missing(found.factors, found.patch)
         raise SceneError(
-            "whole line: a second zone of slip starts at the shear wave, where shear comes to "
-            f"{at_shear / missing:.3g} of what is missing to friction, and two zones have no "
-            f"closed form here; that must be more than {least:.4g} of what the load adds, got "
-            f"{missing:.4g}: raise friction, or lower the load or the speed of its patch."
+            "whole line: a second zone of slip starts at the shear wave, where the shear rises by "
+            f"{at_shear / missing:.3g} times what the base lacks to overcome friction, and no "
+            f"closed form is known for two zones; the base must lack more than {least:.4g} of what "
+            f"the load adds, got {missing:.4g}: raise friction, or lower the load or the speed of "
+            "its patch."
         )
     if at_rayleigh < missing - 2 * line.strength / unit:
         raise SceneError(
@@ -114,6 +114,6 @@ def _error(found: Spreading, missing: float) -> float:
     other = Spreading(found.factors, found.patch, *nearer)
     share = (nearer[0] - found.edge) / found.edge
     slope = abs(other.missing() - found.missing()) / share
-    # where the edge keeps close to the patch, shapes change with its distance from it
+    # Beside a patch that is nearly as fast as the edge, fields change with their distance.
     distance = 1.0 if not found.patch else found.lead / (found.lead + found.edge)
     return float(residual / (slope * distance) + _ROUNDING / distance)

@@ -30,7 +30,8 @@ from semianalytic.scene.errors import SceneError
 _NEAREST, _FARTHEST = -36.0, 36.0
 """Range of ln((e_s - c) / (e_p - e_s)) in which an edge is looked for: e^-36 is below rounding."""
 _TO_PATCH = 12.0
-"""The same, for the edge next to which a second zone starts: it is never close to the patch."""
+"""Limit of that logarithm in the search for the edge at which a second zone starts, which is never
+close to the patch."""
 _SLOWEST = 1e12
 """Slowness of an edge under a point force, over that of the slowest wave, beyond which none is
 looked for."""
@@ -78,7 +79,7 @@ class Spreading:
         return 1 / (np.pi * impedance_behind(self.factors, 1 / self.patch))
 
     def missing(self, spacing: float | None = None) -> float:
-        """Return what the traction at the edge exceeds the base by: d over the excess, or over F_0.
+        """Return the rise of traction from the base to the edge: d over the excess, or over F_0.
 
         It is S - (C / pi) int M(i eta) / ((e_p^2 + eta^2) sqrt(e_s^2 + eta^2)) d eta.
         """
@@ -110,11 +111,11 @@ class Spreading:
         y = self._share(xi)
         if not self.patch:
             return np.where(self._moves(xi), self.scale * (self._logarithm(xi) - 2 * y), 0.0)
-        from scipy.special import xlogy  # here, for commands are to start quickly
+        from scipy.special import xlogy  # imported late, which keeps commands fast to start
 
         w, y_p = self.patch, self.beyond
-        # the logarithms of the slip rate and of its moment are both infinite at the end of the
-        # patch, where their difference is not
+        # The logarithms of the slip rate and of its moment are both infinite at the end of the
+        # patch; their difference, formed here by xlogy, is finite.
         near = 2 * np.log((y_p + y) / self.edge)
         moment = 2 * np.log(y_p * xi + y * w)
         difference = xlogy(xi / w - 1, np.abs((xi - w) * (xi + w)))
@@ -158,7 +159,7 @@ class Spreading:
 
     @cached_property
     def missing_again(self) -> float:
-        """The same as `missing`, from the traction ahead of the edge: a second evaluation."""
+        """A second evaluation of `missing`, from the traction ahead of the edge."""
         return float(self._running.total)
 
     @cached_property

@@ -26,7 +26,7 @@ from slipfront.cli.interruption import INTERRUPTED, INTERRUPTION
 from slipfront.cli.measured.benchmark_command import app as benchmark_app
 from slipfront.cli.measured.fit_command import fit_command
 from slipfront.cli.measured.validate_command import validate_command
-from slipfront.cli.refusals import in_options
+from slipfront.cli.refusals import in_one_sentence, in_options
 from slipfront.cli.run_command import run_command
 from slipfront.cli.scenes.commands import init, scenes
 from slipfront.cli.scenes.sliding import sliding
@@ -40,13 +40,20 @@ NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a 
 class _Commands(TyperGroup):
     """Group of commands that reports unexpected endings, which typer would pass over, as faults.
 
-    Exit code 1 remains reserved for answers that differ.
+    Exit code 1 remains reserved for answers that differ.  Words that no command knows are refused
+    in one sentence, as all other input is.
     """
+
+    def make_context(self, *args: Any, **given: Any) -> Any:
+        """Read the options before the command."""
+        with in_one_sentence():
+            return super().make_context(*args, **given)
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command; a file that ends too early and a library that exits count as faults."""
         try:
-            return super().invoke(ctx)
+            with in_one_sentence():
+                return super().invoke(ctx)
         except EOFError as error:
             raise RuntimeError("a file ends before it should") from error
         except SystemExit as end:

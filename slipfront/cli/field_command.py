@@ -149,14 +149,15 @@ def field_command(
     ] = 400,
     thickness: Annotated[
         float | None,
-        typer.Option(help="Thickness of the body along z, for fringes.", rich_help_panel=_PICTURE),
+        measured_option("length", "Thickness of the body along z, for fringes [length].", _PICTURE),
     ] = None,
     stress_optical: Annotated[
         float | None,
-        typer.Option(
-            help="Material fringe constant, stress times thickness per fringe; by default "
-            "the larger step makes 4 fringes. Needs --thickness.",
-            rich_help_panel=_PICTURE,
+        measured_option(
+            "stress length",
+            "Material fringe constant, such as 7.2kN/m, stress times thickness per fringe [stress "
+            "length]; by default the larger step makes 4 fringes. Needs --thickness.",
+            _PICTURE,
         ),
     ] = None,
     animate: Annotated[
@@ -216,6 +217,8 @@ def field_command(
             "add --method space-time."
         )
     time = asked(scene, "time", time, "time")
+    thickness = asked(scene, "thickness", thickness, "length")
+    stress_optical = asked(scene, "stress_optical", stress_optical, "stress length")
     step = _fringe_stress(of, thickness, stress_optical)
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:

@@ -17,7 +17,7 @@ from compare.records.units import si_size
 from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.quantities import in_units_of
+from semianalytic.scene.quantities import in_units_of
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import PARAMETERS, SI, measure
 from slipfront.cli.scenes.completion import (
@@ -123,6 +123,27 @@ def asked(scene: Scene, name: str, value: float | None, dimension: str) -> float
     return number
 
 
+def read_number(scene: Scene, name: str, text: str, dimension: str) -> float:
+    """Return the number of an option's text, which a unit may follow, in the units of a scene.
+
+    Raises
+    ------
+    SceneError
+        If it is no number, its unit is unknown, or the scene does not say its own.
+    """
+    try:
+        number = measure(text, dimension, si_size)
+    except SceneError as error:
+        raise SceneError(f"{option_name(name)} {error}") from None
+    in_scene = asked(scene, name, number, dimension)
+    return number if in_scene is None else in_scene
+
+
+def option_dimension(name: str) -> str:
+    """Return the dimension of the option of a scene's parameter, by the parameter's name."""
+    return PARAMETERS[re.sub("^(base|load|lower)_", "", name)]
+
+
 def _option(type_: type, panel: str, text: str, *names: str, dimension: str = "") -> Any:
     if dimension:
         return Annotated[float | None, measured_option(dimension, text, panel)]
@@ -164,7 +185,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         float,
         _SCENE_PANEL,
         text,
-        dimension=PARAMETERS[name.removeprefix("base_").removeprefix("load_")],
+        dimension=option_dimension(name),
     )
     for name, text in {
         "shear_modulus": "Shear modulus [stress].",

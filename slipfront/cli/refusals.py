@@ -1,17 +1,28 @@
-"""Translation of refusals into the words of the command line: arguments become options."""
+"""Refusals in the words of the command line, in one sentence: arguments become options.
+
+typer and click word theirs each in its own way, and print them in a box of several lines.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from typing import Any
 
+import typer
+
+from semianalytic.scene.errors import SceneError
 from slipfront.cli.options import option_name
 
 ALIKE = {"nodes": "resolution"}
 """Options that replace arguments a command does not have: the nodes of a march follow from them."""
 
-_SUBJECT = re.compile(r"^(?:\w+(?: \w+)?: )?(\w+(?: \w+)?)(?= must )")
+_SUBJECT = re.compile(r"^(?:\w+(?: \w+)?: )?(\w+(?: \w+)?)(?= must | has a unit)")
 _NAMED = re.compile(r"`(\w+)`")
+_REFUSAL: Any = typer.BadParameter.__base__  # UsageError, of click or of the copy in newer typers
+_NUMBER = re.compile(r"\bvalid (integer|float|number)")
+"""What all versions say of text that is no number, each in words of its own."""
 
 
 def in_options(sentence: str, options: Collection[str]) -> str:
@@ -31,3 +42,50 @@ def in_options(sentence: str, options: Collection[str]) -> str:
         return option_name(name) if name in options else match[0]
 
     return _NAMED.sub(replaced, _SUBJECT.sub(replaced, sentence))
+
+
+@contextmanager
+def in_one_sentence() -> Iterator[None]:
+    """Raise what click would report in a box, such as an unknown option, as a sentence.
+
+    Raises
+    ------
+    SceneError
+        With the sentence, whose subject is the option or the argument in question.
+    """
+    try:
+        yield
+    except _REFUSAL as error:
+        if type(error).__name__ == "NoArgsIsHelpError":  # which shows the help
+            raise
+        raise SceneError(sentence(error)) from None
+
+
+def sentence(error: Any) -> str:
+    """Return a refusal by click or typer as one sentence that names the option as it is typed."""
+    called = getattr(error.ctx, "command_path", "slipfront")
+    param: Any = getattr(error, "param", None)
+    name = "" if param is None else _typed(param)
+    if hasattr(error, "possibilities"):
+        guesses = " or ".join(sorted(error.possibilities or ()))
+        more = f"did you mean {guesses}?" if guesses else f"'{called} --help' lists them."
+        return f"{called} has no option {error.option_name}; {more}"
+    if name and type(error).__name__ == "MissingParameter":
+        return f"{name} is missing; '{called} --help' describes it."
+    message = " ".join((error.message or error.format_message()).split())
+    if not name:
+        asks = message.endswith("?")
+        return message if asks else f"{message.rstrip('.')}; see '{called} --help'."
+    if message.startswith("must "):
+        return f"{name} {message}"
+    number = _NUMBER.search(message)
+    if number is None:
+        return f"{name}: {message}"
+    return f"{name} must be a {'whole ' if number[1] == 'integer' else ''}number."
+
+
+def _typed(param: Any) -> str:
+    """Return a parameter as it is typed or shown in the help: --end-time, SCENE."""
+    if param.param_type_name == "option":
+        return str(max(param.opts, key=len))
+    return str(param.metavar or param.name.upper()).strip("{}.")

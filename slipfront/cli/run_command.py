@@ -14,10 +14,11 @@ from compare.output.places import check_file, save_somewhere
 from compare.output.progress import progress_bar
 from semianalytic import Run, find_interface, run
 from semianalytic.engine.named import NAMED_INTERFACES
-from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import XARRAY, require
+from semianalytic.scene.units import InSI
 from slipfront.cli.interruption import INTERRUPTED
-from slipfront.cli.options import AsJson, Quiet
+from slipfront.cli.options import AsJson, Quiet, measured_option
 from slipfront.cli.scenes.completion import interface_names
 from slipfront.cli.terminal import print_json
 
@@ -34,7 +35,10 @@ def run_command(
             autocompletion=interface_names,
         ),
     ],
-    end_time: Annotated[float | None, typer.Option(help="Last time \\[time].")] = None,
+    end_time: Annotated[
+        float | None,
+        measured_option("time", "Last time [time], a number in the units of the interface."),
+    ] = None,
     nodes: Annotated[int | None, typer.Option(help="Nodes of one period, a multiple of 4.")] = None,
     rtol: Annotated[
         float | None, typer.Option(help="Error of slip and gap: nodes are doubled until it is met.")
@@ -60,6 +64,11 @@ def run_command(
     same.  Ctrl-C ends a run early and keeps what is there.
     """
     found = find_interface(source)
+    if isinstance(end_time, InSI):
+        raise SceneError(
+            "--end-time has a unit, but interfaces do not say which units their numbers have; "
+            "give a number alone."
+        )
     options: dict[str, Any] = {**found.options, "estimate": not no_estimate}
     given = {"nodes": nodes, "rtol": rtol}
     options |= {name: value for name, value in given.items() if value is not None}

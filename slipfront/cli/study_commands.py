@@ -283,7 +283,7 @@ def _progress(quiet: bool, doing: str) -> AbstractContextManager[Callable[[int, 
 
 
 def _teller(notes: Console, quiet: bool) -> Callable[[str], None] | None:
-    """What prints lines that say how far a study is; none if quiet."""
+    """Return a function that prints lines on the progress of a study; None if quiet."""
     return None if quiet else partial(notes.print, highlight=False)
 
 

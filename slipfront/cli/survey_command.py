@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import sys
 from collections import Counter
@@ -16,21 +17,32 @@ from rich.markup import escape
 from rich.table import Table
 
 from compare.output.progress import progress_bar
+from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import find_scene, scene_label
-from semianalytic.scene.units import unit
+from semianalytic.scene.named import find_scene, override_scene, scene_label
+from semianalytic.scene.scene import Scene
+from semianalytic.scene.units import ARGUMENTS, PARAMETERS, InSI, unit
 from slipfront.cli.options import (
     SCENE_OPTIONS,
     AsJson,
     Quiet,
     SceneArgument,
+    asked,
+    measured_option,
+    option_dimension,
     option_name,
+    read_number,
     with_options,
 )
 from slipfront.cli.study_commands import Scheduler, on_scheduler
 from slipfront.cli.terminal import print_json
 
-_VALUES = "Values: a number, a list 0.1,0.2,0.5, or start:stop:count, with :log for equal ratios"
+_VALUES = (
+    "Values: a number, a list 0.1,0.2,0.5, or start:stop:count, with :log for equal ratios; "
+    "with units as 1MPa:5MPa:9"
+)
+
+_DIGIT = re.compile(r"\d")
 
 VALUE_OPTIONS: Mapping[str, Any] = {
     name: Annotated[
@@ -40,7 +52,7 @@ VALUE_OPTIONS: Mapping[str, Any] = {
     for name, _help in (
         (name, hint.__metadata__[0].help.replace("\\[", "["))
         for name, hint in SCENE_OPTIONS.items()
-        if name not in ("mode", "load_on", "wave", "wave_from")
+        if name not in ("mode", "load_on", "wave", "wave_from", "units")
     )
 }
 SAMPLES: Mapping[str, Any] = {
@@ -53,21 +65,33 @@ SAMPLES: Mapping[str, Any] = {
     }.items()
 }
 QUESTIONS: Mapping[str, Any] = {
-    name: Annotated[type_ | None, typer.Option(help=escape(text))]
-    for name, (type_, text) in {
-        "rtol": (float, "Requested accuracy; 1e-6 by default for solutions, none for marches."),
-        "end_time": (float, "Time until which totals are taken and marches run [time]."),
-        "nodes": (int, "Number of contact nodes of marches."),
-        "length": (float, "Length of the contact that marches observe [length]."),
-    }.items()
+    "rtol": Annotated[
+        float | None,
+        typer.Option(help="Requested accuracy; 1e-6 by default for solutions, none for marches."),
+    ],
+    "end_time": Annotated[
+        float | None,
+        measured_option("time", "Time until which totals are taken and marches run [time]."),
+    ],
+    "nodes": Annotated[int | None, typer.Option(help="Number of contact nodes of marches.")],
+    "length": Annotated[
+        float | None,
+        measured_option("length", "Length of the contact that marches observe [length]."),
+    ],
 }
 
 
-@with_options(values=VALUE_OPTIONS, samples=SAMPLES, question=QUESTIONS)
+@with_options(
+    values=VALUE_OPTIONS,
+    samples=SAMPLES,
+    question=QUESTIONS,
+    overrides={"units": SCENE_OPTIONS["units"]},
+)
 def survey_command(
     values: Mapping[str, str],
     samples: Mapping[str, str],
     question: Mapping[str, Any],
+    overrides: Mapping[str, Any],
     scene_name: SceneArgument,
     vary: Annotated[
         list[str] | None,
@@ -105,18 +129,23 @@ def survey_command(
     from slipfront.surveys.plan import Question, planned
     from slipfront.surveys.run import FIELDS, run_survey
 
-    scene = find_scene(scene_name)
+    scene = override_scene(find_scene(scene_name), **overrides)
     path = output or Path("results", f"{scene_label(scene_name)}-survey.nc")
     if workers is not None and workers < 1:
         raise SceneError(f"{option_name('workers')} must be a whole number from 1, got {workers}.")
     places = {
-        name: tuple(np.atleast_1d(typed_values(name, text)).tolist())
+        name: tuple(np.atleast_1d(typed_values(scene, name, text, ARGUMENTS[name])).tolist())
         for name, text in samples.items()
     }
-    asked: dict[str, Any] = {**question, **places, "fields": FIELDS if "x" in places else ()}
-    given: dict[str, Any] = {name: typed_values(name, text) for name, text in values.items()}
-    given |= _others(vary or ())
-    plan = planned(scene, given, Question(**asked), together=together, chunk=chunk)
+    for name in ("end_time", "length"):
+        asked(scene, name, question.get(name), ARGUMENTS[name])
+    wanted: dict[str, Any] = {**question, **places, "fields": FIELDS if "x" in places else ()}
+    given: dict[str, Any] = {
+        name: typed_values(scene, name, text, option_dimension(name))
+        for name, text in values.items()
+    }
+    given |= _others(scene, vary or ())
+    plan = planned(scene, given, Question(**wanted), together=together, chunk=chunk)
     command = shlex.join(["slipfront", *sys.argv[1:]])
     bar = progress_bar(Console(stderr=True), quiet or as_json, "surveying")
     with on_scheduler(scheduler) as client, bar as progress:
@@ -129,36 +158,61 @@ def survey_command(
         Console().print(f"Written to {path}", highlight=False, markup=False)
 
 
-def typed_values(name: str, text: str) -> Any:
+def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:
     """Parse values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
+
+    Numbers of a dimension may have units, all of one text or none; they are returned in the units
+    of the scene.
 
     Raises
     ------
     SceneError
-        If the text has none of these forms, or there are too many values.
+        If the text has none of these forms, units are not those of the dimension, or there are too
+        many values.
     """
     from slipfront.surveys.plan import MOST_VALUES
 
+    first, *others = text.split(":")
     try:
-        if ":" not in text:
-            row = [float(part) for part in text.split(",")]
+        if not others:
+            row = _read(scene, name, text.split(","), dimension)
             return np.array(row) if "," in text else row[0]
-        start, stop, count, *scale = text.split(":")
-        ends, number = (float(start), float(stop)), int(count)
-        if number < 1 or scale not in ([], ["log"]) or not np.all(np.isfinite(ends)):
+        stop, count, *scale = others
+        (start, end), number = _read(scene, name, (first, stop), dimension), int(count)
+        if number < 1 or scale not in ([], ["log"]):
             raise ValueError(count)
         if number <= MOST_VALUES:
-            return np.geomspace(*ends, number) if scale else np.linspace(*ends, number)
+            return np.geomspace(start, end, number) if scale else np.linspace(start, end, number)
     except ValueError as error:
-        raise SceneError(
-            f"{option_name(name)} must be a number, a row as 0.1,0.2,0.5, or start:stop:count as "
-            f"0.1:0.9:100, got {text!r}."
-        ) from error
+        # a unit of another dimension is no matter of form
+        if isinstance(error, SceneError) and all(map(_DIGIT.search, re.split("[:,]", text)[:2])):
+            raise
+        raise _no_values(name, text) from error
     raise SceneError(f"{option_name(name)} must be at most {MOST_VALUES:.0e} values, got {text!r}.")
 
 
-def _others(vary: Sequence[str]) -> dict[str, Any]:
+def _read(scene: Scene, name: str, texts: Sequence[str], dimension: str) -> list[float]:
+    numbers = [read_number(scene, name, text, dimension) for text in texts]
+    bare = [one for one in numbers if one and not isinstance(one, InSI)]
+    if 0 < len(bare) < len(numbers) and any(isinstance(one, InSI) for one in numbers):
+        raise SceneError(
+            f"{option_name(name)} must have a unit at each number or at none, got "
+            f"{shown(','.join(texts))}."
+        )
+    return numbers
+
+
+def _no_values(name: str, text: str) -> SceneError:
+    return SceneError(
+        f"{option_name(name)} must be a number, a row as 0.1,0.2,0.5, or start:stop:count as "
+        f"0.1:0.9:100, got {text!r}."
+    )
+
+
+def _others(scene: Scene, vary: Sequence[str]) -> dict[str, Any]:
     """Return the values of parameters that have no option of their own."""
+    from slipfront.surveys.parameters import parameter_name, parameters_of
+
     result = {}
     for text in vary:
         name, equals, values = text.partition("=")
@@ -166,7 +220,8 @@ def _others(vary: Sequence[str]) -> dict[str, Any]:
             raise SceneError(
                 f"--vary must be a name and values as friction_law.reduction=0:1:11, got {text!r}."
             )
-        result[name] = typed_values("vary", values)
+        _, field = parameters_of(scene)[parameter_name(scene, name)]
+        result[name] = typed_values(scene, "vary", values, PARAMETERS.get(field, "1"))
     return result
 
 

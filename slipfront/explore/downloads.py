@@ -9,7 +9,7 @@ from dataclasses import fields
 from typing import Any
 
 from semianalytic import Marched, Scene, Solution
-from semianalytic.scene.template import scene_text
+from semianalytic.scene.given.template import scene_text
 from semianalytic.scene.units import unit
 from slipfront.explore.views import end_time, interface_view
 

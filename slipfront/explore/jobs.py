@@ -22,7 +22,7 @@ STEPS_TOLD = 50
 
 
 class Moment(NamedTuple):
-    """What pictures of one moment show: the time over T, and the quantity in both bodies."""
+    """Time over T of pictures of both bodies, and the name of the quantity that they show."""
 
     share: float = 1.0
     of: str = SPEED

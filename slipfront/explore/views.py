@@ -28,7 +28,7 @@ BESIDE = np.outer([-1, 1], np.geomspace(1e-6, 3e-2, 9)).ravel()
 BEYOND = 1.05
 """Extent of pictures relative to the distance the waves have reached."""
 SPEED, DISPLACEMENT = "particle speed", "displacement"
-"""What the picture of both bodies shows."""
+"""Quantities that the picture of both bodies can show."""
 MOST = 240
 """Largest number of rows and columns of a space-time image of a march."""
 

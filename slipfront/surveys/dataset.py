@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from compare.comparison.documents import SCENE_DIMENSIONS
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.scene.friction import ViscousFriction
-from semianalytic.scene.parameters import part_parameters
+from semianalytic.scene.given.parameters import part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
 from slipfront.surveys.parameters import MATERIAL, Array, parameters_of

@@ -14,8 +14,9 @@ from fem.resolution import (
     weakening_caution,
 )
 from semianalytic import march
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import SlipWeakening, process_zone
+from semianalytic.scene.friction import SlipWeakening
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.scene import Material, Scene, Tractions
 

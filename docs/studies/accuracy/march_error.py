@@ -26,7 +26,7 @@ from semianalytic import (
     march,
     solve,
 )
-from semianalytic.scene.friction import process_zone
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.named import NAMED_SCENES
 
 Array = NDArray[np.float64]

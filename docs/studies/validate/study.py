@@ -32,7 +32,7 @@ from compare.records.record import QUANTITIES
 from docs.studies.validate.cases import RIGHT, WRONG, Case, cases
 from docs.studies.validate.settings import recorded
 from docs.studies.validate.writers import written_case, written_junk
-from semianalytic.scene.template import scene_text
+from semianalytic.scene.given.template import scene_text
 from slipfront.cli.commands import main as command_line
 from slipfront.cli.faults import CRASHED
 

@@ -1,1 +1,1 @@
-"""What users hand over for a scene: quantities with units, tables of loads, known solids."""
+"""Helps for writing a scene: known solids, the parameters of a scene, and a TOML template."""

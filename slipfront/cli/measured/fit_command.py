@@ -21,6 +21,7 @@ from semianalytic.inversion.fitting import Fit, fit
 from semianalytic.inversion.gauges import QUANTITIES
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.unknowns import SETUP, Setup
+from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import BAYES, PLOT, require
 from semianalytic.scene.named import find_scene, override_scene
@@ -229,9 +230,11 @@ def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
         known = {kind: _sized(number, kind) for kind in dict.fromkeys(QUANTITIES.values())}
         sizes = {kind: size for kind, size in known.items() if size is not None}
         if not sizes:
+            units = "; ".join(units_shown(kind) for kind in known)
             raise SceneError(
-                f"{option_name('noise')} must be a number alone, or in a unit of "
-                f"{', or '.join(units_shown(kind) for kind in known)}, got {number!r}."
+                f"{option_name('noise')} must be a number for all samples, such as 0.01, or one "
+                f"in a unit for those that have it ({units}), or NAME=NUMBER for one quantity, "
+                f"such as slip_rate=0.01, got {shown(number)}."
             )
         for quantity, kind in QUANTITIES.items():
             if kind in sizes:
@@ -273,10 +276,8 @@ def _numbers(
         try:
             result[name] = _measured(scene, option, number, kind)
         except SceneError as error:
-            named = f"{name}: " if name else ""
-            raise SceneError(
-                f"{option_name(option)} must be NAME=NUMBER; {named}the number {error}"
-            ) from None
+            named = f"must be NAME=NUMBER; {name}: the number {error}" if name else str(error)
+            raise SceneError(f"{option_name(option)} {named}") from None
     return result
 
 

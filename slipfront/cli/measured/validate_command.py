@@ -19,15 +19,20 @@ from compare.validation.conventions import BASIC, Conventions
 from compare.validation.readings import settings_of
 from compare.validation.report import validation_document, write_validation
 from compare.validation.validation import CONVERTED, Validation, validate
+from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
+from semianalytic.scene.scene import Scene
+from semianalytic.scene.units import InSI, measure
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     SCENE_OPTIONS,
     AsJson,
     FiguresForm,
     Output,
+    asked,
+    measured_option,
     option_name,
     with_options,
 )
@@ -39,6 +44,10 @@ _UNITS = "Units and conventions of the file (inferred and said unless given)"
 
 def _option(type_: Any, text: str, *, metavar: str | None = None) -> Any:
     return Annotated[type_, typer.Option(help=text, metavar=metavar, rich_help_panel=_UNITS)]
+
+
+def _measured(dimension: str, text: str) -> Any:
+    return Annotated[float | None, measured_option(dimension, text, _UNITS)]
 
 
 UNIT_OPTIONS: Mapping[str, Any] = {
@@ -54,7 +63,7 @@ CONVENTIONS: Mapping[str, Any] = {
     "rate": _option(
         str | None, "Slip rate at its time, point, or the mean over the step before or after it."
     ),
-    "time_shift": _option(float | None, "Added to the times, in units of the scene."),
+    "time_shift": _measured("time", "Added to the times, in units of the scene [time]."),
 }
 PLACES: Mapping[str, Any] = {
     "scale": _option(
@@ -62,8 +71,11 @@ PLACES: Mapping[str, Any] = {
         "Unit of a column, as slip=um, or what it is multiplied by, as length=0.001.",
         metavar="NAME=UNIT",
     ),
-    "at": _option(list[float] | None, "Where the station of each file is, in its units."),
-    "origin": _option(float | None, "Where the contact begins in the coordinates of the file."),
+    "at": Annotated[
+        list[float] | None,
+        measured_option("length", "Where the station of each file is, in its units.", _UNITS),
+    ],
+    "origin": _measured("length", "Where the contact begins in the coordinates of the file."),
     "column": _option(
         list[str] | None, "What a column holds, as slip_rate=V1.", metavar="NAME=COLUMN"
     ),
@@ -91,16 +103,18 @@ def validate_command(
     ],
     spacing: Annotated[
         list[float] | None,
-        typer.Option(
-            help="Distance of grid points on the interface, in the unit of x; once for each "
-            "resolution. 0 for a gauge without extent, with --noise."
+        measured_option(
+            "length",
+            "Distance of grid points on the interface, in the unit of x unless it has its own; "
+            "once for each resolution. 0 for a gauge without extent, with --noise.",
         ),
     ] = None,
     noise: Annotated[
         list[str] | None,
         typer.Option(
             metavar="NAME=NUMBER",
-            help="Standard deviation of the samples of a quantity, in the unit of the file.",
+            help="Standard deviation of the samples of a quantity, such as slip=0.5um, in the "
+            "unit of the file unless it has its own.",
         ),
     ] = None,
     strict: Annotated[
@@ -111,7 +125,10 @@ def validate_command(
     ] = False,
     threshold: Annotated[
         float | None,
-        typer.Option(help="Slip rate at which slip has begun; a hundredth of load / (ρ c_t)."),
+        measured_option(
+            "length / time",
+            "Slip rate at which slip has begun [length / time]; a hundredth of load / (ρ c_t).",
+        ),
     ] = None,
     output: Output = None,
     figures: FiguresForm = "png",
@@ -126,16 +143,20 @@ def validate_command(
     require("slipfront validate", *PLOT)
     scene = override_scene(find_scene(scene_name), **overrides)
     label = scene_label(scene_name)
+    for size in spacing or ():
+        asked(scene, "spacing", size, "length")
+    asked(scene, "threshold", threshold, "length / time")
+    asked(scene, "time_shift", conventions.get("time_shift"), "time")
     said = Conventions(
         scale=_scales(units, places.get("scale", ())),
-        noise=_numbers("noise", noise or ()),
+        noise=_noise(scene, noise or ()),
         rate_from_slip=rate_from_slip,
         threshold=threshold,
         **conventions,
     )
     options = ReadingOptions(
-        tuple(places.get("at", ())),
-        places.get("origin", 0.0),
+        tuple(_in_file("at", one, units) for one in places.get("at", ())),
+        _in_file("origin", places.get("origin", 0.0), units),
         _columns(places.get("column", ())),
     )
     directory = output or scene_folder(f"{label}-validation", overrides)
@@ -174,7 +195,7 @@ def _columns(told: Sequence[str]) -> dict[str, str]:
 
 
 def _scales(units: Mapping[str, str], scale: Sequence[str]) -> dict[str, float]:
-    """What numbers of a file are multiplied by, from names of units and from numbers."""
+    """Return the factors on the numbers of a file, from names of units and from given numbers."""
     sizes = {}
     for option, name in units.items():
         kind = option.removesuffix("_unit")
@@ -208,19 +229,36 @@ def _scale(name: str, number: str, text: str) -> float:
         return size
 
 
-def _numbers(option: str, given: Sequence[str]) -> dict[str, float]:
-    """Numbers by name, of NAME=NUMBER."""
+def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
+    """Standard deviations by quantity, of NAME=NUMBER; a number may have a unit."""
     result = {}
     for text in given:
-        name, _, number = text.partition("=")
-        try:
-            result[name.strip()] = float(number)
-        except ValueError:
+        name, equals, number = (part.strip() for part in text.partition("="))
+        if not equals:
             raise SceneError(
-                f"{option_name(option)} must be a name and a number as slip_rate=0.01, got "
-                f"{text!r}."
-            ) from None
+                "--noise must be a name and a number as slip_rate=0.01 or slip=0.5um, got "
+                f"{shown(text)}."
+            )
+        dimension = DIMENSIONS.get(name, "1")
+        try:
+            result[name] = measure(number, dimension, si_size)
+        except SceneError as error:
+            raise SceneError(f"--noise must be NAME=NUMBER; {name}: the number {error}") from None
+        asked(scene, "noise", result[name], dimension)
     return result
+
+
+def _in_file(option: str, place: float, units: Mapping[str, str]) -> float:
+    """Return a position in the unit of a file, which --length-unit gives."""
+    if not isinstance(place, InSI):
+        return place
+    size = si_size(units.get("length_unit", ""), "length")
+    if size is None:
+        raise SceneError(
+            f"{option_name(option)} has a unit, and the numbers of the file may be in another; "
+            "name theirs by --length-unit, or give a number alone in the unit of the file."
+        )
+    return place / size
 
 
 def _show(validation: Validation, label: str, directory: Path) -> None:

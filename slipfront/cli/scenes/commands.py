@@ -19,6 +19,7 @@ from semianalytic import Scene, WholeLine
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.solids import SOLIDS, find_solid
+from semianalytic.scene.given.template import in_si_units, scene_text
 from semianalytic.scene.named import (
     DEFAULT_SCENE,
     NAMED_SCENES,
@@ -36,7 +37,6 @@ from semianalytic.scene.plugins import (
     plugins,
 )
 from semianalytic.scene.scene import FRICTION_LAWS, HISTORY_KINDS, scene_document
-from semianalytic.scene.template import in_si_units, scene_text
 from semianalytic.scene.units import SI
 from semianalytic.whole_line.named import NAMED_LINES
 from slipfront.cli.options import AsJson

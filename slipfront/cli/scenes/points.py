@@ -20,7 +20,7 @@ from semianalytic import Marched, Scene, SceneError, Solution
 from semianalytic.results.answer import FIELDS
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import InSI, unit
-from slipfront.cli.options import asked, measured, option_name
+from slipfront.cli.options import option_name, read_number
 
 MOST = 1000
 """Largest number of pairs of a position and a time; more are a typing error."""
@@ -93,13 +93,8 @@ def points_of(scene: Scene, x: Sequence[str] | None, t: Sequence[str] | None) ->
 def _numbers(scene: Scene, name: str, texts: Sequence[str]) -> Iterator[float]:
     dimension = "length" if name == "x" else "time"
     for text in (part for one in texts for part in one.split(",")):
-        try:
-            number = asked(scene, name, measured(dimension)(text), dimension)
-        except Exception as error:
-            if isinstance(error, SceneError):
-                raise
-            raise SceneError(f"{option_name(name)} {error}") from None
-        if number is None or not 0 < number < math.inf:
+        number = read_number(scene, name, text, dimension)
+        if number <= 0:
             raise SceneError(
                 f"{option_name(name)} must be positive: the contact is x > 0 and the load comes at "
                 f"t = 0, got {shown(text)}."

@@ -9,13 +9,16 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from compare.records.units import si_size
 from semianalytic import Material, sliding_stability
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from slipfront.cli.options import AsJson
+from semianalytic.scene.units import InSI, measure
+from slipfront.cli.options import AsJson, measured_option
 from slipfront.cli.terminal import print_json
 
 _BODY = "G,RHO,NU"
+_KINDS = {"shear modulus": "stress", "density": "mass / length^3", "Poisson ratio": "1"}
 _UNITS = {
     "waves": {"growth": "length / time", "velocity": "length / time", "per_wavelength": "1"},
     **dict.fromkeys(("generalised_rayleigh_speed", "stoneley_speed"), "length / time"),
@@ -29,24 +32,33 @@ def sliding(
     upper: Annotated[
         str,
         typer.Option(
-            metavar=_BODY, help="Shear modulus, density, Poisson ratio of the upper body."
+            metavar=_BODY,
+            help="Shear modulus, density, Poisson ratio of the upper body, such as "
+            "12GPa,2300kg/m3,0.25.",
         ),
     ],
     lower: Annotated[str, typer.Option(metavar=_BODY, help="The same of the lower body.")],
-    friction: Annotated[float, typer.Option(help="Coulomb friction coefficient.")],
+    friction: Annotated[float, measured_option("1", "Coulomb friction coefficient.")],
     as_json: AsJson = False,
 ) -> None:
     """Tell whether waves grow while two bodies slide, below which friction none does, how fast.
 
     As slipfront sliding --upper 12e9,2300,0.25 --lower 30e9,2700,0.25 --friction 0.4, in any one
-    system of units.
+    system of units, or with units.
     """
-    bodies = _body("upper", upper), _body("lower", lower)
+    numbers = {name: _numbers(name, text) for name, text in (("upper", upper), ("lower", lower))}
+    sized = [isinstance(one, InSI) for given in numbers.values() for one in given[:2]]
+    if any(sized) and not all(sized):
+        raise SceneError(
+            "--upper and --lower must have units at all moduli and densities or at none."
+        )
+    bodies = _body("upper", numbers["upper"]), _body("lower", numbers["lower"])
     known = sliding_stability(*bodies, friction)
     if as_json:
         document = asdict(known) | {"well_posed": known.well_posed, "verdict": known.verdict}
         print_json("sliding", document | {"units": _UNITS})
         return
+    velocity = " m/s" if any(sized) else ""
     table = Table("quantity", "value", title="Sliding on one another")
     table.add_row("f above which waves grow with the upper body", f"{known.threshold_with:.6g}")
     table.add_row("f above which waves grow against it", f"{known.threshold_against:.6g}")
@@ -54,25 +66,36 @@ def sliding(
         ("generalised Rayleigh wave", known.generalised_rayleigh_speed),
         ("Stoneley wave", known.stoneley_speed),
     ):
-        table.add_row(f"speed of a {name}", "there is none" if speed is None else f"{speed:.6g}")
+        shown_speed = "there is none" if speed is None else f"{speed:.6g}{velocity}"
+        table.add_row(f"speed of a {name}", shown_speed)
     table.add_row("Dundurs' beta", f"{known.dundurs:.6g}")
     for wave in known.waves:
         grows = f"{100 * (wave.per_wavelength - 1):.4g} % over a wavelength"
-        table.add_row(f"wave at {wave.velocity:+.6g}", f"grows by {grows}")
+        table.add_row(f"wave at {wave.velocity:+.6g}{velocity}", f"grows by {grows}")
     Console().print(table)
     Console().print(known.verdict, highlight=False)
 
 
-def _body(name: str, text: str) -> Material:
-    """Return the material that three numbers describe, or refuse them by the name of the option."""
-    try:
-        modulus, density, poisson_ratio = map(float, text.split(","))
-    except ValueError:
+def _numbers(name: str, text: str) -> list[float]:
+    """Return the three numbers of a body, the first two of which may have units."""
+    parts = text.split(",")
+    if len(parts) != len(_KINDS):
         raise SceneError(
             f"--{name} has to be three numbers as 30e9,2700,0.25: shear modulus, density and "
             f"Poisson ratio; got {shown(text)}."
-        ) from None
+        )
+    numbers = []
+    for part, (what, dimension) in zip(parts, _KINDS.items(), strict=True):
+        try:
+            numbers.append(measure(part, dimension, si_size))
+        except SceneError as error:
+            raise SceneError(f"--{name}: the {what} {error}") from None
+    return numbers
+
+
+def _body(name: str, numbers: list[float]) -> Material:
+    """Return the material that three numbers describe, or refuse them by the name of the option."""
     try:
-        return Material(modulus, density, poisson_ratio)
+        return Material(*map(float, numbers))
     except SceneError as error:  # it does not know which of the two bodies it is
         raise SceneError(f"--{name}: {str(error).removeprefix('material: ')}") from error

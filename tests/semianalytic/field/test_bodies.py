@@ -379,6 +379,23 @@ def test_random_scenes_have_their_interface_fields_as_limits(scene):
     )
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("lacking", [1e-7, 1e-12])
+@pytest.mark.parametrize(
+    "parts", [{}, {"mode": "antiplane"}, {"friction_law": ViscousFriction(0.2)}]
+)
+def test_an_edge_closer_to_a_front_than_rounding_is_right_of_it(parts, lacking):
+    """A base just below friction sticks on a strip as wide as the square of what it lacks."""
+    base = (1.0, 0.3 * (1 - lacking))
+    scene = unit_scene(0.3, base, (0.5, 1.0), **parts)
+    solution, better = solve(scene, rtol=1e-7), solve(scene, rtol=1e-10)
+    x, y = np.array([-0.5, 0.3, 0.9, 1.5]), np.array([0.4, -0.2, 0.3, 0.2])
+    bound = solution.field_error + better.field_error
+    for name in ("velocity", "stress", "displacement"):
+        one, other = (getattr(answer, name)(x, y, 1.0) for answer in (solution, better))
+        assert np.abs(one - other).max() < bound * (1 + np.abs(other).max()), name
+
+
 def test_bad_points_are_refused():
     with pytest.raises(SceneError, match="finite"):
         solve(PRELOADED).velocity(np.nan, 0.0, 1.0)

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from semianalytic.scene.friction import RateWeakening, SlipWeakening, process_zone
+from semianalytic.scene.contact import process_zone
+from semianalytic.scene.friction import RateWeakening, SlipWeakening
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 

@@ -61,6 +61,34 @@ def test_a_base_just_below_friction_is_solved_as_well_as_any(
             assert solution.zones[-1].outer == scene.fastest_speed
 
 
+@pytest.mark.parametrize(
+    ("nu", "friction", "base", "load", "mode"),
+    [
+        # 6e-14 of stick behind the longitudinal front
+        (0.45, 9.789590288760547, (0.889358275355356, 8.7064518379986), (1.0, 1.0), "antiplane"),
+        # slips on 2e-7 behind that front, 1.7e-7 of the largest slip rate
+        (
+            0.0009693860568606993,
+            0.4852161606462533,
+            (0.5384870640002458, 0.26128262575187255),
+            (1.0, -1.9279800274844288),
+            "in-plane",
+        ),
+    ],
+)
+def test_fields_beside_a_strip_narrower_than_a_loose_rule_reaches(
+    nu: float, friction: float, base: tuple[float, float], load: tuple[float, float], mode: str
+) -> None:
+    """Two rules that both end before the strip agree with each other and not with the truth."""
+    scene = unit_scene(friction, base, load, nu=nu, mode=mode)
+    solution, truth = solve(scene, rtol=1e-6), solve(scene, rtol=1e-11)
+    assert len(solution.zones) == len(truth.zones)
+    assert not beyond(solution, truth)
+    bound = solution.error_estimate + truth.error_estimate
+    own, exact = solution.stress_intensity(1.0), truth.stress_intensity(1.0)
+    np.testing.assert_allclose(own, exact, rtol=bound)
+
+
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize("pressure", [1.0, 1e3, 1e6])
 @pytest.mark.parametrize("nu", [0.25, 0.0, -0.5])

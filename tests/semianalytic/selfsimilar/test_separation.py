@@ -29,7 +29,7 @@ def lifted(friction=0.3, shear=1.0, held=0.0, **rest):
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10**9))
 def test_laws_hold_in_scenes_that_open(seed):
     check_invariants(opening_scene(np.random.default_rng(seed)))

@@ -32,7 +32,7 @@ from semianalytic import (
     solve,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.scene.friction import process_zone
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.named import find_scene
 from semianalytic.spacetime import march as march_module
 from semianalytic.spacetime.exponentials import InPlane

@@ -25,8 +25,8 @@ from semianalytic import (
 )
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.named import find_scene
-from semianalytic.spacetime import grid_pressure as grid_pressure_module
-from semianalytic.spacetime.grid_pressure import GridPressure
+from semianalytic.spacetime import grid_loads as grid_loads_module
+from semianalytic.spacetime.grid_loads import GridPressure
 from semianalytic.spacetime.resolution import nodes_for_loads, zone_at_edge
 from slipfront.cli.commands import main
 
@@ -203,7 +203,7 @@ def test_pressure_of_tables_is_that_of_the_exact_sum(monkeypatch):
         return np.array(list(GridPressure(scene, 400, 2 / 400, 1.0, 1 / 400).over(levels)))
 
     found = pressures()
-    monkeypatch.setattr(grid_pressure_module, "EXACT_KINKS", 1000)
+    monkeypatch.setattr(grid_loads_module, "EXACT_KINKS", 1000)
     exact = pressures()
     assert np.ptp(exact) > 1
     assert np.abs(found - exact).max() < 1e-4

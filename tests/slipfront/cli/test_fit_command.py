@@ -89,7 +89,9 @@ def test_short_chains_are_unresolved(records, capsys):
     ("line", "code", "message"),
     [
         (LINE, 3, "does not say how exact its slip_rate is"),
-        (f"{LINE} --noise much", 2, "--noise must be NAME=NUMBER, got 'much'"),
+        (f"{LINE} --noise much", 2, "or NAME=NUMBER for one quantity"),
+        (f"{LINE} --noise 3frob", 2, "m, cm, mm, um or km; "),
+        (f"{LINE} --noise slip_rate=much", 2, "slip_rate: the number must be a number alone"),
         (f"{LINE} --noise 1e-160", 2, "noise of all must lie within 1e-60"),
         (f"{LINE} --noise 1e-20", 2, "noise must lie within"),
         (f"{LINE} --noise -1", 2, "noise of all must be positive"),

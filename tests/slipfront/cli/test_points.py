@@ -63,12 +63,12 @@ def test_arrivals_alone_and_of_marches(capsys):
     [
         (["--x", "5cm"], "the scene does not say which units"),
         (["--x", "5kg", "--units", "SI"], "alone or in m, cm, mm, um or km, got '5kg'"),
-        (["--x", "banana"], "must be a number, or one with a unit"),
+        (["--x", "banana"], "must be a number alone or in m, cm"),
         (["--x", "-1"], "must be positive"),
         (["--x", "1,,2"], "must be a number"),
         (["--t", "3"], "--t needs --x"),
         (["--x", "1", "--t", "0"], "must be positive"),
-        (["--shear-modulus", "80GPa"], "shear modulus has a unit"),
+        (["--shear-modulus", "80GPa"], "--shear-modulus has a unit"),
         (["--end-time", "3us"], "--end-time has a unit"),
         (["--friction", "abc"], "must be a number"),
         (["--units", "cgs"], 'units must be "SI"'),
@@ -76,7 +76,7 @@ def test_arrivals_alone_and_of_marches(capsys):
     ],
 )
 def test_wrong_numbers_are_refused_in_a_sentence(capsys, arguments, said):
-    assert said in told(capsys, "solve", "preloaded", *arguments, code=2).replace("│ ", "")
+    assert said in told(capsys, "solve", "preloaded", *arguments, code=2)
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_init_begins_with_a_real_solid(capsys, tmp_path, monkeypatch):
 def test_fit_takes_noise_and_priors_with_units(capsys, monkeypatch):
     data = ["docs/data/pmma_slip.csv", "--scene", "docs/data/pmma.toml", "--parameters", "friction"]
     for option, said in (
-        (["--noise", "0.5kg"], "in a unit of"),
+        (["--noise", "0.5kg"], "or one in a unit for those that have it (m/s"),
         (["--noise", "slip=0.5s"], "slip: the number must be a number alone or in m, cm"),
         (["--prior", "load_shear=normal(6m,1)"], "in Pa, kPa, MPa or GPa"),
         (["--setup", "t0=3kg"], "in s, ms, us or ns"),

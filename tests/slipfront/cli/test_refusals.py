@@ -138,7 +138,38 @@ def test_a_comparison_that_misses_the_edge_says_so_too(tmp_path, capsys, monkeyp
 )
 def test_what_was_meant_is_guessed(command, guess, capsys):
     assert main(command.split()) == 2
-    assert guess in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert guess in said
+    assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        ("solve", "SCENE is missing; 'slipfront solve --help' describes it."),
+        ("fit records.csv", "--scene is missing; 'slipfront fit --help' describes it."),
+        ("solve preloaded --friction much", "--friction must be a number alone or in %, got 'm"),
+        ("solve preloaded --load-shear 1e999", "--load-shear must be a finite number, got '1e"),
+        ("solve preloaded --end-time 3furlong", "--end-time must be a number alone or in s, ms"),
+        ("simulate ramp --resolution 3.5", "--resolution must be a whole number."),
+        ("simulate ramp --memory much", "--memory must be a number."),
+        ("solve preloaded --friction", "requires an argument; see 'slipfront "),
+        ("solve preloaded ramp", "unexpected extra argument"),
+        ("--lgo info scenes", "slipfront has no option --lgo; did you mean --log?"),
+    ],
+)
+def test_what_cannot_be_read_is_refused_in_a_sentence_without_a_box(command, sentence, capsys):
+    assert main(command.split()) == 2
+    captured = capsys.readouterr()
+    assert sentence in captured.err
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""
+
+
+def test_no_words_at_all_show_the_help(capsys):
+    assert main([]) == 2
+    captured = capsys.readouterr()
+    assert "solve" in captured.out + captured.err
 
 
 def test_version(capsys):

@@ -20,6 +20,14 @@ def test_a_verdict_and_thresholds_are_printed(capsys):
     assert "well posed" in shown
 
 
+def test_bodies_may_have_units(capsys):
+    upper, lower = "12GPa,2.3g/cm3,0.25", "30GPa,2700kg/m3,25%"
+    assert sliding("--json", upper=upper, lower=lower, friction="60%") == 0
+    with_units = json.loads(capsys.readouterr().out)
+    assert sliding("--json", friction="0.6") == 0
+    assert json.loads(capsys.readouterr().out) == with_units
+
+
 def test_json_has_the_waves(capsys):
     assert sliding("--json", friction="0.6") == 0
     document = json.loads(capsys.readouterr().out)
@@ -41,6 +49,8 @@ def test_what_is_infinite_is_null(capsys):
         ({"upper": "12e9,2300"}, "--upper has to be three numbers"),
         ({"lower": "30e9,2700,0.5"}, "--lower: poisson_ratio must lie"),
         ({"lower": "0,2700,0.25"}, "--lower: shear_modulus must be positive"),
+        ({"upper": "12GPa,2300,0.25"}, "units at all moduli and densities or at none"),
+        ({"upper": "12cm,2300,0.25"}, "--upper: the shear modulus must be a number alone or in pa"),
         ({"friction": "-1"}, "friction must be positive"),
     ],
 )

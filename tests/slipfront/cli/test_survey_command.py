@@ -1,12 +1,15 @@
 """``slipfront survey``: values as they are typed, what is printed, and refusals."""
 
 import json
+import re
 import shlex
 
 import pytest
 import xarray
+from catalogue import unit_scene
 
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import find_scene, override_scene
 from slipfront.cli.commands import main
 from slipfront.cli.survey_command import typed_values
 
@@ -35,9 +38,54 @@ GRID = ["survey", "preloaded", "--friction", "0.2,0.9", "--poisson-ratio", "0.1:
 def test_values_are_read_as_they_are_typed(text, values):
     if values is None:
         with pytest.raises(SceneError, match="--base-shear must be a number, a row"):
-            typed_values("base_shear", text)
+            typed_values(unit_scene(), "base_shear", text, "stress")
     else:
-        assert typed_values("base_shear", text) == pytest.approx(values, rel=1e-12)
+        assert typed_values(unit_scene(), "base_shear", text, "stress") == pytest.approx(
+            values, rel=1e-12
+        )
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("2MPa", 2e6),
+        ("1 MPa,500kPa", [1e6, 5e5]),
+        ("0:4MPa:3", [0, 2e6, 4e6]),
+        ("1kPa:1MPa:4:log", [1e3, 1e4, 1e5, 1e6]),
+        ("1:4MPa:3", "--base-shear must have a unit at each number or at none, got '1,4MPa'."),
+        ("1,4MPa", "--base-shear must have a unit at each number or at none"),
+        ("1cm:4cm:3", "--base-shear must be a number alone or in Pa, kPa, MPa or GPa, got '1cm'."),
+        ("1:nan:3", "--base-shear must be a number, a row"),
+    ],
+)
+def test_values_may_have_units(text, values):
+    scene = override_scene(find_scene("preloaded"), units="SI")
+    if isinstance(values, str):
+        with pytest.raises(SceneError, match=re.escape(values)):
+            typed_values(scene, "base_shear", text, "stress")
+    else:
+        assert typed_values(scene, "base_shear", text, "stress") == pytest.approx(values, rel=1e-12)
+
+
+def test_a_survey_in_si_units(tmp_path, capsys):
+    scene = tmp_path / "steel.toml"
+    assert main(["init", str(scene), "--material", "steel"]) == 0
+    line = ["survey", str(scene), "--load-shear", "4MPa:5MPa:2", "--friction", "30%"]
+    line += ["--x", "5cm", "--t", "20us,30us", "--end-time", "40us", "--vary", "base.pressure=5MPa"]
+    capsys.readouterr()
+    assert main([*line, "--output", str(tmp_path / "a.nc"), "--quiet", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["parameters"]["load_shear"] == {"least": 4e6, "largest": 5e6, "count": 2}
+    assert document["units"]["variables"]["slip_rate"] == "m/s"
+    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as data:
+        assert data.x.values.tolist() == [0.05]
+        assert data.t.values == pytest.approx([2e-5, 3e-5], rel=1e-12)
+
+
+def test_units_need_a_scene_that_has_some(capsys):
+    line = ["survey", "preloaded", "--friction", "0.1,0.2", "--load-shear", "1MPa"]
+    assert main(line) == 2
+    assert "--load-shear has a unit, but the scene does not say" in capsys.readouterr().err
 
 
 def test_a_survey_is_written_and_summed_up(tmp_path, capsys, monkeypatch):
@@ -85,7 +133,7 @@ def test_lists_and_marches_from_the_command_line(tmp_path, capsys):
     [
         (["--friction", "some"], 2, "--friction must be"),
         (["--friction", "0.1:0.9:10000000000"], 2, "--friction must be at most 1e+07 values"),
-        (["--friction", "0.1:1e400:3"], 2, "--friction must be a number, a row"),
+        (["--friction", "0.1:1e400:3"], 2, "--friction must be a finite number, got '1e400'"),
         (["--friction", "0:1:9000000", "--poisson-ratio", "0:0.4:90"], 2, "8.1e+08 points are too"),
         (
             ["--friction", "0.1,0.2", "--x", "0.1:1:40000", "--t", "0.1:1:40000"],

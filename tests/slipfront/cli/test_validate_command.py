@@ -87,6 +87,63 @@ def test_options_that_are_none_are_refused(result, options, sentence, capsys):
     assert sentence in capsys.readouterr().err
 
 
+@pytest.fixture
+def steel(tmp_path):
+    """A scene of steel, and a file in mm, mm/s, s and Pa whose contact begins at x = 10 mm."""
+    scene = tmp_path / "steel.toml"
+    assert main(["init", str(scene), "--material", "steel"]) == 0
+    answer, t = solve(find_scene(str(scene))), np.linspace(1e-7, 4e-5, 200)
+    rows = ["t,x,slip,slip_rate"]
+    for x in (0.02, 0.05):
+        pairs = zip(t, answer.slip(x, t), answer.slip_rate(x, t), strict=True)
+        rows += [f"{a!r},{1e3 * x + 10},{1e3 * b!r},{1e3 * c!r}" for a, b, c in map(floats, pairs)]
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join(rows))
+    units = ["--length-unit", "mm", "--time-unit", "s", "--stress-unit", "Pa"]
+    return ["validate", str(path), "--scene", str(scene), *units]
+
+
+def floats(row):
+    return map(float, row)
+
+
+def test_numbers_with_units_are_what_they_are_in_the_unit_of_the_file(steel, tmp_path, capsys):
+    with_units = ["--spacing", "0.5mm", "--noise", "slip=0.02um", "--origin", "1cm"]
+    plain = ["--spacing", "0.5", "--noise", "slip=2e-5", "--origin", "10"]
+    of_scene = ["--threshold", "1mm/s", "--time-shift", "0us"], ["--threshold", "1e-3"]
+    reports = []
+    for number, options in enumerate((with_units + of_scene[0], plain + of_scene[1])):
+        output = tmp_path / str(number)
+        assert main([*steel, *options, "--output", str(output), "--json"]) == 0
+        reports.append(json.loads((output / "report.json").read_text()))
+    bars = [
+        [(row["verdict"], pytest.approx(row["bar"], rel=1e-9)) for row in report["rows"]]
+        for report in reports
+    ]
+    assert bars[0] == [(row["verdict"], row["bar"]) for row in reports[1]["rows"]]
+
+
+def test_a_position_with_a_unit_needs_that_of_the_file(steel, capsys):
+    assert main([*steel[:4], "--origin", "1cm"]) == 2
+    assert "name theirs by --length-unit" in capsys.readouterr().err
+    assert main([*steel, "--noise", "slip=3kg"]) == 2
+    assert "slip: the number must be a number alone or in m, cm" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--spacing", "1mm"],
+        ["--noise", "slip=1um"],
+        ["--threshold", "1mm/s"],
+        ["--time-shift", "1us"],
+    ],
+)
+def test_a_unit_needs_a_scene_that_has_some(result, options, capsys):
+    assert main(["validate", str(result), "--scene", "preloaded", *options]) == 2
+    assert f"{options[0]} has a unit, but the scene" in capsys.readouterr().err
+
+
 def test_what_cannot_be_read_returns_3_with_the_line(tmp_path, capsys):
     path = tmp_path / "odd.csv"
     path.write_text("time,x\n1,2\n")

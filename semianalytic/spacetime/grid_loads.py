@@ -1,12 +1,17 @@
-"""Pressure at the nodes of a grid under any load history, by (3.10) and (3.20).
+"""Loads at the nodes of a grid: pressure under any history, and fronts that move over the nodes.
 
-Slip between identical bodies does not change the pressure, so that of the stuck interface holds
-(docs/theory.md, "Stuck tractions").
+Slip between identical bodies does not change the pressure, so that of the stuck interface holds,
+(3.10) and (3.20) (docs/theory.md, "Stuck tractions").  Under a load that comes everywhere at once
+it is evaluated (`GridPressure`), under a front that moves it is marched (`FrontPressure`).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +19,14 @@ from numpy.typing import NDArray
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.scene.loads import Pieces
+from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
+from semianalytic.spacetime.exponentials import Memory
+from semianalytic.spacetime.recursion import Recursion, exerted
 from semianalytic.spacetime.tuning import (
     BLOCK_VALUES,
     EXACT_KINKS,
+    SWEEPS,
     TABLE_BYTES,
     TABLE_ROWS,
     TABLE_SAMPLES,
@@ -37,6 +45,16 @@ def _needs_table(scene: Scene) -> bool:
     pieces = scene.pressure_history.pieces
     load = scene.superposition.taken_off
     return bool(load.pressure and (pieces.waves or len(pieces.kinks) > EXACT_KINKS))
+
+
+class NodalPressure(Protocol):
+    """The contact pressure at the nodes of a grid."""
+
+    spacing: float
+
+    def over(self, times: Array) -> Iterator[Array]:
+        """Yield the pressure at evenly spaced times, (contact,) each [stress]."""
+        ...
 
 
 class GridPressure:
@@ -66,6 +84,9 @@ class GridPressure:
         offset, factors = edge_offset_and_factors()
         self.spacing = spacing
         held, self._load = (part.pressure for part in scene.superposition)
+        # a wave of normal incidence that is no step: the contact carries base and f times its load
+        self._arriving = scene.arrives and not scene.is_step
+        held = scene.base.pressure if self._arriving else held
         self._history = scene.pressure_history
         self._factor = np.ones(count)
         self._factor[: len(factors)] = factors[:count]
@@ -93,8 +114,13 @@ class GridPressure:
     def over(self, times: Array) -> Iterator[Array]:
         """Yield the pressure at one time after the other, (n,) each [stress]."""
         rows = max(1, BLOCK_VALUES // len(self._x))
+        arrived = self._load * self._history.value(times)
+        # after a jump at the first time
+        arrived[0] = self._load * self._history.value(math.nextafter(times[0], math.inf))
         for first in range(0, len(times), rows):
-            yield from self._block(times[first : first + rows])
+            part = slice(first, first + rows)
+            for pressure, more in zip(self._block(times[part]), arrived[part], strict=True):
+                yield pressure + more if self._arriving else pressure
 
     def _block(self, times: Array) -> Iterator[Array]:
         """Yield the pressure at a few times, for which it is computed at once."""
@@ -166,3 +192,146 @@ class GridPressure:
             np.add.at(kinks, low, slope * (low + 1 - at))
             np.add.at(kinks, low + 1, slope * (at - low))
         return kinks
+
+
+@dataclass(frozen=True)
+class FrontLoad:
+    """A load whose front moves along the interface, at all nodes of a grid.
+
+    The front is smeared over a cell, or over the distance that it runs in a step if that is longer:
+    a node takes the mean of the history over the time in which the front crosses that distance.
+    Then each node receives the whole of the load, whatever the step.
+
+    Attributes
+    ----------
+    scene : Scene
+        Its load is an `IncidentWave` or a `MovingLoad`.
+    x : (size,) array
+        Positions of all nodes, slot included [length].
+    spacing : float
+        Node distance [length].
+    slot : int
+        Number of nodes on the slot.
+    entry : float
+        Distance from the tip at which a load that comes along the slot begins [length].
+    """
+
+    scene: Scene
+    x: Array
+    spacing: float
+    slot: int
+    entry: float
+
+    @cached_property
+    def _loaded(self) -> Array:
+        """The part of the cell of each node that the load reaches, (size,)."""
+        if self.scene.front_slowness < 0:
+            return np.ones(len(self.x))
+        return np.clip((self.x + self.entry) / self.spacing + 0.5, 0.0, 1.0)
+
+    def tractions(
+        self, name: Literal["pressure", "shear"], t: float, step: float
+    ) -> tuple[float | Array, float | Array]:
+        """Return a traction of the uncut interface, and that which the slot faces keep [stress].
+
+        Parameters
+        ----------
+        name : str
+            "pressure" or "shear".
+        t, step : float
+            Time, and the length of the time steps [time].
+
+        Returns
+        -------
+        (size,) array or float, (slot,) array or float
+            An incident wave changes the first, a moving load the second.
+        """
+        base, scene = getattr(self.scene.base, name), self.scene
+        history: LoadHistory = getattr(scene, f"{name}_history")
+        slowness = scene.front_slowness
+        lag, half = t - slowness * self.x, max(abs(slowness) * self.spacing, step) / 2
+        load = getattr(scene.superposition.taken_off, name) * self._loaded
+        load = load * history.mean(lag - half, lag + half)
+        return (base + load, base) if scene.arrives else (base, base - load[: self.slot])
+
+
+class FrontPressure:
+    """The contact pressure at grid nodes under a front that moves, marched as shear is.
+
+    The contact stays closed and the slot faces keep their pressure, so that what would open the
+    slot is known at once.  The grid sees the edge of this problem as it sees that of shear.
+
+    Parameters
+    ----------
+    front : FrontLoad
+        The load at the nodes.
+    memory : Memory
+        That of an opening rate, `exponentials.Opening`.
+    wavenumbers : (size,) array
+        Those of the cosines of the grid [1 / length].
+    damping : float
+        Least feedback of the shortest wave.
+    start, step : float
+        Time at which the load begins, and the largest time step before the first time of `over`
+        [time].
+    """
+
+    def __init__(
+        self,
+        front: FrontLoad,
+        memory: Memory,
+        wavenumbers: Array,
+        damping: float,
+        start: float,
+        step: float,
+    ) -> None:
+        material, size = front.scene.material, len(wavenumbers)
+        self.spacing = front.spacing
+        self._front, self._memory, self._damping = front, memory, damping
+        self._impedance = material.density * material.longitudinal_speed / 2
+        self._phase = wavenumbers * material.shear_speed
+        self._time, self._step = start, step
+        self._recursion: Recursion | None = None
+        self._modes = np.zeros((len(memory.poles), size), dtype=complex)
+        self._lasting, self._transform = np.zeros(size), np.zeros(size)
+        self._pressure = self._level(start, step, np.zeros(size), np.zeros(size), 1)
+
+    def over(self, times: Array) -> Iterator[Array]:
+        """Yield the pressure at evenly spaced times, (contact,) each [stress].
+
+        They go on from those before; times between are stepped through.
+        """
+        if self._time < times[0]:
+            steps = math.ceil((times[0] - self._time) / self._step)
+            for _ in self._steps(np.linspace(self._time, times[0], steps + 1)):
+                pass
+        yield from self._steps(times)
+
+    def _steps(self, times: Array) -> Iterator[Array]:
+        """Yield the pressure at the time reached, and at one level after the other."""
+        step = (times[-1] - times[0]) / (len(times) - 1)
+        if self._recursion is not None:
+            self._recursion.leave(self._modes, self._lasting, self._transform)
+        recursion = Recursion(self._memory, self._phase * step, self._damping)
+        recursion.enter(self._modes, self._lasting, self._transform)
+        self._recursion = recursion
+        yield self._pressure
+        for t in times[1:].tolist():
+            recursion.step(self._modes, self._lasting, self._transform)
+            past = exerted(self._modes, self._lasting)
+            self._pressure = self._level(t, step, past, recursion.feedback, SWEEPS)
+            self._time = t
+            yield self._pressure
+
+    def _level(self, t: float, step: float, past: Array, feedback: Array, sweeps: int) -> Array:
+        """Return the pressure at a level, (contact,), and note the opening rate of the slot."""
+        from scipy.fft import dct, idct
+
+        slot, rate = self._front.slot, np.zeros(len(past))
+        uncut, kept = self._front.tractions("pressure", t, step)
+        for _ in range(sweeps):
+            whole = idct(past + feedback * self._transform, type=2)
+            closed = uncut - self._impedance * whole
+            rate[:slot] = (closed[:slot] - kept) / self._impedance
+            self._transform = np.asarray(dct(rate, type=2))
+        return np.asarray(closed[slot:])

@@ -18,6 +18,13 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.parameters import (
+    MATERIAL,
+    TRACTIONS,
+    Parameter,
+    load_parameters,
+    part_parameters,
+)
 from semianalytic.scene.incident import (
     IncidentWave,
     Load,
@@ -26,13 +33,6 @@ from semianalytic.scene.incident import (
     load_from_document,
 )
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
-from semianalytic.scene.parameters import (
-    MATERIAL,
-    TRACTIONS,
-    Parameter,
-    load_parameters,
-    part_parameters,
-)
 from semianalytic.scene.scene import (
     Material,
     Scene,

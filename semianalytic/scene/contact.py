@@ -1,0 +1,69 @@
+"""Properties of the contact that follow from a scene without solving it: tractions and a length.
+
+The functions take a whole scene, so they stand above the modules that describe its parts.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
+    """Return the parts of the superposition to which a traction of base or load is added.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene; the place of its load matters.
+    name : str
+        "base_pressure", "base_shear", "load_pressure" or "load_shear"; any other name is added to
+        nothing.
+
+    Returns
+    -------
+    tuple of str
+        The same names, where "base_..." stands for the traction in place and "load_..." for the
+        traction taken off.
+    """
+    part, _, kind = name.partition("_")
+    if part not in ("base", "load"):
+        return ()
+    comes_everywhere = part == "load" and scene.arrives
+    return (f"base_{kind}", name) if comes_everywhere else (name,)
+
+
+def traction_ahead(
+    scene: Scene, kind: Literal["pressure", "shear"], x: ArrayLike, t: ArrayLike
+) -> Array:
+    """Return a traction of the contact ahead of the waves from the slot [stress].
+
+    It is that of the base before the front of the load, t = p x, and the traction in place from
+    then on.  The shape is that of the positions x [length] and times t [time] together.
+    """
+    before, after = getattr(scene.base, kind), getattr(scene.superposition.in_place, kind)
+    slowness, lag = scene.front_slowness, np.asarray(t, dtype=float)
+    if slowness:
+        lag = lag - slowness * np.asarray(x, dtype=float)
+    return np.where(lag < 0, before, after)
+
+
+def process_zone(scene: Scene) -> float:
+    """Return the length within which friction weakens behind a front [length].
+
+    It is mu / ((1 - nu) f p w), in antiplane shear without 1 - nu, where p is the pressure in place
+    and w the largest fall of the friction factor per slip: a crack of about that length is as
+    compliant as friction weakens.  It is inf if friction does not weaken with slip.
+    """
+    held = scene.superposition.in_place
+    fall = scene.friction * held.pressure * scene.friction_law.fall_with_slip
+    if not fall:
+        return math.inf
+    return scene.static_modulus / fall
