@@ -92,7 +92,7 @@ class ZoneFields:
         by_slip = load.resists_rate or load.given_slope is not None
         # Slip behind the last edge enters ln X through the phase of M / (M + eta), and C through a
         # given slope: it cannot be left out then.
-        tail = self.tail or by_slip  # then slip behind the last edge counts
+        tail = self.tail or by_slip
         opening = load.opened.zone if load.opened else None
         rule = finer_rule(self.rule, *self._beside_resistance)
         return lay_panels(self.factors, self.zones, rule, sets, tail, self._cuts, opening)
@@ -115,7 +115,8 @@ class ZoneFields:
     def _cuts(self) -> tuple[CutPoints, ...]:
         """Points within zones at which fields change their character."""
         factors, cuts, opened = self.factors, [], self.load.opened
-        if opened is not None:  # as the normal problem has them
+        # The normal problem is solved on the same panels, which therefore end at its cuts too.
+        if opened is not None:
             cuts += [factors.of_in_plane(cut) for cut in factors.in_plane.cuts[:-1]]
         if self.load.resists_rate and factors.has_rayleigh_wave:
             front = factors.front_c
