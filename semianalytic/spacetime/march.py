@@ -325,7 +325,7 @@ class _Plan:
     ) -> Marched:
         """March on more and more nodes until the error estimate is at most `rtol`; return the last.
 
-        See docs/spacetime.md, "Its own error".
+        See docs/spacetime.md, "Error of a march".
         """
         nodes, order, coarser = self.enough_nodes(None, FIRST_NODES, memory), 1.0, None
         while True:
