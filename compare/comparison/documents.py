@@ -18,6 +18,7 @@ from compare.comparison.measures import nearest
 from compare.comparison.quantities.history_rows import PROBES, SENSE_THRESHOLD
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Measured, Reading, Scene, Solution
+from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.results.answer import FIELDS
@@ -233,7 +234,8 @@ def march_document(marched: Marched) -> dict[str, Any]:
     threshold = SENSE_THRESHOLD * largest
     load = scene.superposition.taken_off
     reached, mode, slowness = marched.end_time, scene.shear_mode, scene.front_slowness
-    histories, modes = (scene.pressure_history, scene.shear_history), ("I", mode)
+    histories = scene.pressure_history, scene.shear_history
+    modes: tuple[Mode, Mode] = ("I", mode)
     intensities = [
         intensity_history(history, load, scene.material, reached, mode)[number]
         * (math.nan if scene.front_too_slow else front_share(scene.material, slowness, of))

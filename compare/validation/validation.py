@@ -116,7 +116,7 @@ def validate(
     spacing: float | Sequence[float] | None = None,
     conventions: Conventions | None = None,
 ) -> Validation:
-    """Hold what another code recorded on the interface against the exact answer.
+    """Compare what another code recorded on the interface with the exact answer.
 
     Parameters
     ----------

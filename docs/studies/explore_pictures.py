@@ -1,7 +1,8 @@
 """Write what `slipfront explore` looks like, in Chromium: seven scenes at three widths.
 
 ``python -m docs.studies.explore_pictures`` writes docs/figures/explore/SCENE-WIDTH.png, whole pages
-of few colours, and ends with exit code 1 if one is wider than its window or has a large hole.
+of few colours, and ends with exit code 1 if one is wider than its window, has a large hole or is
+not finished.
 """
 
 from __future__ import annotations
@@ -25,17 +26,27 @@ from slipfront.explore.controls import defaults, query_of
 
 FOLDER = DOCS / "figures" / "explore"
 WIDTHS = (390, 1280, 1920)
-COLOURS = 48
+COLOURS = 128
 """Colours of a picture, on whose number the size of the files depends."""
 READY = """
 Boolean(window.slipfrontTimes && slipfrontTimes.length
   && document.getElementById('pictures').dataset.late === 'false'
-  && document.querySelectorAll('#regimes span').length)
+  && (document.querySelectorAll('#regimes span').length
+    || /^Maps are/.test(document.getElementById('map-words').textContent)))
 """
-LONGEST = 60.0
-"""Time after which a page is drawn as it is [s]; an idle machine has all of it in five."""
-SETTLED = 1.5
-"""Time in which the pictures follow the width of the window [s]."""
+"""Whether pictures and field are those of the scene, and its map is drawn or said not to be."""
+RESIZED = """
+window.frames_after = 0;
+if (!window.counts_frames)
+  (function next() {
+    window.frames_after += 1;
+    window.counts_frames = requestAnimationFrame(next);
+  })();
+"""
+SETTLED = "window.frames_after > 20 && Bokeh.documents.every((one) => one.is_idle)"
+"""Whether the pictures have followed the width of the window: some frames on, nothing is drawn."""
+LONGEST = 600.0
+"""Time after which a page that is not finished is given up [s]; an idle machine needs five."""
 HOLE = 0.12
 """Largest share of the area of the pictures that may be empty: a row of a shorter picture."""
 EMPTY = """
@@ -69,10 +80,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         browser = Browser(Path(profile))
         for name in SCENES:
             browser.open(address + query_of(defaults(find_scene(name))), 1280)
-            _wait(browser)
+            if not _wait(browser, READY):
+                wrong.append(f"{name}: not finished after {LONGEST:g} s")
             for width in WIDTHS:
                 browser.resize(width)
-                time.sleep(SETTLED)
+                browser.value(RESIZED)
+                if not _wait(browser, SETTLED):
+                    wrong.append(f"{name} at {width}: not drawn after {LONGEST:g} s")
                 (folder / f"{name}-{width}.png").write_bytes(_picture(browser))
                 if browser.value("document.documentElement.scrollWidth") > width:
                     wrong.append(f"{name} at {width}: wider than the window")
@@ -84,11 +98,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return int(bool(wrong))
 
 
-def _wait(browser: Browser) -> None:
-    """Wait for the field and the map of a scene; on a busy machine the map may be missing."""
+def _wait(browser: Browser, condition: str) -> bool:
+    """Wait until a condition holds on the page, and return whether it came to that."""
     limit = time.monotonic() + LONGEST
-    while not browser.value(READY) and time.monotonic() < limit:
+    while not (holds := browser.value(condition)) and time.monotonic() < limit:
         time.sleep(0.2)
+    return bool(holds)
 
 
 def _picture(browser: Browser) -> bytes:

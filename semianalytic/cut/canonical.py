@@ -116,7 +116,7 @@ class CanonicalFunction:
         chord = start + (stop - start) * panels.rule.share
         whole = np.arctan2(imag[:ahead], real)
         if self.factors.mode == "I":
-            # 1 / alpha in the impedance of mode I turns its phase by -pi / 2, which phi lacks.
+            # In mode I the factor 1 / alpha of M turns its phase by -pi / 2, which phi lacks.
             whole += np.pi / 2
         rest = (whole - chord) * panels.jacobian[:ahead]
         return Phase(ends.v[:-1], ends.v[1:], panels.widths[:ahead], start, stop, rest)

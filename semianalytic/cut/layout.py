@@ -187,7 +187,7 @@ class Layout:
     def sign(self) -> Array:
         """Sign of X on each panel, (p,), from the square roots in it."""
         panels = np.arange(len(self.sense))
-        phase = np.zeros(len(panels))  # over pi
+        phase = np.zeros(len(panels))  # in units of pi
         for end, exponent in self.roots:
             # (e + k)^(1/2) turns by pi / 2 across its edge e; the total phase of X (or X / M_+) is
             # 0 or pi.

@@ -92,7 +92,7 @@ class ZoneFields:
         by_slip = load.resists_rate or load.given_slope is not None
         # Slip behind the last edge enters ln X through the phase of M / (M + eta), and C through a
         # given slope: it cannot be left out then.
-        tail = self.tail or by_slip  # then slip behind the last edge counts
+        tail = self.tail or by_slip
         opening = load.opened.zone if load.opened else None
         rule = finer_rule(self.rule, *self._beside_resistance)
         return lay_panels(self.factors, self.zones, rule, sets, tail, self._cuts, opening)
@@ -115,7 +115,8 @@ class ZoneFields:
     def _cuts(self) -> tuple[CutPoints, ...]:
         """Points within zones at which fields change their character."""
         factors, cuts, opened = self.factors, [], self.load.opened
-        if opened is not None:  # as the normal problem has them
+        # The normal problem is solved on the same panels, which therefore end at its cuts too.
+        if opened is not None:
             cuts += [factors.of_in_plane(cut) for cut in factors.in_plane.cuts[:-1]]
         if self.load.resists_rate and factors.has_rayleigh_wave:
             front = factors.front_c
@@ -488,11 +489,11 @@ class ZoneFields:
             driven = driven + amount * self._share(edge)
         return self._slope_of(self.canonical.values * driven)
 
-    def rate_integral(self, tail: float | Array = 0.0) -> RunningIntegral:
-        """Return V on panels that slip as a running integral; `tail` as of `RunningIntegral`."""
+    def rate_integral(self) -> RunningIntegral:
+        """Return V on panels that slip as a running integral."""
         residue = self.residue if self.layout.pole >= 0 else None
         return RunningIntegral(
-            self.panels, self.slip_rate_slope, self.factors.c, tail, self._powers, residue
+            self.panels, self.slip_rate_slope, self.factors.c, self._powers, residue
         )
 
     @property

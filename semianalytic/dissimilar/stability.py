@@ -139,7 +139,7 @@ class SlidingStability:
 
 
 def sliding_stability(upper: Material, lower: Material, friction: float) -> SlidingStability:
-    """Tell whether waves grow while two bodies slide on one another under Coulomb friction.
+    """Return whether and how fast waves grow while two bodies slide under Coulomb friction.
 
     Parameters
     ----------

@@ -326,23 +326,6 @@ class Scene:
         """
         return self.load.slowness(self.material)
 
-    def check_at_once(self, function: str, instead: str = "solve it") -> None:
-        """Raise SceneError if the front of the load moves along the interface.
-
-        Parameters
-        ----------
-        function : str
-            What knows only loads that come everywhere at once, for the message.
-        instead : str
-            What to do with the scene, for the message.
-        """
-        if not isinstance(self.load, Tractions):
-            self.check_front()
-            raise SceneError(
-                f"{function}: incident waves and moving loads are not known here; {instead}, or "
-                "give tractions for the load (docs/scenes.md)."
-            )
-
     @property
     def antiplane(self) -> bool:
         """Whether shear and slip are along z."""

@@ -169,7 +169,7 @@ def _corrected_beside(
     """Return corrected zones where the contact is open, treating its closed parts as zones."""
     parts: list[Zone] = []
     # Index in `parts` of the first part of each zone.
-    first = {}  # of the parts of each zone
+    first = {}
     for index, zone in enumerate(zones):
         first[index] = len(parts)
         parts += _closed_parts(zone, opening) if _holds(zone, opening) else [zone]
@@ -244,7 +244,8 @@ def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> l
         to_end = one.touches_right or _reaches(one.right, zone.right)
         from_start = one.touches_left or _reaches(zone.left, one.left)
         if from_start and one.right is None:
-            del result[one.zone]  # all of a zone at the contact edge
+            # The violation covers all of a zone at the contact edge.
+            del result[one.zone]
         elif from_start:
             result[one.zone] = replace(zone, left=one.right)
         elif to_end and zone.right is not None:

@@ -103,7 +103,8 @@ def _one_of(profile: Profile, j: int) -> Profile:
     return Profile(ZoneFields(fields.factors.single(j), load, zones, fields.rule))
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # answered by None
+# Overflow leaves nan in the misses, which is answered by None.
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
     """Return where Coulomb's law fails for one set of zones; None if the fields are not numbers.
 
@@ -124,7 +125,8 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
         Empty where the law holds.
     """
     if profile.fields.load.frictionless:
-        return []  # free slip may have either sense
+        # Without friction slip may have either sense, and no traction is bounded.
+        return []
     misses = _misses(profile, tolerance)
     if np.isnan(misses).any():
         return None
@@ -235,7 +237,8 @@ def excess_intensity(profile: Profile) -> Array:
     The edge must slip where this is positive (docs/theory.md, "Stuck tractions").
     """
     load, factors = profile.fields.load, profile.fields.factors
-    at_zero = factors.m_plus_at_zero  # intensities of unit steps are as one over it
+    # Stress intensities of unit steps are proportional to 1 / M_+(0), (3.13) and (3.16).
+    at_zero = factors.m_plus_at_zero
     strength = np.asarray(per_set(load.friction) * load.load_pressure)
     if load.slowness and load.load_pressure:
         strength = strength * (at_zero["I"] / factors.m_plus_at_load(load.slowness, "I"))
@@ -244,7 +247,8 @@ def excess_intensity(profile: Profile) -> Array:
     units = per_set(at_zero["I"]) / per_set(at_zero[factors.mode])
     traction = np.abs(profile.edge_intensity) * units
     driven = traction > tuning.UNDRIVEN_EXCESS * abs(load.load_shear)
-    unbounded = np.where(driven, np.inf, 0.0)  # no strength bounds it
+    # Where f K_I is 0, no strength bounds the traction.
+    unbounded = np.where(driven, np.inf, 0.0)
     return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, unbounded)
 
 
@@ -280,7 +284,8 @@ def doubtful(profile: Profile) -> np.ndarray:
     result = (middle >= before) & (middle > after) & (top > -tuning.PARABOLA_ERROR)
     result &= np.abs(y[1:-1]) < tuning.HIDING_REACH
     if profile.panels.layout.pole >= 0:
-        result[profile.panels.layout.pole] = False  # V is unbounded there
+        # V is unbounded at c, where a parabola says nothing.
+        result[profile.panels.layout.pole] = False
     return np.asarray(result)
 
 

@@ -142,7 +142,8 @@ class Edges:
         near = np.abs(unknowns).max(axis=0) < tuning.FARTHEST
         opens = self.open_ends[0]
         for index, (p, q) in enumerate(pairwise(self.points(np.where(near, unknowns, 0.0)))):
-            inside = (index % 2 == 0) != opens  # between the edges of one zone
+            # Segments between the edges of one zone alternate with those between zones.
+            inside = (index % 2 == 0) != opens
             least = tuning.LEAST_WIDTH * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
             near &= (q.minus(p) > least)[..., 0]
         return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))
@@ -195,7 +196,8 @@ class Edges:
         """Return the mismatch of fields with these edges; for a held edge, its distance from its
         place."""
         result = fields.mismatch()
-        if result.ndim < unknowns.ndim:  # no edge is free
+        # Without a free edge the mismatch is the same for all columns of unknowns.
+        if result.ndim < unknowns.ndim:
             result = np.repeat(result[:, None], unknowns.shape[1], axis=1)
         for edge, side in enumerate(self.sides):
             if not side:
@@ -270,7 +272,8 @@ def broyden(inverse: Array, move: Array, change: Array) -> Array:
     return np.asarray(inverse + (move - image).T[..., :, None] * rows.T[..., None, :])
 
 
-@np.errstate(over="ignore", divide="ignore", invalid="ignore")  # edges moved onto a front
+# An edge that is moved onto a front has an infinite logit, and an infinite shift.
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")
 def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     """Return the largest shift of edges over the lesser of themselves and c_t, () or (k,).
 
@@ -362,7 +365,8 @@ def locate_edges(
     edges, unknowns, inverse = start.edges, start.unknowns, start.inverse
     if not len(unknowns):
         return start
-    if not (np.isfinite(unknowns).all() and edges.ordered(unknowns)):  # zones overlap
+    # Zones that overlap, or begin on a front, are no start for Newton's method.
+    if not (np.isfinite(unknowns).all() and edges.ordered(unknowns)):
         return replace(start, converged=False)
     for step in range(1, most_steps + 1):
         values, jacobian = linearised(edges, unknowns, load, rule)

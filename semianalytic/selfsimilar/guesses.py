@@ -80,7 +80,8 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
     for size in tuning.GRIDS:
         try:
             grid = slip_on_grid(factors.poisson_ratio, load, size, factors.mode)
-        except ComputationError:  # pivoting ended on a ray, by rounding
+        except ComputationError:
+            # By rounding, pivoting may end on a ray; the next grid has other pivots.
             continue
         zones = zones_on_grid(factors, grid, load.critical)
         if load.opened is not None:
@@ -118,7 +119,8 @@ def zones_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> l
     If the base is critical, that is, its shear traction equals friction ahead of all waves, slip
     that starts at the first node starts at the longitudinal front itself.
     """
-    xi, rate = grid.xi[::-1], grid.slip_rate[::-1]  # from the longitudinal front inward
+    # Zones are listed from the longitudinal front inward, and xi increases outward.
+    xi, rate = grid.xi[::-1], grid.slip_rate[::-1]
     sense = np.sign(rate).astype(int)
     if critical and sense[0] == 0:
         sense[0] = sense[1]
@@ -162,7 +164,8 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
     assert load.opened is not None
     opening = load.opened.zone
     free = is_open(opening, grid.xi)
-    last, first = np.flatnonzero(free)[[0, -1]]  # from the edge outward
+    # xi increases outward and zones are listed inward: the opening ends at the first free node.
+    last, first = np.flatnonzero(free)[[0, -1]]
     ahead, beside = float(np.sign(grid.slip_rate[first + 1])), float(np.sign(grid.slip_rate[first]))
     inward = int(np.sign(grid.slip_rate[last - 1])) if last else 0
     rate = grid.slip_rate.copy()
@@ -186,7 +189,7 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
     # In antiplane shear without base shear, no traction arrives ahead of the shear front.
     undriven = not factors.has_rayleigh_wave and not (load.base_shear or load.far_slip_rate)
     if undriven and opening.left is not None and opening.left.from_b[0] < 0:
-        zones[index] = replace(held, left=opening.left)  # nothing has arrived there
+        zones[index] = replace(held, left=opening.left)
     else:
         zones[index] = _around(factors, held, opening, grid.xi, (int(last), int(first)))
     return zones
@@ -332,7 +335,8 @@ def _opening_behind_front(factors: RayleighFactors, load: Load, sense: int) -> C
     result is None if that happens nowhere ahead of the shear front.
     """
     at = _behind_front(factors)
-    over = np.pi * (at.v - load.slowness)  # the load makes T = Q_0 k / (k + p)
+    # A front of slowness p makes T = Q_0 k / (k + p) of the load: v - p takes the place of v.
+    over = np.pi * (at.v - load.slowness)
     slope = load.load_shear * np.sin(factors.phase(at)) / over * at.from_a
     # Trapezoidal sum of dtau/dv = Im T / (pi v) in the logarithm of v - a.
     gained = np.cumsum((slope[1:] + slope[:-1]) / 2 * tuning.FRONT_STEP)
@@ -355,7 +359,8 @@ def with_slip_at_front(
         return zones
     first = zones[0] if zones else None
     if factors.mode == "III" and first and first.left is not None and first.left.from_b[0] < 0:
-        return [replace(first, left=None), *zones[1:]]  # no shear arrives that would hold it
+        # In antiplane shear no shear arrives ahead of the shear front, which would hold the strip.
+        return [replace(first, left=None), *zones[1:]]
     at = _behind_front(factors)
     at = at[at.from_a > tuning.NARROWEST_FRONT_ZONE]
     if load.opened is None:
@@ -366,7 +371,8 @@ def with_slip_at_front(
     # friction.
     excess = sense * load.load_shear * load.stuck(factors, factors.mode).at(at) - pressure
     kept = np.flatnonzero(excess <= 0)
-    if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late
+    # At nu = 0 the pressure falls too late behind the front, and no strip is found.
+    if not len(kept) or not kept[0]:
         return zones
     right = at[[kept[0]]]
     if zones and zones[0].left is not None and not right.first_below(zones[0].left):

@@ -229,7 +229,8 @@ def unit_law(scene: Scene, stress: float) -> UnitLaw:
     return UnitLaw(scene.friction_law, stress, 2 * stress / scene.material.shear_impedance)
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends unconverged
+# Iterates that overflow end as unconverged.
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: float) -> Rated:
     """Apply Newton's method to given zones, from the slip rate of a profile.
 

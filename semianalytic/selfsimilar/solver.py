@@ -170,7 +170,8 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     """
     clock, coulomb = [perf_counter()], replace(scene, friction_law=CoulombFriction())
     dry = solve(coulomb, rtol=max(rtol, 1e-8))
-    if not dry.zones:  # nothing weakens
+    # Without slip the law is that of Coulomb, since strength at rest is f p.
+    if not dry.zones:
         return replace(dry if rtol >= 1e-8 else solve(coulomb, rtol=rtol), scene=scene)
     clock.append(perf_counter())
     law, speed = unit_law(scene, dry.stress_unit), scene.material.shear_speed
@@ -279,7 +280,8 @@ def _strict(rtol: float) -> float:
     return max(tuning.STRICTER * rtol, min(rtol, tuning.STRICTEST))
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
+# Numbers that overflow end in a status, not in a warning.
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules: _Rules) -> _Trial:
     """Correct zones, one set after another, until Coulomb's law holds; return the last trial."""
     steps, may_turn = 0, True
@@ -289,7 +291,7 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
         # A zone may begin at the first front only if the base is at friction: elsewhere the
         # traction would have to jump there, which no load produces.
         if zones and zones[0].left is None and not load.slips_from_front:
-            break  # traction would jump there, for no load does
+            break
         if not placement.converged:
             others = rearranged(factors, placement.zones, load, may_turn)
             if others is None:
@@ -317,7 +319,8 @@ def _unlawful(placement: Placement, load: Load, rule: Rule) -> _Trial:
     return _Trial(placement, Profile(fields), False)
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
+# Numbers that overflow end in a status, not in a warning.
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     """Improve the edges on finer and finer rules until a coarser companion agrees to rtol.
 
@@ -347,13 +350,16 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
         steps += placement.steps
         numerical = numerical_error(placement, fields, tolerance, left)
         missed = float(missed_slip(profile))
+        # Zones that shrink to nothing have no relative error.
         if not numerical + missed < np.inf:
-            return replace(finer, steps=steps), np.inf  # zones that shrink to nothing
+            return replace(finer, steps=steps), np.inf
+        # What does not decrease any more is rounding: finer rules would only cost more.
         if numerical > tuning.LEAST_GAIN * before:
-            break  # rounding: finer rules only cost more
+            break
         trial, before, estimate = finer, numerical, numerical + missed
+        # If missed slip alone exceeds rtol, a finer rule does not help: the check finds its zone.
         if estimate <= rtol or numerical <= tuning.HOPED_ERROR * rtol:
-            break  # a finer rule finds no zone that is missed: the check does
+            break
         # The error of a rule decreases about in proportion to its tolerance; the next tolerance
         # follows from that, within bounds.
         share = min(tuning.HOPED_ERROR * rtol / numerical, tuning.SLOWEST_REFINEMENT)
@@ -369,7 +375,8 @@ def _affordable(fields: ZoneFields, tolerance: float) -> float:
 
     The number of nodes is predicted from that of another rule.
     """
-    per_node = fields.panels.jacobian.size / len(fields.rule.y)  # rules of films are made longer
+    # Rules of films are made longer, in proportion to the rule that was asked for.
+    per_node = fields.panels.jacobian.size / len(fields.rule.y)
     # The number of nodes grows with the logarithm of 1 / tolerance: doubling is a small step.
     while per_node * len(rule_for(tolerance).y) > tuning.MOST_NODES:
         tolerance *= 2
@@ -384,8 +391,9 @@ def _checked(trial: _Trial, refined: _Trial, estimate: float, rtol: float) -> tu
     The trial, with the numbers of all its steps and sets of zones, and its error estimate.
     """
     refined, fields = replace(refined, steps=trial.steps + refined.steps), refined.profile.fields
+    # The search has checked the law on this very rule.
     if fields.rule is trial.profile.fields.rule:
-        return refined, estimate  # the law was checked on that rule
+        return refined, estimate
     # Violations are measured relative to the largest slip rate; where that is small, the tolerance
     # for tractions becomes stricter in the same ratio.
     strictness = min(max(float(refined.profile.largest_rate), 1 / tuning.LAW_TOLERANCE), 1.0)

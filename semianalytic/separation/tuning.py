@@ -19,7 +19,8 @@ they go to half of it (measured: 0.5 to 0.97 of it), and how far they go beyond 
 (measured: 0.1 to 0.6); the share of the way to a cut that is left.  So Newton's method starts 0.03
 and 0.01 off (medians over a hundred scenes), and takes two steps."""
 MOST_NEWTON_STEPS = 30
-"""Not recorded; five are the rule."""
+"""Most steps of Newton's method; five are the rule.  Half, twice: no effect on 24 random scenes
+with Coulomb friction."""
 LONGEST_MOVE = 2.0
 """Largest change of an unknown, a logit or a logarithm, in one step."""
 NUDGE = 1e-6

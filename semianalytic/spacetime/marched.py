@@ -39,7 +39,7 @@ from semianalytic.spacetime.tuning import (
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront march 5"
+FORMAT = "slipfront march 4"
 
 
 @dataclass(frozen=True)
@@ -540,6 +540,8 @@ class Marched(SampledAnswer):
             group.attrs[name] = getattr(self, name)
         if self.rtol is not None:
             group.attrs["rtol"] = self.rtol
+        if self.entry:
+            group.attrs["entry"] = self.entry
         group.attrs["statistics"] = json.dumps(asdict(self.statistics))
         group.attrs["departure"] = json.dumps(asdict(self.departure))
         for name in _GROUPS:
@@ -593,6 +595,7 @@ class Marched(SampledAnswer):
             statistics=MarchStatistics(**json.loads(group.attrs["statistics"])),
             departure=Departure(**json.loads(group.attrs["departure"])),
             rtol=float(group.attrs["rtol"]) if "rtol" in group.attrs else None,
+            entry=float(group.attrs.get("entry", 0.0)),
             **parts,
         )
 
@@ -602,7 +605,6 @@ _OPTIONS = {
     "step_ratio": float,
     "damping": float,
     "every": int,
-    "entry": float,
 }
 _GROUPS = {
     "interface": InterfaceHistory,

@@ -1,71 +1,90 @@
-"""Tuning constants of sweeps, each with the reason for its value, "not recorded" if it is lost."""
+"""Tuning constants of sweeps, each with the reason for its value or with what it does.
+
+"Half, twice" states what half and twice a value did to sweeps of 60 frictions from 0.05 to 1.5, at
+rtol 1e-8, of `preloaded`, `remote-shock`, `auxetic` and `antiplane`, 240 answers.  Work is counted
+in values of Cauchy's kernel.  "No effect" means that all edges stayed within 1e-12 c_t and work
+within 1 %.  All answers converged throughout, and errors of edges stayed below a quarter of their
+estimates.
+"""
 
 # Which frictions to try next (continuation)
 
 FIRST_FRICTIONS = 7
-"""Solved from scratch to begin with.  Not recorded."""
+"""Frictions that are solved from scratch to begin with.  Half, twice: work 5 % more, 5 % less."""
 PREDICTION_REACH = 3
-"""Known frictions to either side used to predict.  Not recorded."""
+"""Known frictions to either side that a prediction uses.  Half, twice: work 2 % and 7 % more."""
 TRIED_BETWEEN = 7
-"""Frictions tried at once between two with the same set of zones.  Not recorded."""
+"""Frictions tried at once between two with the same set of zones.  Half, twice: no effect."""
 HALVED_GAP = 3
-"""Gaps up to this are halved.  Not recorded."""
+"""Gaps of up to so many frictions are halved.  Half: work 7 % more; twice: 35 answers change, and
+the worst error is 0.21 of its estimate, in place of 0.03."""
 LEAST_BESIDE_CHANGE = 3
-"""Frictions between two sets of zones for which neither is tried.  Not recorded."""
+"""Frictions between two sets of zones below which neither set is tried there.  Half, twice:
+work 4 % more, 19 % less."""
 TRIED_BESIDE_CHANGE = 4
-"""Frictions tried at once from either side of a change.  Not recorded."""
+"""Frictions tried at once from either side of a change of zones.  Half, twice: work 16 % less, 2 %
+more."""
 MOST_INTERPOLATED, LEAST_INTERPOLATED = 8, 5
-"""Known frictions to interpolate through.  Not recorded."""
+"""Known frictions that an interpolation goes through, at most and at least.  Half, twice of the
+first and twice of the second: 27 to 30 answers change, work does not; half of the second: no
+effect."""
 
 # Correction of many frictions at once (batches)
 
 BATCH = 24
 """Sets of zones in one batch: more leave the processor's cache."""
 MOST_STEPS = 4
-"""Of Newton's method on the loose rule, and of chord steps on a fine one.  Not recorded."""
+"""Most steps of Newton's method on the loose rule, and of chord steps on a fine one.  Half: work
+2 % more; twice: no effect."""
 LONGEST_MOVE = 1.5
-"""Of an edge unknown in one step, as in `selfsimilar.tuning`.  Not recorded."""
+"""Largest change of an edge unknown in one step, as in `selfsimilar.tuning`.  Half, twice: no
+effect."""
 NEAR = 2e-3
-"""Move of an edge unknown after which its Jacobian is kept.  Not recorded."""
+"""Move of an edge unknown after which its Jacobian is kept.  Half, twice: work 1 % more."""
 SLOW = 0.5
-"""Moves that shrink less are given up.  Not recorded."""
+"""Ratio of a move to the one before above which Newton's method is given up.  Half: no effect;
+twice: work 6 % more."""
 CONTRACTION, LEAST_CONTRACTION = 20.0, 1e-3
-"""What a chord step leaves of itself, over the doubt of its prediction and at least.  Not
-recorded."""
+"""Share of itself that a chord step leaves, over the doubt of its prediction and at least.  Half,
+twice of either: no effect."""
 TRUSTED_DOUBT = 1e-3
-"""Doubt of a prediction that needs no Newton's method.  Not recorded."""
+"""Doubt of a prediction below which it needs no Newton's method.  Half: no effect; twice: work 7 %
+more."""
 LEADING_DOUBT = 0.2
-"""Doubt of a prediction that needs no full Newton's method: where it leads nowhere there are other
-zones.  Not recorded."""
+"""Doubt of a prediction below which it needs no full Newton's method: if it leads nowhere, there
+are other zones.  Half: no effect; twice: work 1 % more."""
 MOST_REFINEMENTS = 3
-"""Rules tried until the estimate is below rtol.  Not recorded."""
+"""Rules tried until the estimate is below rtol.  Half, twice: no effect."""
 LAST_MOVE = 10
-"""Longest last move of an edge unknown, over rtol.  Not recorded."""
+"""Longest last move of an edge unknown, over rtol.  Half: no effect; twice: work 3 % less."""
 FAR_RULES = 1e-2
-"""Tolerances further apart than this take a chord step on a rule between.  Not recorded."""
+"""Ratio of tolerances below which a chord step on a rule between them is taken.  Half, twice: no
+effect."""
 FASTEST_REFINEMENT = 1e-3
-"""Tolerance of a rule over that of the one before, at least.  Not recorded."""
+"""Tolerance of a rule over that of the one before, at least.  Half, twice: no effect."""
 LOOSEST_LAW = 1e-4
 """Loosest check of Coulomb's law: neighbours' zones may hide one that just begins."""
 CLOSE_TO_FRONT = 1e-3
 """Distance in slowness from a front below which differences are formed there."""
 BROYDEN_STEPS = 4
-"""Steps with neighbours' Jacobians before they are formed anew.  Not recorded."""
+"""Steps with neighbours' Jacobians before they are formed anew.  Half: one answer changes; twice:
+no effect."""
 LOOSE_RTOL = 1e-5
-"""rtol from which those steps suffice.  Not recorded."""
+"""Value of rtol from which those steps suffice.  Half, twice: no effect."""
 
 # Interpolation between frictions (interpolation)
 
 LOOSE_CHECK, LOOSE_MOVE = 10, 100
-"""Coulomb's law and moves of edges of interpolated zones, in tolerances of the loose rule.  Not
-recorded."""
+"""Coulomb's law and moves of edges of interpolated zones, in tolerances of the loose rule.  Half,
+twice of either: no effect."""
 CONVERGING = 0.5
-"""Differences that shrink less are no estimate.  Not recorded."""
+"""Ratio of two successive differences above which the smaller one is no estimate.  Half: four
+answers change; twice: no effect."""
 DOUBT = 5.0
 """Safety of the estimate: true errors were up to three times the plain one beside thresholds."""
 INVERSION_STEPS, INVERSION_NUDGE = 4, 1e-4
-"""Newton steps from a friction to the edge unknown there, and their nudge over its range.  Not
-recorded."""
+"""Newton steps from a friction to the edge unknown there, and their nudge over its range.  Half of
+the first: 11 answers change; twice of it, half and twice of the second: no effect."""
 
 # Neighbours among friction and Poisson ratio (neighbours, plane)
 

@@ -82,8 +82,8 @@ def compare_command(
 ) -> None:
     """Solve and simulate a scene; write figures and a judgement on whether the two agree.
 
-    The exit code is 0 if nothing differs by more than the error bars allow, what this mesh cannot
-    resolve being listed; 1 if something does; 4 if the prediction has not converged.
+    The exit code is 0 if no quantity differs by more than the error bars allow, 1 if one does, and
+    4 if the prediction has not converged.  Quantities that this mesh cannot resolve are listed.
     """
     require("slipfront compare", *FEM, *PLOT)
     seconds, snapshots = in_seconds(budget), not no_snapshots

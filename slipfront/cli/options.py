@@ -243,7 +243,7 @@ MARCH_OPTIONS: Mapping[str, Any] = {
         type_,
         "Space-time solver",
         text,
-        dimension={"length": "length", "latest": "time"}.get(name, ""),
+        dimension={"length": "length", "latest": "time", "entry": "length"}.get(name, ""),
     )
     for name, (type_, text) in {
         "nodes": (int, "Contact nodes; 1000 by default, or as many as the loads need."),
@@ -252,6 +252,7 @@ MARCH_OPTIONS: Mapping[str, Any] = {
         "step_ratio": (float, "c_t times the step over the node distance; 0.5 by default."),
         "every": (int, "Store every n-th step."),
         "latest": (float, "Time to which a saved march can be continued [time]; T by default."),
+        "entry": (float, "Where a load that comes along the slot begins [length before the tip]."),
         "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
         "save": (Path, "File to save the march to (.h5)."),
         "go_on": (Path, "File of a saved march to continue."),

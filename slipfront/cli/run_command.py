@@ -44,10 +44,10 @@ def run_command(
         float | None, typer.Option(help="Error of slip and gap: nodes are doubled until it is met.")
     ] = None,
     save: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Keep the run (.npz), to go on later.")
+        Path | None, typer.Option(metavar="FILE", help="File to save the run to (.npz).")
     ] = None,
     go_on: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Continue a run that was saved.")
+        Path | None, typer.Option(metavar="FILE", help="File of a saved run to continue.")
     ] = None,
     netcdf: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write all fields as NetCDF (.nc).")
@@ -61,7 +61,8 @@ def run_command(
     """Run an interface: contacts, fields along x and friction with state, in steps of any length.
 
     The exit code is 4 if the run is unresolved or misses --rtol; the result is printed all the
-    same.  Ctrl-C ends a run early and keeps what is there.
+    same.  Ctrl-C ends a run early; what was computed is printed, and saved
+    with --save.
     """
     found = find_interface(source)
     if isinstance(end_time, InSI):
@@ -133,18 +134,20 @@ def _document(done: Run, name: str) -> dict[str, Any]:
 def _show(done: Run, name: str) -> None:
     """Print a run as a table."""
     shown = _document(done, name)
-    table = Table("quantity", "value", title=name, show_header=False)
-    table.add_row("until", f"t = {done.end_time:.6g}")
+    table = Table("quantity", "value", "unit", title=name)
+    table.add_row("until", f"t = {done.end_time:.6g}", "time")
     table.add_row("nodes, frames", f"{done.nodes}, {len(done.t)}")
     table.add_row(
-        "steps", f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}"
+        "steps",
+        f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}",
+        "time",
     )
-    table.add_row("largest slip", f"{shown['largest_slip']:.6g}")
-    table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}")
-    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} % of the contact")
+    table.add_row("largest slip", f"{shown['largest_slip']:.6g}", "length")
+    table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}", "length/time")
+    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} %", "of the contact")
     if done.interface.may_open:
-        table.add_row("largest gap", f"{shown['largest_gap']:.6g}")
+        table.add_row("largest gap", f"{shown['largest_gap']:.6g}", "length")
     for quantity, error in done.error_estimates.items():
-        table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}")
+        table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}", "relative")
     table.add_row("status", done.status)
     Console().print(table)

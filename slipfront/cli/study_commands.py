@@ -24,7 +24,7 @@ Output = Annotated[
     Path | None,
     typer.Option(metavar="DIR", help="Folder to write to, results/COMMAND if not given."),
 ]
-Quick = Annotated[bool, typer.Option("--quick", help="Coarser and smaller: a look at everything.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Compute less, for a first look.")]
 
 
 Scheduler = Annotated[
@@ -167,12 +167,12 @@ def chart(
     output: Output = None,
     figures: FiguresForm = "png",
     quick: Quick = False,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is there.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Repeat finished measurements.")] = False,
     scheduler: Scheduler = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Chart error against time of every method; an interrupted chart goes on when started again.
+    """Chart error against time of every method; an interrupted chart resumes when restarted.
 
     --output docs refreshes the page of the documentation.
     """
@@ -245,9 +245,7 @@ def evidence(
         Path | None,
         typer.Option(metavar="FILE", help="Page to write, results/evidence.html if not given."),
     ] = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Four scenes and fewer figures: a first look.")
-    ] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Four scenes and fewer figures.")] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:

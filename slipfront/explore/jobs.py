@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import NamedTuple
+from urllib.parse import parse_qsl, urlencode
 
-from semianalytic import Marched, Scene, march, solve
+from semianalytic import Marched, Scene, Tractions, march, solve
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
 from slipfront.explore.views import (
+    DISPLACEMENT,
     SPEED,
     FieldView,
     end_time,
@@ -27,13 +31,49 @@ class Moment(NamedTuple):
     share: float = 1.0
     of: str = SPEED
 
+    @property
+    def query(self) -> str:
+        """What the address adds to that of the scene, ``&time=0.4&picture=displacement``."""
+        said = {"time": f"{self.share:.6g}", "picture": self.of}
+        usual = {"time": "1", "picture": SPEED}
+        return "".join(f"&{urlencode({k: v})}" for k, v in said.items() if v != usual[k])
+
+
+LEAST_SHARE = 0.05
+"""Earliest time that pictures show, over T; the first waves are narrower than a few pixels then."""
+
+
+def moment_in(query: str) -> tuple[Moment, str]:
+    """Return the moment that an address names, and the address without it.
+
+    Raises
+    ------
+    SceneError
+        If the address names a time beyond the slider's, or a picture that there is none of.
+    """
+    pairs = parse_qsl(query.removeprefix("?"), keep_blank_values=True)
+    named, rest = dict(pairs), [pair for pair in pairs if pair[0] not in ("time", "picture")]
+    text, of = named.get("time", "1"), named.get("picture", SPEED)
+    try:
+        share = float(text)
+    except ValueError:
+        share = 0.0
+    if not LEAST_SHARE <= share <= 1.0:
+        raise SceneError(f"time must be t / T from {LEAST_SHARE} to 1, got {shown(text)}.")
+    if of not in (SPEED, DISPLACEMENT):
+        raise SceneError(f"picture must be {SPEED} or {DISPLACEMENT}, got {shown(of)}.")
+    return Moment(share, of), f"?{urlencode(rest)}" if rest else ""
+
 
 class MarchViews(NamedTuple):
-    """A march, and the field at one moment, whose computation takes as long."""
+    """A march, and the field at one moment, whose computation takes as long.
+
+    The field is None where a march does not know it.
+    """
 
     marched: Marched
     moment: Moment
-    field: FieldView
+    field: FieldView | None
 
 
 def solved_field(
@@ -56,4 +96,6 @@ def marched_views(scene: Scene, moment: Moment, progress: Progress) -> MarchView
             progress(done, steps)
 
     marched = march(scene, end_time(scene), progress=tell)
-    return MarchViews(marched, moment, field_view(marched, MARCH_POINTS, *moment))
+    known = isinstance(scene.load, Tractions)
+    field = field_view(marched, MARCH_POINTS, *moment) if known else None
+    return MarchViews(marched, moment, field)

@@ -12,13 +12,17 @@
     "particle speed": "Particle speed / V₀ in both bodies",
     displacement: "Displacement / (V₀ T) in both bodies",
   };
-  let said = 0;
+  const MOMENT = ["time", "picture"]; // names in the address that are no part of a scene
+  let said = 0, refused = false;
   const LOST = 5000; // after which an answer is not waited for any more [ms]
 
   // values of controls, and the ranges, steps and units of sliders for them
-  function show({ values, sliders, message }) {
+  function show({ values, sliders, message, moment }) {
     fixed = values;
     by("message").textContent = message;
+    by("share").value = by("share-value").value = moment.share;
+    by("of").value = moment.of;
+    by("h-body").textContent = TITLES[moment.of];
     for (const { name, label, unit, low, high, step } of sliders) {
       const slider = by(name);
       Object.assign(slider, { min: low, max: high, step });
@@ -29,6 +33,12 @@
     for (const [name, value] of Object.entries(values))
       if (by(name) && form.contains(by(name))) by(name).value = value;
     label();
+  }
+
+  // what the address of a scene adds where its pictures show another moment or quantity
+  function moment() {
+    const all = new URLSearchParams(location.search);
+    return MOMENT.filter((key) => all.has(key)).map((key) => `&${key}=${all.get(key)}`).join("");
   }
 
   // values of controls; a number that no slider can hit is kept as it was given
@@ -80,6 +90,9 @@
   function words(news) {
     if ("message" in news) by("message").textContent = news.message;
     if ("status" in news) {
+      // an answer takes back the refusal of a scene before it, which may come after the move
+      if (refused && !("message" in news)) by("message").textContent = "";
+      refused = "message" in news;
       const error = "error" in news ? `, error estimate ${news.error}` : "";
       const time = "solved" in news ? `, solved in ${news.solved.toFixed(0)} ms` : "";
       by("status").textContent = news.status + error + time;
@@ -135,6 +148,7 @@
   // the menu names the scene while it is that of the name
   function name(query) {
     const plain = (text) => JSON.stringify([...new URLSearchParams(text)]
+      .filter(([key]) => !MOMENT.includes(key))
       .map(([key, value]) => [key, value !== "" && Number.isFinite(+value) ? +value : value]).sort());
     const known = [...by("scenes").options].find((one) => plain(one.value) === plain(query));
     by("scenes").value = known ? known.value : "";
@@ -207,7 +221,7 @@
     form.addEventListener("input", moved);
     form.addEventListener("submit", (event) => event.preventDefault());
     by("scenes").addEventListener("change", (event) => {
-      if (event.target.value) send({ query: event.target.value });
+      if (event.target.value) send({ query: event.target.value + moment() });
     });
     form.addEventListener("change", (event) => {
       if (event.target.id === "share-value") event.target.value = by("share").value;

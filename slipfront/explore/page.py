@@ -22,7 +22,7 @@ from bokeh.server.views.static_handler import StaticHandler
 from jinja2 import Environment, Template
 
 from compare.comparison.scales import reference_values
-from semianalytic import Marched, Scene, SlipZone, Solution, solve
+from semianalytic import Marched, Scene, SlipZone, Solution, Tractions, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.errors import SlipfrontError
@@ -41,7 +41,15 @@ from slipfront.explore.controls import (
     values_from_query,
 )
 from slipfront.explore.downloads import FILES, program
-from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views, solved_field
+from slipfront.explore.jobs import (
+    LEAST_SHARE,
+    MarchViews,
+    Moment,
+    marched_field,
+    marched_views,
+    moment_in,
+    solved_field,
+)
 from slipfront.explore.maps import RegimeMap, can_map, highest_friction, map_key, regime_map
 from slipfront.explore.pictures import (
     CURVES,
@@ -69,8 +77,7 @@ MOVING_NODES = 150
 """Nodes along curves while a slider moves; at edges and fronts, more are added."""
 MOVING_POINTS, POINTS = 24, 90
 """Points across the picture of the field while a slider moves, and when it stands still."""
-LEAST_SHARE = 0.05
-"""Earliest time that pictures show, over T; the first waves are narrower than a few pixels then."""
+NO_FIELD = "The field in the bodies under a load whose front moves is not known from a march."
 LISTEN = 40
 """Interval at which messages of other processes are read [ms]."""
 
@@ -147,7 +154,9 @@ class Session:
 
         The sliders of the start scene are kept if they suit the values.
         """
+        moment = Moment()
         try:
+            moment, query = moment_in(query)
             values, message = values_from_query(query, self._start), ""
         except SlipfrontError as error:
             values = defaults(self._start)
@@ -155,7 +164,8 @@ class Session:
         if not serve_for(self._ruled, values):
             self._ruled = scene_of(values)
         ruled = [asdict(one) for one in sliders(self._ruled)]
-        return {"values": values, "sliders": ruled, "message": message}
+        shown = {"values": values, "sliders": ruled, "message": message}
+        return {**shown, "moment": moment._asdict()}
 
     def _end(self) -> None:
         for worker in (self._field_worker, self._map_worker, self._march_worker):
@@ -189,9 +199,9 @@ class Session:
     def _show(self, values: Mapping[str, Any], moving: bool, since: float) -> None:
         """Draw the scene of the controls, or say why it does not exist."""
         try:
-            scene = scene_of(values)
+            scene, query = scene_of(values), query_of(values) + self._moment.query
             if isinstance(self._answer, Marched) and self._answer.scene == scene:
-                self._show_march(self._answer, moving, since, query_of(values))
+                self._show_march(self._answer, moving, since, query)
                 return
             if self._march_worker.busy and self._marching == scene:
                 self._tell(since=since, moving=moving)  # drawn when the march is done
@@ -200,9 +210,9 @@ class Session:
             self._shown = self._marching = None
             self._map.place(scene.friction, scene.material.poisson_ratio)
             if chosen_method(scene) == "self-similar":
-                self._show_solution(scene, moving, since, query_of(values))
+                self._show_solution(scene, moving, since, query)
             else:
-                self._march(scene, moving, since, query_of(values))
+                self._march(scene, moving, since, query)
             if not moving:
                 self._draw_map(scene)
         except SlipfrontError as error:
@@ -240,7 +250,7 @@ class Session:
         self._draw_contact(marched, NODES)
         told = {"status": marched.status, "error": f"{marched.error_estimate:.1e}"}
         self._tell(since=since, query=query, moving=moving, **told)
-        if not moving:
+        if not moving and isinstance(marched.scene.load, Tractions):
             self._march_worker.start(marched_field, marched, self._moment)
 
     def _draw_contact(self, answer: Solution | Marched, nodes: int) -> None:
@@ -336,16 +346,21 @@ class Session:
         elif kind == "result" and isinstance(content, MarchViews):
             self._answer = content.marched
             self._draw_contact(content.marched, NODES)
-            self._field.draw(content.field)
-            if content.moment != self._moment:
-                self._march_worker.start(marched_field, content.marched, self._moment)
+            said = {}
+            if content.field is None:
+                said["message"] = NO_FIELD
+            else:
+                self._field.draw(content.field)
+                if content.moment != self._moment:
+                    self._march_worker.start(marched_field, content.marched, self._moment)
             self._tell(
                 progress=1.0,
                 status=content.marched.status,
                 error=f"{content.marched.error_estimate:.1e}",
                 readings=_readings(content.marched),
                 program=program(content.marched.scene),
-                field=True,
+                field=content.field is not None,
+                **said,
             )
         elif kind == "result" and isinstance(content, FieldView):
             self._field.draw(content)

@@ -1,15 +1,18 @@
 """How far the judge can be trusted: what is spoilt, how it is searched, what it comes to."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
-from compare.output.tables import append_rows, started_rows
+from compare.output.tables import append_rows, sound_rows, started_rows
+from docs.studies.judge import fronts as judge_fronts
 from docs.studies.judge import spoils
 from docs.studies.judge import trials as judge_trials
 from docs.studies.judge.__main__ import main
+from docs.studies.judge.fronts import drawn
 from docs.studies.judge.held_slot import held_slot
 from docs.studies.judge.scenes import (
     HISTORIES,
@@ -387,3 +390,19 @@ def test_power_scenes_differ():
     assert not all(scene.is_self_similar for scene in scenes.values())
     assert sum(len(solve(one).zones) > 1 for one in scenes.values() if one.is_self_similar) >= 4
     assert {one.friction == 0 for one in scenes.values()} == {True, False}
+
+
+def test_scenes_under_moving_fronts_are_judged_once_and_summed_up(tmp_path, monkeypatch):
+    monkeypatch.setattr(judge_fronts, "RESOLUTION", 16)
+    assert drawn(3)[0] == drawn(3)[0] != drawn(7)[0]
+    trials, bars = tmp_path / "trials" / "trials.csv", tmp_path / "bars.csv"
+    first = judge_fronts.main(trials, bars, count=1)
+    assert first[0].load == "P"
+    assert first[0].rows == first[-1].rows > 5
+    assert first[0].within == 1.0
+    text = trials.read_text()
+    assert judge_fronts.main(trials, bars, count=1) == first
+    assert trials.read_text() == text
+    row = sound_rows(trials, judge_fronts.TrialRow)[0]
+    beyond = judge_fronts.summary([replace(row, bars=2.0, verdict=DIFFERS, undecided=False)])
+    assert (beyond[0].within, beyond[0].most, beyond[-1].differing) == (0.0, 2.0, 1)

@@ -23,7 +23,7 @@ from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
 from compare.figures.histories import comparison_figures
 from compare.figures.saving import figure_png
 from compare.studies.tables import Study, run_studies
-from semianalytic import Solution, Tractions
+from semianalytic import Solution
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.named import NAMED_SCENES
 
@@ -89,6 +89,21 @@ QUANTITIES = {
         ("slip at T, integral", "slip, L1"),
         ("frictional work, integral", "frictional work, L1"),
     ),
+    "incident-p": (
+        ("open up to [c_t]", "opening 1, outer edge"),
+        ("backward zone, to [c_t]", "zone 1, outer edge"),
+        ("slip at T, integral", "slip, L1"),
+    ),
+    "incident-sv": (
+        ("backward zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("slip at T, integral", "slip, L1"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
+    "moving-load": (
+        ("zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("slip at T, integral", "slip, L1"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
     "lift-off": (
         ("open up to [c_t]", "opening 1, outer edge"),
         ("gap at T, integral", "gap, L1"),
@@ -108,11 +123,6 @@ QUANTITIES = {
     ),
 }
 """Quantities of each scene in docs/scenes.md: their names there, and in the judgement."""
-
-COMPARED = tuple(
-    name for name, named in NAMED_SCENES.items() if isinstance(named.scene.load, Tractions)
-)
-"""Scenes of the tables: those whose load comes everywhere at once."""
 
 FIGURES = {
     "remote-shock": "slip_rate",
@@ -206,7 +216,7 @@ def _rows(scene: str, resolution: int) -> dict[str, Row]:
 
 def summary(resolution: int = RESOLUTION) -> list[SummaryRow]:
     """Judge every scene that both methods answer."""
-    return [_summary(scene, resolution) for scene in COMPARED]
+    return [_summary(scene, resolution) for scene in NAMED_SCENES]
 
 
 def _summary(scene: str, resolution: int) -> SummaryRow:
@@ -254,7 +264,9 @@ def _quantities(scene: str, resolution: int) -> Iterator[QuantityRow]:
     judgement, rows = _judgement(scene, resolution), _rows(scene, resolution)
     if judgement.case.slips:
         predicted, simulated = largest_rates(judgement.case)
-        yield QuantityRow(scene, "largest forward V", math.nan, predicted, simulated, math.nan, "")
+        if predicted > 0:
+            rates = math.nan, predicted, simulated, math.nan
+            yield QuantityRow(scene, "largest forward V", *rates, "")
     for name, quantity in QUANTITIES[scene]:
         row = rows[quantity]
         exact, at_nodes, simulated = map(_number, (row.exact, row.at_nodes, row.simulated))
@@ -266,7 +278,7 @@ def unresolved(resolution: int = RESOLUTION) -> list[UnresolvedRow]:
     """Return all unresolved rows of all scenes."""
     return [
         UnresolvedRow(scene, row.name, row.obstacle, _number(row.resolution))
-        for scene in COMPARED
+        for scene in NAMED_SCENES
         for row in _judgement(scene, resolution).having(UNRESOLVED)
     ]
 

@@ -1,4 +1,5 @@
-"""Studies of the space-time solver: accuracy, cost, memory, ramps, resolution, edge, error, fields.
+"""Studies of the space-time solver: accuracy, cost, memory, ramps, resolution, edge, error, fields,
+and moving fronts.
 
 ``python -m docs.studies.accuracy.spacetime accuracy`` prints a table; `STUDIES` lists the others.
 With ``--csv docs/data``, the data of docs/spacetime.md are written.
@@ -20,6 +21,7 @@ from compare.studies.profiles import LENGTH, last_march, step_error
 from compare.studies.tables import Study, run_studies
 from docs.studies.accuracy.march_error import error, weakening
 from docs.studies.accuracy.march_fields import fields
+from docs.studies.accuracy.march_fronts import fronts
 from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Tractions, march
 from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.reference import static_zone
@@ -219,6 +221,7 @@ STUDIES: Mapping[str, Study] = {
     "error": error,
     "weakening": weakening,
     "fields": fields,
+    "fronts": fronts,
 }
 
 

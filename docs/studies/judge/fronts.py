@@ -1,13 +1,12 @@
 """Error bars of the finite elements under waves at an angle and moving loads, on random scenes.
 
-``python -m docs.studies.judge.fronts docs/data`` judges 40 scenes against their exact answers.
-Rows are appended to fronts-trials.csv as they come, so that the study goes on where it ended, and
-fronts-bars.csv is their summary.  Each scene has its own random numbers.
+``python -m docs.studies.judge.fronts`` judges 40 scenes against their exact answers.  Rows are
+appended to results/fronts/trials.csv as they come, so that the study goes on where it ended;
+docs/data/judge-fronts.csv is their summary.  Each scene has its own random numbers.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,6 @@ from pathlib import Path
 import numpy as np
 
 from compare.comparison.comparing import held_against
-from compare.comparison.rows import ALARM
 from compare.output.tables import append_rows, sound_rows, started_rows, write_rows
 from fem import simulate, with_companions
 from semianalytic import (
@@ -31,8 +29,9 @@ from semianalytic import (
 
 COUNT, SEED, RESOLUTION = 40, 29, 60
 LOADS = ("P", "SV", "SH", "moving")
-TRIALS, BARS = "fronts-trials.csv", "fronts-bars.csv"
-COMMAND = "python -m docs.studies.judge.fronts docs/data"
+TRIALS = Path("results", "fronts", "trials.csv")
+BARS = Path("docs", "data", "judge-fronts.csv")
+COMMAND = "python -m docs.studies.judge.fronts"
 
 
 @dataclass(frozen=True)
@@ -153,23 +152,22 @@ def summary(rows: Sequence[TrialRow]) -> list[BarRow]:
     return found
 
 
-def main(folder: Path, count: int = COUNT) -> list[BarRow]:
-    """Judge the scenes that are missing in a folder; return and write the summary."""
-    path = folder / TRIALS
-    done = {row.trial for row in started_rows(path, TrialRow)}
+def main(trials: Path = TRIALS, bars: Path = BARS, count: int = COUNT) -> list[BarRow]:
+    """Judge the scenes that are missing in a file of trials; return and write the summary."""
+    trials.parent.mkdir(parents=True, exist_ok=True)
+    done = {row.trial for row in started_rows(trials, TrialRow)}
     for trial in range(count):
         if trial not in done:
             rows = list(judged(trial))
-            append_rows(path, rows)
+            append_rows(trials, rows)
             most = max((row.bars for row in rows if np.isfinite(row.bars)), default=np.nan)
-            one = rows[0]
-            print(f"{trial}: {one.load}, p = {one.slowness:.3f}, {most:.2f} bars", flush=True)
-    bars = summary(sound_rows(path, TrialRow))
-    write_rows(folder / BARS, bars, command=COMMAND)
-    for bar in bars:
-        print(bar, f"alarm beyond {ALARM} bars" if bar.load == "all" else "")
-    return bars
+            print(
+                f"{trial}: {rows[0].load}, p = {rows[0].slowness:.3f}, {most:.2f} bars", flush=True
+            )
+    found = summary(sound_rows(trials, TrialRow))
+    write_rows(bars, found, command=COMMAND)
+    return found
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), *map(int, sys.argv[2:3]))
+    print(*main(), sep="\n")

@@ -134,7 +134,7 @@ def validate_command(
     figures: FiguresForm = "png",
     as_json: AsJson = False,
 ) -> None:
-    """Hold what another code recorded on the interface against the exact answer.
+    """Compare what another code recorded on the interface with the exact answer.
 
     Units and conventions that are inferred are said first, with the options that state them.  The
     exit code is 0 if nothing differs by more than the error bars allow, 1 if something does, 3 if a

@@ -41,7 +41,7 @@ def sliding(
     friction: Annotated[float, measured_option("1", "Coulomb friction coefficient.")],
     as_json: AsJson = False,
 ) -> None:
-    """Tell whether waves grow while two bodies slide, below which friction none does, how fast.
+    """Find whether waves grow while two bodies slide, how fast, and the friction without growth.
 
     As slipfront sliding --upper 12e9,2300,0.25 --lower 30e9,2700,0.25 --friction 0.4, in any one
     system of units, or with units.

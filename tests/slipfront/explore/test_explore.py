@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import socket
 import tomllib
 from dataclasses import asdict, replace
@@ -23,6 +24,7 @@ from semianalytic import (
     Scene,
     SceneError,
     SlipWeakening,
+    Step,
     Tractions,
     ViscousFriction,
     march,
@@ -32,8 +34,8 @@ from semianalytic.regimes import regime
 from semianalytic.scene.named import NAMED_SCENES, find_scene
 from semianalytic.scene.units import unit
 from slipfront.cli.commands import main
-from slipfront.explore import controls, downloads, maps, views
-from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views
+from slipfront.explore import controls, downloads, jobs, maps, views
+from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views, moment_in
 from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, Session
 from slipfront.explore.pictures import SHADES, Board, SpaceTimePicture
 from slipfront.explore.serving import make_server
@@ -55,7 +57,7 @@ def test_an_address_holds_the_scene(name):
     assert controls.values_from_query(query, STEEL)["units"] == scene.units
 
 
-@pytest.mark.parametrize("name", ["preloaded", "viscous", "pulse", "steel"])
+@pytest.mark.parametrize("name", ["preloaded", "viscous", "pulse", "steel", "incident-sv"])
 def test_sliders_reach_their_own_scene(name):
     scene = SCENES[name]
     values = controls.defaults(scene)
@@ -142,6 +144,22 @@ def test_sliders_stay_as_they_are_while_they_serve():
     session._answer_to({"query": "?load_shear=1e9"})
     (slider,) = (one for one in told_by(session)["sliders"] if one["name"] == "load_shear")
     assert slider["high"] == 2e9
+
+
+@pytest.mark.parametrize("moment", [Moment(), Moment(0.4), Moment(0.05, "displacement")])
+def test_the_address_holds_the_moment(moment):
+    scene = controls.query_of(controls.defaults(STEEL))
+    assert moment_in(scene + moment.query) == (moment, scene)
+    session = Session(Document(), find_scene("preloaded"), scene + moment.query)
+    assert given_to(session)["moment"] == moment._asdict()
+    assert given_to(session)["values"] == controls.defaults(STEEL)
+
+
+@pytest.mark.parametrize("query", ["?time=0.01", "?time=2", "?time=nan", "?picture=heat"])
+def test_a_moment_that_is_none_is_a_message(query):
+    session = Session(Document(), STEEL, query)
+    assert "must be" in given_to(session)["message"]
+    assert given_to(session)["moment"] == Moment()._asdict()
 
 
 def test_what_axes_are_over_is_told(alone):
@@ -290,6 +308,31 @@ def test_the_field_is_the_speed_around_the_edge():
     middle = view.reach * (2 * 7.5 / 9 - 1)
     speed = np.hypot(*solution.velocity(middle, middle, 1.0)) / 2
     assert view.size[7, 7] == pytest.approx(min(speed, view.largest))
+
+
+def test_the_angle_of_a_wave_has_a_slider_and_its_front_is_drawn():
+    scene = find_scene("incident-sv")
+    (slider,) = (one for one in controls.sliders(scene) if one.name == "angle")
+    assert (slider.low, slider.high) == (-controls.STEEPEST, controls.STEEPEST)
+    values = controls.defaults(scene)
+    turned = controls.scene_of(values | {"angle": -35.0})
+    assert turned == replace(scene, load=replace(scene.load, angle=-35.0))
+    lines = views.field_view(solve(turned), 6).lines
+    # of the incident front all points are on one line through x = -sin / c, at the angle
+    slope = math.tan(math.radians(-35.0))
+    straight = [
+        np.ptp(y + x * slope) for x, y in lines if np.ptp(x) > 0.1 and abs(np.ptp(y)) > 0.01
+    ]
+    assert min(straight) < 1e-9
+
+
+def test_a_pulse_at_an_angle_is_marched_without_a_field():
+    values = controls.defaults(find_scene("incident-sv")) | {"history": "pulse", "duration": 0.4}
+    scene = controls.scene_of(values | {"shape": "triangle"})
+    assert scene.pressure_history == scene.shear_history != Step()
+    found = jobs.marched_views(scene, jobs.Moment(), lambda *_: None)
+    assert found.field is None
+    assert found.marched.status == "resolved"
 
 
 @pytest.mark.parametrize("law", [None, ViscousFriction(0.1)])
