@@ -17,6 +17,7 @@ from itertools import islice, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.scene.contact import tractions_before
 from semianalytic.scene.errors import ComputationError, TensionError
 from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
@@ -130,7 +131,7 @@ def _levels(
         if front is not None:
             uncut, on_slot = front.tractions("shear", now, step)
         elif scene.arrives:
-            on_slot = scene.base.shear
+            on_slot = tractions_before(scene).shear
             uncut = on_slot + load
         yield Level(now, step, uncut, on_slot, on_contact)
 
