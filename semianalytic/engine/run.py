@@ -99,7 +99,7 @@ def run(
     >>> pushed = sf.InterfaceLoad(lambda x: 2e5 * (abs(x) < 1), history=lambda t: t)
     >>> fault = sf.Interface(rock, law, length=8.0, pressure=1e6, shear=0.6e6, rate=1e-6,
     ...                      loads=[pushed])
-    >>> slow = sf.run(fault, end_time=2.0, nodes=32)
+    >>> slow = sf.run(fault, end_time=0.5, nodes=32)
     >>> bool(slow.slip.max() > 2e-6), slow.status
     (True, 'done')
     """
