@@ -272,8 +272,6 @@ class SpaceTimePicture:
             colour=[SHADES[kind] for kind, *_ in view.wedges],
             kind=[kind for kind, *_ in view.wedges],
         )
-        # the label of the fastest wave would be cut off by the end of a narrow axis
-        before = {"Rayleigh", max(space_time.waves, key=lambda name: space_time.waves[name])}
         board.fill(
             self._waves,
             xs=[[0.0, at] for at in view.waves.values()],
