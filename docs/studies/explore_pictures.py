@@ -1,8 +1,8 @@
 """Write what `slipfront explore` looks like, in Chromium: seven scenes at three widths.
 
-``python -m docs.studies.explore_pictures`` writes docs/figures/explore/SCENE-WIDTH.png, whole pages
-of few colours, and ends with exit code 1 if one is wider than its window, has a large hole or is
-not finished.
+``python -m docs.studies.explore_pictures [SCENE...]`` writes docs/figures/explore/SCENE-WIDTH.png,
+whole pages of few colours, and ends with exit code 1 if one is wider than its window, has a large
+hole or is not finished.
 """
 
 from __future__ import annotations
@@ -64,7 +64,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Write the pictures and return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--output", type=Path, default=FOLDER, metavar="FOLDER")
-    folder = parser.parse_args(arguments).output
+    parser.add_argument("scenes", nargs="*", default=SCENES, metavar="SCENE")
+    given = parser.parse_args(arguments)
+    folder, scenes = given.output, given.scenes
     if CHROMIUM is None:
         raise SystemExit("There is no Chromium to look at the page in; apt install chromium.")
     folder.mkdir(parents=True, exist_ok=True)
@@ -78,7 +80,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         assert server.stdout is not None
         address = server.stdout.readline().split()[1]
         browser = Browser(Path(profile))
-        for name in SCENES:
+        for name in scenes:
             browser.open(address + query_of(defaults(find_scene(name))), 1280)
             if not _wait(browser, READY):
                 wrong.append(f"{name}: not finished after {LONGEST:g} s")
@@ -94,7 +96,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                     wrong.append(f"{name} at {width}: {hole:.0%} of the pictures is empty")
         browser.close()
         server.terminate()
-    print("\n".join(wrong) or f"{len(SCENES) * len(WIDTHS)} pictures in {folder}")
+    print("\n".join(wrong) or f"{len(scenes) * len(WIDTHS)} pictures in {folder}")
     return int(bool(wrong))
 
 

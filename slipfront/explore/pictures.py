@@ -205,13 +205,14 @@ class InterfacePictures:
             right=[min(share * outer, space_time.reach) for *_, outer in space_time.wedges],
             colour=[SHADES[kind] for kind, *_ in space_time.wedges],
         )
+        # the label of the fastest wave would be cut off by the end of a narrow axis
+        before = {"Rayleigh", max(space_time.waves, key=lambda name: space_time.waves[name])}
         board.fill(
             self._waves,
             x=[share * at for at in space_time.waves.values()],
             name=[WAVES[name] for name in space_time.waves],
-            # that of the P wave would be cut off by the end of a narrow axis
-            side=["left" if name == "S" else "right" for name in space_time.waves],
-            offset=[3 if name == "S" else -3 for name in space_time.waves],
+            side=["right" if name in before else "left" for name in space_time.waves],
+            offset=[-3 if name in before else 3 for name in space_time.waves],
         )
         drawn = ((self.rate, rates), (self.tractions, tractions), (self.slip, view.slip_limits))
         for panel, limits in drawn:
