@@ -59,6 +59,7 @@ __all__ = [
     "InterfaceFile",
     "InterfaceHistory",
     "InterfaceLaw",
+    "InterfaceLoad",
     "LineSolution",
     "LoadHistory",
     "LogNormal",
@@ -88,7 +89,6 @@ __all__ = [
     "Scene",
     "SceneError",
     "Setup",
-    "ShearLoad",
     "SlidingStability",
     "SlidingWave",
     "SlipDependent",
@@ -141,7 +141,7 @@ _LATER = {
     "semianalytic.dissimilar_slot.solver": ("solve_pair",),
     "semianalytic.engine.contact": ("Contact",),
     "semianalytic.engine.fields": ("Table",),
-    "semianalytic.engine.interface": ("Interface", "ShearLoad"),
+    "semianalytic.engine.interface": ("Interface", "InterfaceLoad"),
     "semianalytic.engine.law": ("InterfaceLaw",),
     "semianalytic.engine.laws": ("Coulomb", "RateAndState", "RateDependent", "SlipDependent"),
     "semianalytic.engine.files": ("InterfaceFile",),
@@ -179,7 +179,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.engine.contact import Contact
     from semianalytic.engine.fields import Table
     from semianalytic.engine.files import InterfaceFile
-    from semianalytic.engine.interface import Interface, ShearLoad
+    from semianalytic.engine.interface import Interface, InterfaceLoad
     from semianalytic.engine.law import InterfaceLaw
     from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
     from semianalytic.engine.named import find_interface

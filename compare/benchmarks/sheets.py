@@ -228,7 +228,7 @@ FRONT_SHEETS: Mapping[str, Sheet] = {
         "degrees, P_0 = -S sin(2 theta) and Q_0 = -S cos(2 theta).",
     )
 }
-"""Problems with a slot and a load whose front moves; no tolerance classes are measured."""
+"""Problems with a slot and a load with a moving front, without measured tolerance classes."""
 ALL_SHEETS: Mapping[str, Sheet] = {**SHEETS, **LINE_SHEETS, **FRONT_SHEETS}
 
 

@@ -54,6 +54,8 @@ class FieldRecord:
     def columns(self, units: str) -> Iterator[tuple[str, Array]]:
         """Yield the columns of a table: heading with unit, and values."""
         yield f"t [{unit('time', units)}]", self.t
+        for name, place in (("x", self.x), ("y", self.y)):  # `slipfront fit` asks where it was
+            yield f"{name} [{unit('length', units)}]", np.full(len(self.t), place)
         for name, rows, dimension, axes in (
             ("v", self.velocity, "length / time", "xyz"),
             ("u", self.displacement, "length", "xyz"),

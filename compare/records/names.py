@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from compare.records.record import QUANTITIES, Unit
-from compare.records.units import DIMENSIONS, EXAMPLES, NO_UNIT, si_size
+from compare.records.units import DIMENSIONS, EXAMPLES, names_no_unit, si_size
 from semianalytic.scene.errors import DataFileError
 
 FACES = {
@@ -169,7 +169,7 @@ def _seissol(names: Sequence[str], place: int, changes: set[str]) -> str:
 
 def _unit(path: Path, line: int, name: str, text: str, dimension: str) -> Unit | None:
     """The unit that a column names; None if it has none."""
-    if text.strip().lower() in NO_UNIT:
+    if names_no_unit(text, dimension):
         return None
     size = si_size(text, dimension)
     if size is None:

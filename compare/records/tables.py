@@ -140,7 +140,8 @@ def _position(
         x = float(named[1])
         return x - origin, None, [f"{path.name} is at x = {x:g}, by its name"]
     raise DataFileError(
-        f"{path} does not say where its station is; add a column x, or give its position with --at."
+        f"{path} does not say where its station is; add a column x (for slipfront "
+        "validate, its position with --at will do)."
     )
 
 

@@ -26,7 +26,7 @@ from slipfront.explore.controls import defaults, query_of
 
 FOLDER = DOCS / "figures" / "explore"
 WIDTHS = (390, 1280, 1920)
-COLOURS = 48
+COLOURS = 128
 """Colours of a picture, on whose number the size of the files depends."""
 READY = """
 Boolean(window.slipfrontTimes && slipfrontTimes.length
@@ -39,7 +39,8 @@ RESIZED = """
 window.frames_after = 0;
 if (!window.counts_frames)
   (function next() {
-    window.frames_after += 1; window.counts_frames = requestAnimationFrame(next);
+    window.frames_after += 1;
+    window.counts_frames = requestAnimationFrame(next);
   })();
 """
 SETTLED = "window.frames_after > 20 && Bokeh.documents.every((one) => one.is_idle)"

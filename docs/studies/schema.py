@@ -324,9 +324,10 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "largest_slip": Key("largest slip of the contact at the end", NUMBER),
             "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
             "slipping": Key("share of the contact that slips at the end", NUMBER),
+            "largest_gap": Key("largest gap of the contact at the times that were kept", NUMBER),
             "error_estimates": Key(
-                "relative L1 errors of slip, slip rate and the change of shear traction; empty "
-                "without a second run",
+                "relative L1 errors of slip, slip rate and the change of shear traction, and of "
+                "gap and pressure where loads change the pressure; empty without a second run",
                 _of(NUMBER),
             ),
         },

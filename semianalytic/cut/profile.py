@@ -65,13 +65,7 @@ class Profile:
     @cached_property
     def rate_integral(self) -> RunningIntegral:
         """Running integral of V on panels that slip."""
-        fields = self.fields
-        tail = np.zeros(())
-        if self.edge_slips:
-            # T tends to a constant at a slipping edge and M to i kappa v: dV/dv ~ T / (pi kappa
-            # v^2).
-            tail = fields.transform_at_edge[..., 0] / (np.pi * per_set(fields.factors.kappa))
-        return fields.rate_integral(tail)
+        return self.fields.rate_integral()
 
     @property
     def infinite_rates(self) -> list[Power]:
@@ -142,9 +136,9 @@ class Profile:
                 left, right = panels.left[i], panels.right[i]
                 assert right is not None
                 end = rate[i] + self.rate_integral.totals[i]
-                _, moment = self.rate_integral.with_moment(i, right)
+                _, mean = self.rate_integral.with_mean(i, right)
                 # Slip / x is the integral of V over slowness, here by parts: [v V] - int v dV.
-                slip[i + 1] += end * right.v[0] - rate[i] * left.v[0] - moment[0]
+                slip[i + 1] += (end - mean[0]) * right.v[0] - rate[i] * left.v[0]
         return slip
 
     @cached_property
@@ -293,9 +287,9 @@ class Profile:
         def inside(i: int, at: CutPoints) -> Array:
             if not self.panels.sense[i]:
                 return slip[i] / at.v
-            gain, moment = self.rate_integral.with_moment(i, at)
+            gain, mean = self.rate_integral.with_mean(i, at)
             start = slip[i] - rate[i] * self.panels.left[i].v
-            return rate[i] + gain + (start - moment) / at.v
+            return rate[i] + (gain - mean) + start / at.v
 
         return self.piecewise(u, self._load.far_slip_rate, inside)
 

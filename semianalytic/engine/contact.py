@@ -1,15 +1,16 @@
-"""The parts of the line on which the bodies touch, and the mean of a traction near their ends."""
+"""The parts of the line on which the bodies touch, and contact that opens and closes."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.line import Grid, LineMemory
 from semianalytic.engine.tuning import AREA
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -80,7 +81,7 @@ class Contact:
         return np.any([(begin < x) & (x < end) for begin, end in self.intervals], axis=0)
 
 
-def area_mean(excess: Array, inner: NDArray[np.bool_]) -> Array:
+def area_mean(excess: Array, inner: NDArray[np.bool_], mirror: int | None = None) -> Array:
     """Return the mean of the positive part of the excess of traction over strength around nodes.
 
     A node stands for a stretch of the line on which the excess is linear.  Without the mean, the
@@ -92,8 +93,12 @@ def area_mean(excess: Array, inner: NDArray[np.bool_]) -> Array:
         Traction of nodes at rest, less their strength [stress].
     inner : (n,) array of bool
         Whether a node has neighbours of the same contact on both sides.
+    mirror : int, optional
+        Node that is the image of the one before the first, on half of an even line.
     """
     left, right = np.roll(excess, 1), np.roll(excess, -1)
+    if mirror is not None and len(excess) > mirror:
+        left[0], right[-1] = excess[mirror], excess[-1 - mirror]
     # Where strength or load jumps, the two one-sided slopes differ: the smaller one counts.
     even = np.minimum(np.abs(right - excess), np.abs(excess - left))
     reach = AREA * np.minimum(np.abs(right - left) / 4, even)
@@ -103,3 +108,117 @@ def area_mean(excess: Array, inner: NDArray[np.bool_]) -> Array:
     mixed = inner & ends & (np.abs(excess) < reach)
     safe = np.where(mixed, reach, 1.0)
     return np.where(mixed, (excess + reach) ** 2 / (4 * safe), excess)
+
+
+@dataclass(frozen=True, eq=False)
+class Faces:
+    """Pressure and gap of the interface at one time; arrays are (n,).
+
+    Attributes
+    ----------
+    pressure : array
+        Contact pressure [stress], 0 where the contact is open and on slots.
+    gap, gap_rate : array
+        Gap [length] and its rate [length / time].  The gap is 0 or more on the contact; on slots it
+        is the change of their width.
+    closing : array
+        Work per area that the contact has taken from the bodies in closing [stress length].
+    """
+
+    pressure: Array
+    gap: Array
+    gap_rate: Array
+    closing: Array
+
+    @property
+    def is_open(self) -> NDArray[np.bool_]:
+        """Whether a node is open or begins to open, (n,)."""
+        return (self.gap > 0) | (self.gap_rate > 0)
+
+
+class Unilateral:
+    """Contact that opens where the pressure would be negative, and closes where the gap ends.
+
+    An opening rate U exerts the pressure Z [U + int h(q c_t (t - s)) q c_t U ds] with Z = rho c_l/2
+    (`spacetime.exponentials.Opening`).  Slip does not change the pressure between identical bodies,
+    so each step computes the pressure before friction.  The gap follows the backward Euler rule, by
+    which p U <= 0 at every node and step: the contact never gives energy to the bodies, which it
+    does with the trapezoidal rule.
+
+    Parameters
+    ----------
+    impedance : float
+        Z [stress time / length].
+    memory : LineMemory
+        Memory of past opening.
+    grid : Grid
+        Nodes.
+    loads : function of time and whether it is after a jump
+        Pressure that an uncut line carries, and that of slot faces, (n,) each [stress].
+    touching : (n,) array of bool
+        Whether the bodies touch.
+    """
+
+    def __init__(
+        self,
+        impedance: float,
+        memory: LineMemory,
+        grid: Grid,
+        loads: Callable[..., tuple[Array, Array]],
+        touching: NDArray[np.bool_],
+    ) -> None:
+        self.impedance, self.memory, self.loads = impedance, memory, loads
+        self._grid, self._touching = grid, touching
+
+    def jump(self, now: Faces, time: float) -> Faces:
+        """Return pressure and opening rate after loads have jumped, with the gap as it is."""
+        held = self.memory.convolution(self._grid.amplitudes(now.gap_rate))
+        line, slot = self.loads(time, after=True)
+        least = np.where(now.gap > 0, -math.inf, 0.0)
+        pressure, rate = self._balance(line, slot, held, least)
+        self.memory.exchange(self._grid.amplitudes(rate - now.gap_rate))
+        return Faces(pressure, now.gap, rate, now.closing)
+
+    def step(self, now: Faces, time: float, length: float, path: float, sweeps: int) -> Faces:
+        """Return pressure and gap one step later, and advance the memory to the same time.
+
+        Parameters
+        ----------
+        now : Faces
+            Pressure and gap at the beginning of the step.
+        time : float
+            End of the step [time].
+        length, path : float
+            Its length [time], and c_t times it [length].
+        sweeps : int
+            Iterations.
+        """
+        amplitudes = self._grid.amplitudes(now.gap_rate)
+        past, feedback = self.memory.advance(amplitudes, path)
+        line, slot = self.loads(time)
+        least = 0.0 - now.gap / length
+        for _ in range(sweeps):
+            pressure, rate = self._balance(line, slot, past + feedback * amplitudes, least)
+            amplitudes = self._grid.amplitudes(rate)
+        gap = now.gap + length * rate
+        gap[self._touching] = np.where(rate > least, np.maximum(gap, 0.0), 0.0)[self._touching]
+        return Faces(pressure, gap, rate, now.closing - length * pressure * rate)
+
+    def frees(self, now: Faces, time: float) -> bool:
+        """Return whether a node is open, or would open under the loads of a later time."""
+        if now.is_open[self._touching].any():
+            return True
+        held = self.memory.convolution(self._grid.amplitudes(now.gap_rate))
+        left = self.loads(time)[0] + self.impedance * self._grid.values(held)
+        return bool((left[self._touching] < 0).any())
+
+    def _balance(
+        self, line: Array, slot: Array, convolution: Array, least: Array
+    ) -> tuple[Array, Array]:
+        """Return pressure and opening rate, given the convolution and the rate that closes."""
+        stopping = line + self.impedance * self._grid.values(convolution)
+        freed = -stopping / self.impedance
+        rate = np.where(self._touching, np.maximum(freed, least), freed + slot / self.impedance)
+        # An open node has a pressure of exactly 0, since rounding could make p U positive.
+        held = self._touching & (least >= freed)
+        return np.where(held, np.maximum(stopping + self.impedance * rate, 0.0), 0.0), rate

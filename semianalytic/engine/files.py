@@ -13,7 +13,7 @@ from typing import Any
 from semianalytic.engine.contact import Contact
 from semianalytic.engine.expressions import Expression
 from semianalytic.engine.fields import Table
-from semianalytic.engine.interface import Interface, ShearLoad
+from semianalytic.engine.interface import Interface, InterfaceLoad
 from semianalytic.engine.law import InterfaceLaw
 from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
 from semianalytic.scene.checks import finite, shown
@@ -31,6 +31,7 @@ _WORDS = ("shape", "evolution")
 """Parameters of laws that are words."""
 _INTERFACE = ("length", "pressure", "shear", "mode", "rate", "plate_rate", "held", "even")
 _FIELDS = ("pressure", "shear", "rate")
+_TRACTIONS = ("shear", "pressure")
 _RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
 
 
@@ -131,14 +132,20 @@ def _law(table: dict[str, Any], folder: Path) -> InterfaceLaw:
     return _made("law", law, values)
 
 
-def _load(table: dict[str, Any], folder: Path) -> ShearLoad:
-    _known("load.", table, ("shear", "history", "on"), ("shear",))
+def _load(table: dict[str, Any], folder: Path) -> InterfaceLoad:
+    _known("load.", table, (*_TRACTIONS, "history", "on"))
     values = dict(table)
-    shear = table["shear"]
-    if isinstance(shear, str) and "history" not in table and _mentions_time(shear):
-        values["shear"], values["history"] = Expression(shear, ("x", "t")), None
-    else:
-        values["shear"] = _field("load.shear", shear, folder)
+    given = [name for name in _TRACTIONS if name in table]
+    if not given:
+        raise SceneError("load: shear or pressure is missing.")
+    timed = [_mentions_time(table[name]) for name in given]
+    if "history" not in table and any(timed):
+        values["history"] = None
+    for name in given:
+        if values.get("history", table) is None and isinstance(table[name], str):
+            values[name] = Expression(table[name], ("x", "t"))
+        else:
+            values[name] = _field(f"load.{name}", table[name], folder)
     history = table.get("history")
     if isinstance(history, str):
         values["history"] = Expression(history, ("t",))
@@ -147,10 +154,13 @@ def _load(table: dict[str, Any], folder: Path) -> ShearLoad:
         kind = _kind("load.history", history, HISTORY_KINDS)
         rest = {key: value for key, value in history.items() if key != "kind"}
         values["history"] = _made("load.history", kind, rest)
-    return ShearLoad(**values)
+    return InterfaceLoad(**values)
 
 
-def _mentions_time(text: str) -> bool:
+def _mentions_time(text: Any) -> bool:
+    """Return whether a value is an expression of more than x."""
+    if not isinstance(text, str):
+        return False
     try:
         Expression(text, ("x",))
     except SceneError:

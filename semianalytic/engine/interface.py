@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.contact import Contact
-from semianalytic.engine.fields import check_field
+from semianalytic.engine.fields import at_nodes, check_field
 from semianalytic.engine.law import InterfaceLaw
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
@@ -24,8 +24,8 @@ MODES = ("in-plane", "antiplane")
 
 
 @dataclass(frozen=True, eq=False)
-class ShearLoad:
-    """A shear traction that acts from t = 0 on: a field along x times a history of time.
+class InterfaceLoad:
+    """Tractions that act from t = 0 on: fields along x times a history of time.
 
     Parameters
     ----------
@@ -35,8 +35,11 @@ class ShearLoad:
     history : LoadHistory, function of t, or None
         Factor over time, a step at t = 0 by default.
     on : str
-        "line": the traction that an interface without slots and slip would carry, such as that of
-        an over-stressed patch or of a wave.  "slot": taken off the faces of slots.
+        "line": the tractions that an interface without slots, slip and gap would carry, such as
+        those of an over-stressed patch or of a wave.  "slot": taken off the faces of slots.
+    pressure : field or function of x and t
+        Pressure [stress], positive in compression, given like `shear`.  The contact opens where the
+        total pressure would be negative.
 
     Raises
     ------
@@ -45,18 +48,21 @@ class ShearLoad:
 
     Examples
     --------
-    >>> from semianalytic import ShearLoad
-    >>> load = ShearLoad(lambda x: 2.0 * (abs(x) < 1), history=lambda t: min(t, 1.0))
+    >>> from semianalytic import InterfaceLoad
+    >>> load = InterfaceLoad(lambda x: 2.0 * (abs(x) < 1), history=lambda t: min(t, 1.0))
     >>> load.traction([0.0, 3.0], 0.5).tolist()
     [1.0, 0.0]
+    >>> lifted = InterfaceLoad(pressure=-3.0)
+    >>> lifted.traction([0.0], 1.0, of="pressure").tolist(), lifted.acts("shear")
+    ([-3.0], False)
     """
 
-    shear: Any
+    shear: Any = 0.0
     history: LoadHistory | Callable[[float], float] | None = Step()  # noqa: RUF009
     on: str = "line"
+    pressure: Any = 0.0
 
     def __post_init__(self) -> None:
-        check_field("load: shear", self.shear)
         history = self.history
         if not (history is None or isinstance(history, LoadHistory) or callable(history)):
             raise SceneError(
@@ -64,18 +70,26 @@ class ShearLoad:
             )
         if self.on not in ("line", "slot"):
             raise SceneError(f'load: on must be "line" or "slot", got {shown(self.on)}.')
-        if history is None and not callable(self.shear):
-            raise SceneError("load: without a history `shear` must be a function of x and t.")
+        for name in ("shear", "pressure"):
+            field = getattr(self, name)
+            check_field(f"load: {name}", field)
+            if history is None and self.acts(name) and not callable(field):
+                raise SceneError(f"load: without a history `{name}` must be a function of x and t.")
 
-    def traction(self, x: Any, t: float, after: bool = False) -> Array:
-        """Return the traction at positions x (n,) at a time, (n,) [stress].
+    def acts(self, name: str) -> bool:
+        """Return whether the load has "shear" or "pressure": anything but the number 0."""
+        field = getattr(self, name)
+        return callable(field) or float(field) != 0
+
+    def traction(self, x: Any, t: float, after: bool = False, of: str = "shear") -> Array:
+        """Return the shear, or the pressure, at positions x (n,) at a time, (n,) [stress].
 
         At a jump of the history this is the value before it, or the one `after` it.
         """
-        x = np.asarray(x, dtype=float)
+        x, field = np.asarray(x, dtype=float), getattr(self, of)
         if self.history is None:
-            return np.asarray(self.shear(x, t), dtype=float)
-        shape = self.shear(x) if callable(self.shear) else self.shear
+            return np.asarray(field(x, t) if callable(field) else 0 * x, dtype=float)
+        shape = field(x) if callable(field) else field
         return np.broadcast_to(np.asarray(shape, dtype=float) * self.factor(t, after), x.shape)
 
     def factor(self, t: float, after: bool = False) -> float:
@@ -90,6 +104,60 @@ class ShearLoad:
         if isinstance(self.history, LoadHistory):
             return [float(at) for at, _ in self.history.pieces.jumps]
         return []
+
+
+class ActingLoads:
+    """Shear or pressure at the nodes of a grid over time: the base traction and the loads.
+
+    Parameters
+    ----------
+    of : str
+        "shear" or "pressure".
+    base : (n,) array
+        Traction before t = 0 [stress].
+    loads : sequence of InterfaceLoad
+        Loads, of which those that have this traction are added.
+    x : (n,) array
+        Positions of the nodes [length].
+    touching : (n,) array of bool
+        Whether the bodies touch there.
+    """
+
+    def __init__(
+        self,
+        of: str,
+        base: Array,
+        loads: Sequence[InterfaceLoad],
+        x: Array,
+        touching: NDArray[np.bool_],
+    ) -> None:
+        self._of, self._base, self._x = of, base, x
+        # The field of a load that is a product of space and time is sampled only once.
+        self._parts: list[tuple[Array | None, InterfaceLoad]] = []
+        for load in loads:
+            if load.acts(of):
+                field = None
+                if load.history is not None:
+                    where = touching | True if load.on == "line" else ~touching
+                    field = at_nodes(f"load: {of}", getattr(load, of), x, where)
+                self._parts.append((field, load))
+
+    def __call__(self, time: float, after: bool = False) -> tuple[Array, Array]:
+        """Return the traction that an uncut line carries, and that of slot faces, (n,) each.
+
+        At a jump of a load these are the values before it, or those `after` it.
+        """
+        line, slot = self._base.copy(), self._base.copy()
+        for field, load in self._parts:
+            if field is None:
+                value = load.traction(self._x, time, of=self._of)
+            else:
+                value = field * load.factor(time, after)
+            if load.on == "line":
+                line += value
+            else:
+                slot -= value
+        return line, slot
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +180,8 @@ class Interface:
         Contact pressure [stress], 0 or more.
     shear : field
         Shear traction before slip, in place at t = 0 [stress].
-    loads : sequence of ShearLoad
-        Shear tractions that are added from t = 0 on.
+    loads : sequence of InterfaceLoad
+        Shear and pressure that are added from t = 0 on.
     contact : Contact
         Where the bodies touch; everywhere by default.
     mode : str
@@ -147,7 +215,7 @@ class Interface:
     length: float
     pressure: Any = 1.0
     shear: Any = 0.0
-    loads: Sequence[ShearLoad] = ()
+    loads: Sequence[InterfaceLoad] = ()
     contact: Contact = Contact()  # noqa: RUF009
     mode: str = "in-plane"
     rate: Any = 0.0
@@ -166,14 +234,19 @@ class Interface:
         object.__setattr__(self, "length", checked_size("interface: length", self.length))
         for name in ("pressure", "shear", "rate"):
             check_field(f"interface: {name}", getattr(self, name))
-        loads = [self.loads] if isinstance(self.loads, ShearLoad) else list(self.loads)
-        if not all(isinstance(load, ShearLoad) for load in loads):
-            raise SceneError(f"interface: loads must be ShearLoads, got {shown(self.loads)}.")
+        loads = [self.loads] if isinstance(self.loads, InterfaceLoad) else list(self.loads)
+        if not all(isinstance(load, InterfaceLoad) for load in loads):
+            raise SceneError(f"interface: loads must be InterfaceLoads, got {shown(self.loads)}.")
         object.__setattr__(self, "loads", tuple(loads))
         if not isinstance(self.contact, Contact):
             raise SceneError(f"interface: contact must be a Contact, got {shown(self.contact)}.")
         if self.mode not in MODES:
             raise SceneError(f"interface: mode must be in-plane or antiplane, got {self.mode!r}.")
+        if self.mode == "antiplane" and self.may_open:
+            raise SceneError(
+                "interface: loads of an antiplane interface have no pressure; leave it out or set "
+                'mode = "in-plane".'
+            )
         plate = checked_number("interface: plate_rate", self.plate_rate)
         object.__setattr__(self, "plate_rate", plate)
         if self.held != math.inf:
@@ -185,6 +258,16 @@ class Interface:
     def impedance(self) -> float:
         """Traction per relative slip rate of plane waves, mu / (2 c_t) [stress time / length]."""
         return self.material.shear_impedance / 2
+
+    @property
+    def opening_impedance(self) -> float:
+        """Pressure per rate of the gap, rho c_l / 2 [stress time / length]."""
+        return self.material.density * self.material.longitudinal_speed / 2
+
+    @property
+    def may_open(self) -> bool:
+        """Whether a load changes the pressure, so that gaps are computed."""
+        return any(load.acts("pressure") for load in self.loads)
 
     @property
     def jumps(self) -> list[float]:

@@ -177,6 +177,22 @@ class LineMemory:
         self.lasting += 2 * table.half * amplitudes
         return self.modes.real.sum(axis=0) + self.lasting, table.feedback
 
+    def convolution(self, amplitudes: Array) -> Array:
+        """Return the convolution now (rows, m), with the newest rate's amplitudes (rows, m)."""
+        held = self.modes.real.sum(axis=0) + self.lasting
+        if self.last:
+            held = held + self.table(self.last).feedback * amplitudes
+        return np.asarray(held)
+
+    def exchange(self, change: Array) -> None:
+        """Change the newest rate by amplitudes (rows, m), with the convolution as it is."""
+        # The memory lacks the share of the newest rate, which the next step adds from the rate; a
+        # jump changes that rate, so the share that is missing has to change with it.
+        if self.last:
+            table = self.table(self.last)
+            self.modes -= table.end * change
+            self.lasting -= table.half * change
+
 
 def _phi(z: Complex) -> tuple[Complex, Complex]:
     """Return (e^z - 1)/z and (e^z - 1 - z)/z^2, to rounding for all Re z <= 0."""

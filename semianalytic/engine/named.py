@@ -68,6 +68,23 @@ end_time = 3.0
 nodes = 1536
 """
     + _UNIT,
+    "tap": """
+summary = "a tap on a slot whose contact is lightly pressed: it opens ahead and closes again"
+length = 10.0
+pressure = 0.02
+contact = {intervals = [[0.0, inf]]}
+load = {pressure = 1.0, on = "slot"}
+[law]
+kind = "coulomb"
+friction = 0.3
+[run]
+end_time = 1.0
+nodes = 1024
+[material]
+shear_modulus = 1.0
+density = 1.0
+poisson_ratio = 0.3333333333333333
+""",
     "cattaneo": """
 summary = "slow shear on a contact under uniform pressure: partial slip of Cattaneo and Mindlin"
 length = 8.0

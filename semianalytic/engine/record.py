@@ -1,17 +1,23 @@
-"""The record of a run: fields at some of its time levels, and a few numbers of every step."""
+"""The record of a run: fields at some of its time levels, and all that continues it."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.line import LineMemory
+from semianalytic.engine.result import Run
 from semianalytic.engine.steps import State, Stepper
+from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]
 
-FIELDS = ("slip", "slip_rate", "shear_traction", "state")
+FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "gap")
 
 
 class Record:
@@ -87,13 +93,96 @@ class Record:
     def _shown(self, now: State) -> tuple[Array, ...]:
         state = np.full(len(now.rate), np.nan)
         state[self._touching] = now.state
-        return now.slip, now.rate, now.traction, state
+        return now.slip, now.rate, now.traction, state, now.pressure, now.gap
 
     def _between(self, before: State, now: State, time: float) -> tuple[Array, ...]:
-        """Return the fields at a time within a step, over which the rate is linear."""
+        """Return the fields at a time within a step, over which all but slip is linear."""
         length = now.time - before.time
         share = min((time - before.time) / length, 1.0)
-        (_, v0, f0, s0), (_, v1, f1, s1) = self._shown(before), self._shown(now)
-        rate = v0 + share * (v1 - v0)
-        slip = before.slip + share * length * (v0 + rate) / 2
-        return slip, rate, f0 + share * (f1 - f0), s0 + share * (s1 - s0)
+        pairs = zip(self._shown(before), self._shown(now), strict=True)
+        shown = [one + share * (other - one) for one, other in pairs]
+        shown[0] = before.slip + share * length * (before.rate + shown[1]) / 2
+        return tuple(shown)
+
+
+def _memories(stepper: Stepper) -> list[tuple[str, LineMemory]]:
+    """Return the memories of slip and of opening, with what their names begin with in files."""
+    memories = [("", stepper.memory)]
+    if stepper.unilateral is not None:
+        memories.append(("normal_", stepper.unilateral.memory))
+    return memories
+
+
+def checkpoint(stepper: Stepper, record: Record, now: State, print_of: str) -> dict[str, Any]:
+    """Return everything that `resumed` needs to continue a run with a fingerprint."""
+    return {
+        **{one.name: getattr(now, one.name) for one in fields(State)},
+        **{
+            f"{prefix}{name}": getattr(memory, name)
+            for prefix, memory in _memories(stepper)
+            for name in ("modes", "lasting", "last")
+        },
+        "fingerprint": print_of,
+        "every": record.every,
+        "count": record.count,
+    }
+
+
+def fingerprint(stepper: Stepper) -> str:
+    """Return a digest of everything on the grid that a run depends on."""
+    parts = [stepper.interface.material, stepper.grid, stepper.interface.plate_rate]
+    parts += [stepper.interface.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
+    digest = hashlib.sha256(repr(parts).encode())
+    laid = [stepper.pressure, stepper.shear, stepper.touching, *stepper.loads(stepper.shortest)]
+    if stepper.unilateral is not None:
+        laid += stepper.unilateral.loads(stepper.shortest)
+    if is_dataclass(stepper.law):
+        laid += [
+            value
+            for value in (getattr(stepper.law, one.name) for one in fields(stepper.law))
+            if isinstance(value, float | int | np.ndarray)
+        ]
+    for value in laid:
+        digest.update(np.ascontiguousarray(value).tobytes())
+    return digest.hexdigest()
+
+
+def resumed(
+    stepper: Stepper, record: Record, earlier: Run, print_of: str, end_time: float
+) -> State:
+    """Put the memory and the record of an earlier run in place and return its state."""
+    kept = earlier.checkpoint
+    if str(kept["fingerprint"]) != print_of:
+        raise DataFileError(
+            "run: `go_on` is a run of another interface, grid or step; continue it with its own "
+            "interface, `nodes` and `step_ratio`."
+        )
+    if float(kept["time"]) >= end_time:
+        raise SceneError(
+            f"run: `end_time` must be beyond that of `go_on`, {float(kept['time']):.6g}."
+        )
+    for prefix, memory in _memories(stepper):
+        if kept[f"{prefix}modes"].shape != memory.modes.shape:
+            raise SceneError(
+                "run: the memory of `go_on` was fitted for another end time; give that `end_time`."
+            )
+        memory.modes = kept[f"{prefix}modes"].copy()
+        memory.lasting = kept[f"{prefix}lasting"].copy()
+        memory.last = float(kept[f"{prefix}last"])
+    record.every, record.count = int(kept["every"]), int(kept["count"])
+    record.t = list(earlier.t)
+    for name in FIELDS:
+        record.fields[name] = list(getattr(earlier, name))
+    if record.times is None and record.count % record.every and record.t[-1] == kept["time"]:
+        # This frame was recorded only because the earlier run ended there.
+        record.t.pop()
+        for name in FIELDS:
+            record.fields[name].pop()
+    elif record.times is not None:
+        record.times = [one for one in record.times if one > earlier.end_time]
+    record.step_times, record.peak_rates = list(earlier.step_times), list(earlier.peak_rates)
+    scalars: dict[str, Any] = {"time": float(kept["time"]), "rung": int(kept["rung"])}
+    arrays: dict[str, Any] = {
+        one.name: np.array(kept[one.name]) for one in fields(State) if one.name not in scalars
+    }
+    return State(**scalars, **arrays)

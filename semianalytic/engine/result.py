@@ -16,12 +16,14 @@ from semianalytic.scene.extras import needing
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront interface run 1"
+FORMAT = "slipfront interface run 2"
 _UNITS = {
     "slip": ("length", "relative slip, upper minus lower side"),
     "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
     "shear_traction": ("stress", "shear traction"),
     "state": ("", "state of friction"),
+    "pressure": ("stress", "contact pressure, 0 where the contact is open and on slots"),
+    "gap": ("length", "gap, on slots the change of their width"),
 }
 
 
@@ -44,11 +46,15 @@ class Run:
     slip, slip_rate, shear_traction, state : (m, n) arrays
         Slip [length], slip rate [length / time], shear traction [stress] and state of friction;
         the state is nan on slots.
+    pressure, gap : (m, n) arrays
+        Contact pressure [stress], 0 where the contact is open and on slots; gap [length], 0 or more
+        on the contact, and the change of their width on slots.
     step_times, peak_rates : (steps + 1,) arrays
         Time and largest |slip rate| of the contact after every step.
     error_estimates : mapping
         Estimated relative L1 errors, over frames and contact, of slip, slip rate and the change of
-        shear traction, from a second run with half the nodes; empty if there was no such run.
+        shear traction, and of gap and pressure if loads change the pressure, from a second run with
+        half the nodes; empty if there was no such run.
     status : str
         "done", "unresolved: ..." or "interrupted at t = ...".
     checkpoint : mapping of arrays
@@ -56,8 +62,8 @@ class Run:
 
     Examples
     --------
-    >>> from semianalytic import Coulomb, Interface, Material, ShearLoad, run
-    >>> patch = ShearLoad(lambda x: 1.0 * (abs(x) < 0.5))
+    >>> from semianalytic import Coulomb, Interface, InterfaceLoad, Material, run
+    >>> patch = InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
     >>> patched = Interface(Material(1.0, 1.0, 0.25), Coulomb(0.5), 8.0, loads=[patch])
     >>> done = run(patched, 1.0, nodes=64)
     >>> done.slip.shape == (len(done.t), len(done.x)), done.status
@@ -73,6 +79,8 @@ class Run:
     slip_rate: Array
     shear_traction: Array
     state: Array
+    pressure: Array
+    gap: Array
     step_times: Array
     peak_rates: Array
     status: str
@@ -83,6 +91,21 @@ class Run:
     def end_time(self) -> float:
         """The last time [time]."""
         return float(self.step_times[-1])
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Work that the contact has taken from the bodies, per width [stress length^2].
+
+        "friction" is the work of slip; "closing" is the work of the pressure on faces that meet,
+        which is not negative and tends to 0 as the grid is refined.
+        """
+        weights = np.full(len(self.x), self.interface.length / self.nodes)
+        if self.interface.even:
+            # Nodes at x = 0 and length / 2 are their own mirror images.
+            weights[self.x > 0] *= 2
+            weights[self.x >= self.interface.length / 2] /= 2
+        kept = {"friction": self.checkpoint["work"], "closing": self.checkpoint["closing"]}
+        return {name: float(weights @ value) for name, value in kept.items()}
 
     @property
     def steps(self) -> int:
@@ -144,7 +167,7 @@ class Run:
             with np.load(path, allow_pickle=False) as file:
                 if str(file["format"]) != FORMAT:
                     raise DataFileError(
-                        f"{path} is not a saved run; give a file that `save` wrote."
+                        f"{path} is not a run that this version saved; compute it again."
                     )
                 kept = _beginning(file, "checkpoint_")
                 errors = {name: float(value) for name, value in _beginning(file, "error_").items()}

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.interface import Interface
-from semianalytic.engine.record import FIELDS, Record
+from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
-from semianalytic.engine.steps import State, Stepper
+from semianalytic.engine.steps import Stepper
 from semianalytic.engine.tuning import (
     ERROR_SAFETY,
     LARGEST_ERROR,
@@ -26,7 +25,7 @@ from semianalytic.engine.tuning import (
 )
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_size, shown
-from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, float], bool | None]
@@ -62,8 +61,8 @@ def run(
     nodes : int, optional
         Nodes of one period, a multiple of 4; 512 by default.
     rtol : float, optional
-        Wanted relative error of slip; nodes are doubled until the estimate is below it, up to
-        16,384.
+        Wanted relative error of slip and gap; nodes are doubled until the estimates are below it,
+        up to 16,384.
     step_ratio : float
         Shortest step c_t dt / h.
     every, frames : int
@@ -97,10 +96,10 @@ def run(
     >>> import semianalytic as sf
     >>> law = sf.RateAndState(a=0.01, b=0.006, f0=0.6, v0=1e-6, distance=1e-5)
     >>> rock = sf.Material(shear_modulus=30e9, density=2700.0, poisson_ratio=0.25)
-    >>> pushed = sf.ShearLoad(lambda x: 2e5 * (abs(x) < 1), history=lambda t: t)
+    >>> pushed = sf.InterfaceLoad(lambda x: 2e5 * (abs(x) < 1), history=lambda t: t)
     >>> fault = sf.Interface(rock, law, length=8.0, pressure=1e6, shear=0.6e6, rate=1e-6,
     ...                      loads=[pushed])
-    >>> slow = sf.run(fault, end_time=2.0, nodes=32)
+    >>> slow = sf.run(fault, end_time=0.5, nodes=32)
     >>> bool(slow.slip.max() > 2e-6), slow.status
     (True, 'done')
     """
@@ -125,7 +124,7 @@ def run(
         if done.status.startswith("interrupted") or not (estimate or rtol is not None):
             return done
         done = _estimated(done, end_time, options, settings, rtol)
-        error = done.error_estimates.get("slip", 0.0)
+        error = max(done.error_estimates.get(name, 0.0) for name in ("slip", "gap"))
         if rtol is None or error <= rtol or 2 * count > MOST_NODES or go_on is not None:
             return done
         # The order is two where fields are smooth and one beside edges: at order one, four times as
@@ -161,7 +160,7 @@ def _one(
         now = stepper.begin()
         record.begin(now)
     else:
-        now = _resumed(stepper, record, go_on, print_of, end_time)
+        now = resumed(stepper, record, go_on, print_of, end_time)
     stops = [at for at in interface.jumps if now.time < at < end_time] + [end_time]
     stopped = False
     with deferred_interrupt() as interruption:
@@ -178,88 +177,26 @@ def _one(
             asked = progress is not None and progress(now.time, end_time)
             stopped = bool(interruption.pressed or asked) and bool(stops)
     record.end(now)
-    status = f"interrupted at t = {now.time:.6g}" if stopped else _resolution(stepper)
-    checkpoint = {
-        **{one.name: getattr(now, one.name) for one in fields(State)},
-        "modes": stepper.memory.modes,
-        "lasting": stepper.memory.lasting,
-        "last": stepper.memory.last,
-        "fingerprint": print_of,
-        "every": record.every,
-        "count": record.count,
-    }
+    loaded = record.fields["pressure"] if stepper.unilateral is not None else []
+    most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])
+    status = f"interrupted at t = {now.time:.6g}" if stopped else _resolution(stepper, most)
     return Run(
-        interface,
-        nodes,
-        stepper.grid.x,
-        stepper.touching,
-        np.array(record.t),
-        np.array(record.fields["slip"]),
-        np.array(record.fields["slip_rate"]),
-        np.array(record.fields["shear_traction"]),
-        np.array(record.fields["state"]),
-        np.array(record.step_times),
-        np.array(record.peak_rates),
-        status,
-        checkpoint,
+        interface=interface,
+        nodes=nodes,
+        x=stepper.grid.x,
+        touching=stepper.touching,
+        t=np.array(record.t),
+        slip=np.array(record.fields["slip"]),
+        slip_rate=np.array(record.fields["slip_rate"]),
+        shear_traction=np.array(record.fields["shear_traction"]),
+        state=np.array(record.fields["state"]),
+        pressure=np.array(record.fields["pressure"]),
+        gap=np.array(record.fields["gap"]),
+        step_times=np.array(record.step_times),
+        peak_rates=np.array(record.peak_rates),
+        status=status,
+        checkpoint=checkpoint(stepper, record, now, print_of),
     )
-
-
-def fingerprint(stepper: Stepper) -> str:
-    """Return a digest of everything on the grid that a run depends on."""
-    parts = [stepper.interface.material, stepper.grid, stepper.interface.plate_rate]
-    parts += [stepper.interface.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
-    digest = hashlib.sha256(repr(parts).encode())
-    laid = [stepper.pressure, stepper.shear, stepper.touching, *stepper.loads(stepper.shortest)]
-    if is_dataclass(stepper.law):
-        laid += [
-            value
-            for value in (getattr(stepper.law, one.name) for one in fields(stepper.law))
-            if isinstance(value, float | int | np.ndarray)
-        ]
-    for value in laid:
-        digest.update(np.ascontiguousarray(value).tobytes())
-    return digest.hexdigest()
-
-
-def _resumed(
-    stepper: Stepper, record: Record, earlier: Run, print_of: str, end_time: float
-) -> State:
-    """Put the memory and the record of an earlier run in place and return its state."""
-    kept = earlier.checkpoint
-    if str(kept["fingerprint"]) != print_of:
-        raise DataFileError(
-            "run: `go_on` is a run of another interface, grid or step; continue it with its own "
-            "interface, `nodes` and `step_ratio`."
-        )
-    if float(kept["time"]) >= end_time:
-        raise SceneError(
-            f"run: `end_time` must be beyond that of `go_on`, {float(kept['time']):.6g}."
-        )
-    if kept["modes"].shape != stepper.memory.modes.shape:
-        raise SceneError(
-            "run: the memory of `go_on` was fitted for another end time; give that `end_time`."
-        )
-    memory = stepper.memory
-    memory.modes, memory.lasting = kept["modes"].copy(), kept["lasting"].copy()
-    memory.last = float(kept["last"])
-    record.every, record.count = int(kept["every"]), int(kept["count"])
-    record.t = list(earlier.t)
-    for name in FIELDS:
-        record.fields[name] = list(getattr(earlier, name))
-    if record.times is None and record.count % record.every and record.t[-1] == kept["time"]:
-        # This frame was recorded only because the earlier run ended there.
-        record.t.pop()
-        for name in FIELDS:
-            record.fields[name].pop()
-    elif record.times is not None:
-        record.times = [one for one in record.times if one > earlier.end_time]
-    record.step_times, record.peak_rates = list(earlier.step_times), list(earlier.peak_rates)
-    scalars: dict[str, Any] = {"time": float(kept["time"]), "rung": int(kept["rung"])}
-    arrays: dict[str, Any] = {
-        one.name: np.array(kept[one.name]) for one in fields(State) if one.name not in scalars
-    }
-    return State(**scalars, **arrays)
 
 
 def _estimated(
@@ -287,20 +224,26 @@ def _estimated(
         return np.asarray(pairs[:, touching])
 
     errors = {}
-    for name in ("slip", "slip_rate", "shear_traction"):
+    names = ["slip", "slip_rate", "shear_traction"]
+    if done.interface.may_open:
+        names += ["gap", "pressure"]
+    for name in names:
         fine, other = thinned(getattr(done, name)), getattr(coarse, name)[:, touching]
         scale = fine - fine[0] if name == "shear_traction" else fine
         size = float(np.abs(scale).sum())
         errors[name] = ERROR_SAFETY * float(np.abs(fine - other).sum()) / size if size else 0.0
-    status = done.status
-    if status == "done" and errors["slip"] > (LARGEST_ERROR if rtol is None else rtol):
-        status = f"unresolved: slip may be off by {errors['slip']:.1g} of itself; raise `nodes`."
+    status, name = done.status, "slip"
+    if errors.get("gap", 0.0) > errors["slip"]:
+        name = "gap"
+    if status == "done" and errors[name] > (LARGEST_ERROR if rtol is None else rtol):
+        what = "slip" if name == "slip" else "the gap"
+        status = f"unresolved: {what} may be off by {errors[name]:.1g} of itself; raise `nodes`."
     return replace(done, error_estimates=errors, status=status)
 
 
-def _resolution(stepper: Stepper) -> str:
-    """Return "done", or why the grid cannot follow the law."""
-    weakening = stepper.law.weakening(stepper.pressure)
+def _resolution(stepper: Stepper, pressure: Array) -> str:
+    """Return "done", or why the grid cannot follow the law at the largest pressures."""
+    weakening = stepper.law.weakening(pressure)
     if not weakening > 0:
         return "done"
     zone = stepper.interface.material.shear_modulus / weakening

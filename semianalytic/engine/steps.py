@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.contact import area_mean
-from semianalytic.engine.fields import at_nodes, required, sampled
-from semianalytic.engine.interface import Interface, ShearLoad
+from semianalytic.engine.contact import Faces, Unilateral, area_mean
+from semianalytic.engine.fields import required, sampled
+from semianalytic.engine.interface import ActingLoads, Interface
 from semianalytic.engine.law import check_law
 from semianalytic.engine.line import Grid, LineMemory
 from semianalytic.engine.tuning import (
@@ -25,13 +25,13 @@ from semianalytic.engine.tuning import (
     TOLERANCE,
 )
 from semianalytic.scene.errors import ComputationError
-from semianalytic.spacetime.exponentials import Antiplane, InPlane, fit_memory
+from semianalytic.spacetime.exponentials import Antiplane, InPlane, Opening, fit_memory
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class State(Faces):
     """The state of an interface at one time, from which the next step starts; arrays are (n,).
 
     Attributes
@@ -97,13 +97,15 @@ class Stepper:
         self._on = x[self.touching]
         self.law = interface.law.on(self._on)
         self._inner = self._neighbours()[self.touching]
+        # Beyond the ends of half a line lie mirror images of the nodes inside it.
+        self._mirror = (0 if self.grid.between else 1) if self.grid.even else None
         self.pressure = sampled("interface: pressure", interface.pressure, self._on)
         required(
             "interface: pressure", self.pressure, self.pressure >= 0, "not be negative", self._on
         )
         # a slot carries base shear before the load, as if it were closed
         self.shear = sampled("interface: shear", interface.shear, x)
-        self._fixed = self._static_loads(x)
+        self.loads = ActingLoads("shear", self.shear, interface.loads, x, self.touching)
         speed = material.shear_speed
         self._speed, self.impedance = speed, interface.impedance
         self.shortest = step_ratio * self.grid.spacing / speed
@@ -117,6 +119,12 @@ class Stepper:
         # rounded up to a power of 2, so that runs of different lengths share a fit
         horizon = min(2.0 ** math.ceil(math.log2(horizon)), LARGEST_HORIZON)
         self.memory = LineMemory(fit_memory(impedance, horizon, tolerance), self.grid)
+        self.unilateral = None
+        if interface.may_open:
+            fit = fit_memory(Opening(speed / material.longitudinal_speed), horizon, tolerance)
+            loads = ActingLoads("pressure", self._base(), interface.loads, x, self.touching)
+            memory, stiff = LineMemory(fit, self.grid), interface.opening_impedance
+            self.unilateral = Unilateral(stiff, memory, self.grid, loads, self.touching)
         self._bound = bound_share * 4 / (impedance.static * material.shear_modulus * q)
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
@@ -129,31 +137,11 @@ class Stepper:
             left[0], right[-1] = self.touching[0], self.touching[-1]
         return np.asarray(self.touching & left & right)
 
-    def _static_loads(self, x: Array) -> list[tuple[Array | None, ShearLoad]]:
-        """Return the fields of loads that are products of space and time."""
-        fixed: list[tuple[Array | None, ShearLoad]] = []
-        for load in self.interface.loads:
-            where = self.touching | True if load.on == "line" else ~self.touching
-            field = None if load.history is None else at_nodes("load: shear", load.shear, x, where)
-            fixed.append((field, load))
-        return fixed
-
-    def loads(self, time: float, after: bool = False) -> tuple[Array, Array]:
-        """Return the shear that an uncut line carries, and that of slot faces, (n,) each.
-
-        At a jump of a load these are the values before it, or those `after` it.
-        """
-        line, slot = self.shear.copy(), self.shear.copy()
-        for field, load in self._fixed:
-            if field is None:
-                value = load.traction(self.grid.x, time)
-            else:
-                value = field * load.factor(time, after)
-            if load.on == "line":
-                line += value
-            else:
-                slot -= value
-        return line, slot
+    def _base(self) -> Array:
+        """Return the pressure in place before loads, (n,), 0 on slots."""
+        base = np.zeros(len(self.grid.x))
+        base[self.touching] = self.pressure
+        return base
 
     def begin(self) -> State:
         """Return the state at t = 0, just after loads that jump there."""
@@ -166,29 +154,43 @@ class Stepper:
         )
         check_law(self.law, self.pressure, state)
         nothing = np.zeros(count)
-        return self.jump(State(0.0, rate, nothing, self.shear.copy(), state, nothing.copy()))
+        faces = Faces(self._base(), nothing, nothing, nothing)
+        return self.jump(
+            State(
+                **vars(faces),
+                time=0.0,
+                rate=rate,
+                slip=nothing,
+                traction=self.shear.copy(),
+                state=state,
+                work=nothing,
+            )
+        )
 
     def jump(self, now: State) -> State:
         """Return the state after loads have jumped, with the memory as it is."""
-        table = self.memory.table(self.memory.last) if self.memory.last else None
-        held = self.memory.modes.real.sum(axis=0) + self.memory.lasting
-        if table is not None:
-            held = held + table.feedback * self._amplitudes(now.rate)
+        faces: Faces = now
+        if self.unilateral is not None:
+            faces = self.unilateral.jump(now, now.time)
+        held = self.memory.convolution(self._amplitudes(now.rate))
         line, slot = self.loads(now.time, after=True)
         stopping = self._stopping(line, held)
-        rate, traction = self._balance(stopping, slot, now.state)
-        # The memory lacks the share of the newest rate, which the next step adds from `rate`; the
-        # jump changes that rate, so the share that is missing has to change with it.
-        if table is not None:
-            change = self._amplitudes(rate - now.rate)
-            self.memory.modes -= table.end * change
-            self.memory.lasting -= table.half * change
-        return replace(now, rate=rate, traction=traction)
+        rate, traction = self._balance(stopping, slot, now.state, faces)
+        self.memory.exchange(self._amplitudes(rate - now.rate))
+        return replace(
+            now,
+            pressure=faces.pressure,
+            gap=faces.gap,
+            gap_rate=faces.gap_rate,
+            closing=faces.closing,
+            rate=rate,
+            traction=traction,
+        )
 
     def length(self, now: State) -> tuple[float, int]:
         """Return length and rung of the step that may follow a state [time]."""
         speed = np.abs(now.rate[self.touching])
-        slope = np.asarray(self.law.rate_slope(self.pressure, speed, now.state))
+        slope = np.asarray(self.law.rate_slope(self._pressure(now), speed, now.state))
         least = float(slope.min()) if self.touching.all() else 0.0
         limit = min(self._bound * (max(least, 0.0) + self.impedance), self._longest)
         if now.pace > 0:
@@ -198,6 +200,10 @@ class Stepper:
         rung = 0
         if limit > self.shortest:
             rung = min(int(math.log(limit / self.shortest) / math.log(LADDER)), now.rung + 1)
+        if rung and self.unilateral is not None:
+            # Free faces have no direct effect of friction, which is what permits long steps.
+            length = self.shortest * LADDER**rung
+            rung = 0 if self.unilateral.frees(now, now.time + length) else rung
         return self.shortest * LADDER**rung, rung
 
     def step(self, now: State, length: float, rung: int, time: float | None = None) -> State:
@@ -213,8 +219,11 @@ class Stepper:
             Exact time of the end where a load jumps there [time].
         """
         time = now.time + length if time is None else time
+        path, faces = self._speed * length, Faces(now.pressure, now.gap, now.gap_rate, now.closing)
+        if self.unilateral is not None:
+            faces = self.unilateral.step(now, time, length, path, self.sweeps)
         amplitudes = self._amplitudes(now.rate)
-        past, feedback = self.memory.advance(amplitudes, self._speed * length)
+        past, feedback = self.memory.advance(amplitudes, path)
         line, slot = self.loads(time)
         old = np.abs(now.rate[self.touching])
         rate = now.rate
@@ -222,7 +231,7 @@ class Stepper:
             stopping = self._stopping(line, past + feedback * amplitudes)
             mean = (old + np.abs(rate[self.touching])) / 2
             rate, traction = self._balance(
-                stopping, slot, self.law.evolved(now.state, mean, length)
+                stopping, slot, self.law.evolved(now.state, mean, length), faces
             )
             amplitudes = self._amplitudes(rate)
         if not math.isfinite(float(amplitudes.sum())):
@@ -235,15 +244,23 @@ class Stepper:
         new, turned = rate[self.touching], np.abs(rate - now.rate)[self.touching]
         fastest = max(float(np.abs(new).max()), float(old.max()), 1e-300)
         return State(
-            time,
-            rate,
-            now.slip + half * (now.rate + rate),
-            traction,
-            state,
-            now.work + half * (now.traction * now.rate + traction * rate) * self.touching,
-            rung,
-            float(turned.max()) / fastest / length,
+            pressure=faces.pressure,
+            gap=faces.gap,
+            gap_rate=faces.gap_rate,
+            closing=faces.closing,
+            time=time,
+            rate=rate,
+            slip=now.slip + half * (now.rate + rate),
+            traction=traction,
+            state=state,
+            work=now.work + half * (now.traction * now.rate + traction * rate) * self.touching,
+            rung=rung,
+            pace=float(turned.max()) / fastest / length,
         )
+
+    def _pressure(self, faces: Faces) -> Array:
+        """Return the pressure at nodes of the contact, (contact,)."""
+        return self.pressure if self.unilateral is None else faces.pressure[self.touching]
 
     def _amplitudes(self, rate: Array) -> Array:
         return self.grid.amplitudes(rate - self.interface.plate_rate)
@@ -253,15 +270,27 @@ class Stepper:
         plate = self.interface.plate_rate
         return line - self.impedance * (self.grid.values(convolution) - plate)
 
-    def _balance(self, stopping: Array, slot: Array, state: Array) -> tuple[Array, Array]:
+    def _balance(
+        self, stopping: Array, slot: Array, state: Array, faces: Faces
+    ) -> tuple[Array, Array]:
         """Return slip rate and traction at which friction, or the load on slots, is met."""
-        on = stopping[self.touching]
+        on, pressure = stopping[self.touching], self._pressure(faces)
+        freed = None if self.unilateral is None else faces.is_open[self.touching]
         size = np.abs(on)
         if self.law.has_threshold:
-            rest = self.law.strength(self.pressure, np.zeros(len(on)), state)
-            size = rest + area_mean(size - rest, self._inner)
-        speed = self.law.slip_speed(size, self.pressure, self.impedance, state)
+            rest = self.law.strength(pressure, np.zeros(len(on)), state)
+            if freed is not None:
+                rest = np.where(freed, 0.0, rest)
+            size = rest + area_mean(size - rest, self._inner, self._mirror)
+        if freed is not None:
+            # Open nodes need some positive pressure here; their slip rate is replaced below.
+            pressure = np.where(freed, 1.0, pressure)
+        speed = self.law.slip_speed(size, pressure, self.impedance, state)
         rate = (stopping - slot) / self.impedance
         # Slip has the sense of the traction it relaxes; 0.0 - speed keeps +0.0 where it sticks.
         rate[self.touching] = np.where(on < 0, 0.0 - speed, speed)
-        return rate, stopping - self.impedance * rate
+        traction = stopping - self.impedance * rate
+        if freed is not None:
+            rate[self.touching] = np.where(freed, on / self.impedance, rate[self.touching])
+            traction[self.touching] = np.where(freed, 0.0, traction[self.touching])
+        return rate, traction

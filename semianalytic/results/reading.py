@@ -7,9 +7,8 @@ ways; `Reading` is the table that both return.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -30,9 +29,6 @@ _STENCIL = (-2, -1, 0, 1, 2)
 curves of a march and of its companion cross, and at the crossing alone nothing would differ."""
 _MEAN = 50
 """Places and times, each, over which the mean difference from the companion is taken."""
-_RATES = 40
-"""Points of the rule for the time integral of a slip rate between two fronts: it leaves 1e-8 of the
-slip in films; half as many leave 1e-6, twice as many 1e-10."""
 
 
 class Measured(NamedTuple):
@@ -132,38 +128,6 @@ def first_times(x: ArrayLike, zones: Iterable[_Zone]) -> Array:
     if fastest == 0:
         return np.full(x.shape, np.inf)
     return np.asarray(x / fastest)
-
-
-def slip_of_rates(
-    slip_rate: Callable[[Array, Array], Array], x: Array, t: Array, speeds: Iterable[float]
-) -> Array:
-    """Return the slip at x and t as the time integral of the slip rate [length].
-
-    It checks a slip that was computed otherwise.
-
-    Parameters
-    ----------
-    slip_rate : callable
-        Slip rate at positions and times.
-    x, t : arrays of one shape
-        Positions [length] and times [time].
-    speeds : iterable of float
-        Velocities x / t where the slip rate is not smooth: zone edges and wave fronts.
-    """
-    nodes, weights = np.polynomial.legendre.leggauss(_RATES)
-    share, slope = (1 + nodes) / 2, weights / 2
-    # roots at both ends of an interval become smooth
-    place, slope = share**2 * (3 - 2 * share), 6 * share * (1 - share) * slope
-    time = np.maximum(t, 0.0)
-    known = sorted({one for one in speeds if 0 < one < math.inf}, reverse=True)
-    ends = [np.zeros(x.shape), *(np.minimum(x / one, time) for one in known), time]
-    total = np.zeros(x.shape)
-    for start, end in pairwise(ends):
-        width = (end - start)[..., None]
-        total += ((width * slope) * slip_rate(x[..., None], start[..., None] + width * place)).sum(
-            axis=-1
-        )
-    return total
 
 
 def self_similar_reading(

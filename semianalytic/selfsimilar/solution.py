@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -25,11 +25,9 @@ from semianalytic.results.answer import (
 )
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import (
-    Measured,
     Reading,
     first_times,
     self_similar_reading,
-    slip_of_rates,
 )
 from semianalytic.results.renamed import renamed
 from semianalytic.scene.checks import checked_number
@@ -466,24 +464,7 @@ class Solution:
             "pressure": max(base.pressure, held.pressure) + abs(load.pressure),
             "gap": gaps * time,
         }
-        reading = self_similar_reading(self, x, t, self.scene.material.shear_speed, scales)
-        return reading if self.profile.fields.load.resistance is None else self._checked(reading)
-
-    def _checked(self, reading: Reading) -> Reading:
-        """Return the reading of a film, whose slip away from the edge is less exact than its rate.
-
-        Slip rate towers at the edge under a strong film, and what is a billionth of it there is
-        large elsewhere, so the bar of slip holds its difference from the integral of the rate.
-        """
-        material = self.scene.material
-        fronts = (material.longitudinal_speed, material.shear_speed, material.rayleigh_speed)
-        edges = [*np.ravel(self.edge_speeds), *(part.outer for part in self.openings)]
-        edges += [part.inner for part in self.openings]
-        slip = slip_of_rates(self.slip_rate, reading.x, reading.t, (*fronts, *edges))
-        value, error = reading.slip
-        with np.errstate(invalid="ignore"):
-            apart = np.nan_to_num(np.abs(slip - value), nan=np.inf)
-        return replace(reading, slip=Measured(value, error + 2 * apart))
+        return self_similar_reading(self, x, t, self.scene.material.shear_speed, scales)
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
         """Return the intervals that slip at a time [time], from the contact edge outward.

@@ -164,8 +164,6 @@ class NodeFields:
         Ends and rho of the panels.
     amounts, exponents : (q, 1) arrays
         Powers that the slope of slip rate has beside borders of an opening; not part of `rate`.
-    tail : () array
-        Limit of v^2 dV/dv.
     intensity : () array
         Intensity of the traction at a stuck contact edge.
     """
@@ -178,7 +176,6 @@ class NodeFields:
     skew: Array
     amounts: Array
     exponents: Array
-    tail: Array
     intensity: Array
 
     @classmethod
@@ -194,7 +191,6 @@ class NodeFields:
             panels.ends.parts,
             panels.skew,
             *_of_powers(profile),
-            np.asarray(profile.rate_integral.tail),
             np.asarray(profile.edge_intensity),
         )
 
@@ -234,7 +230,7 @@ class NodeFields:
         return replace(self, **resting)
 
 
-_SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0, 0)
+_SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0)
 
 
 def _widths(fields: ZoneFields) -> Array:

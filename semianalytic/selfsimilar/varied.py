@@ -119,8 +119,7 @@ class VariedProfile:
         return self._integral(self._nodes.traction / self._panels.jacobian)
 
     def _integral(self, density: Array, powers: tuple[Power, ...] = ()) -> RunningIntegral:
-        front, tail = self.profile.fields.factors.c, self._nodes.tail
-        return RunningIntegral(self._panels, density, front, tail, powers)
+        return RunningIntegral(self._panels, density, self.profile.fields.factors.c, powers)
 
     def _slope(self, integral: RunningIntegral, panel: int, at: CutPoints) -> Array:
         """Return the slope of an integral at points (m,) inside a panel, infinite where it is at
@@ -188,14 +187,14 @@ class VariedProfile:
     def _slip(self, i: int, at: CutPoints, start: float | Array) -> Array:
         """Return the derivative of slip / x inside a panel that slips, from that at its left
         end."""
-        gain, moment = self._rate(i, at), self._moment.with_moment(i, at)[1]
+        gain, mean = self._rate(i, at), self._moment.with_mean(i, at)[1]
         for power in self.profile.rate_integral.powers_on(i):
             moved = self._nodes.ends[0, power.end_index]
-            moment = moment + moved * power.inside(self._panels, at)
+            mean = mean + moved * power.inside(self._panels, at) / at.v
         before = self._nodes.rate_starts[i]
         # Slip / x is [v V] - int v dV over slowness; both parts are counted from the left end.
         left = self._panels.left[i].v
-        return np.asarray(start + at.v * gain + (at.v - left) * before - moment)
+        return np.asarray(start + at.v * (gain - mean) + (at.v - left) * before)
 
     @cached_property
     def _slip_starts(self) -> Array:

@@ -86,7 +86,7 @@ class GridPressure:
         held, self._load = (part.pressure for part in scene.superposition)
         # a wave of normal incidence that is no step: the contact carries base and f times its load
         self._arriving = scene.arrives and not scene.is_step
-        held = scene.base.pressure if self._arriving else held
+        held = scene.before_load.pressure if self._arriving else held
         self._history = scene.pressure_history
         self._factor = np.ones(count)
         self._factor[: len(factors)] = factors[:count]
@@ -246,7 +246,7 @@ class FrontLoad:
         (size,) array or float, (slot,) array or float
             An incident wave changes the first, a moving load the second.
         """
-        base, scene = getattr(self.scene.base, name), self.scene
+        base, scene = getattr(self.scene.before_load, name), self.scene
         history: LoadHistory = getattr(scene, f"{name}_history")
         slowness = scene.front_slowness
         lag, half = t - slowness * self.x, max(abs(slowness) * self.spacing, step) / 2

@@ -490,7 +490,7 @@ def _check_held(scene: Scene, until: float) -> None:
     """
     if scene.front_slowness >= 0 or not scene.arrives:
         return
-    base, load, low, high = scene.base, scene.superposition.taken_off, 0.0, 0.0
+    base, load, low, high = scene.before_load, scene.superposition.taken_off, 0.0, 0.0
     for history in scene.acting_histories.values():
         times = np.append(np.linspace(0.0, until, TIMES), history.pieces.breaks)
         # just before and just after a jump; the load is linear in the value

@@ -130,7 +130,7 @@ def _levels(
         if front is not None:
             uncut, on_slot = front.tractions("shear", now, step)
         elif scene.arrives:
-            on_slot = scene.base.shear
+            on_slot = scene.before_load.shear
             uncut = on_slot + load
         yield Level(now, step, uncut, on_slot, on_contact)
 

@@ -41,7 +41,7 @@ def run_command(
     ] = None,
     nodes: Annotated[int | None, typer.Option(help="Nodes of one period, a multiple of 4.")] = None,
     rtol: Annotated[
-        float | None, typer.Option(help="Error of slip: nodes are doubled until it is met.")
+        float | None, typer.Option(help="Error of slip and gap: nodes are doubled until it is met.")
     ] = None,
     save: Annotated[
         Path | None, typer.Option(metavar="FILE", help="File to save the run to (.npz).")
@@ -120,10 +120,11 @@ def _document(done: Run, name: str) -> dict[str, Any]:
         "largest_slip": float(on.max()),
         "largest_slip_rate": float(done.peak_rates.max()),
         "slipping": float(np.mean(np.abs(done.slip_rate[-1][done.touching]) > 0)),
+        "largest_gap": float(done.gap[:, done.touching].max()),
         "error_estimates": dict(done.error_estimates),
         "units": {
             **dict.fromkeys(("end_time", "shortest_step", "longest_step"), "time"),
-            "largest_slip": "length",
+            **dict.fromkeys(("largest_slip", "largest_gap"), "length"),
             "largest_slip_rate": "length / time",
             "slipping": "1",
         },
@@ -144,6 +145,8 @@ def _show(done: Run, name: str) -> None:
     table.add_row("largest slip", f"{shown['largest_slip']:.6g}", "length")
     table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}", "length/time")
     table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} %", "of the contact")
+    if done.interface.may_open:
+        table.add_row("largest gap", f"{shown['largest_gap']:.6g}", "length")
     for quantity, error in done.error_estimates.items():
         table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}", "relative")
     table.add_row("status", done.status)

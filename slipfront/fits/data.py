@@ -15,7 +15,7 @@ from compare.records.options import ReadingOptions
 from compare.records.read import ARRAYS, HDF5, MESHES, read_records
 from compare.records.record import Array
 from compare.records.text import Table, read_table
-from compare.records.units import EXAMPLES, NO_UNIT, si_size
+from compare.records.units import EXAMPLES, names_no_unit, si_size
 from semianalytic.inversion.gauges import FIELDS, INTERFACE, QUANTITIES, Gauge, checked_noise
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
@@ -176,7 +176,7 @@ def gauge_unit(name: str, dimension: str) -> float | None:
 def _scale(table: Table, kind: str, unit: str) -> float:
     """Return the factor that converts numbers of a unit to SI units."""
     dimensions = _dimensions(kind)
-    if unit.strip().lower() in NO_UNIT:
+    if any(names_no_unit(unit, dimension) for dimension in dimensions):
         return 1.0
     sizes = (gauge_unit(unit, dimension) for dimension in dimensions)
     size = next((one for one in sizes if one is not None), None)

@@ -116,6 +116,24 @@ def test_answers_are_held_against_better_ones(tmp_path, monkeypatch):
     assert [row.outcome for row in again] == [row.outcome for row in rows]
 
 
+def test_processes_share_the_scenes(tmp_path, monkeypatch, capsys):
+    """Whatever the order in which rows come; what is known is summed up without more."""
+    shared = answers.run_answers(tmp_path, 2, answers.SEED, 2)
+    (own,) = answers.run_answers(tmp_path / "alone", 1, answers.SEED)
+    assert [row.index for row in shared] == [0, 1]
+    assert (shared[0].ratio, shared[0].outcome) == (own.ratio, own.outcome)
+    assert max(row.edges for row in shared) < 1
+    line = ["answers", "--known", "--output", str(tmp_path), "--csv", str(tmp_path)]
+    monkeypatch.setattr("sys.argv", line)
+    monkeypatch.setattr(answers, "answer_row", None)
+    answers.main()
+    assert "--known" in (tmp_path / "campaign-answers.csv").read_text().splitlines()[0]
+    assert "scenes drawn" in capsys.readouterr().out
+    monkeypatch.setattr("sys.argv", ["answers", "--processes", "0"])
+    with pytest.raises(SystemExit, match="2"):
+        answers.main()
+
+
 @pytest.mark.slow
 def test_slip_of_the_wrong_sense_is_part_of_the_estimate():
     """Draw 17: its base is at friction, and where 1e-6 lets slip begin at c_l, 1e-8 finds a strip

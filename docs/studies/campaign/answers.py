@@ -5,7 +5,8 @@ the step.  Each scene is solved to 1e-5, 1e-6 or 1e-8, and edges, slip rate, sli
 power, stress intensities, fields in the bodies and derivatives are held against an answer to 1e-12
 (1e-9 where strength depends on slip rate);
 derivatives also against what doubling all tractions does.  An error is counted over the sum of
-what both answers say that it may be.  An interrupted run goes on where it was.
+what both answers say that it may be.  Scenes are shared among ``--processes``, and an interrupted
+run goes on where it was.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 from compare.output.progress import progress_bar
 from compare.output.tables import append_rows, started_rows, write_rows
 from compare.studies.tables import shown_rows
+from compare.tasks.workers import run_tasks
 from docs.studies.campaign.scenes import drawn, random_wide_scene
 from docs.studies.campaign.study import SummaryRow, error_between
 from semianalytic import RateWeakening, Scene, SceneError, Solution, TensionError, solve
@@ -298,8 +300,11 @@ def summary(rows: Sequence[AnswerRow]) -> list[SummaryRow]:
     return [SummaryRow(*line) for line in lines]
 
 
-def run_answers(directory: Path, scenes: int, seed: int) -> list[AnswerRow]:
-    """All rows in order, those of an earlier run with the same seed included, in this process.
+def run_answers(
+    directory: Path, scenes: int, seed: int, processes: int | None = 1
+) -> list[AnswerRow]:
+    """All rows in order, those of an earlier run with the same seed included; one process runs
+    here, None is one per core.
 
     Raises
     ------
@@ -312,12 +317,18 @@ def run_answers(directory: Path, scenes: int, seed: int) -> list[AnswerRow]:
     table = directory / f"answerrows-{seed}.csv"
     known = {row.index: row for row in started_rows(table, AnswerRow)}
     left = [index for index in range(scenes) if index not in known]
+    tasks = [(answer_row, (seed, index)) for index in left]
     with progress_bar(Console(stderr=True), False, "answers") as progress:
-        for done, index in enumerate(left):
-            known[index] = answer_row(seed, index)
-            append_rows(table, [known[index]])
-            progress(done + 1, len(left))
+        for _, row in run_tasks(tasks, processes, progress):
+            append_rows(table, [row])
+            known[row.index] = row
     return [known[index] for index in sorted(known) if index < scenes]
+
+
+def known_answers(directory: Path, seed: int) -> list[AnswerRow]:
+    """All rows of earlier runs with a seed, in order, of whatever draws they are."""
+    rows = started_rows(directory / f"answerrows-{seed}.csv", AnswerRow)
+    return sorted(rows, key=lambda row: row.index)
 
 
 def main() -> None:
@@ -327,15 +338,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--scenes", type=int, default=SCENES)
     parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--processes", type=int, metavar="N", help="default: one per core")
+    parser.add_argument(
+        "--known", action="store_true", help="solve nothing: sum up all rows that there are"
+    )
     parser.add_argument("--output", type=Path, default=Path("results", "campaign"))
     parser.add_argument("--csv", type=Path, metavar="DIR", help="folder for answers.csv; docs/data")
     chosen = parser.parse_args()
-    lines = summary(run_answers(chosen.output, chosen.scenes, chosen.seed))
+    if chosen.processes is not None and chosen.processes < 1:
+        parser.error("--processes must be 1 or more.")
+    if chosen.known:
+        rows, asked = known_answers(chosen.output, chosen.seed), "--known"
+    else:
+        rows = run_answers(chosen.output, chosen.scenes, chosen.seed, chosen.processes)
+        asked = f"--scenes {chosen.scenes}"
+    lines = summary(rows)
     Console().print(shown_rows("what answers say of themselves", lines))
     if chosen.csv is not None:
-        command = (
-            f"python -m docs.studies.campaign.answers --scenes {chosen.scenes} --csv docs/data"
-        )
+        command = f"python -m docs.studies.campaign.answers {asked} --csv docs/data"
         write_rows(chosen.csv / "campaign-answers.csv", lines, command=command)
 
 

@@ -79,10 +79,11 @@ def test_record_is_written_as_it_is(solution, tmp_path):
     first, *rest = (tmp_path / "one.csv").read_text().splitlines()
     assert first == "# slipfront field preloaded"
     heading, *rows = csv.reader(rest)
-    assert heading[:3] == ["t [s]", "v_x [m/s]", "v_y [m/s]"]
+    assert heading[:5] == ["t [s]", "x [m]", "y [m]", "v_x [m/s]", "v_y [m/s]"]
     assert heading[-1] == "eps_xy [1]"
     table = np.array(rows, dtype=float)
-    assert np.array_equal(table[:, 1:3].T, record.velocity)
+    assert np.array_equal(table[:, 1:3], np.tile([0.4, 0.2], (len(t), 1)))
+    assert np.array_equal(table[:, 3:5].T, record.velocity)
     assert np.array_equal(table[:, -3:].T, record.strain)
 
 

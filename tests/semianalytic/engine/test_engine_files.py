@@ -47,11 +47,37 @@ def test_a_file_and_the_same_in_python(folder):
         sf.SlipDependent(lambda x: 0.5 + 0.1 * np.cos(np.pi * x / 4), 0.2, 4.0),
         8.0,
         shear=lambda x: 0.2 * (1 - np.abs(x) / 4),
-        loads=[sf.ShearLoad(lambda x: np.exp(-(x**2)), sf.Ramp(0.5))],
+        loads=[sf.InterfaceLoad(lambda x: np.exp(-(x**2)), sf.Ramp(0.5))],
     )
     other = sf.run(same, 1.0, 64, estimate=False)
     assert done.slip.max() > 0.1
     assert done.slip == pytest.approx(other.slip, abs=1e-14)
+
+
+def test_a_load_of_shear_and_pressure_in_a_file(folder, capsys):
+    """Both with one history, and both as expressions of x and t; antiplane is refused."""
+    shared = 'shear = "0.1 * exp(-x**2)"\npressure = "-2 * exp(-x**2)"\nhistory = "min(2 * t, 1)"\n'
+    timed = """shear = "0.1 * exp(-x**2) * min(2 * t, 1)"
+pressure = "-2 * exp(-x**2) * min(2 * t, 1)"
+"""
+    runs = []
+    head, tail = (
+        GOOD.split("[[load]]")[0].replace('{file = "p.csv", column = "pressure"}', "1.0"),
+        ("[run]\nend_time = 1.0\nnodes = 64\n"),
+    )
+    for load in (shared, timed):
+        (folder / "a.toml").write_text(f"{head}[[load]]\n{load}{tail}")
+        found = sf.find_interface("a.toml")
+        runs.append(sf.run(found.interface, 1.0, 64, estimate=False))
+    assert runs[0].gap.max() > 0.1
+    assert runs[0].gap == pytest.approx(runs[1].gap, abs=1e-14)
+    assert runs[0].slip == pytest.approx(runs[1].slip, abs=1e-14)
+    assert main(["run", "a.toml"]) == 0
+    assert "largest gap" in capsys.readouterr().out
+    (folder / "a.toml").write_text(f'mode = "antiplane"\n{head}[[load]]\n{load}{tail}')
+    assert main(["run", "a.toml", "--save", "b.npz"]) == 2
+    assert "antiplane interface have no pressure" in " ".join(capsys.readouterr().err.split())
+    assert not (folder / "b.npz").exists()
 
 
 @pytest.mark.parametrize("name", NAMED_INTERFACES)
@@ -78,6 +104,9 @@ def test_named_interfaces_begin(name):
         ("poisson_ratio = 0.25", "poisson_ratio = 0.7", "poisson_ratio must"),
         ("[run]", "[[contact]]\n[run]", "contact must be a table"),
         ("[run]", "[contact]\nintervals = [[0, 2], [1, 3]]\n[run]", "overlap"),
+        ('shear = "exp(-x**2)"\n', "", "load: shear or pressure is missing"),
+        ('shear = "exp(-x**2)"\n', "presure = 1.0\n", "did you mean pressure"),
+        ('shear = "exp(-x**2)"\n', "pressure = [1.0]\n", "load.pressure must be a number"),
     ],
 )
 def test_mistakes_in_files_end_in_one_sentence(folder, capsys, old, new, said):

@@ -107,7 +107,7 @@ def test_a_law_of_the_user_is_a_small_class():
 
     law = Healing(lambda x: 0.3 + 0.1 * (np.abs(x) < 1))
     fault = sf.Interface(
-        sf.Material(1.0, 1.0, 0.25), law, 8.0, loads=[sf.ShearLoad(lambda x: np.exp(-(x**2)))]
+        sf.Material(1.0, 1.0, 0.25), law, 8.0, loads=[sf.InterfaceLoad(lambda x: np.exp(-(x**2)))]
     )
     same = sf.Interface(
         fault.material,

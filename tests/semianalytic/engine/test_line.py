@@ -60,7 +60,7 @@ def patch(nodes, mode, end=1.0):
     def shear(x, t):
         return np.clip((0.3 * t - np.abs(x)) / width + 0.5, 0, 1)
 
-    load = sf.ShearLoad(shear, history=None)
+    load = sf.InterfaceLoad(shear, history=None)
     scene = sf.Interface(UNIT, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
     return sf.run(scene, end, nodes, times=[end], estimate=False)
 
@@ -80,7 +80,9 @@ def test_edge_of_an_over_stressed_patch(mode, edge):
 def test_second_order_with_state():
     """Rate-and-state, ageing, in plane: slip of a pushed fault on four step lengths."""
     law = sf.RateAndState(a=0.01, b=0.014, f0=0.6, v0=1e-3, distance=0.02)
-    push = sf.ShearLoad(lambda x: 0.08 * np.exp(-(x**2)), history=lambda t: min(t, 2.0) ** 2 / 4)
+    push = sf.InterfaceLoad(
+        lambda x: 0.08 * np.exp(-(x**2)), history=lambda t: min(t, 2.0) ** 2 / 4
+    )
     fault = sf.Interface(
         sf.Material(1.0, 1.0, 0.25), law, 16.0, shear=0.6, rate=1e-3, loads=[push], even=True
     )
@@ -99,7 +101,7 @@ def test_second_order_with_state():
 
 def test_odd_sweeps_are_unstable_on_a_free_face_and_even_ones_are_not():
     def largest(sweeps):
-        slot = sf.ShearLoad(1.0, on="slot")
+        slot = sf.InterfaceLoad(1.0, on="slot")
         scene = sf.Interface(
             UNIT, sf.Coulomb(9.0), 8.0, loads=[slot], contact=sf.Contact([(1.0, 3.0)])
         )

@@ -23,7 +23,16 @@ def weakening_fault():
 def same(one, other):
     return all(
         np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True)
-        for name in ("t", "slip", "slip_rate", "shear_traction", "state", "step_times")
+        for name in (
+            "t",
+            "slip",
+            "slip_rate",
+            "shear_traction",
+            "state",
+            "pressure",
+            "gap",
+            "step_times",
+        )
     )
 
 
@@ -61,7 +70,7 @@ def test_what_is_done_is_kept_after_ctrl_c():
         if time > 0.5:
             signal.raise_signal(signal.SIGINT)
 
-    load = sf.ShearLoad(lambda x: np.exp(-(x**2)))
+    load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
     done = run(sf.Interface(UNIT, COULOMB, 8.0, loads=[load]), 2.0, 64, progress=press)
     assert done.status.startswith("interrupted at t = 0.5")
     assert done.slip[-1].max() > 0
@@ -69,7 +78,7 @@ def test_what_is_done_is_kept_after_ctrl_c():
 
 
 def test_even_and_whole_lines_agree():
-    load = sf.ShearLoad(lambda x: np.exp(-(x**2)))
+    load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
     for contact in (sf.Contact(), sf.Contact([(-1.5, 1.5)])):
         halves = [
             run(
@@ -86,7 +95,7 @@ def test_even_and_whole_lines_agree():
 
 
 def test_the_estimate_covers_the_error_and_rtol_is_met():
-    load = sf.ShearLoad(lambda x: np.exp(-(x**2)), history=sf.Ramp(1.0))
+    load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)), history=sf.Ramp(1.0))
     fault = sf.Interface(UNIT, sf.SlipDependent(0.6, 0.2, 1.0), 8.0, loads=[load], even=True)
     times = [0.5, 1.0, 2.0]
     best = run(fault, 2.0, 1024, times=times, estimate=False)
@@ -106,7 +115,7 @@ def test_two_edges_against_the_exact_solver():
         scene.material,
         sf.Coulomb(0.3),
         16.0,
-        loads=[sf.ShearLoad(1.0, on="slot")],
+        loads=[sf.InterfaceLoad(1.0, on="slot")],
         contact=sf.Contact([(-math.inf, -2.0), (0.0, math.inf)]),
     )
     errors = []
@@ -140,7 +149,7 @@ def test_cattaneo_and_mindlin_in_the_slow_limit():
 def test_a_jump_of_strength_does_not_make_slip():
     """A barrier beside a slipping patch stays stuck, and its neighbour slips no faster."""
     strength = lambda x: np.where(np.abs(x) < 1, 0.5, 1e6)  # noqa: E731
-    load = sf.ShearLoad(1.0)
+    load = sf.InterfaceLoad(1.0)
     done = run(
         sf.Interface(UNIT, sf.Coulomb(strength), 8.0, loads=[load]), 1.0, 128, estimate=False
     )
@@ -181,7 +190,7 @@ def test_bad_interfaces_are_refused(given, said):
         (lambda: sf.Contact([]), "pairs of begin and end"),
         (lambda: sf.Table([0, 1], [1, math.nan]), "finite numbers"),
         (lambda: sf.Table([1, 0], [1, 1]), "must increase"),
-        (lambda: sf.ShearLoad(1.0, on="contact"), "line"),
+        (lambda: sf.InterfaceLoad(1.0, on="contact"), "line"),
         (lambda: run(sf.Interface(UNIT, COULOMB, 8.0), 1.0, 66), "multiple of 4"),
         (lambda: run(sf.Interface(UNIT, COULOMB, 8.0), -1.0), "end_time must be positive"),
     ],
@@ -192,7 +201,7 @@ def test_bad_parts_are_refused(make, said):
 
 
 def test_to_xarray_has_units_and_errors():
-    load = sf.ShearLoad(lambda x: np.exp(-(x**2)))
+    load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
     data = run(sf.Interface(UNIT, COULOMB, 8.0, loads=[load]), 0.5, 32).to_xarray()
     assert data["slip"].dims == ("t", "x")
     assert data["slip_rate"].attrs["units"] == "length / time"

@@ -165,6 +165,15 @@ def test_a_wave_of_normal_incidence_is_a_remote_step_and_may_have_a_history():
     np.testing.assert_allclose(ramped.pressure(ramped.grid.x[ahead], 0.25), 1.5, atol=1e-3)
 
 
+def test_a_contact_that_slips_from_the_front_of_a_wave_on_follows_it_as_a_plane_wave():
+    """V = 2 (Q - f P) / M(p), with M = sqrt(1 - p^2) in mode III, ahead of the waves of the tip."""
+    scene = Scene(UNIT, 0.2, PRESSED, IncidentWave("SH", 30.0, 0.4), mode="antiplane")
+    marched = march(scene, 0.5, 60, length=1.2, companion=False)
+    excess = 0.2 - abs(scene.superposition.in_place.shear)
+    assert marched.slip_rate(0.7, 0.5) == pytest.approx(2 * excess / np.sqrt(0.75), rel=0.01)
+    assert marched.slip_rate(1.05, 0.5) == 0  # the front has come to t / p = 1
+
+
 def test_marches_of_fronts_go_on_and_are_kept(tmp_path):
     scene = SCENES["SV along the slot"]
     whole = march(scene, 0.6, 40, length=1.2)

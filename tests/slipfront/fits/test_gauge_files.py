@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from semianalytic import DataFileError
+from compare.output.field_files import record_fields, write_record
+from semianalytic import DataFileError, find_scene, solve
 from slipfront.fits import read_gauges
 
 TABLE = """# strain gauges and one of slip rate on the interface
@@ -88,3 +89,15 @@ def test_no_file_is_refused(tmp_path):
         read_gauges([])
     with pytest.raises(DataFileError, match="does not exist"):
         read_gauges([tmp_path / "b.csv"])
+
+
+@pytest.mark.parametrize("units", ["", "SI"])
+def test_what_field_records_can_be_fitted(units, tmp_path):
+    t = np.linspace(0.1, 1, 5)
+    record = record_fields(solve(find_scene("preloaded")), 0.4, 0.2, t)
+    write_record(tmp_path / "gauge.csv", record, units, "slipfront field preloaded")
+    gauges = {one.quantity: one for one in read_gauges([tmp_path / "gauge.csv"], {"": 1e-3})}
+    assert {"vx", "uy", "sxy", "exy"} <= gauges.keys()
+    assert (gauges["exy"].x, gauges["exy"].y) == (0.4, 0.2)
+    assert gauges["exy"].values == pytest.approx(record.strain[2])
+    assert gauges["vx"].values == pytest.approx(record.velocity[0])
