@@ -4,10 +4,10 @@ They decide how a solution is found, how fast, and when the search is given up. 
 measured afterwards, by `error_estimate`, whatever they are.
 
 "Half, twice" states what half and twice a value did, at rtol 1e-8, to 48 random scenes of Coulomb
-friction, and to 30 others that need a second set of zones or more than six steps.  Work is counted
-in values of Cauchy's kernel.  "No effect" means that all edges stayed within 1e-12 c_t and work
-within 1 %.  All answers converged with the same zones throughout, and errors of edges stayed below
-0.12 of their estimates.
+friction, and to 30 others that need a second set of zones or more than six steps
+(docs/studies/constants.py).  Work is counted in values of Cauchy's kernel.  "No effect" means that
+all edges stayed within 1e-12 c_t and work within 1 %.  All answers converged with the same zones
+throughout, and errors of edges stayed below 0.12 of their estimates.
 """
 
 # The search: which zones, on which rules (solver, guesses)
@@ -16,8 +16,7 @@ GRIDS = (48, 96, 192, 384)
 """Nodes of the complementarity grids, one after the other until zones hold: about fifty show the
 zones of most scenes (docs/solver.md), the finer ones are for the rest."""
 MOST_ZONE_SETS = 12
-"""Sets of zones tried from one start; none of the 30 scenes needs a third.  Half, twice: no
-effect."""
+"""Sets of zones tried from one start.  Half, twice: no effect."""
 LOOSEST_RULE = 1e-4
 """Tolerance of the rule on which zones are looked for, at most.  Half, twice: work 11 % and 3 %
 less in the 48 scenes, of which 20 and 13 change."""
@@ -37,7 +36,7 @@ COARSER_LOCATING = 3.0
 this much looser than the one on which Coulomb's law is checked."""
 LOCATED_SHIFT, LEAST_LOCATED_SHIFT = 0.1, 1e-7
 """Shift of edges [c_t] that ends Newton's method in the search, over rtol and at least.  Half,
-twice of the first: no effect; of the second: work 1 % less in the 30 scenes."""
+twice of either: no effect."""
 LAW_TOLERANCE = 10
 """Tolerance of Coulomb's law in the search over that of the rule: the noise at nodes is below 1."""
 STRICT_RULE = 1e-9
@@ -52,16 +51,16 @@ effect."""
 MOST_REFINEMENTS = 8
 """Rules tried until the estimate is below rtol.  Half, twice: no effect."""
 MOST_BROYDEN_STEPS = 8
-"""Broyden steps on one rule.  Half, twice: no effect."""
+"""Broyden steps on one rule.  Half: one of the 30 scenes changes; twice: no effect."""
 LEFT_SHIFT, LEAST_LEFT_SHIFT = 0.02, 1e-13
 """Shift of edges that another Broyden step would bring in the end, over rtol and at least.  Half,
 twice of the first: work 1 % more, 3 % less; of the second: no effect."""
 HOPED_ERROR = 0.1
 """Error over rtol that a finer rule is chosen for; below it no finer rule is tried.  Half, twice:
-no effect but on one of the 30 scenes."""
+no effect but that twice changes one of the 30 scenes."""
 SLOWEST_REFINEMENT, FASTEST_REFINEMENT = 0.1, 1e-2
-"""Tolerance of a rule over that of the one before, at most and at least.  Half, twice: no effect
-but that half of the first changes one of the 30 scenes."""
+"""Tolerance of a rule over that of the one before, at most and at least.  Half, twice of the
+first: no effect; of the second: two of the 30 scenes change."""
 FINEST_RULE, LEAST_GAIN = 1e-16, 0.5
 """Tolerance of the finest rule that is tried, and what it must leave of the estimate: beyond that
 only rounding changes.  In an opening film of viscosity 6,800 estimates on rules of 1e-13, 1e-15 and
@@ -110,12 +109,13 @@ rate beside a narrow stick gap follows the logarithm of its width."""
 # Newton's method for the edges (edges)
 
 MOST_NEWTON_STEPS = 40
-"""Most steps of Newton's method.  One or two are the rule (docs/solver.md), and the 30 scenes take
-at most 8 in all, so that half and twice have no effect on them."""
+"""Most steps of Newton's method.  One or two are the rule (docs/solver.md); 30 random scenes
+that need a second set of zones took 8 at most, so that half and twice have no effect on them."""
 MOST_HALVINGS = 8
 """Most halvings of a step that does not reduce the mismatch.  Half, twice: no effect."""
 LONGEST_MOVE = 1.5
-"""Largest change of a logit or logarithm in one step.  Half, twice: no effect."""
+"""Largest change of a logit or logarithm in one step.  Half: work 2 % more in the 30 scenes; twice:
+no effect."""
 CAUTIOUS_MOVE = 1.0
 """Longer moves are checked for natural monotonicity.  Half: work 2 % more in the 30 scenes; twice:
 no effect."""
@@ -123,7 +123,7 @@ FARTHEST = 300.0
 """Unknowns beyond put an edge on a wave front or at the contact edge: exp(300) is 1e130."""
 NUDGE = 1e-6
 """Change of an unknown for its column of the Jacobian, about the root of 1e-12, the rounding of the
-mismatch.  Half, twice: no effect."""
+mismatch.  Half: work 2 % more in the 30 scenes, two of which change; twice: one changes."""
 GAP_ROUNDING, LONGEST_NUDGE = 1e-13, 0.3
 """A nudge of a narrow gap changes it by this share of its distance from a front, which rounding
 does not hide, but by no more than that share of itself."""
