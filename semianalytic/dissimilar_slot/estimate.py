@@ -16,7 +16,7 @@ _SAFETY = 2.0
 """Error estimate over the difference of two rules, which is the error of the coarser one."""
 _BETWEEN = 4.0
 """Error of rates and pressure between the compared points, over the tolerance of the rule: values
-up to 3 were seen (docs/dissimilar.md, "What it is worth")."""
+up to 3 were seen (docs/dissimilar.md, "Accuracy of these answers")."""
 _LEAST = 3e-13
 """Rounding error, which is part of every estimate."""
 

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.scene.scene import Scene, Tractions
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -38,11 +38,6 @@ def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
         return ()
     comes_everywhere = part == "load" and scene.arrives
     return (f"base_{kind}", name) if comes_everywhere else (name,)
-
-
-def tractions_before(scene: Scene) -> Tractions:
-    """Return the tractions of the whole interface before the load, or its front, has come."""
-    return scene.base
 
 
 def traction_ahead(

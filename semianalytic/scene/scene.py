@@ -313,6 +313,11 @@ class Scene:
         return Superposition(self.base.plus(load) if self.arrives else self.base, load)
 
     @property
+    def before_load(self) -> Tractions:
+        """Tractions of the whole interface before the load, or its front, has come."""
+        return self.base
+
+    @property
     def arrives(self) -> bool:
         """Whether the load comes from far away, so that the contact carries it too."""
         return self.load_on == REMOTE or isinstance(self.load, IncidentWave)

@@ -1,7 +1,7 @@
 """The companion of a march: the same march on half the nodes in half the steps.
 
-The difference between the two gives the error estimate (docs/spacetime.md, "Its own error").  The
-companion follows some steps behind: little has to be stored for the comparison, and either grid
+The difference between the two gives the error estimate (docs/spacetime.md, "Error of a march").
+The companion follows some steps behind: little has to be stored for the comparison, and either grid
 stays in the processor cache for a while.  Each of its nodes lies half-way between two nodes of the
 march.
 """

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.scene.contact import tractions_before
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.exponentials import Memory
@@ -87,7 +86,7 @@ class GridPressure:
         held, self._load = (part.pressure for part in scene.superposition)
         # a wave of normal incidence that is no step: the contact carries base and f times its load
         self._arriving = scene.arrives and not scene.is_step
-        held = tractions_before(scene).pressure if self._arriving else held
+        held = scene.before_load.pressure if self._arriving else held
         self._history = scene.pressure_history
         self._factor = np.ones(count)
         self._factor[: len(factors)] = factors[:count]
@@ -247,7 +246,7 @@ class FrontLoad:
         (size,) array or float, (slot,) array or float
             An incident wave changes the first, a moving load the second.
         """
-        base, scene = getattr(tractions_before(self.scene), name), self.scene
+        base, scene = getattr(self.scene.before_load, name), self.scene
         history: LoadHistory = getattr(scene, f"{name}_history")
         slowness = scene.front_slowness
         lag, half = t - slowness * self.x, max(abs(slowness) * self.spacing, step) / 2

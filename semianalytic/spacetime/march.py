@@ -31,7 +31,6 @@ import numpy as np
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
-from semianalytic.scene.contact import tractions_before
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
@@ -326,7 +325,7 @@ class _Plan:
     ) -> Marched:
         """March on more and more nodes until the error estimate is at most `rtol`; return the last.
 
-        See docs/spacetime.md, "Its own error".
+        See docs/spacetime.md, "Error of a march".
         """
         nodes, order, coarser = self.enough_nodes(None, FIRST_NODES, memory), 1.0, None
         while True:
@@ -491,7 +490,7 @@ def _check_held(scene: Scene, until: float) -> None:
     """
     if scene.front_slowness >= 0 or not scene.arrives:
         return
-    base, load, low, high = tractions_before(scene), scene.superposition.taken_off, 0.0, 0.0
+    base, load, low, high = scene.before_load, scene.superposition.taken_off, 0.0, 0.0
     for history in scene.acting_histories.values():
         times = np.append(np.linspace(0.0, until, TIMES), history.pieces.breaks)
         # just before and just after a jump; the load is linear in the value

@@ -17,7 +17,6 @@ from itertools import islice, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.scene.contact import tractions_before
 from semianalytic.scene.errors import ComputationError, TensionError
 from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
@@ -131,7 +130,7 @@ def _levels(
         if front is not None:
             uncut, on_slot = front.tractions("shear", now, step)
         elif scene.arrives:
-            on_slot = tractions_before(scene).shear
+            on_slot = scene.before_load.shear
             uncut = on_slot + load
         yield Level(now, step, uncut, on_slot, on_contact)
 

@@ -209,8 +209,9 @@ class InterfacePictures:
             self._waves,
             x=[share * at for at in space_time.waves.values()],
             name=[WAVES[name] for name in space_time.waves],
-            side=["right" if name == "Rayleigh" else "left" for name in space_time.waves],
-            offset=[-3 if name == "Rayleigh" else 3 for name in space_time.waves],
+            # that of the P wave would be cut off by the end of a narrow axis
+            side=["left" if name == "S" else "right" for name in space_time.waves],
+            offset=[3 if name == "S" else -3 for name in space_time.waves],
         )
         drawn = ((self.rate, rates), (self.tractions, tractions), (self.slip, view.slip_limits))
         for panel, limits in drawn:

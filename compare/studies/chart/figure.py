@@ -296,7 +296,7 @@ FAILS: dict[str, str] = {
     "low friction and for ν near 0.5 it may end without convergence, which its status says "
     "([thresholds](stability.md#thresholds), "
     "[limits of ν](stability.md#limits-of-the-poisson-ratio), "
-    "[what is left](stability.md#what-a-user-can-still-meet))",
+    "[what is left](stability.md#remaining-failures))",
     "first-stage": "No grid gives the answer: the error depends on the distance of zone edges "
     "from nodes ([first stage](stability.md#the-first-stage))",
     "published": "It solves another equation, whatever the number of collocation points, and "
