@@ -124,6 +124,9 @@ QUANTITIES = {
 }
 """Quantities of each scene in docs/scenes.md: their names there, and in the judgement."""
 
+COMPARED = tuple(NAMED_SCENES)
+"""Scenes of the tables."""
+
 FIGURES = {
     "remote-shock": "slip_rate",
     "stuck": "tractions",
@@ -216,7 +219,7 @@ def _rows(scene: str, resolution: int) -> dict[str, Row]:
 
 def summary(resolution: int = RESOLUTION) -> list[SummaryRow]:
     """Judge every scene that both methods answer."""
-    return [_summary(scene, resolution) for scene in NAMED_SCENES]
+    return [_summary(scene, resolution) for scene in COMPARED]
 
 
 def _summary(scene: str, resolution: int) -> SummaryRow:
@@ -278,7 +281,7 @@ def unresolved(resolution: int = RESOLUTION) -> list[UnresolvedRow]:
     """Return all unresolved rows of all scenes."""
     return [
         UnresolvedRow(scene, row.name, row.obstacle, _number(row.resolution))
-        for scene in NAMED_SCENES
+        for scene in COMPARED
         for row in _judgement(scene, resolution).having(UNRESOLVED)
     ]
 
