@@ -52,6 +52,19 @@ def test_exact_records_agree_in_every_row_and_nothing_is_said(exact):
     assert max(norm.L1 for norm in validation.norms) < 1e-6
 
 
+@pytest.mark.parametrize("samples", [40, 61])
+def test_few_samples_are_no_late_arrival(solution, samples):
+    """Cells are so small here that the interval of the samples is most of the bar."""
+    data = recorded(solution, np.linspace(0.0, 1.0, samples), np.array([0.25, 0.5, 0.75]))
+    rows = validate(data, PRELOADED, spacing=1 / 1000).rows
+    arrivals = [row for row in rows if row.kind == "arrival"]
+    assert len(arrivals) == 3
+    assert all(row.verdict == "agrees" for row in arrivals)
+    late = {**data, "t": data["t"] + 0.1}
+    rows = validate(late, PRELOADED, spacing=1 / 1000).rows
+    assert any(row.verdict == "differs" for row in rows if row.kind == "arrival")
+
+
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("factor", [0.97, 1.03])
 def test_friction_off_by_three_per_cent_differs(exact, factor):
