@@ -21,10 +21,9 @@ from matplotlib.text import Text
 import compare
 from compare.figures import style
 
-SLOW = {f"examples.{name}.main" for name in (
-    "fringes", "antiplane", "openings", "sensitivity", "custom_history", "friction_law",
-    "paraview_snapshots",
-)}  # fmt: skip
+SCORES = "compare.benchmarks.figures.score_figure"
+SLOW = {name for name in CATALOGUE if name.startswith("docs.examples.") or name == SCORES}
+"""Figures that take seconds to make: nearly half of the time of this file in the default run."""
 EACH = pytest.mark.parametrize(
     "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW)) for one in CATALOGUE]
 )
