@@ -170,10 +170,10 @@ def chosen_reading(
 
     The scale of slip and slip rate of one face alone is 2 already.
     """
-    factors = dict(given.factors)
+    factors, scales = dict(given.factors), conventions.scales(stated)
     for name, size in choice.system.sizes.items():
         if not conventions.settles(name, stated):
-            factors[name] = size * factors[name] / conventions.scales(stated)[name]
+            factors[name] = size * factors[name] / scales[name]
     sign = -1.0 if choice.turned else 1.0
     for name in MOTION:
         factors[name] *= sign * (2.0 if choice.half and name not in stated.faces else 1.0)
