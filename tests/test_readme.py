@@ -59,6 +59,7 @@ def test_fringes_are_ten_lines():
     assert order[0] == pytest.approx(sheared, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_fit_is_ten_lines():
     code = python_block("inversion.md", "sf.fit(")
     assert sum(bool(line.strip()) for line in code.splitlines()) <= 10

@@ -236,6 +236,7 @@ print(len(needed), sorted(one.attrname for one in list(needed) if circle(one)))
 """
 
 
+@pytest.mark.slow
 def test_attributes_need_no_locks_and_wait_for_one_another_in_no_circle():
     """Python 3.11 locks an attribute of a class while it is worked out for any object, and two
     threads that come to a circle of attributes from two sides wait for ever; later ones do not."""

@@ -4,6 +4,7 @@ import contextlib
 import importlib
 import io
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -28,21 +29,23 @@ NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory, mesh_cache):
-    """What each example returns and prints, and the folder it writes to."""
-    found = {}
-    for name in EXAMPLES:
+    """A function that runs an example once: what it returns and prints, and where it writes."""
+
+    @cache
+    def run(name):
         folder, shown = tmp_path_factory.mktemp(name), io.StringIO()
         with contextlib.redirect_stdout(shown), contextlib.chdir(folder):
             program = importlib.import_module(f"docs.examples.{name}")
-            found[name] = program.main(**SMALLER.get(name, {}))
-        found[name] = (found[name], shown.getvalue(), folder)
-    return found
+            found = program.main(**SMALLER.get(name, {}))
+        return found, shown.getvalue(), folder
+
+    return run
 
 
 @pytest.mark.thinned(13)
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_every_example_runs_and_prints_one_line(name, runs):
-    _, shown, folder = runs[name]
+    _, shown, folder = runs(name)
     assert shown.count("\n") == 1
     assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
@@ -54,13 +57,14 @@ def test_examples_are_short_and_documented(name):
     assert f"python -m docs.examples.{name}" in "\n".join(lines)
 
 
+@pytest.mark.thinned(13)
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_gallery_shows_every_example_and_what_it_prints(name, runs):
     section = SECTIONS[name]
     assert f"`docs/examples/{name}.py`" in section
     assert f"](figures/examples/{name}.png)" in section
     assert (DOCS / "figures" / "examples" / f"{name}.png").stat().st_size < 100_000
-    quoted, shown = section.split("```text\n")[1].split("\n```")[0], runs[name][1].strip()
+    quoted, shown = section.split("```text\n")[1].split("\n```")[0], runs(name)[1].strip()
     assert NUMBER.sub("#", quoted) == NUMBER.sub("#", shown)
     values = [[float(number) for number in NUMBER.findall(text)] for text in (quoted, shown)]
     assert values[1] == pytest.approx(values[0], rel=2e-3, abs=1e-9)
@@ -96,37 +100,41 @@ def test_page_for_newcomers_asks_the_command_line_the_same(capsys):
 
 
 def test_friction_is_recovered_within_three_standard_errors(runs):
-    friction, _, folder = runs["fit_friction"]
+    friction, _, folder = runs("fit_friction")
     assert friction == pytest.approx(TRUE, abs=0.011)
     head = (folder / "fit_friction.csv").read_text().splitlines()[0]
     assert head.startswith("time [s],recorded")
 
 
 def test_sweep_meets_the_closed_form(runs):
-    assert runs["sweep_friction"][0] < 1e-8
+    assert runs("sweep_friction")[0] < 1e-8
 
 
+@pytest.mark.slow
 def test_survey_is_kept_to_its_accuracy(runs):
-    estimate, _, folder = runs["survey_map"]
+    estimate, _, folder = runs("survey_map")
     assert estimate <= 1e-6
     assert (folder / "survey_map.nc").read_bytes().startswith(b"\x89HDF")
 
 
+@pytest.mark.slow
 def test_snapshots_are_indexed(runs):
-    pictures, _, folder = runs["paraview_snapshots"]
+    pictures, _, folder = runs("paraview_snapshots")
     assert pictures == 10
     assert (folder / "snapshots" / "fields.pvd").read_text().count(".vtu") == 10
 
 
+@pytest.mark.slow
 def test_custom_history_goes_on_from_its_file(runs):
-    slip, _, folder = runs["custom_history"]
+    slip, _, folder = runs("custom_history")
     saved = Marched.load(folder / "custom_history.h5")
     assert saved.end_time == 30e-6
     assert 0 < abs(slip) < 1e-3
 
 
+@pytest.mark.slow
 def test_weakening_lets_more_slip(runs):
-    constant, rate, weakened = runs["friction_law"][0]
+    constant, rate, weakened = runs("friction_law")[0]
     assert constant < rate
     assert constant < weakened
 

@@ -28,6 +28,7 @@ def test_files_have_names_of_their_own():
     assert {one.kind for one in cases()} == {RIGHT, WRONG}
 
 
+@pytest.mark.slow
 def test_the_command_line_is_run_and_its_failures_are_told(tmp_path):
     right = case_of("units: rock, SI, named")
     outcome = study.judged(study.OWN, right, tmp_path / "right")

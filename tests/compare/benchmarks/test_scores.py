@@ -130,6 +130,7 @@ def nearly(run, error=1e-4):
     )
 
 
+@pytest.mark.slow
 def test_a_class_takes_nine_tenths_of_stations_and_times():
     sheet = SHEETS["preloaded"]
     whole = score(nearly(run_of(sheet)))
@@ -174,6 +175,7 @@ def test_a_run_without_a_station_is_refused():
 # --- our own codes --------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("code", ["fem", "march"])
 def test_our_own_codes_enter_by_the_same_door(tmp_path, code):
     sheet = SHEETS["viscous"]

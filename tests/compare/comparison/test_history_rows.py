@@ -130,6 +130,7 @@ def test_onset_comes_earlier_when_speeds_are_larger():
     assert row.verdict == "agrees"
 
 
+@pytest.mark.slow
 def test_slip_the_other_way_is_a_difference_of_the_maps():
     exact = solve(find_scene("preloaded"))
     run = sampled_run(exact)

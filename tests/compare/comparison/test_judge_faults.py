@@ -237,6 +237,7 @@ class TestLevelsThatAreStoredFarApart:
 class TestSimulationsAtFault:
     """A fault in the finest run does not agree with anything, whatever bars it makes."""
 
+    @pytest.mark.thinned(4)
     @pytest.mark.parametrize("fault", FAULTS[:-1], ids=lambda fault: fault.name)
     def test_it_differs(self, run, fault):
         judgement = judge(solve(PRELOADED), fault.make(run))
@@ -256,6 +257,7 @@ class TestSimulationsAtFault:
         with pytest.raises(DataFileError, match="resolution 30 holds a final path"):
             judge(solve(PRELOADED), spoilt)
 
+    @pytest.mark.slow
     def test_any_field_of_one_node_counts_wherever_it_is(self, run):
         """A tenth more at one node and time that nothing else happens at."""
         right = solve(PRELOADED)
@@ -267,6 +269,7 @@ class TestSimulationsAtFault:
                 spoilt = replace(run, interface=replace(run.interface, **{field: values}))
                 assert judge(right, spoilt).verdict == "differs", (place, field)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("factor", [0.9, 1.1])
     def test_fields_of_the_finest_run_alone_do_not_hide_behind_their_own_bars(self, run, factor):
         right = solve(PRELOADED)

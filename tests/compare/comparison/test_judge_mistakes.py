@@ -25,6 +25,7 @@ def coarse():
     return simulated(PRELOADED, 60)
 
 
+@pytest.mark.slow
 def test_friction_of_a_third_is_told_from_that_of_three_tenths():
     """The example of issue 14, at the default resolution."""
     run = simulated(PRELOADED, 100)

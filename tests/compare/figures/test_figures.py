@@ -107,6 +107,7 @@ def test_figures_draw_into_axes_of_others(case):
     assert all(panel.has_data() for panel in panels.flat)
 
 
+@pytest.mark.slow
 def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
     scene = NAMED_SCENES["preloaded"].scene
     mirrored = solve(type(scene)(scene.material, 0.3, scene.base, type(scene.load)(0.0, -1.0)))
@@ -191,6 +192,7 @@ def test_units_are_named_by_the_traction_they_are():
     assert "(RateWeakening)" in scene_words(replace(scene, friction_law=RateWeakening(0.4, 1.0)))
 
 
+@pytest.mark.thinned(5)
 def test_symbols_of_neighbouring_waves_keep_to_their_own_side(case):
     solution, history = case
     sides = {

@@ -55,6 +55,7 @@ def test_estimates_in_docs_bound_all_errors():
         assert float(row["worst_ratio"]) < 1
 
 
+@pytest.mark.slow
 def test_errors_of_random_pairs_are_held_against_their_estimates():
     rows = honesty_rows(1, first=1)
     assert [row.solved for row in rows] == [1, 1, 1]

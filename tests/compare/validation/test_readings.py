@@ -99,6 +99,7 @@ def test_conventions_are_inferred_and_can_be_stated(plain, factors, words):
     assert list(settings_of(found.detection.stating))
 
 
+@pytest.mark.slow
 def test_what_is_given_is_not_inferred(plain):
     data = changed(plain, slip=0.5, slip_rate=0.5)
     assert judged(data, PRELOADED, slip="relative").verdict == "differs"
@@ -138,11 +139,13 @@ def test_normal_stress_in_megapascals_has_one_size_and_either_sense(lab, factor,
     assert judged(changed(divided(lab, LAB), pressure=factor), PMMA).verdict == verdict
 
 
+@pytest.mark.slow
 def test_a_traction_of_the_other_face_is_told_by_a_negative_scale(plain):
     data = changed(plain, shear_traction=-1)
     assert judged(data, PRELOADED, scale={"shear_traction": -1.0}).verdict == "agrees"
 
 
+@pytest.mark.slow
 def test_tractions_are_changes_together_where_one_is_seen_to_be(plain, lab):
     changes = dict(lab)
     changes["shear_traction"] = lab["shear_traction"] - PMMA.base.shear
@@ -160,6 +163,7 @@ def test_tractions_are_changes_together_where_one_is_seen_to_be(plain, lab):
     assert judged(silent, PRELOADED, tractions="changes").verdict == "agrees"
 
 
+@pytest.mark.slow
 def test_changes_under_a_load_from_afar_are_those_of_what_is_on_the_contact_with_it():
     data, held = recorded(SHOCK), SHOCK.superposition.in_place
     assert (held.shear, held.pressure) != (SHOCK.base.shear, SHOCK.base.pressure)

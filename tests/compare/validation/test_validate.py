@@ -96,6 +96,7 @@ def test_ten_per_cent_are_no_convention(exact):
     assert validation.notes == ()
 
 
+@pytest.mark.slow
 def test_another_time_origin_is_said_and_differs(exact):
     data = {**exact, "t": exact["t"] + 0.1}
     validation = judged(data)
@@ -154,6 +155,7 @@ def test_three_resolutions_show_orders_and_bars(exact):
     assert validate(stays, PRELOADED).verdict == "differs"
 
 
+@pytest.mark.slow
 def test_slip_rate_from_slip_if_it_is_asked_for(exact):
     data = {name: exact[name] for name in ("t", "x", "slip")}
     assert {row.kind for row in judged(data).rows} == {"slip"}

@@ -74,6 +74,7 @@ def test_many_scenes_of_like_bodies(seed):
     check_like_bodies(given, accuracy)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ["slip from the slot", "slip and opening", "film"])
 def test_exchange_of_the_bodies_mirrors_the_answer(name):
     pair = SCENES[name]
@@ -184,6 +185,7 @@ def compared(pair, nodes, reach):
     return answer, marched, result
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("name", "reach", "rate", "pressure"),
     [

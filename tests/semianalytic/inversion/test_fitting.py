@@ -175,6 +175,7 @@ def test_records_and_priors_that_contradict_are_told(truth, mean, sd, noise, con
     assert said or found.status == "converged"
 
 
+@pytest.mark.slow
 def test_records_are_as_far_from_a_prior_as_a_fit_without_it(truth):
     """Where all is linear: (x - mean)^2 / (error^2 + sd^2), x being what the records say alone."""
     gauges = tuple(records(truth, 6))

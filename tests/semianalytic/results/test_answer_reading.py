@@ -72,6 +72,7 @@ def solutions_of_any_kind():
         yield solve(Scene(solid, 0.5, base, load), rtol=1e-11)
 
 
+@pytest.mark.slow
 def test_errors_of_random_scenes_are_within_their_bars():
     random = np.random.default_rng(5)
     for exact in solutions_of_any_kind():

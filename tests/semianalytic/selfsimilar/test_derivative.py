@@ -535,6 +535,7 @@ def test_error_estimates_bound_errors_in_random_scenes():
     assert check_estimates(60) >= 45
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("scale", [1e-6, 1e7])
 @pytest.mark.parametrize("name", ["base_pressure", "load_shear", "base_shear"])
 def test_error_estimates_are_the_same_in_any_unit_of_stress(name, scale):

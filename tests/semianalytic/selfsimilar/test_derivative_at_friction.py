@@ -75,6 +75,7 @@ def test_derivative_by_a_base_pressure_at_friction_knows_that_the_opening_moves(
     assert derivative.error_estimate < 1e-6
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("friction", "pressure", "load", "parts"), OPENINGS)
 def test_derivatives_scale_where_a_base_at_friction_opens(
     friction: float, pressure: float, load: tuple[float, float], parts: dict[str, Any]

@@ -299,6 +299,7 @@ def test_fields_obey_the_equation_of_motion_around_all_fronts():
     assert reflected.slot_velocity(-1.0, -0.05) == pytest.approx(upper)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("scene", "names"),
     [
