@@ -255,6 +255,11 @@ class RunningIntegral:
         pole = self.panels.layout.pole
         return pole if pole >= 0 and self.residues[pole].any() else None
 
+    @cached_property
+    def _slopes_of_mean(self) -> dict[int, Array]:
+        """Slopes by panel, kept because each is the solution of a system of n equations."""
+        return {}
+
     def _slope_of_mean(self, panel: int) -> Array:
         """Return dK/dy (n,) at the nodes, of K = int v' g dv' / v from the left end, without pole.
 
@@ -319,7 +324,9 @@ class RunningIntegral:
         """Return integrals of g, and of v g over v, from the panel's left end to points inside
         it."""
         y = self.panels.coordinate(panel, at)
-        both = np.stack([self._regular[panel], self._slope_of_mean(panel)])
+        if panel not in self._slopes_of_mean:
+            self._slopes_of_mean[panel] = self._slope_of_mean(panel)
+        both = np.stack([self._regular[panel], self._slopes_of_mean[panel]])
         plain, mean = self.panels.rule.interpolate_running(y, both).T
         left, residue = self.panels.left[panel], self.residues[panel]
         bounded = self.panels.right[panel] is not None
