@@ -215,26 +215,31 @@ def edges() -> Iterator[Row]:
         yield profile(f"two edges, {nodes} nodes", "slip rate", known, done.slip_rate[0][near])
 
 
+def beside_slot(name: str) -> tuple[sf.Scene, sf.Interface]:
+    """Return a named scene, and the same on a periodic line: a gap of c_l T on either side."""
+    scene = sf.find_scene(name)
+    put = scene.superposition.taken_off
+    face = sf.Interface(
+        scene.material,
+        sf.Coulomb(scene.friction),
+        10.0,
+        scene.base.pressure,
+        scene.base.shear,
+        [sf.InterfaceLoad(put.shear, pressure=put.pressure, on="slot")],
+        sf.Contact.half_line(),
+    )
+    return scene, face
+
+
 def openings() -> Iterator[Row]:
     """Yield gap, pressure and slip rate of contacts that open beside a slot, against `solve`."""
     for name in ("tap", "lift-off-shear"):
-        scene = sf.find_scene(name)
-        answer, put = sf.solve(scene), scene.load
-        assert isinstance(put, sf.Tractions)
-        load = sf.InterfaceLoad(put.shear, pressure=put.pressure, on="slot")
-        face = sf.Interface(
-            scene.material,
-            sf.Coulomb(scene.friction),
-            10.0,
-            scene.base.pressure,
-            scene.base.shear,
-            [load],
-            sf.Contact.half_line(),
-        )
+        scene, face = beside_slot(name)
+        answer, sheared = sf.solve(scene), scene.superposition.taken_off.shear != 0
         for nodes in (1024, 2048, 4096):
             done = sf.run(face, 1.0, nodes, times=[1.0], estimate=False)
             for field in ("gap", "pressure", "slip_rate"):
-                if field == "slip_rate" and not put.shear:
+                if field == "slip_rate" and not sheared:
                     continue
                 # the pressure is singular at the edge, where the grid is of order one half
                 near = (done.x > (0.2 if field == "pressure" else 0)) & (done.x < 2.2)

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
+from docs.studies.engine import beside_slot
 from semianalytic.engine.run import run
 from semianalytic.engine.steps import Stepper
 from semianalytic.spacetime.exponentials import Opening, fit_memory
@@ -81,22 +82,6 @@ def test_a_slot_under_slow_pressure_has_the_static_width():
     assert done.gap[0][done.touching].max() == 0
 
 
-def of_scene(name):
-    """Return a named scene, and the same on a periodic line: a gap of c_l T on either side."""
-    scene = sf.find_scene(name)
-    load = sf.InterfaceLoad(scene.load.shear, pressure=scene.load.pressure, on="slot")
-    face = sf.Interface(
-        scene.material,
-        sf.Coulomb(scene.friction),
-        10.0,
-        scene.base.pressure,
-        scene.base.shear,
-        [load],
-        sf.Contact.half_line(),
-    )
-    return scene, face
-
-
 @pytest.mark.parametrize(
     ("name", "nodes", "most"),
     [
@@ -106,7 +91,7 @@ def of_scene(name):
 )
 def test_opening_beside_a_slot_against_the_exact_solver(name, nodes, most):
     """First order: half the spacing halves the error."""
-    scene, face = of_scene(name)
+    scene, face = beside_slot(name)
     exact = sf.solve(scene)
     errors = []
     for count in (nodes // 2, nodes):
@@ -270,7 +255,7 @@ def test_a_run_with_a_gap_goes_on_to_the_last_bit(tmp_path):
 
 
 def test_estimates_cover_gap_and_pressure():
-    _, face = of_scene("tap")
+    _, face = beside_slot("tap")
     done = run(face, 1.0, 512, times=[1.0])
     exact = sf.solve(sf.find_scene("tap"))
     near = (done.x > 0) & (done.x < 2.2)
