@@ -219,7 +219,8 @@ class Stepper:
             Exact time of the end where a load jumps there [time].
         """
         time = now.time + length if time is None else time
-        path, faces = self._speed * length, Faces(now.pressure, now.gap, now.gap_rate, now.closing)
+        path = self._speed * length
+        faces: Faces = now
         if self.unilateral is not None:
             faces = self.unilateral.step(now, time, length, path, self.sweeps)
         amplitudes = self._amplitudes(now.rate)

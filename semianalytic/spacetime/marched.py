@@ -600,12 +600,7 @@ class Marched(SampledAnswer):
         )
 
 
-_OPTIONS = {
-    "latest": float,
-    "step_ratio": float,
-    "damping": float,
-    "every": int,
-}
+_OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}
 _GROUPS = {
     "interface": InterfaceHistory,
     "totals": Totals,
