@@ -148,7 +148,7 @@ def _problem(scene: Scene) -> str:
 
 
 def _slot_load(scene: Scene) -> str:
-    """What tractions do as a load, in words."""
+    """Return in words how tractions act as a load."""
     if scene.load_on == REMOTE:
         return (
             "At t = 0 a uniform pressure P_0 and shear Q_0 come from afar, everywhere on y = 0 at "

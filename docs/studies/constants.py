@@ -93,7 +93,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class ConstantRow:
-    """What a value of a constant does.
+    """The effect of one value of a constant on answers and on work.
 
     Attributes
     ----------

@@ -273,7 +273,7 @@ def test_estimates_bound_work_between_nodes():
 
 @pytest.mark.slow
 def test_estimates_bound_errors():
-    """Of 20 openings; the campaign of docs/verification.md asks more of thousands."""
+    """Twenty openings are drawn; the campaign of docs/campaign.md draws thousands of scenes."""
     check_estimates(range(1000, 1020))
 
 
