@@ -277,8 +277,10 @@ def _between_samples(run: Records, exact: Exact, onset: Onset, time: float) -> f
             after = int(np.clip(np.searchsorted(record.t, time), 1, len(record.t) - 1))
             rate = exact.record("slip_rate", record.x, record.t)
             sampled = onset_time(record.t, rate, onset.threshold)
-            late = exact.end_time if sampled is None else sampled - (onset.time or 0.0)
-            return float(record.t[after] - record.t[after - 1]) + abs(late)
+            late = exact.end_time if sampled is None else abs(sampled - (onset.time or 0.0))
+            interval = float(record.t[after] - record.t[after - 1])
+            # later than one interval: slip passed between two samples; else the interval is all
+            return interval if late <= interval else late + interval
     return 0.0
 
 
