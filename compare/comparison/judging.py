@@ -142,6 +142,7 @@ def profile_row(
     scale: tuple[float, str],
     smooth: bool = False,
     driven: Callable[[int], Array] | None = None,
+    most: int = 2,
 ) -> Row:
     """Return the row of the L1 norms of a field along the contact, its relative error and its bar.
 
@@ -172,6 +173,9 @@ def profile_row(
         Returns the change of the field, over the scale and at the nodes of a run, that the change
         of strength from mesh to mesh causes: 0 from 2h to h, 1 from 4h to 2h.  It is added to the
         change of the field.
+    most : int
+        Changes from mesh to mesh that are used, from the finest on; fewer where coarser meshes show
+        too little, and without any the row has no bar.
     """
     low, high = reach
     value, unit = scale
@@ -188,7 +192,7 @@ def profile_row(
         return norm(field, at / case.length, 1)
 
     own, changes = [], []
-    for pair in pairwise(range(len(runs))):
+    for pair in pairwise(range(len(runs[: most + 1]))):
         of, to = pair[::-1] if smooth else pair
         at = runs[of].interface.x[places[of]]
         other = np.interp(at, runs[to].interface.x, fields[to])

@@ -100,8 +100,25 @@ def gap_rows(case: Case) -> Iterator[Row]:
         unseen=case.norm_of(np.where(too_narrow(gap > 0), gap, 0.0)[0] / scale, reach),
         scale=(scale, "V₀ T"),
         smooth=True,
+        most=_changes_of_gap(case),
     )
     yield _largest_gap_row(case, scale, reach)
+
+
+def _changes_of_gap(case: Case) -> int:
+    """Return how many changes of the gap from mesh to mesh, from the finest on, tell its error.
+
+    A mesh on which an opening has fewer than `UNSEEN` nodes in a row shows that it opens, but not
+    how far: such gaps are half of the exact one and come with no order (near-openings 7 and 11 of
+    docs/judge.md).
+    """
+    count = 0
+    for answer in case.expected[1:]:
+        opened = answer.gap[-1:] > 0
+        if opened.any() and not (opened & ~too_narrow(opened)).any():
+            break
+        count += 1
+    return count
 
 
 def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Row:
@@ -130,6 +147,7 @@ def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Ro
         None,
         "V₀ T",
     )
+    changes = changes[: _changes_of_gap(case)]  # none: no bar
     error = error_bar(changes, NOTHING) if changes else None
     closed = np.where(too_narrow(case.at_nodes.gap[-1:] > 0), 0.0, case.at_nodes.gap[-1:])[0]
     unseen = at_nodes - float(np.interp(places, case.seen.x, closed).max()) / scale
