@@ -24,6 +24,7 @@ from semianalytic import (
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 
+
 def histories(history):
     return {"pressure_history": history, "shear_history": history}
 

@@ -102,14 +102,23 @@ def _edge_rows(
     case: Case, parts: tuple[Part, ...], seen: Seen, elsewhere: set[float]
 ) -> Iterator[Row]:
     """Rows of the ends of parts of one kind, except those listed in `elsewhere`."""
-    scene = case.prediction.scene
+    scene, rows = case.prediction.scene, {}
     for number, part in enumerate(parts):
         for end, edge in zip(("start", "end"), _ends(part), strict=True):
             if not 0 < edge < math.inf or (speed_regime(edge / case.end_time, scene) == "at c_l"):
                 continue
             if any(math.isclose(edge, other, rel_tol=SHARED) for other in elsewhere):
                 continue
-            yield _edge_row(case, parts, number, end, seen)
+            rows[number, end] = _edge_row(case, parts, number, end, seen)
+    for number, (part, after) in enumerate(pairwise(parts)):
+        sides = (number, "end"), (number + 1, "start")
+        if math.isclose(part.end, after.start, rel_tol=SHARED) and rows.keys() >= set(sides):
+            # the zones on either side read one edge, at which slip changes its sense
+            bars = [bar for side in sides if (bar := rows[side].bar) is not None]
+            for side in sides:
+                if rows[side].bar is not None:
+                    rows[side] = replace(rows[side], bar=max(bars))
+    yield from rows.values()
 
 
 def narrow_obstacle(
@@ -237,13 +246,21 @@ def read_off_bar(case: Case, part: OpenInterval, end: str) -> float:
 
 
 def _weakness(case: Case, zone: SlipInterval) -> str:
-    """Obstacle that slip in a zone is slower than the error bar of slip rate there; "" if not."""
+    """Obstacle that slip in a zone is slower than the error bar of slip rate there, or that the
+    simulation has the zone, but with slip too slow to be read; "" if neither holds."""
     inside = (case.seen.x > zone.start) & (case.seen.x < zone.end)
     rate = case.at_nodes.slip_rate[-1, inside]
     if not len(rate) or not case.coarser:
         return ""
     bar = rate_bar(case, zone.start, zone.end)
     peak = float(np.abs(rate).max())
+    read_from, nothing = _read_from(case), NOTHING * case.rate
+    found = float((zone.sense * case.seen.slip_rate[-1, inside]).max())
+    if peak >= bar and nothing < found < read_from:
+        return (
+            f"the simulation slips there at {found / case.rate:.2g} V₀ at most, and edges are read "
+            f"from {read_from / case.rate:.2g} V₀ on"
+        )
     if peak >= bar:
         return ""
     return (
@@ -334,8 +351,12 @@ def _length_open(case: Case, history: InterfaceHistory) -> float:
 def _zones(case: Case, history: InterfaceHistory, level: int) -> tuple[SlipInterval, ...]:
     """Slip zones that a history shows at a level, in velocities x/t."""
     velocity = history.x / history.t[level]
-    least = max(READ_FROM * case.largest_rate, NOTHING * case.rate)
-    return slip_intervals(velocity, history.rubbing_rate[level], least)
+    return slip_intervals(velocity, history.rubbing_rate[level], _read_from(case))
+
+
+def _read_from(case: Case) -> float:
+    """Return the slip rate above which slip counts as a zone [length / time]."""
+    return max(READ_FROM * case.largest_rate, NOTHING * case.rate)
 
 
 def _openings(

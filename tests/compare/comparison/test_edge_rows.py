@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from compare_cases import sampled_run
+from compare_cases import sampled_run, simulated
 
 from compare.comparison.judgement import side_by_side
 from compare.comparison.quantities.edge_rows import narrow_obstacle, zone_rows
-from semianalytic import solve
+from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.named import find_scene, override_scene
 
@@ -157,3 +157,27 @@ def test_why_nodes_cannot_show_an_edge(zones, number, end, least, reason, width)
     else:
         assert obstacle.reason.startswith(reason)
         assert obstacle.width == pytest.approx(width)
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.005, "unresolved"), (0.0, "differs")])
+def test_a_zone_that_is_too_slow_to_be_read_is_not_missing(solution, share, verdict):
+    run = sampled_run(solution, resolution=200)
+    most = np.abs(run.interface.slip_rate).max()
+    feeble = on_all_meshes(
+        run, lambda u, rate: np.where(u > 0.93, share * most * (rate > 0), rate)
+    )
+    rows = edge_rows(solution, feeble)
+    assert [rows[name].verdict for name in EDGES[1:]] == [verdict, verdict]
+    assert ("the simulation slips there" in rows[EDGES[1]].obstacle) == (share > 0)
+
+
+@pytest.mark.slow
+def test_zones_that_touch_read_one_edge_with_one_bar():
+    """Slip without friction turns at 0.857 c_t: read from one side, that edge was 1.6 bars off."""
+    material = Material(1.0, 1.0, -0.3137300729)
+    scene = Scene(material, 0.0, Tractions(1.0, 0.0), Tractions(-0.13262620, 1.04301265))
+    rows = {row.name: row for row in zone_rows(side_by_side(solve(scene), simulated(scene, 100)))}
+    outer, inner = rows["zone 2, outer edge"], rows["zone 3, inner edge"]
+    assert outer.exact == pytest.approx(inner.exact, rel=1e-6)
+    assert outer.bar == inner.bar > 1.5 * abs(outer.difference)
+    assert outer.verdict == "agrees"
