@@ -163,9 +163,7 @@ def test_why_nodes_cannot_show_an_edge(zones, number, end, least, reason, width)
 def test_a_zone_that_is_too_slow_to_be_read_is_not_missing(solution, share, verdict):
     run = sampled_run(solution, resolution=200)
     most = np.abs(run.interface.slip_rate).max()
-    feeble = on_all_meshes(
-        run, lambda u, rate: np.where(u > 0.93, share * most * (rate > 0), rate)
-    )
+    feeble = on_all_meshes(run, lambda u, rate: np.where(u > 0.93, share * most * (rate > 0), rate))
     rows = edge_rows(solution, feeble)
     assert [rows[name].verdict for name in EDGES[1:]] == [verdict, verdict]
     assert ("the simulation slips there" in rows[EDGES[1]].obstacle) == (share > 0)
