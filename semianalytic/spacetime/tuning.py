@@ -25,6 +25,12 @@ DAMPING = 0.7
 """Default least feedback of the shortest wave: without any, small steps leave an odd-even mode."""
 TOLERANCE = 1e-6
 """Default tolerance of the memory's transform: for 1024 nodes as good as 1e-10."""
+BLOCK_STEPS = 64
+"""Largest number of steps that are recorded at once; 16 and 256 take as long (256 nodes)."""
+STEP_VALUES = 1 << 15
+"""Slip rates in a block of steps, so that its five fields stay in the cache."""
+MEMORY_STEPS = 4
+"""Steps after which the memory is brought up to date."""
 LARGEST_FEEDBACK = 0.95
 """Largest feedback of the shortest wave: the iteration of a step diverges from 1 on."""
 AVERAGED_BREAKS = 2
@@ -59,8 +65,6 @@ are 0.1 to 1.7 of the difference."""
 MEMORY_SAFETY = 4.0
 """Factor on the error of the memory's transform, which march and companion share: at a tolerance of
 1e-4 the slip rate is off by 3.5 times that."""
-COMPANION_LAG = 64
-"""Steps of a march after which its companion catches up: stepping in turn is a tenth slower."""
 FIRST_NODES = 250
 """Nodes of the first march for an `rtol`: 0.6 % in 0.05 s (`preloaded`)."""
 LARGEST_GROWTH = 4.0
