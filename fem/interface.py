@@ -97,7 +97,7 @@ class Faces:
 def contact_pressure(
     gap: NDArray[np.float64],
     increment: NDArray[np.float64],
-    base: float,
+    base: float | NDArray[np.float64],
     compliance: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Return the pressure that ends the step with the gap closed, or zero if that needs tension.
@@ -111,7 +111,7 @@ def contact_pressure(
         Opening at the start of the step, >= 0 [length].
     increment : (n,) array
         Its change over the step if only the base pressure acted [length].
-    base : float
+    base : float or (n,) array
         Pressure at which `increment` holds [stress].
     compliance : (n,) array
         Opening over the step per pressure [length / stress].
@@ -122,7 +122,7 @@ def contact_pressure(
 
 def coulomb_traction(
     increment: NDArray[np.float64],
-    base: float,
+    base: float | NDArray[np.float64],
     strength: NDArray[np.float64],
     compliance: NDArray[np.float64],
 ) -> NDArray[np.float64]:
@@ -134,7 +134,7 @@ def coulomb_traction(
     ----------
     increment : (n,) array
         Slip over the step if only the base traction acted [length].
-    base : float
+    base : float or (n,) array
         Shear traction at which `increment` holds [stress].
     strength : (n,) array
         Friction times pressure [stress], >= 0.
@@ -198,6 +198,17 @@ OPEN = 2
 """State of a node where the sides do not touch."""
 
 
+class Carried(NamedTuple):
+    """The tractions that the uncut contact carries, to which what the bodies do is added [stress].
+
+    They are numbers where they are the same everywhere and always, and arrays (n,) under an
+    incident wave that rises and falls.
+    """
+
+    pressure: float | NDArray[np.float64]
+    shear: float | NDArray[np.float64]
+
+
 class InterfaceWork(NamedTuple):
     """Work per unit thickness [stress length^2] at the interface.
 
@@ -238,6 +249,8 @@ class Interface:
 
     Attributes
     ----------
+    held : Carried
+        Tractions in place at the next kick; `loading.ContactLoad` sets them where they change.
     pressure, shear : (n,) arrays
         Total tractions of the last kick, those in place included [stress].
     strength : (n,) array
@@ -259,7 +272,8 @@ class Interface:
     ) -> None:
         self.scene, self.length = scene, length
         self.sliding, self.pressing = sliding, pressing
-        self.held = scene.superposition.in_place
+        in_place = scene.superposition.in_place
+        self.held = Carried(in_place.pressure, in_place.shear)
         self.pressure = np.full(len(length), self.held.pressure)
         self.shear = np.full(len(length), self.held.shear)
         self.strength = scene.friction * self.pressure
@@ -328,7 +342,7 @@ class Interface:
         faces.push(self.pressure - held, part)
         work = part * self.length * faces.mean_increment()
         self._impact -= float(work @ self.pressure)
-        self._external -= float(work.sum()) * held
+        self._external -= float(np.sum(work * held))
 
     def _slide(self, faces: Faces, part: float) -> None:
         """Find the shear traction of this kick, apply it and add up its work."""
@@ -347,4 +361,4 @@ class Interface:
         rubbed = slip * self.shear
         self._rubbed += rubbed
         self._friction += float(self.length @ rubbed)
-        self._external += float(self.length @ slip) * held
+        self._external += float(np.sum(self.length * slip * held))

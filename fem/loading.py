@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.interface import Carried, Interface
 from fem.stepping import Body
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
@@ -109,22 +110,82 @@ of c_t enters node by node with 1, and the mesh rings: the error of slip rate at
 6.6 %, with 2, 4 and 8 places 3.3, 3.1 and 2.9 %; a faster load shows no difference."""
 
 
-def front_delays(x: NDArray[np.float64], slowness: float) -> NDArray[np.float64]:
-    """Return the times at which a front reaches the parts of nodes on the slot, (k, `SPREAD`).
+def front_delays(
+    x: NDArray[np.float64], slowness: float, *, contact: bool = False
+) -> NDArray[np.float64]:
+    """Return the times p x at which a front reaches the parts of nodes, (k, `SPREAD`).
 
     Parameters
     ----------
     x : (k,) array
-        Positions of loaded nodes [length], in any order and any number of times.
+        Positions of nodes on the slot or the contact [length], in any order and any number of
+        times.
     slowness : float
         p <= 0 [time / length].
+    contact : bool
+        Whether the nodes are on the contact, x >= 0, and not on the slot.
     """
     places, which = np.unique(x, return_inverse=True)
     borders = np.concatenate([places[:1], (places[1:] + places[:-1]) / 2, places[-1:]])
     share = (np.arange(SPREAD) + 0.5) / SPREAD
     within = borders[:-1, None] + np.diff(borders)[:, None] * share
-    # the mesh's own edge lies beside x = 0, where the front starts
-    return slowness * np.minimum(within, 0.0)[which]
+    # the mesh's own edge lies beside x = 0, which the front reaches at t = 0
+    limited = np.maximum(within, 0.0) if contact else np.minimum(within, 0.0)
+    return slowness * limited[which]
+
+
+@dataclass(frozen=True)
+class ContactLoad:
+    """The tractions of an incident wave on the uncut contact, f(t - p x), added to the base.
+
+    The contact carries them besides what the simulation computes, which is what the slot scatters.
+
+    Parameters
+    ----------
+    interface : Interface
+    scene : Scene
+    delay : (n, k) array
+        Times p x <= 0 at which the front reaches places spread over the part of each node [time].
+    step : float
+        dt [time].
+    """
+
+    interface: Interface
+    scene: Scene
+    delay: NDArray[np.float64]
+    step: float
+
+    def set(self, level: int) -> None:
+        """Set the tractions to their mean over the kick of a time level and each node's part."""
+        start, end = max(level - 0.5, 0.0) * self.step, (level + 0.5) * self.step
+        base, load = self.scene.before_load, self.scene.superposition.taken_off
+        pressure, shear = (
+            history.mean(start - self.delay, end - self.delay).mean(axis=1)
+            for history in (self.scene.pressure_history, self.scene.shear_history)
+        )
+        self.interface.held = Carried(
+            base.pressure + load.pressure * pressure, base.shear + load.shear * shear
+        )
+
+
+def contact_loads(
+    scene: Scene, interface: Interface, step: float, x: NDArray[np.float64]
+) -> list[ContactLoad]:
+    """Return what changes with time on the contact itself: an incident wave that is no step.
+
+    Parameters
+    ----------
+    scene : Scene
+    interface : Interface
+    step : float
+        dt [time].
+    x : (n,) array
+        Positions of the contact's nodes [length].
+    """
+    if scene.is_step or not scene.arrives:
+        return []
+    delay = front_delays(x, scene.front_slowness, contact=True)
+    return [ContactLoad(interface, scene, delay, step)]
 
 
 def slot_loads(

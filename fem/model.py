@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -25,7 +25,7 @@ from fem.assembly import (
     tributary_length,
 )
 from fem.interface import Faces, Interface
-from fem.loading import FrontLoad, SlotLoad, slot_loads
+from fem.loading import ContactLoad, FrontLoad, SlotLoad, contact_loads, slot_loads
 from fem.plan import TWO_BLOCKS, Plan, Settings, make_plan
 from fem.stepping import Body, critical_step, highest_frequency, normalised
 from meshes import cached_mesh
@@ -68,20 +68,20 @@ class Numbering:
         return int(np.searchsorted(self.distance, distance, side="right"))
 
 
-def number_by_arrival(space: Space, scene: Scene, size: float) -> Numbering:
+def number_by_arrival(space: Space, size: float, *, slides: bool) -> Numbering:
     """Number the nodes by their distance from the slot x < 0, which is loaded at t = 0.
-
-    If the interface slides at once everywhere, the distance is that from the whole line y = 0.
 
     Parameters
     ----------
     space : Space
-    scene : Scene
     size : float
         Distance of the nodes on the interface [length].
+    slides : bool
+        Whether the interface slides ahead of all waves of the edge; the distance is then that from
+        the whole line y = 0.
     """
     x, y = space.points
-    ahead = np.zeros_like(x) if scene.far_slip_rate else np.maximum(x, 0.0)
+    ahead = np.zeros_like(x) if slides else np.maximum(x, 0.0)
     thickness = 4 * size
     layers = np.floor(np.hypot(ahead, y) / thickness)
     order = np.argsort(layers, kind="stable")
@@ -103,8 +103,8 @@ class Model:
     numbering : Numbering
     bodies : list of Body
         One or, in lockstep, two bodies on the same mesh; the motion is their sum.
-    loads : list of SlotLoad or FrontLoad
-        Of bodies whose load changes with time.
+    loads : list of SlotLoad, FrontLoad or ContactLoad
+        Loads of the bodies, and of the contact, that change with time.
     interface : Interface
     contact_x, slot_x : arrays
         Positions of the nodes [length]; the edge node, at `Plan.edge`, belongs to the contact.
@@ -132,7 +132,7 @@ class Model:
     space: Space
     numbering: Numbering
     bodies: list[Body]
-    loads: list[SlotLoad] | list[FrontLoad]
+    loads: Sequence[SlotLoad | FrontLoad | ContactLoad]
     interface: Interface
     contact_x: NDArray[np.float64]
     slot_x: NDArray[np.float64]
@@ -219,7 +219,7 @@ def build_model(plan: Plan, space: Space) -> Model:
     space : Space
         Upper block, or both blocks if one half is not enough; see `meshes.read_mesh`.
     """
-    numbering = number_by_arrival(space, plan.scene, plan.size)
+    numbering = number_by_arrival(space, plan.size, slides=plan.slides_ahead)
     in_mesh = {block: plan.materials[block] for block in space.mesh.subdomains}
     mass = lumped_mass(space, in_mesh)[numbering.order]
     matrices = {
@@ -246,14 +246,19 @@ def build_model(plan: Plan, space: Space) -> Model:
     places = [
         space.points[0, numbering.order[body.loaded // len(body.components)]] for body in bodies
     ]
+    interface = Interface(plan.scene, length, sliding, pressing)
+    contact_x, end = space.points[0, contact_nodes], steps + half_window
     return Model(
         plan=plan,
         space=space,
         numbering=numbering,
         bodies=bodies,
-        loads=slot_loads(plan.scene, bodies, step, steps + half_window, places),
-        interface=Interface(plan.scene, length, sliding, pressing),
-        contact_x=space.points[0, contact_nodes],
+        loads=[
+            *slot_loads(plan.scene, bodies, step, end, places),
+            *contact_loads(plan.scene, interface, step, contact_x),
+        ],
+        interface=interface,
+        contact_x=contact_x,
         slot_x=space.points[0, slot],
         slot=slot,
         critical_step=critical,

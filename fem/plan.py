@@ -30,6 +30,7 @@ from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
+from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Material, Scene, checked_scene
@@ -230,7 +231,7 @@ class Plan:
         object.__setattr__(self, "end_time", checked_size("simulate: end_time", self.end_time))
         if self.follows:
             check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
-        _check_front(self.scene)
+        _check_front(self.scene, self.end_time)
         if self.name == TWO_MATERIALS and isinstance(self.scene.load, IncidentWave):
             raise SceneError(
                 "simulate: blocks of different materials reflect an incident wave before it comes "
@@ -252,6 +253,11 @@ class Plan:
     def lower_material(self) -> Material:
         """Material of the lower block."""
         return self.settings.lower_material or self.scene.material
+
+    @property
+    def slides_ahead(self) -> bool:
+        """Whether the contact slides ahead of all waves of the edge, under a load from far away."""
+        return wave_slips_ahead(self.scene, self.end_time)
 
     @property
     def materials(self) -> dict[str, Material]:
@@ -378,7 +384,7 @@ class Plan:
         return math.ceil(self.end_time / step)
 
 
-def _check_front(scene: Scene) -> None:
+def _check_front(scene: Scene, end_time: float) -> None:
     """Raise SceneError if the front of a load was on the slot or made the contact slip before."""
     slowness = scene.front_slowness
     if slowness > 0:
@@ -387,7 +393,9 @@ def _check_front(scene: Scene) -> None:
             "while a simulation begins at rest; let the front meet the contact first (a negative "
             "angle), or solve the scene."
         )
-    if slowness and scene.far_slip_rate:
+    # waves of the slot come as far as c_l T, which the front has passed |p| c_l T earlier
+    until = end_time * (1 + abs(slowness) * scene.fastest_speed)
+    if slowness and wave_slips_ahead(scene, until):
         raise SceneError(
             "simulate: the contact slips behind the front of the load before t = 0, while a "
             "simulation begins at rest; raise friction or lower the load."

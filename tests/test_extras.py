@@ -122,7 +122,7 @@ def commands(tmp_path_factory):
     return found
 
 
-@pytest.mark.thinned(8)
+@pytest.mark.slow
 @pytest.mark.parametrize("line", FINE)
 def test_solver_and_help_need_no_extra(line, commands):
     code, out, err = commands[ALL, line]

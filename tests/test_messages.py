@@ -40,6 +40,7 @@ def test_a_level_on_the_command_line_prints_messages_once(capsys):
     assert "--log must be one of debug, info, warning, got 'all'." in capsys.readouterr().err
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("without", [True, False])
 def test_no_color_is_heeded(without):
     environment = {**os.environ, "FORCE_COLOR": "1", "TERM": "xterm-256color"}

@@ -127,6 +127,7 @@ def test_threads_hear_of_a_solution_what_one_hears(name):
     assert differing(lambda: solve(SCENES[name])) == set()
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["two zones", "an opening"])
 def test_threads_hear_of_derivatives_what_one_hears(name):
     """Those of one solution, which share what they are made of."""
@@ -146,6 +147,7 @@ def test_threads_hear_of_derivatives_what_one_hears(name):
     assert differing(make, asked) == set()
 
 
+@pytest.mark.slow
 def test_threads_hear_of_a_sweep_what_one_hears():
     frictions = np.linspace(0.2, 0.6, 7)
     asked = {
@@ -158,6 +160,7 @@ def test_threads_hear_of_a_sweep_what_one_hears():
     assert differing(lambda: sweep(SCENES["two zones"], frictions), asked) == set()
 
 
+@pytest.mark.slow
 def test_threads_hear_of_a_march_what_one_hears():
     def make() -> Any:
         return march(find_scene("ramp"), end_time=1.0, nodes=32, length=2.0)
@@ -167,6 +170,7 @@ def test_threads_hear_of_a_march_what_one_hears():
     assert differing(make, asked) == set()
 
 
+@pytest.mark.slow
 def test_threads_hear_of_a_fit_what_one_hears():
     """Misfits of values that are tried as well, of which only the last few solutions are kept."""
     t = np.linspace(0.1, 1.0, 12)
@@ -185,6 +189,7 @@ def test_threads_hear_of_a_simulation_what_one_hears():
     assert differing(lambda: run) == set()
 
 
+@pytest.mark.slow
 def test_threads_of_dask_hear_what_one_hears():
     dask = pytest.importorskip("dask")
     answer, alike = (solve(SCENES["two zones"]) for _ in range(2))

@@ -285,7 +285,8 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
     if row.verdict == UNRESOLVED:
         reason = f"it is beyond its error bar, but by less than {ALARM:g} times"
         return replace(row, obstacle=reason, resolution=finer)
-    if row.verdict == AGREES and row.size and row.bar > TELLING * row.size:
+    # what is nothing at the nodes has no size that a bar could be held against
+    if row.verdict == AGREES and row.size > NOTHING and row.bar > TELLING * row.size:
         growth = row.bar / (TELLING * row.size)
         return replace(
             row,

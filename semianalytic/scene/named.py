@@ -108,6 +108,17 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
         Scene(_UNIT_SOLID, 0.3, _PRELOAD, IncidentWave("SV", angle=-20.0, stress=0.3)),
         "a shear wave at 20 degrees that meets the contact first: slip from the edge",
     ),
+    "incident-pulse": NamedScene(
+        Scene(
+            _UNIT_SOLID,
+            0.25,
+            _PRELOAD,
+            IncidentWave("SV", angle=-20.0, stress=0.3),
+            pressure_history=Pulse(0.6),
+            shear_history=Pulse(0.6),
+        ),
+        "a pulse of that wave: slip from the edge ends where the end of the pulse meets it",
+    ),
     "moving-load": NamedScene(
         Scene(_UNIT_SOLID, 0.3, _PRELOAD, MovingLoad(speed=0.5, pressure=0.0, shear=1.0)),
         "shear that advances over the slot at half the shear wave's speed",

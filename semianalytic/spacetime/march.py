@@ -31,6 +31,7 @@ import numpy as np
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
+from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
@@ -59,7 +60,6 @@ from semianalytic.spacetime.tuning import (
     NODES,
     ORDERS,
     STEP_RATIO,
-    TIMES,
     TOLERANCE,
     TOLERANCES,
 )
@@ -488,23 +488,12 @@ def _check_held(scene: Scene, until: float) -> None:
     The wave has passed all of the contact before the march begins.  `until` is the time after its
     front to which its history matters [time].
     """
-    if scene.front_slowness >= 0 or not scene.arrives:
-        return
-    base, load, low, high = scene.before_load, scene.superposition.taken_off, 0.0, 0.0
-    for history in scene.acting_histories.values():
-        times = np.append(np.linspace(0.0, until, TIMES), history.pieces.breaks)
-        # just before and just after a jump; the load is linear in the value
-        values = history.value(np.concatenate([times, np.nextafter(times, np.inf)]))
-        low, high = min(low, float(values.min())), max(high, float(values.max()))
-    for share in (low, high):
-        shear = abs(base.shear + share * load.shear)
-        strength = scene.friction * (base.pressure + share * load.pressure)
-        if shear > strength * (1 + 1e-12):
-            raise SceneError(
-                "march: the wave alone exceeds friction, so that the contact slips from its front "
-                "on, before anything comes from the slot; lower the wave, or raise friction or the "
-                "base pressure (docs/limits.md)."
-            )
+    if scene.front_slowness < 0 and wave_slips_ahead(scene, until):
+        raise SceneError(
+            "march: the wave alone exceeds friction, so that the contact slips from its front "
+            "on, before anything comes from the slot; lower the wave, or raise friction or the "
+            "base pressure (docs/limits.md)."
+        )
 
 
 def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> float:

@@ -416,9 +416,14 @@ class Marched(SampledAnswer):
         """The word "resolved", or "unresolved" where there is a `caution`."""
         return "unresolved" if self.caution else "resolved"
 
+    @property
+    def has_bodies(self) -> bool:
+        """Whether the march knows the fields in the bodies: where no front of a load moves."""
+        return isinstance(self.scene.load, Tractions)
+
     @cached_property
     def _bodies(self) -> MarchedBodies:
-        if not isinstance(self.scene.load, Tractions):
+        if not self.has_bodies:
             raise SceneError(
                 "march: the fields in the bodies under an incident wave or a moving load are not "
                 "known from a march; ask `solve`, or simulate the scene (docs/limits.md)."

@@ -134,9 +134,17 @@ def compare_command(
         terminal.print_json("compare", document, judgement.verdict, files)
     else:
         _show(judgement, label, directory)
+        if written and judgement.fields is None:
+            notes.print(NO_FIELDS, highlight=False)
     if isinstance(prediction, Solution):
         check_converged(prediction, label)
     raise typer.Exit(1 if judgement.verdict == DIFFERS else 0)
+
+
+NO_FIELDS = (
+    "The snapshots are not compared: a march under an incident wave or a moving load does not have "
+    "the fields in the bodies (docs/limits.md)."
+)
 
 
 def write_comparison(judgement: Judgement, label: str, directory: Path, form: str = "png") -> None:

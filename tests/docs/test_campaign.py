@@ -116,6 +116,7 @@ def test_answers_are_held_against_better_ones(tmp_path, monkeypatch):
     assert [row.outcome for row in again] == [row.outcome for row in rows]
 
 
+@pytest.mark.slow
 def test_processes_share_the_scenes(tmp_path, monkeypatch, capsys):
     """Whatever the order in which rows come; what is known is summed up without more."""
     shared = answers.run_answers(tmp_path, 2, answers.SEED, 2)

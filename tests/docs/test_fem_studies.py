@@ -157,6 +157,7 @@ def test_quick_stability_study_writes_its_files(tmp_path, monkeypatch):
     assert (tmp_path / "new" / "fem-stability.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_command_resumes_and_removes_the_checkpoint(tmp_path, monkeypatch, capsys):
     command = ["simulate", "preloaded", "--resolution", "16", "--no-snapshots", "--quiet"]
     assert cli.main([*command, "--output", str(tmp_path / "whole")]) == 0

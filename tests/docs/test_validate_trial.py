@@ -22,6 +22,7 @@ def case_of(words):
     return next(one for one in cases() if words in f"{one.family}: {one.name}")
 
 
+@pytest.mark.slow
 def test_files_have_names_of_their_own():
     names = [(one.family, one.name) for one in cases()]
     assert len(set(names)) == len(names)
@@ -94,6 +95,7 @@ def recorded(cells):
     )
 
 
+@pytest.mark.slow
 def test_other_constants_change_verdicts_and_are_put_back():
     one = recorded(100)
     (whole,) = (row for row in one.judged().rows if row.name == "slip all stations")

@@ -9,17 +9,24 @@ from compare.comparison.comparing import held_against
 from fem import simulate, with_companions
 from fem.loading import arrived_wave, front_delays
 from semianalytic import (
+    Harmonic,
     IncidentWave,
     Material,
     MovingLoad,
     Pulse,
+    Ramp,
     Scene,
     SceneError,
     Tractions,
     find_scene,
+    march,
     solve,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
+
+def histories(history):
+    return {"pressure_history": history, "shear_history": history}
+
 
 UNIT = Material(1.0, 1.0, 1 / 3)
 PRESSED = Tractions(1.0, 0.0)
@@ -84,11 +91,41 @@ def test_pulses_arrive_at_an_angle():
     pulsed = replace(step, pressure_history=Pulse(0.25), shear_history=Pulse(0.25))
     run, whole = simulate(pulsed, resolution=32), simulate(step, resolution=32)
     steps = round(0.25 / run.time_step)
-    held = step.superposition.in_place.shear
-    late = whole.interface.shear_traction[-1 - steps] - held
+    # the later wave takes away again what the first one brought, on the contact itself as well
+    late = whole.interface.shear_traction[-1 - steps] - step.base.shear
     expected = whole.interface.shear_traction[-1] - late
     # the steps do not divide the pulse, and traction beside the edge is singular
     assert np.abs(run.interface.shear_traction[-1] - expected)[4:].max() < 0.02
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        find_scene("incident-pulse"),
+        Scene(UNIT, 0.4, PRESSED, IncidentWave("SV", 0.0, stress=0.3), **histories(Ramp(0.5))),
+        Scene(UNIT, 0.18, PRESSED, IncidentWave("SH", -50.0, stress=0.2), mode="antiplane",
+              **histories(Pulse(0.6))),
+    ],
+)  # fmt: skip
+def test_slip_under_a_wave_that_rises_and_falls_is_that_of_the_march(scene):
+    run, answer = simulate(scene, resolution=40), march(scene, nodes=200)
+    x, t = np.linspace(0.05, 0.95, 37), np.linspace(0.2, 1.0, 5)
+    for name, bar in (("slip", 0.05), ("pressure", 0.005), ("shear_traction", 0.04)):
+        seen = np.array([getattr(run, name)(x, one) for one in t])
+        marched = getattr(answer, name)(x, t[:, None])
+        assert np.abs(seen - marched).sum() < bar * np.abs(marched).sum(), name
+    assert np.abs(answer.slip(x, 1.0)).max() > 0.01
+
+
+def test_a_wave_that_makes_the_contact_slip_later_is_refused():
+    """The step alone does not: the wave swings to the other side."""
+    scene = replace(
+        Scene(UNIT, 0.3, Tractions(1.0, 0.1), IncidentWave("SV", -20.0, stress=0.3)),
+        **histories(Harmonic(2.0)),
+    )
+    simulate(replace(scene, **histories(Ramp(0.3))), resolution=24)
+    with pytest.raises(SceneError, match="slips behind the front"):
+        simulate(scene, resolution=24)
 
 
 def test_fronts_reach_nodes_in_turn_and_shed_the_same_load():

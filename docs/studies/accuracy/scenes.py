@@ -99,6 +99,11 @@ QUANTITIES = {
         ("slip at T, integral", "slip, L1"),
         ("frictional work, integral", "frictional work, L1"),
     ),
+    "incident-pulse": (
+        ("slip at T, integral", "slip, L1"),
+        ("accumulated slip, integral", "accumulated |slip|, L1"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
     "moving-load": (
         ("zone, from the edge to [c_t]", "zone 1, outer edge"),
         ("slip at T, integral", "slip, L1"),

@@ -26,7 +26,7 @@ def test_there_are_ten_and_one_is_marched():
     assert all(set(sheet.report) <= set(QUANTITIES) for sheet in SHEETS.values())
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(12)
 @pytest.mark.parametrize("sheet", SOLVED, ids=lambda sheet: sheet.name)
 def test_in_si_the_answer_is_the_same_times_scales(sheet):
     plain, si = answer_to(sheet), solve(sheet.si_scene, rtol=1e-12)

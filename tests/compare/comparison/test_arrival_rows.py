@@ -29,7 +29,7 @@ def rows_of(prediction, run):
     return list(arrival_rows(side_by_side(prediction, run)))
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", PRESENT)
 def test_every_signal_on_either_face_has_one_row(name):
     exact = solve(find_scene(name))

@@ -112,7 +112,7 @@ def test_a_strip_narrower_than_four_elements_is_not_held_against_the_prediction(
     assert (row.verdict, row.obstacle) == ("unresolved", "it is narrower than 4 elements")
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("resolution", [40, 100])
 def test_a_narrow_zone_says_how_narrow_and_which_mesh_would_do(resolution):
     """The second zone at ν = 0.29 is 0.0144 c_t T wide."""

@@ -65,6 +65,7 @@ def last(prediction, run, folder):
     return {error.component: error for error in found.frames[-1]}
 
 
+@pytest.mark.slow
 def test_exact_fields_are_met_more_closely_by_a_finer_mesh(right):
     coarse, fine = right
     assert list(fine) == ["v_x", "v_y", "u_x", "u_y", "sigma_xx", "sigma_yy", "sigma_xy"]

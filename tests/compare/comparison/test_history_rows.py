@@ -63,6 +63,7 @@ def test_both_methods_agree_within_the_bars(name, tmp_path, capsys):
     assert "Verdict: agrees (" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_space_time_can_be_forced_where_the_exact_solver_applies(tmp_path):
     folder = tmp_path / "forced"

@@ -399,6 +399,7 @@ def test_remedies_say_mesh_time_and_memory(coarse, fair):
     assert fair.remedy(replace(agreeing, resolution=240)) == ""
 
 
+@pytest.mark.slow
 def test_intervals_of_any_answer_will_do(solution):
     """What is judged is asked for its zones, not of its class."""
     zone = SlipInterval(0.0, 0.5, 1)

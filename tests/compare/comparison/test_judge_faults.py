@@ -78,6 +78,7 @@ class TestGapsThatCoarserMeshesBridge:
         assert judgement.verdict == "agrees"
         return judgement
 
+    @pytest.mark.slow
     def test_the_first_that_was_found_agrees(self):
         rows = named(self.check(BRIDGED["f = 0.25, nu = 0.333"]))
         for edge in ("zone 1, outer edge", "zone 2, inner edge"):
@@ -237,7 +238,7 @@ class TestLevelsThatAreStoredFarApart:
 class TestSimulationsAtFault:
     """A fault in the finest run does not agree with anything, whatever bars it makes."""
 
-    @pytest.mark.thinned(4)
+    @pytest.mark.thinned(12)
     @pytest.mark.parametrize("fault", FAULTS[:-1], ids=lambda fault: fault.name)
     def test_it_differs(self, run, fault):
         judgement = judge(solve(PRELOADED), fault.make(run))

@@ -71,6 +71,7 @@ def test_what_a_march_misses_makes_its_rows_unresolved():
     assert judge(solve(scene), run).case.caution == ""
 
 
+@pytest.mark.slow
 def test_a_march_that_does_not_reach_as_far_is_refused(coarse):
     from semianalytic import march
 

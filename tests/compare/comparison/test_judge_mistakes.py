@@ -98,7 +98,7 @@ def test_what_is_spoilt_on_purpose_differs(spoil, solution):
     assert any(name.startswith(expected) for name in differing(judgement)), differing(judgement)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("gain", [0.97, 1.03])
 def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, gain):
     """Slip rates and tractions off by 3 %: on all meshes, or by four times as much at 2h."""

@@ -32,7 +32,7 @@ def case_of(name, resolution=RESOLUTION):
     return side_by_side(solve(scene), simulated(scene, resolution))
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_rows_of_openings_agree_most_within_half_their_bars(name):
     case = case_of(name)
@@ -45,6 +45,7 @@ def test_rows_of_openings_agree_most_within_half_their_bars(name):
     assert np.median([abs(row.difference) / row.bar for row in rows.values()]) < 0.5
 
 
+@pytest.mark.slow
 def test_slip_while_open_is_no_slip_zone():
     case = case_of("lift-off-shear")
     assert case.seen.slip_rate[-1, 0] > 0.1 * case.rate  # open, and moving

@@ -94,6 +94,7 @@ def test_predictions_that_are_no_solution_are_described_by_their_class():
     assert judgement.verdict == "agrees"
 
 
+@pytest.mark.slow
 def test_whole_interface_slipping_is_compared_too():
     solution = solve(override_scene(find_scene("remote-shock"), friction=0.5))
     assert judge(solution, sampled_run(solution)).verdict == "agrees"

@@ -133,7 +133,7 @@ def test_colours_are_told_apart_by_all_readers(name):
     assert list(too_near(drawn(name))) == []
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(52)
 @EACH
 def test_colour_maps_are_in_order_of_lightness_for_all_readers(name):
     for panel in drawn(name).axes:

@@ -136,7 +136,7 @@ def test_words_stay_words_in_vector_files(tmp_path):
     assert b"/Type3" not in pdf
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["pdf", "svg"])
 def test_figures_of_a_folder_take_a_format(form, tmp_path, capsys):
     command = f"field antiplane --of vz --points 8 --quiet --figures {form} --gauge 0.4,0.2"

@@ -162,7 +162,7 @@ def test_a_scene_out_of_reach_is_an_answer_that_says_so():
     assert np.isnan(found.slip_rate).all()
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", ["preloaded", "remote-shock"])
 def test_errors_fall_in_the_order_of_the_methods(scene):
     """Errors only: no time is compared."""
@@ -179,6 +179,7 @@ def test_errors_fall_in_the_order_of_the_methods(scene):
         assert error("published", 200) > 1
 
 
+@pytest.mark.slow
 def test_errors_of_the_table_reproduce(points, in_process):
     reference = reference_of("preloaded", quick=True)
     for point in points:
@@ -187,6 +188,7 @@ def test_errors_of_the_table_reproduce(points, in_process):
         assert again.edge_error == pytest.approx(point.edge_error, rel=1e-6, abs=1e-13)
 
 
+@pytest.mark.slow
 def test_points_survive_the_file(points, tmp_path):
     assert read_points(tmp_path / "data" / "chart.csv") == points
     assert [point.method for point in points] == [n for n, s in MINI.items() for _ in s]
@@ -194,6 +196,7 @@ def test_points_survive_the_file(points, tmp_path):
     assert all(point.runs >= 1 and point.memory > 0 and point.seconds > 0 for point in points)
 
 
+@pytest.mark.slow
 def test_interrupted_run_goes_on(mini, in_process, tmp_path, monkeypatch):
     path, before = tmp_path / "data" / "chart.csv", chart.run_task
     done = []
@@ -225,6 +228,7 @@ def test_interrupted_run_goes_on(mini, in_process, tmp_path, monkeypatch):
     assert len(told) == 1
 
 
+@pytest.mark.slow
 def test_fresh_measures_again(points, tmp_path, monkeypatch):
     path, count = tmp_path / "data" / "chart.csv", []
     before = chart.run_task

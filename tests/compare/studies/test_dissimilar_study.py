@@ -63,6 +63,7 @@ def test_errors_of_random_pairs_are_held_against_their_estimates():
     assert np.all([row.worst_error <= 10 * row.rtol for row in rows])
 
 
+@pytest.mark.slow
 def test_zones_are_told_from_the_slot_outward():
     _, rows = read_data("dissimilar-slots")
     zones = {row["scene"]: row["zones"] for row in rows}

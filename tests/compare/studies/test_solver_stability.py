@@ -175,6 +175,7 @@ def rows():
     return [row for _, found in run_tasks(SMALL, 1) for row in found]
 
 
+@pytest.mark.slow
 def test_next_to_a_threshold_the_solver_ends_in_a_status(rows):
     rows = [row for row in rows if row.study == "threshold"]
     assert edge_threshold(THIRD) == pytest.approx(math.sqrt(2), rel=1e-14)

@@ -41,6 +41,7 @@ def test_slow_ramps_approach_the_static_near_field():
     assert slips[-1] < 0.03
 
 
+@pytest.mark.slow
 def test_edge_table_names_the_grids_own_edge_best():
     errors = [row.error for row in edge()]
     assert errors[0] < 1e-4

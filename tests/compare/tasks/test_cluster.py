@@ -139,7 +139,7 @@ STUDIES = {
 }
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.slow
 @pytest.mark.parametrize("line", STUDIES)
 def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, monkeypatch):
     def run_tasks(tasks, workers=None, progress=None, client=None):

@@ -32,7 +32,7 @@ def noisy(data, seed, share=0.01):
     return {**data, **{name: data[name] + noise[name] for name in NAMES}}, sizes
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("seed", range(6))
 def test_a_gauge_with_one_per_cent_of_noise_does_not_differ(exact, seed):
     data, sizes = noisy(exact, seed)

@@ -69,7 +69,7 @@ def named(data, **units):
 # --- conventions ----------------------------------------------------------------------------------
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(8)
 @pytest.mark.parametrize(
     ("factors", "words"),
     [
@@ -124,13 +124,13 @@ WRONG = {
 }
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(10)
 @pytest.mark.parametrize("factors", WRONG.values(), ids=WRONG)
 def test_no_quantity_is_mended_by_itself(plain, factors):
     assert judged(changed(plain, **factors), PRELOADED).verdict == "differs"
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("factor", "verdict"), [(1, CONVERTED), (0.5, "differs"), (30, "differs"), (-1, CONVERTED)]
 )
@@ -193,7 +193,7 @@ def test_means_over_steps_are_inferred_or_stated():
 # --- units ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     ("sizes", "words"),
     [
@@ -216,7 +216,7 @@ def test_units_of_a_laboratory_are_inferred(lab, sizes, words):
     assert found.grids.spacing == pytest.approx(length / 100, rel=1e-6)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("stress", [8e6, 5e6, 2.3e9])
 def test_numbers_without_dimension_are_inferred(lab, stress):
     length, modulus = END * PMMA.material.shear_speed, PMMA.material.shear_modulus
@@ -229,6 +229,7 @@ def test_numbers_without_dimension_are_inferred(lab, stress):
     assert judged(data, replace(PMMA, friction=0.95), 0.01).verdict == "differs"
 
 
+@pytest.mark.slow
 def test_a_march_is_read_in_its_own_time():
     scene = replace(PMMA, base=Tractions(5e6, 0.0), load=Tractions(0.0, 5e6), friction=0.15)
     scene = replace(scene, shear_history=Pulse(20e-6))
@@ -256,7 +257,7 @@ MISNAMED = {
 """Factors by which the numbers are wrong, and the units that the header names."""
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(("factors", "units"), MISNAMED.values(), ids=MISNAMED)
 def test_a_named_unit_is_never_overruled(lab, factors, units):
     run = named(changed(lab, **factors), **units)

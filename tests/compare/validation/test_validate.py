@@ -52,6 +52,7 @@ def test_exact_records_agree_in_every_row_and_nothing_is_said(exact):
     assert max(norm.L1 for norm in validation.norms) < 1e-6
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("samples", [40, 61])
 def test_few_samples_are_no_late_arrival(solution, samples):
     """Cells are so small here that the interval of the samples is most of the bar."""

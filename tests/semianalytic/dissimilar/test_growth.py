@@ -130,6 +130,7 @@ def test_growth_under_a_delay(delay, growth):
     assert fastest.growth * delay == pytest.approx(growth, rel=3e-7)
 
 
+@pytest.mark.slow
 def test_a_delay_bounds_growth():
     bodies, free = contrast(1.2), growing_waves(contrast(1.2), 0.5)[0]
     fastest = fastest_delayed_growth(bodies, 0.5)
@@ -162,6 +163,7 @@ def plain_symbol(k, upper, lower, friction):
     return total_a + friction * k * total_d
 
 
+@pytest.mark.slow
 def test_a_delay_lets_waves_grow_that_decay_without_one():
     """Gouge on rock is well posed below 0.53, and unstable at 0.5 under a delay all the same."""
     bodies, unit = compliance_of(*GOUGE_ON_ROCK), GOUGE_ON_ROCK[0].shear_speed

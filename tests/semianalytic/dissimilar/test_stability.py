@@ -12,6 +12,7 @@ from semianalytic.dissimilar import stability
 from semianalytic.dissimilar_slot import solver
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("module", [stability, solver])
 def test_examples_of_docstrings_run(module):
     result = doctest.testmod(module)
@@ -34,6 +35,7 @@ def test_verdicts():
     assert "no friction is too low" in sf.sliding_stability(*RUBBER_ON_STEEL, 0.2).verdict
 
 
+@pytest.mark.slow
 def test_from_below_waves_with_the_upper_body_run_against_it():
     one, other = (sf.sliding_stability(*pair, 0.3) for pair in (PAIRS["C"], PAIRS["C"][::-1]))
     assert one.threshold_with == other.threshold_against
@@ -45,6 +47,7 @@ def test_from_below_waves_with_the_upper_body_run_against_it():
     assert here.growth == pytest.approx(there.growth, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_units_of_the_bodies():
     scaled = [
         Material(4e9 * one.shear_modulus, 1e3 * one.density, one.poisson_ratio)

@@ -63,6 +63,7 @@ def test_exponents_at_the_edge(ratio, friction, ahead, behind):
         assert 1 - exponent == pytest.approx(known, abs=6e-7)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("ratio", "friction", "drop", "right", "left"),
     [
@@ -79,6 +80,7 @@ def test_point(ratio, friction, drop, right, left):
     assert speeds == pytest.approx((right, left), abs=8e-10)
 
 
+@pytest.mark.slow
 def test_like_bodies():
     assert half_line_speed(ALIKE, 0.3, 1.0) == pytest.approx(0.375, rel=1e-13)
     assert half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)

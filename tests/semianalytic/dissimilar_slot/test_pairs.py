@@ -60,6 +60,7 @@ def check_like_bodies(given, accuracy):
     assert found.max_slip(2.0) == pytest.approx(known.max_slip(2.0), rel=1e-7, abs=1e-12)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("seed", [0, 3])
 def test_like_bodies_have_the_answer_of_solve(seed):
     check_like_bodies(random_scene(np.random.default_rng([1, seed])), 1e-10)
@@ -74,7 +75,7 @@ def test_many_scenes_of_like_bodies(seed):
     check_like_bodies(given, accuracy)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["slip from the slot", "slip and opening", "film"])
 def test_exchange_of_the_bodies_mirrors_the_answer(name):
     pair = SCENES[name]
@@ -88,6 +89,7 @@ def test_exchange_of_the_bodies_mirrors_the_answer(name):
         np.testing.assert_allclose(sign * there / scale, here / scale, rtol=0, atol=1e-12)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["slip from the slot", "slip and opening"])
 def test_units_do_not_matter(name):
     pair, stress, speed = SCENES[name], 3e6, 2000.0
@@ -155,6 +157,7 @@ def check_random_pair(seed, tolerances):
     return "solved"
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("seed", [1, 4])
 def test_a_random_pair(seed):
     assert check_random_pair(seed, (1e-6,)) == "solved"
@@ -185,7 +188,7 @@ def compared(pair, nodes, reach):
     return answer, marched, result
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "reach", "rate", "pressure"),
     [
@@ -226,6 +229,7 @@ def test_a_march_converges_to_the_answer(name, reach):
             assert np.abs(np.array(ends) - zone.outer).min() < 4 * marched.spacing
 
 
+@pytest.mark.slow
 def test_both_senses():
     answer = solve_pair(SCENES["both senses"], rtol=1e-6)
     assert [zone.sense for zone in answer.zones] == [1, -1, 1]
@@ -233,6 +237,7 @@ def test_both_senses():
     assert len(answer.openings) == 0
 
 
+@pytest.mark.slow
 def test_a_stuck_edge_of_different_bodies_slips_within_a_strip():
     """The tractions turn like x^(i eps) there: they leave every cone of friction."""
     answer = solve_pair(scene("0", 0.4, (0.7, 0.0), (5.5, -1.0)))
@@ -270,6 +275,7 @@ def test_a_detached_opening_of_like_bodies():
         np.testing.assert_allclose(one, other, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_what_has_no_answer_is_refused():
     with pytest.raises(SceneError, match=r"grow by 4\.82 % .* no friction is too low"):
         solve_pair(scene("A", 0.2, (5.0, 0.0), (0.0, 1.0)))
@@ -286,6 +292,7 @@ def test_what_has_no_answer_is_refused():
         solve_pair(SCENES["slip from the slot"], rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_waves_towards_the_edge_are_told():
     """Slip of pair C towards -x is solved; a march of it lets waves towards the edge grow."""
     answer = solve_pair(SCENES["slip from the slot"], rtol=1e-5)
@@ -309,6 +316,7 @@ def test_nothing_moves_without_a_load_or_before_it():
         answer.slip(-1.0, 1.0)
 
 
+@pytest.mark.slow
 def test_history_holds_all_fields():
     answer = solve_pair(SCENES["slip and opening"], rtol=1e-5)
     history = answer.history([0.05, 0.3], [0.5, 1.0])

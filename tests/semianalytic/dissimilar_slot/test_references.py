@@ -72,6 +72,7 @@ def test_a_detached_zone():
     assert result.density.change(0)[0] == pytest.approx(0.0, abs=1e-10)
 
 
+@pytest.mark.slow
 def test_two_zones():
     known = interface("C", 0.2, 1.1, (-1.0, 0.0))
     start = (Zone(1 / 1.16, 1 / 0.985, -1), Zone(1 / 0.93, None, -1))
@@ -82,6 +83,7 @@ def test_two_zones():
     assert (*one, other[0]) == pytest.approx((-0.3887, -0.4247, -0.4326), abs=6e-5)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("load", "sense", "slip", "opening"),
     [
@@ -107,6 +109,7 @@ def test_like_bodies(strength, edge, rate):
     assert result.density.change(0)[0] / 2 == pytest.approx(rate, abs=2e-11)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("pressure", "load", "edges", "rate"),
     [

@@ -65,6 +65,7 @@ def patch(nodes, mode, end=1.0):
     return sf.run(scene, end, nodes, times=[end], estimate=False)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("mode", "edge"), [("in-plane", 0.395154), ("antiplane", 0.384265)])
 def test_edge_of_an_over_stressed_patch(mode, edge):
     """theory: (C/pi) int M(i n) dn / ((e_p^2 + n^2) sqrt(e_s^2 + n^2)) = S - d; three grids."""

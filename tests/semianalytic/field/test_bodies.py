@@ -379,7 +379,7 @@ def test_random_scenes_have_their_interface_fields_as_limits(scene):
     )
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("lacking", [1e-7, 1e-12])
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ def on_fronts(solution):
     return [speed for speed in speeds if 0 < speed < np.inf]
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     "scene",
     [

@@ -57,17 +57,17 @@ FAR = replace(START, load=PRELOADED.load, material=Material(1.0, 1.0, 0.25))
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("start", "names", "noise"),
+    ("start", "names", "noise", "trials"),
     [
-        (START, ("friction", "load_shear"), NOISE),
-        (FAR, ("friction", "poisson_ratio"), 0.005),
-        (replace(START, friction=0.3), ("base_pressure", "load_shear"), NOISE),
+        (START, ("friction", "load_shear"), NOISE, 20),
+        (FAR, ("friction", "poisson_ratio"), 0.005, 8),
+        (replace(START, friction=0.3), ("base_pressure", "load_shear"), NOISE, 8),
     ],
 )
-def test_truth_is_within_the_error_bars_at_the_stated_rate(truth, start, names, noise):
+def test_truth_is_within_the_error_bars_at_the_stated_rate(truth, start, names, noise, trials):
     """Sums of squares as well: of (friction, Poisson ratio) at small noise one search of three
     ended in a minimum of its own, before there was a scan."""
-    check_coverage(truth, 20, start, names, noise)
+    check_coverage(truth, trials, start, names, noise)
 
 
 @pytest.mark.slow
@@ -110,6 +110,7 @@ def test_what_the_data_leave_free_is_named(truth):
     assert found.unconstrained == ("friction",)
 
 
+@pytest.mark.slow
 def test_samples_on_edges_and_fronts_do_no_harm(truth):
     material, speeds = PRELOADED.material, truth.edge_speeds
     fronts = [material.rayleigh_speed, material.shear_speed, material.longitudinal_speed]
@@ -139,6 +140,7 @@ def test_units_and_residuals():
 # --- what contradicts a fit ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_fit_that_holds_a_wrong_load_says_so(truth):
     """README's own example of old: friction .65 instead of .35, and "converged"."""
     gauges = tuple(records(truth, 3))

@@ -40,7 +40,7 @@ def differences(trial, number, step):
     return (4 * central(step) - central(2 * step)) / 3
 
 
-@pytest.mark.thinned(10)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*OF_SCENE, *MATERIAL, *SETUP, "gain:beside"])
 def test_derivatives_are_those_of_differences_whatever_is_recorded(name):
     """On the interface and beside it; samples on an edge, where there is none, are few."""
@@ -65,6 +65,7 @@ def test_derivatives_of_a_remote_load_are_those_of_differences(name):
     assert np.median(errors, axis=1).max() < 1e-7
 
 
+@pytest.mark.slow
 def test_errors_of_differences_in_the_bodies_are_told():
     trial = trials([silent("sxy", y=0.2)], ("friction",))
     own = trial.difference_error(trial.start)
@@ -124,7 +125,7 @@ def recorded_at(solution, quantity, t):
     return seen(solution, kind, np.full(len(t), 0.4), np.full(len(t), 0.1), t)[axis]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("prior", [Normal(0.34, 0.002), LogNormal(0.34, 1.006)])
 def test_a_narrow_prior_pulls_and_enters_the_errors(prior):
     solution = solve(PRELOADED)

@@ -97,6 +97,7 @@ def test_fields_are_causal_even_and_self_similar(mode):
     assert crack.slip_rate(0.2, 1.0) == pytest.approx(rate, rel=1e-8)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.skipif(not hasattr(scipy.interpolate, "AAA"), reason="scipy before 1.15")
 @pytest.mark.parametrize("mode", MODES)
 def test_an_independent_march_agrees(mode):

@@ -340,6 +340,7 @@ def test_edges_are_shown_with_digits_that_tell_them_apart(edges, form, digits):
     assert digits_apart(edges, 4, form) == digits
 
 
+@pytest.mark.thinned(9)
 @pytest.mark.parametrize("nu", [0.0, 1 / 3, 0.45])
 @pytest.mark.parametrize("friction", [0.0, 1e-9, 0.05])
 def test_no_strip_of_a_solution_reads_as_if_it_were_empty(friction, nu):

@@ -117,7 +117,7 @@ def test_derivatives_by_poisson_ratio_and_amplitude(kind, side, angle, amplitude
         )
 
 
-@pytest.mark.parametrize("name", ["incident-p", "incident-sv", "moving-load"])
+@pytest.mark.parametrize("name", ["incident-p", "incident-sv", "incident-pulse", "moving-load"])
 def test_documents_and_files_hold_the_load(name, tmp_path):
     scene = NAMED_SCENES[name].scene
     assert scene_from_document(scene_document(scene)) == scene

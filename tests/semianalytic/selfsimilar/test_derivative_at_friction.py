@@ -22,7 +22,7 @@ SCENES: list[tuple[float, tuple[float, float], dict[str, Any]]] = [
 ]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(18)
 @pytest.mark.parametrize(("friction", "load", "parts"), SCENES)
 @pytest.mark.parametrize("lacking", [0.0, 3e-9, 1e-7])
 def test_derivative_is_the_difference_to_one_side(
@@ -53,7 +53,7 @@ OPENINGS: list[tuple[float, float, tuple[float, float], dict[str, Any]]] = [
 ]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(("friction", "pressure", "load", "parts"), OPENINGS)
 def test_derivative_by_a_base_pressure_at_friction_knows_that_the_opening_moves(
     friction: float, pressure: float, load: tuple[float, float], parts: dict[str, Any]
@@ -75,7 +75,7 @@ def test_derivative_by_a_base_pressure_at_friction_knows_that_the_opening_moves(
     assert derivative.error_estimate < 1e-6
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(8)
 @pytest.mark.parametrize(("friction", "pressure", "load", "parts"), OPENINGS)
 def test_derivatives_scale_where_a_base_at_friction_opens(
     friction: float, pressure: float, load: tuple[float, float], parts: dict[str, Any]

@@ -90,7 +90,7 @@ FILMS = [
 ]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(9)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("scene", FILMS)
 def test_derivatives_of_films_that_open_scale(scene, mode):
@@ -109,6 +109,7 @@ NARROW = Scene(
 """Slips ahead of its opening on a strip 0.0015 c_t wide."""
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("viscosity", [0.0, 0.0015668623422475361])
 def test_derivatives_scale_on_a_narrow_strip_ahead_of_an_opening(viscosity):
     """A step of its edge is to be short against the strip, not against the way to a front."""
@@ -126,7 +127,7 @@ def random_film(seed):
     return replace(scene, friction_law=ViscousFriction(float(viscosity)), mode=mode)
 
 
-@pytest.mark.thinned(12)
+@pytest.mark.thinned(24)
 @pytest.mark.parametrize("seed", range(24))
 def test_derivatives_of_random_films_that_open_scale(seed):
     solution = solve(random_film(seed), rtol=1e-9)
@@ -134,7 +135,7 @@ def test_derivatives_of_random_films_that_open_scale(seed):
     check_scaling(solution)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", ["viscosity", "friction", "base_pressure"])
 @pytest.mark.parametrize("scene", FILMS[:2])
 def test_derivatives_of_films_that_open_agree_with_differences(scene, name):

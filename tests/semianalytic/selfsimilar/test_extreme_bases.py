@@ -40,7 +40,7 @@ def beyond(solution: Solution, truth: Solution) -> dict[str, float]:
     return {name: ratio for name, ratio in ratios.items() if not ratio <= 1}
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(28)
 @pytest.mark.parametrize("case", AT_FRICTION)
 @pytest.mark.parametrize("lacking", [0.0, 1e-16, 1e-8, 5e-7])
 def test_a_base_just_below_friction_is_solved_as_well_as_any(

@@ -185,6 +185,7 @@ def check_physics(scene):
     return solution
 
 
+@pytest.mark.slow
 @few
 @given(scenes())
 def test_physics_of_random_scenes(scene):
@@ -266,6 +267,7 @@ def test_the_contact_before_and_behind_the_front():
     assert float(along.pressure(2.9, 0.74)) == pytest.approx(1.0 + load.pressure)
 
 
+@pytest.mark.slow
 def test_fields_obey_the_equation_of_motion_around_all_fronts():
     solid = Material(2.0, 3.0, 0.3)
     rng = np.random.default_rng(1)
@@ -299,7 +301,7 @@ def test_fields_obey_the_equation_of_motion_around_all_fronts():
     assert reflected.slot_velocity(-1.0, -0.05) == pytest.approx(upper)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     ("scene", "names"),
     [

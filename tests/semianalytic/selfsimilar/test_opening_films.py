@@ -67,6 +67,7 @@ def test_falling_friction_is_answered_or_refused(reduction: float, load: float) 
     assert solution.status == "converged" or "which no rule resolves" in solution.status
 
 
+@pytest.mark.slow
 def test_what_would_take_more_than_seconds_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tuning, "MOST_NODES", 4_000)
     solution = solve(STRONG, rtol=1e-11)
@@ -91,7 +92,7 @@ def test_memory_of_a_strong_film_is_bounded() -> None:
     assert peak < 600e6
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize(("poisson_ratio", "friction"), [(0.25, 0.6), (1 / 3, 0.05)])
 def test_falling_friction_whose_exponent_rounds_to_zero_is_told(
     poisson_ratio: float, friction: float

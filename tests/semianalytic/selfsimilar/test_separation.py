@@ -155,7 +155,7 @@ def test_slip_agrees_with_complementarity_on_a_grid(scene):
     assert error < 0.02 * np.abs(rate)[clear] @ np.diff(grid.xi)[clear]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [tapped(), tapped(1.0, -1.0, held=0.018), lifted(held=-0.2)])
 def test_motion_while_open_counts_as_slip_and_takes_no_work(scene):
     solution = solve(scene)

@@ -101,7 +101,7 @@ def test_sweep_is_solve():
         np.testing.assert_allclose(one.edge_speeds, alone.edge_speeds, atol=2e-8)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("viscosity", [1e-3, 0.3, 10.0])
 def test_gap_closes_and_shear_front_slips_where_the_thresholds_say(viscosity):
     nu = 1 / 3

@@ -141,7 +141,7 @@ def test_little_viscosity_is_nearly_none():
         assert errors[1] < 0.02 * errors[0] < 2e-3
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", EVERY)
 def test_estimates_bound_errors(scene):
     exact = solve(scene, rtol=1e-10)
@@ -160,7 +160,7 @@ def test_estimates_bound_errors(scene):
             assert value == pytest.approx(known, rel=bound), name
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [STRONG, TAPPED, HELD])
 def test_power_of_the_whole_is_that_of_its_parts(scene):
     solution = solve(scene)

@@ -70,7 +70,7 @@ def test_estimates_hold_off_a_contact_edge_where_slip_rate_towers(mode, viscosit
         assert error <= solution.error_estimate <= rtol
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(12)
 @pytest.mark.parametrize("viscosity", [1e4, 1e6, 1e8])
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("load", [(0.0, 1.0), (0.5, 1.0)])

@@ -254,6 +254,7 @@ def test_march_within_an_rtol(name, rtol):
         assert rate_error(fields, solve(find_scene(name))) <= rtol
 
 
+@pytest.mark.slow
 def test_out_of_reach_of_the_nodes(monkeypatch, capsys):
     monkeypatch.setattr(march_module, "MOST_NODES", 300)
     marched = march(PRELOADED, 1.0, rtol=1e-4, every=10**6)
@@ -337,6 +338,7 @@ def test_weakening_that_is_called_resolved_is_right_to_a_percent(name):
     assert errors[3]["slip"].true > 0.02
 
 
+@pytest.mark.slow
 def test_nodes_are_chosen_for_the_process_zone():
     sharp = replace(WEAK, friction_law=SlipWeakening(2 / 3, 7e-4))
     assert in_zone(sharp, 8, 0.2) > 1000

@@ -83,6 +83,7 @@ def front(t, x, slowness, spacing, entry):
     return np.clip(lag + 0.5, 0, 1) * (x > -entry)
 
 
+@pytest.mark.slow
 def test_a_load_slower_than_its_waves_is_marched_from_where_it_enters_the_slot():
     entry, end, nodes, length = 0.7, 0.5, 100, 8.0
     load, scene = 0.6, Scene(UNIT, 0.5, Tractions(1.0, 0.1), MovingLoad(-0.8, 0.0, 0.6))
@@ -106,6 +107,7 @@ def test_a_load_slower_than_its_waves_is_marched_from_where_it_enters_the_slot()
         assert np.abs(mine - right).sum() < 0.012 * np.abs(right).sum()
 
 
+@pytest.mark.slow
 def test_pressure_under_a_wave_beyond_critical_is_that_of_a_witness():
     entry, end, nodes, length = 0.7, 0.5, 60, 8.0
     scene = Scene(UNIT, 9.0, PRESSED, IncidentWave("SV", 45.0, stress=-0.3))
@@ -125,6 +127,7 @@ def test_pressure_under_a_wave_beyond_critical_is_that_of_a_witness():
     assert np.abs(off).sum() < 2e-3 * np.abs(witness.traction[on]).sum()
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "wave",
     [
@@ -174,6 +177,7 @@ def test_a_contact_that_slips_from_the_front_of_a_wave_on_follows_it_as_a_plane_
     assert marched.slip_rate(1.05, 0.5) == 0  # the front has come to t / p = 1
 
 
+@pytest.mark.slow
 def test_marches_of_fronts_go_on_and_are_kept(tmp_path):
     scene = SCENES["SV along the slot"]
     whole = march(scene, 0.6, 40, length=1.2)

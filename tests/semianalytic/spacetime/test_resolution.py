@@ -289,6 +289,7 @@ def test_no_slip_is_only_said_where_the_first_node_holds():
     assert said > 3
 
 
+@pytest.mark.slow
 def test_nodes_that_a_caution_asks_for_resolve_the_zone():
     scene = sheared(Step(), 5.0)
     coarse = march(scene, 0.5, 36)

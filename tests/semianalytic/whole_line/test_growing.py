@@ -207,6 +207,7 @@ def marched_slot(mode, power, ratio, nodes):
     )
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.skipif(not hasattr(scipy.interpolate, "AAA"), reason="scipy before 1.15")
 @pytest.mark.parametrize(("mode", "power"), [("in-plane", 1), ("antiplane", 1), ("in-plane", 2)])
 def test_an_independent_march_agrees(mode, power):

@@ -357,7 +357,7 @@ def marched_patch(mode, speed, missing, nodes):
     )
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(scipy.interpolate, "AAA"), reason="scipy before 1.15")
 @pytest.mark.parametrize(("mode", "speed", "missing", "_"), PATCHES[::2])
 def test_a_march_agrees(mode, speed, missing, _):

@@ -218,6 +218,7 @@ def test_solve_prints_an_answer_that_has_not_converged_and_exits_with_four(uncon
     assert captured.err.count("\n") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_four(
     unconverged, simulated, tmp_path, capsys

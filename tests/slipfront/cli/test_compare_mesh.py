@@ -95,6 +95,7 @@ def test_a_resolution_is_taken_and_what_it_leaves_is_said(tmp_path, capsys):
     assert companions(tmp_path / "out") == [32, 16, 8]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_a_march_gets_its_mesh_by_its_loads(tmp_path, capsys):
     main(["compare", "pulse", "--budget", budget_for(48), "--no-snapshots", "--output", "out"])

@@ -71,7 +71,7 @@ NOTHING_SHOWN = ("no load, no pressure", "much friction")
 """Scenes that no verdict is possible on: nothing has a size, or the mesh shows no zone of slip."""
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(10)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=[] if name in QUICKLY else pytest.mark.slow) for name in SCENES],
@@ -85,7 +85,7 @@ def test_a_run_without_error_agrees(name):
     assert len(document["rows"]) == len(judgement.rows)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["frictionless", "no load", "most friction"])
 def test_figures_of_next_to_nothing_have_finite_limits(name):
     solution = solve(scene_of(name))
@@ -120,7 +120,7 @@ LARGEST = {
 }
 
 
-@pytest.mark.thinned(6)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["frictionless", "frictionless in SI", "no load", "most friction"])
 def test_what_is_simulated_where_nothing_is_predicted_differs(name):
     """Wrong by 2e-3 of the units: each of the rows that replace relative errors says so."""
@@ -168,6 +168,7 @@ def test_edges_that_the_mesh_cannot_show_are_unresolved(name, words):
         assert row.resolution is None or row.resolution > 60
 
 
+@pytest.mark.slow
 def test_edges_that_the_mesh_shows_are_judged():
     rows = edges_of(solve(NAMED_SCENES["preloaded"].scene), 100)
     assert [row.verdict for row in rows] == 3 * ["agrees"]
@@ -211,7 +212,7 @@ COMPARED_SLOWLY = [
 ]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     "command", [*COMPARED, *(pytest.param(one, marks=pytest.mark.slow) for one in COMPARED_SLOWLY)]

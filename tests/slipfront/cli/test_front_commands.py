@@ -37,6 +37,7 @@ def run(capsys, *arguments):
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.slow
 def test_a_pulse_at_an_angle_in_a_file_is_marched(capsys, tmp_path):
     path = tmp_path / "pulse.toml"
     path.write_text(PULSE)

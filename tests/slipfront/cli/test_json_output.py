@@ -128,6 +128,7 @@ def test_scenes_and_init_fit_their_schema(capsys):
     assert run(capsys, "init", "-")["files"] == []
 
 
+@pytest.mark.slow
 def test_benchmark_fits_its_schema(capsys):
     assert run(capsys, "benchmark")["sheets"]
     shown = run(capsys, "benchmark", "show", "tap")

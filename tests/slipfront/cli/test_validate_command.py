@@ -42,7 +42,7 @@ def test_right_records_return_0_and_say_first_what_was_inferred(result, tmp_path
     assert (output / "validation.png").stat().st_size > 10_000
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "code"),
     [(["--strict"], 1), (["--strict", "--slip", "half", "--pressure", "tension"], 0)],
@@ -67,7 +67,7 @@ def test_without_spacing_the_option_is_named(result, tmp_path, capsys):
     assert "give --spacing" in capsys.readouterr().out
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(10)
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
@@ -107,6 +107,7 @@ def floats(row):
     return map(float, row)
 
 
+@pytest.mark.slow
 def test_numbers_with_units_are_what_they_are_in_the_unit_of_the_file(steel, tmp_path, capsys):
     with_units = ["--spacing", "0.5mm", "--noise", "slip=0.02um", "--origin", "1cm"]
     plain = ["--spacing", "0.5", "--noise", "slip=2e-5", "--origin", "10"]

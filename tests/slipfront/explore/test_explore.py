@@ -253,6 +253,7 @@ def test_what_is_painted_is_what_the_contact_does(name):
         assert painted == [part.kind for part in parts if part.covers(x * length)]
 
 
+@pytest.mark.thinned(9)
 @pytest.mark.parametrize("nu", [0.0, 1 / 3, 0.45])
 @pytest.mark.parametrize("friction", [0.0, 1e-9, 0.05])
 def test_strips_that_are_not_empty_do_not_read_so(friction, nu, alone):
@@ -326,6 +327,7 @@ def test_the_angle_of_a_wave_has_a_slider_and_its_front_is_drawn():
     assert min(straight) < 1e-9
 
 
+@pytest.mark.slow
 def test_a_pulse_at_an_angle_is_marched_without_a_field():
     values = controls.defaults(find_scene("incident-sv")) | {"history": "pulse", "duration": 0.4}
     scene = controls.scene_of(values | {"shape": "triangle"})

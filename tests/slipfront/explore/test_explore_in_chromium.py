@@ -103,6 +103,7 @@ document.body.append(one, two);
 """
 
 
+@pytest.mark.slow
 def test_no_program_from_an_address_runs(browser, address):
     """What is in the address is shown as it stands; and were something to get into the page, the
     policy would not let it run."""

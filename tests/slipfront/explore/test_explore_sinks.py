@@ -86,6 +86,7 @@ def given(body):
     return json.loads(found[1])
 
 
+@pytest.mark.thinned(8)
 @pytest.mark.parametrize(
     "name", ["friction", "viscosity", "law", "mode", "history", "shape", "units", ATTACK]
 )
@@ -108,6 +109,7 @@ def test_an_address_asked_for_later_is_a_message_too():
     assert "friction must be a number" in json.loads(session._told.value)["message"]
 
 
+@pytest.mark.slow
 def test_names_of_scenes_are_shown_as_text(ask, monkeypatch):
     monkeypatch.setitem(page.NAMED_SCENES, ATTACK, NamedScene(unit_scene(), "of a package"))
     body = ask().body.decode()
@@ -130,6 +132,7 @@ def test_texts_of_a_scene_file_reach_no_page(line, tmp_path):
         controls.defaults(find_scene(str(tmp_path / "scene.toml")))
 
 
+@pytest.mark.slow
 def test_the_page_holds_no_program_of_its_own(ask):
     """So that its policy can do without any."""
     body = ask().body.decode()

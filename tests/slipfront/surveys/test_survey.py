@@ -198,6 +198,7 @@ def test_lists_of_points_are_single_solutions_within_estimates(points):
         assert_holds(data.isel(point=i), sf.solve(scene, rtol=1e-6))
 
 
+@pytest.mark.slow
 def test_many_points_of_a_plane_are_single_solutions():
     """Enough of them for points between to be followed and evaluated together."""
     friction, ratio = np.linspace(0.05, 0.9, 20), np.linspace(-0.2, 0.45, 20)

@@ -122,6 +122,7 @@ def test_another_survey_is_refused(tmp_path):
         asked(path)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["a.nc", "a.zarr"])
 def test_flipped_bits_of_a_finished_survey_are_refused(name, tmp_path, capsys):
     """Of 200 such files 28 ended in a traceback, and 4 were other data without a word."""
@@ -142,6 +143,7 @@ def test_flipped_bits_of_a_finished_survey_are_refused(name, tmp_path, capsys):
     assert main([*line.split(), str(path)]) == 0
 
 
+@pytest.mark.slow
 def test_processes_make_no_difference(tmp_path, known):
     assert asked(tmp_path / "a.nc", workers=2).identical(known)
 
