@@ -87,7 +87,7 @@ def _march_segment(segment: Segment, walk: Walk, follower: Follower | None) -> N
     if follower is not None:
         follower.begin(segment)
     while walk.done < segment.steps and not walk.record.stopped:
-        walk.step()
+        walk.advance(segment.steps - walk.done)
         if follower is not None:
             follower.follow()
     walk.end()

@@ -22,7 +22,7 @@ from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.exponentials import Memory
-from semianalytic.spacetime.recursion import Recursion, exerted
+from semianalytic.spacetime.recursion import Recursion, cosines, from_cosines
 from semianalytic.spacetime.tuning import (
     BLOCK_VALUES,
     EXACT_KINKS,
@@ -311,27 +311,24 @@ class FrontPressure:
         """Yield the pressure at the time reached, and at one level after the other."""
         step = (times[-1] - times[0]) / (len(times) - 1)
         if self._recursion is not None:
-            self._recursion.leave(self._modes, self._lasting, self._transform)
+            self._recursion.leave(self._transform)
         recursion = Recursion(self._memory, self._phase * step, self._damping)
         recursion.enter(self._modes, self._lasting, self._transform)
         self._recursion = recursion
         yield self._pressure
         for t in times[1:].tolist():
-            recursion.step(self._modes, self._lasting, self._transform)
-            past = exerted(self._modes, self._lasting)
+            past = recursion.step(self._transform)
             self._pressure = self._level(t, step, past, recursion.feedback, SWEEPS)
             self._time = t
             yield self._pressure
 
     def _level(self, t: float, step: float, past: Array, feedback: Array, sweeps: int) -> Array:
         """Return the pressure at a level, (contact,), and note the opening rate of the slot."""
-        from scipy.fft import dct, idct
-
-        slot, rate = self._front.slot, np.zeros(len(past))
+        slot, rate, whole = self._front.slot, np.zeros(len(past)), np.empty(len(past))
         uncut, kept = self._front.tractions("pressure", t, step)
         for _ in range(sweeps):
-            whole = idct(past + feedback * self._transform, type=2)
+            from_cosines(past + feedback * self._transform, whole)
             closed = uncut - self._impedance * whole
             rate[:slot] = (closed[:slot] - kept) / self._impedance
-            self._transform = np.asarray(dct(rate, type=2))
+            cosines(rate, self._transform)
         return np.asarray(closed[slot:])

@@ -115,7 +115,7 @@ def march(
     """March the interface of a scene in time, under any load history and friction law.
 
     The method is described in docs/spacetime.md; its equation is (4.40) with the right sign
-    (docs/theory.md, "Any load history").  A march needs 80 bytes per pole (about 25) and grid node
+    (docs/theory.md, "Any load history").  A march needs 128 bytes per pole (about 25) and grid node
     (about 1.5 per contact node), 32 bytes per stored node and level (see `GridPressure` for
     pressure that oscillates), and half as much again for the companion.  Its time grows like
     nodes^2.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -116,33 +116,42 @@ class Extremes:
         """Largest |slip rate| (n,) [length / time]."""
         return np.maximum(self.forward, np.abs(self.reverse))
 
-    def with_level(
-        self, before: float, now: float, old: Array, new: Array, slip: Array
-    ) -> Extremes:
-        """Return the extremes with one more level included.
+    def with_levels(self, times: Sequence[float], rates: Array, slips: Array) -> Extremes:
+        """Return the extremes with k more levels included.
 
         Parameters
         ----------
-        before, now : float
-            Times of the level before it and of the level itself [time].
-        old, new : (n,) arrays
-            Slip rates at these two levels [length / time].
-        slip : (n,) array
-            Slip at the level [length].
+        times : (k + 1,) sequence
+            Times of the levels and of the one before them [time].
+        rates : (k + 1, n) array
+            Slip rates at these [length / time].
+        slips : (k, n) array
+            Slip at the levels [length].
         """
-        # The threshold uses only the past, so that a march that is continued finds the same onsets.
-        forward, reverse = np.maximum(self.forward, new), np.minimum(self.reverse, new)
-        threshold = ONSET_SHARE * max(float(forward.max()), -float(reverse.min()))
-        late, speed = np.abs(old), np.abs(new)
-        begins = (speed > threshold) & np.isinf(self.onset)
-        onset = self.onset
-        if begins.any():
-            onset, late, speed = onset.copy(), late[begins], speed[begins]
-            # |V| is linear between the two levels; after a jump, where they are one, onset is now
-            rise = np.where(speed > late, speed - late, 1.0)
-            share = np.where(speed > late, (threshold - late) / rise, 0.0)
-            onset[begins] = before + (now - before) * np.clip(share, 0.0, 1.0)
-        return Extremes(forward, reverse, np.maximum(self.slip, np.abs(slip)), onset)
+        forward = np.maximum(self.forward, rates[1:].max(axis=0))
+        reverse = np.minimum(self.reverse, rates[1:].min(axis=0))
+        slip = np.maximum(self.slip, np.maximum(slips.max(axis=0), -slips.min(axis=0)))
+        waiting = np.flatnonzero(np.isinf(self.onset))
+        if not len(waiting):
+            return Extremes(forward, reverse, slip, self.onset)
+        # The threshold of a level uses only what was until then, so that a march that is continued
+        # finds the same onsets.
+        speeds = np.abs(rates)
+        until = np.maximum.accumulate(speeds[1:].max(axis=1))
+        threshold = ONSET_SHARE * np.maximum(until, float(self.slip_rate.max()))
+        begins = speeds[1:, waiting] > threshold[:, None]
+        first = np.argmax(begins, axis=0)
+        began = np.flatnonzero(begins[first, np.arange(len(waiting))])
+        if not len(began):
+            return Extremes(forward, reverse, slip, self.onset)
+        level, node, t = first[began], waiting[began], np.asarray(times)
+        late, speed = speeds[level, node], speeds[level + 1, node]
+        # |V| is linear between the two levels; after a jump, where they are one, onset is now
+        rise = np.where(speed > late, speed - late, 1.0)
+        share = np.where(speed > late, (threshold[level] - late) / rise, 0.0)
+        onset = self.onset.copy()
+        onset[node] = t[level] + (t[level + 1] - t[level]) * np.clip(share, 0.0, 1.0)
+        return Extremes(forward, reverse, slip, onset)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 
 import numpy as np
@@ -70,64 +70,97 @@ class MarchRecord:
         """Store the level at t = 0, with the pressure of the contact, unless it is stored."""
         if self._stored:
             return
-        self._store(state, pressure)
-        self._sum(state)
-
-    def jump(self, state: MarchState) -> None:
-        """Include in `seen` the slip rate right after a jump of the loads."""
-        # Both levels are the same one: nothing is interpolated across a jump.
         rate = self._marched.grid.observe(state.rate)
-        self.seen = self.seen.with_level(
-            state.time, state.time, rate, rate, state.slip[: self._observed]
+        fields = (state.slip, rate, state.traction, pressure)
+        self._store([state.time], *(field[None] for field in fields))
+        self._sum([state.time], state.slip[None], state.path[None], state.work[None])
+
+    def jump(self, time: float, rate: Array, slip: Array) -> None:
+        """Include in `seen` the slip rate (size,) right after a jump of the loads."""
+        # Both levels are the same one: nothing is interpolated across a jump.
+        rate = self._marched.grid.observe(rate)
+        self.seen = self.seen.with_levels(
+            [time, time], np.stack([rate, rate]), slip[None, : self._observed]
         )
 
-    def add(self, before: MarchState, state: MarchState, pressure: Array) -> None:
-        """Add the level `state` that follows `before`, with the pressure of the contact."""
-        reached = self._marched.statistics.steps + self.done + 1
-        if state.time > self._marched.recorded_from:
-            self._see(before, state)
+    def count(self) -> None:
+        """Count a step, which belongs to the next levels that are added, and tell of it."""
         self.done += 1
         self.stopped = self._progress is not None and (
             self._progress(self.done, self._steps) is True
         )
-        last = self.done == self._steps or self.stopped
-        recorded = state.time > self._marched.recorded_from or self.stopped
-        if recorded and (reached % self._every == 0 or last):
-            self._store(state, pressure)
 
-    def _see(self, before: MarchState, state: MarchState) -> None:
-        """Include a level in extremes and totals."""
-        observe = self._marched.grid.observe
-        self.seen = self.seen.with_level(
-            before.time,
-            state.time,
-            observe(before.rate),
-            observe(state.rate),
-            state.slip[: self._observed],
-        )
-        self._sum(state)
+    def add(
+        self,
+        times: Sequence[float],
+        pressures: Sequence[Array],
+        rates: Array,
+        tractions: Array,
+        slips: Array,
+        paths: Array,
+        works: Array,
+    ) -> None:
+        """Add the levels of the last k steps, which lie within one segment.
 
-    def _store(self, state: MarchState, pressure: Array) -> None:
-        """Store a level."""
-        self._times[self._stored] = state.time
-        rate = state.rate[self._marched.grid.contact]
-        for kept, field in zip(
-            self._fields, (state.slip, rate, state.traction, pressure), strict=True
-        ):
-            kept[self._stored] = field[: self._observed]
-        self._stored += 1
+        Parameters
+        ----------
+        times : (k + 1,) sequence
+            Times of the levels and of the one before them [time].
+        pressures : k arrays of (contact,)
+            Pressure of the contact at the levels [stress].
+        rates : (k + 1, size) array
+            Slip rates at `times`.
+        tractions, slips, paths, works : (k + 1, contact) arrays
+            Fields of `MarchState` at `times`.
+        """
+        grid, taken = self._marched.grid, len(times) - 1
+        rates = rates[:, grid.slot : grid.slot + grid.observed]
+        kept = np.zeros(taken, dtype=bool)
+        # a segment ends where the record begins
+        if times[-1] > self._marched.recorded_from:
+            self.seen = self.seen.with_levels(times, rates, slips[1:, : self._observed])
+            self._sum(times[1:], slips[1:], paths[1:], works[1:])
+            reached = self._marched.statistics.steps + self.done
+            kept = np.arange(reached - taken + 1, reached + 1) % self._every == 0
+            kept[-1] |= self.done == self._steps
+        kept[-1] |= self.stopped
+        rows = np.flatnonzero(kept)
+        if len(rows):
+            # all rows without the copy of an index, which would take as long as the storing
+            part = slice(1, None) if len(rows) == taken else rows + 1
+            pressed = [pressures[row] for row in rows.tolist()]
+            self._store(np.asarray(times)[part], slips[part], rates[part], tractions[part], pressed)
 
-    def _sum(self, state: MarchState) -> None:
-        """Add the totals of a level: sums over nodes times h are integrals over the contact."""
-        slip, path, work = (
-            field[: self._observed] for field in (state.slip, state.path, state.work)
-        )
+    def _store(
+        self,
+        times: Sequence[float] | Array,
+        slips: Array,
+        rates: Array,
+        tractions: Array,
+        pressures: Sequence[Array] | Array,
+    ) -> None:
+        """Store levels."""
+        part = slice(self._stored, self._stored + len(times))
+        self._times[part] = times
+        for kept, field in zip(self._fields, (slips, rates, tractions), strict=False):
+            kept[part] = field[:, : self._observed]
+        for row, pressure in zip(self._fields[-1][part], pressures, strict=True):
+            row[:] = pressure[: self._observed]
+        self._stored += len(times)
+
+    def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
+        """Add the totals of levels: sums over nodes times h are integrals over the contact."""
+        n, part = self._observed, slice(self._summed, self._summed + len(times))
         # Each node is the middle of a stretch h (x = (i + 1/2) h): the midpoint rule.
-        largest = np.abs(slip).max()
-        totals = (state.time, largest, path.sum() * self._spacing, work.sum() * self._spacing)
+        totals = (
+            times,
+            np.abs(slips[:, :n]).max(axis=1),
+            paths[:, :n].sum(axis=1) * self._spacing,
+            works[:, :n].sum(axis=1) * self._spacing,
+        )
         for kept, total in zip(self._totals, totals, strict=True):
-            kept[self._summed] = total
-        self._summed += 1
+            kept[part] = total
+        self._summed += len(times)
 
     def interface(self) -> InterfaceHistory:
         """Return the stored levels."""

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import SceneError
 from semianalytic.spacetime.exponentials import Memory
-from semianalytic.spacetime.tuning import (
-    LARGEST_FEEDBACK,
-)
+from semianalytic.spacetime.tuning import LARGEST_FEEDBACK, MEMORY_STEPS
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -23,8 +24,11 @@ class Recursion:
     A pole z with residue r carries m(t) = r int exp(z q c_t (t - s)) q c_t V(s) ds, whose part
     before a step is multiplied by exp(z q c_t dt).  V is linear over the step, so its integral
     there is exact.  Between `enter` and `leave` the contribution of the end value of V is left out
-    of m, because that value is still to be found; a step then costs one multiplication and one
-    addition per number.
+    of m, because that value is still to be found.
+
+    The numbers m are brought up to date every `MEMORY_STEPS` steps.  In between, what they exert is
+    known ahead but for the rates of those few steps, for which the sum over poles is made once: a
+    step then reads half of the numbers that it would have to read otherwise.
 
     Parameters
     ----------
@@ -47,19 +51,31 @@ class Recursion:
     """
 
     def __init__(self, memory: Memory, phase: Array, damping: float) -> None:
-        shape = (len(memory.poles), len(phase))
-        self._decay, self._end, self._gain = (np.empty(shape, dtype=complex) for _ in range(3))
+        poles, size = len(memory.poles), len(phase)
+        # exp(z q c_t k dt) for k = 1, 2, ...
+        self._decays = np.empty((MEMORY_STEPS, poles, size), dtype=complex)
+        self._end, self._gain, self._scratch = np.empty((3, poles, size), dtype=complex)
+        decay = self._decays[0]
         for row, (pole, residue) in enumerate(zip(memory.poles, memory.residues, strict=True)):
             z = pole * phase
             first, second = _phi(z)
             weight = residue * phase
             # int_0^1 exp(z (1 - s)) V(s) ds for V from V0 to V1: (first - second) V0 + second V1
-            self._decay[row], self._end[row] = np.exp(z), weight * second
+            decay[row], self._end[row] = np.exp(z), weight * second
             # V0 was the end value of the step before, left out there and so added here, decayed
-            self._gain[row] = weight * (first - second) + self._decay[row] * self._end[row]
+            self._gain[row] = weight * (first - second) + decay[row] * self._end[row]
+        # What the start value of a step exerts at its end, and that many steps later; the last row
+        # is the first of these, so that rates of increasing time meet rows in order.
+        self._kernel = np.empty((MEMORY_STEPS, size))
+        self._kernel[-1] = self._gain.real.sum(axis=0)
+        for after in range(1, MEMORY_STEPS):
+            earlier, later = self._decays[after - 1 : after + 1]
+            np.multiply(self._gain, earlier, out=self._scratch)
+            self._kernel[-1 - after] = self._scratch.real.sum(axis=0)
+            np.multiply(earlier, decay, out=later)
         # the static part of h remembers slip itself: the trapezoidal rule, exact for linear V
         self._half = memory.static * phase / 2
-        self._scratch = np.empty(shape, dtype=complex)
+        self._whole = 2 * self._half
         feedback = self._end.real.sum(axis=0) + self._half
         # The iteration of a step contracts by the feedback, which must be below 1; the shortest
         # wave has the largest.  h(0) = 0, so the feedback grows like the square of the step.
@@ -71,24 +87,75 @@ class Recursion:
             )
         # damping: the shortest wave gets the feedback `damping`, longer ones much less more
         self.feedback = feedback + max(damping - shortest, 0.0) * (phase / phase[-1]) ** 4
+        # Real and imaginary parts lie side by side: with each rate written twice, sums of products
+        # of complex numbers with real ones are sums of products of real numbers.
+        self._rates, self._free = np.empty((2, MEMORY_STEPS, size))
+        self._twice, self._both = np.empty((2, MEMORY_STEPS, 2 * size))
+        self._taken = 0
 
     def enter(self, modes: Complex, lasting: Array, rate: Array) -> None:
-        """Begin steps of this length at a rate (size,): take its end value out, in place."""
-        modes -= self._end * rate
-        lasting -= self._half * rate
+        """Begin steps of this length at a rate (size,): take its end value out.
 
-    def step(self, modes: Complex, lasting: Array, rate: Array) -> None:
-        """Step on in place, leaving out the end value; `rate` is that at the start, (size,)."""
-        modes *= self._decay
-        np.multiply(self._gain, rate, out=self._scratch)
-        modes += self._scratch
+        Parameters
+        ----------
+        modes : (poles, size) complex array
+            The numbers m, which are changed in place until `leave`.
+        lasting : (size,) array
+            The static part of the memory, changed in place as well.
+        rate : (size,) array
+            Cosines of the slip rate.
+        """
+        self._modes, self._lasting, self._taken = modes, lasting, 0
+        self._modes -= np.multiply(self._end, rate, out=self._scratch)
+        self._lasting -= self._half * rate
+
+    def step(self, rate: Array) -> Array:
+        """Step on, leaving out the end value; `rate` is that at the start, (size,).
+
+        Returns what is exerted at the end of the step but for its end value, as `exerted` does.
+        """
+        if self._taken == 0:
+            self._look_ahead()
+        taken = self._taken
+        self._rates[taken] = rate
         # half as the start of this step, half as the end value left out of the one before
-        lasting += 2 * self._half * rate
+        self._lasting += self._whole * rate
+        past = np.einsum("ks,ks->s", self._kernel[-1 - taken :], self._rates[: taken + 1])
+        past += self._free[taken]
+        past += self._lasting
+        self._taken += 1
+        if self._taken == MEMORY_STEPS:
+            self._catch_up()
+        return past
 
-    def leave(self, modes: Complex, lasting: Array, rate: Array) -> None:
-        """End the steps of this length: add the end value, in place."""
-        modes += self._end * rate
-        lasting += self._half * rate
+    def leave(self, rate: Array) -> None:
+        """End the steps of this length: bring the memory up to date and add the end value."""
+        if self._taken:
+            self._catch_up()
+        self._modes += np.multiply(self._end, rate, out=self._scratch)
+        self._lasting += self._half * rate
+
+    def _look_ahead(self) -> None:
+        """Sum up what the numbers m exert after each of the steps to come."""
+        np.einsum("kps,ps->ks", self._decays.view(float), self._modes.view(float), out=self._both)
+        # the real part of a product is that of the real parts less that of the imaginary parts
+        np.subtract(self._both[:, ::2], self._both[:, 1::2], out=self._free)
+
+    def _catch_up(self) -> None:
+        """Bring the numbers m to the end of the steps that were taken."""
+        taken, scratch = self._taken, self._scratch
+        self._twice.reshape(MEMORY_STEPS, -1, 2)[:taken] = self._rates[:taken, :, None]
+        # the rate at the start of step j has decayed over taken - 1 - j steps since its end
+        if taken > 1:
+            decays = self._decays[taken - 2 :: -1].view(float)
+            np.einsum("kps,ks->ps", decays, self._twice[: taken - 1], out=scratch.view(float))
+        else:
+            scratch[:] = 0
+        scratch.real += self._rates[taken - 1]
+        scratch *= self._gain
+        self._modes *= self._decays[taken - 1]
+        self._modes += scratch
+        self._taken = 0
 
 
 def exerted(modes: Complex, lasting: Array) -> Array:
@@ -105,3 +172,38 @@ def _phi(z: Complex) -> tuple[Complex, Complex]:
     second = (first - 1) / large
     series = 0.5 + z / 6 * (1 + z / 4 * (1 + z / 5))
     return np.where(small, 1 + z * series, first), np.where(small, series, second)
+
+
+def cosines(values: Array, out: Array) -> None:
+    """Write the amplitudes of the cosines of values at the nodes (size,) to another array."""
+    # type 2: nodes half a spacing from the ends, even about both of them
+    _transform()(values, 2, (0,), 0, out)
+
+
+def from_cosines(amplitudes: Array, out: Array) -> None:
+    """Write the values at the nodes (size,) that have these amplitudes to another array."""
+    _transform()(amplitudes, 3, (0,), 2, out)
+
+
+@cache
+def _transform() -> Callable[[Array, int, tuple[int], int, Array], object]:
+    """Return the cosine transform (values, type, axes, 2 to divide by 2 n or 0, out)."""
+    from scipy.fft import dct, idct  # here, for `import semianalytic` is to be quick
+
+    # scipy.fft spends 12 microseconds around each call of the function below, twice what 500 nodes
+    # take.  That function is not public: where a version of scipy has it elsewhere or with other
+    # arguments, scipy.fft serves.
+    given, found = np.arange(4.0), np.empty((2, 4))
+    try:
+        direct = import_module("scipy.fft._pocketfft.pypocketfft").dct
+        direct(given, 2, (0,), 0, found[0])
+        direct(given, 3, (0,), 2, found[1])
+    except (ImportError, AttributeError, TypeError, ValueError, RuntimeError):
+        found[:] = np.nan
+    if np.allclose(found, [dct(given, type=2), idct(given, type=2)], rtol=1e-12):
+        return direct
+
+    def public(values: Array, kind: int, axes: tuple[int], scaling: int, out: Array) -> None:
+        out[:] = dct(values, type=2) if kind == 2 else idct(values, type=2)
+
+    return public

@@ -1,8 +1,8 @@
 """The time steps of a march, in segments between jumps of the loads.
 
 A step takes the loads at its end, computes the traction that would stop each node under the memory
-of past slip (`Line.stopping_traction`), from it and the friction law the slip rate
-(`Line.slip_rate`), and adds the new slip to the memory (`Recursion`).  See docs/spacetime.md,
+of past slip, from it and the friction law the slip rate (`Line.slip_rate`), and adds the new slip
+to the memory (`Recursion`).  Steps are summed up and recorded in blocks.  See docs/spacetime.md,
 "Method".
 """
 
@@ -10,21 +10,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 from itertools import islice, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import ComputationError, TensionError
-from semianalytic.scene.friction import CoulombFriction
+from semianalytic.scene.friction import CoulombFriction, RateFriction
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid_loads import FrontLoad, NodalPressure
-from semianalytic.spacetime.marched import Grid, Marched, MarchState
+from semianalytic.spacetime.marched import Marched, MarchState
 from semianalytic.spacetime.record import MarchRecord
-from semianalytic.spacetime.recursion import Recursion, exerted
-from semianalytic.spacetime.tuning import AVERAGED_BREAKS, SWEEPS
+from semianalytic.spacetime.recursion import Recursion, cosines, exerted, from_cosines
+from semianalytic.spacetime.tuning import AVERAGED_BREAKS, BLOCK_STEPS, STEP_VALUES, SWEEPS
 
 Array = NDArray[np.float64]
 
@@ -122,17 +121,16 @@ def _levels(
     At a jump, the first level takes the shear load just after it and the last one that before it.
     """
     times, step = segment.levels, segment.time_step
-    loads, held = _shear_loads(scene, times), scene.superposition.in_place.shear
+    # the slot carries Q_b - Q_0 f
+    loads, uncut = _shear_loads(scene, times), scene.superposition.in_place.shear
+    arrives, kept = scene.arrives, scene.before_load.shear
     for now, load, on_contact in zip(times.tolist(), loads, pressure.over(times), strict=True):
-        # the slot carries Q_b - Q_0 f
-        uncut: float | Array = held
-        on_slot: float | Array = held - load
         if front is not None:
-            uncut, on_slot = front.tractions("shear", now, step)
-        elif scene.arrives:
-            on_slot = scene.before_load.shear
-            uncut = on_slot + load
-        yield Level(now, step, uncut, on_slot, on_contact)
+            yield Level(now, step, *front.tractions("shear", now, step), on_contact)
+        elif arrives:
+            yield Level(now, step, kept + load, kept, on_contact)
+        else:
+            yield Level(now, step, uncut, uncut - load, on_contact)
 
 
 def check_levels(
@@ -160,36 +158,30 @@ def check_levels(
             _check_pressure(scene, level, pressure.spacing)
 
 
-@dataclass(frozen=True)
 class Line:
-    """The line y = 0 in a step: shear is prescribed on the slot, the contact obeys friction."""
+    """The line y = 0 in a step: shear is prescribed on the slot, the contact obeys friction.
 
-    scene: Scene
-    grid: Grid
+    Parameters
+    ----------
+    scene : Scene
+        Material, friction law and tractions.
+    slot : int
+        Number of nodes on the slot.
 
-    @cached_property
-    def impedance(self) -> float:
-        """Traction that slip releases at once, per relative slip rate [stress time / length]."""
+    Attributes
+    ----------
+    impedance : float
+        Traction that slip releases at once, per relative slip rate [stress time / length].
+    """
+
+    def __init__(self, scene: Scene, slot: int) -> None:
         # rho c_t / 2: half of it because V is the relative rate of two bodies
-        return self.scene.material.shear_impedance / 2
+        self.impedance = scene.material.shear_impedance / 2
+        self._law, self._friction, self._slot = scene.friction_law, scene.friction, slot
+        self._pressed = self._dry = np.zeros(0)
 
-    def stopping_traction(self, past: Array, level: Level) -> Array:
-        """Return the shear traction of all nodes if none of them moved now, (size,) [stress].
-
-        Parameters
-        ----------
-        past : (size,) array
-            Convolution over past slip in (4.40), per cosine [length / time].
-        level : Level
-            Loads at the time.
-        """
-        from scipy.fft import idct
-
-        # docs/theory.md, "Any load history", without the local term V
-        return np.asarray(level.uncut - self.impedance * idct(past, type=2))
-
-    def slip_rate(self, stopping: Array, level: Level, path: Array) -> Array:
-        """Return the relative slip rate of all nodes (size,) [length / time].
+    def slip_rate(self, stopping: Array, level: Level, path: Array, rate: Array) -> None:
+        """Find the relative slip rate of all nodes (size,) [length / time], written to `rate`.
 
         On the slot the shear traction is prescribed; on the contact tau = tau_stop - (rho c_t/2) V
         must satisfy the friction law.
@@ -202,27 +194,25 @@ class Line:
             Loads at the time of the slip rate.
         path : (contact,) array
             Accumulated |slip| [length].
+        rate : (size,) array
+            Where the result is written.
         """
-        scene, slot, on_contact = self.scene, self.grid.slot, stopping[self.grid.contact]
-        speed = scene.friction_law.slip_speed(
-            np.abs(on_contact), scene.friction * level.pressure, self.impedance, path
-        )
-        rate = np.empty(len(stopping))
+        slot, on_contact, moving = self._slot, stopping[self._slot :], rate[self._slot :]
+        if level.pressure is not self._pressed:
+            self._pressed, self._dry = level.pressure, self._friction * level.pressure
+        np.abs(on_contact, out=moving)
+        speed = self._law.slip_speed(moving, self._dry, self.impedance, path)
+        # Slip has the sense of the traction that it reduces: V tau >= 0.  Adding 0.0 keeps the rate
+        # of nodes that stick at +0.0.
+        np.copysign(speed, on_contact, out=moving)
+        moving += 0.0
         # on the slot tau_stop - (rho c_t/2) V is what its faces carry
-        rate[:slot] = (stopping[:slot] - level.on_slot) / self.impedance
-        # Slip has the sense of the traction that it reduces: V tau >= 0.  0.0 - speed, and not
-        # -speed, keeps the rate of nodes that stick at +0.0.
-        rate[slot:] = np.where(on_contact < 0, 0.0 - speed, speed)
-        return rate
-
-    def traction(self, stopping: Array, rate: Array) -> Array:
-        """Return the shear traction of the contact at a slip rate (size,), (contact,) [stress]."""
-        contact = self.grid.contact
-        return np.asarray(stopping[contact] - self.impedance * rate[contact])
+        np.subtract(stopping[:slot], level.on_slot, out=rate[:slot])
+        rate[:slot] /= self.impedance
 
 
 class Walk:
-    """A march under way, carried step by step through segments.
+    """A march under way, carried block by block of steps through segments.
 
     Parameters
     ----------
@@ -237,8 +227,8 @@ class Walk:
 
     Attributes
     ----------
-    state, before : MarchState
-        The state that is reached, and the state at the beginning of the last step.
+    time, time_step : float
+        Time that is reached, and the length of the steps of the present segment [time].
     done : int
         Steps that have been taken in the present segment.
     """
@@ -251,110 +241,150 @@ class Walk:
         record: MarchRecord,
     ) -> None:
         self.grid, self.record = marched.grid, record
-        self.state = self.before = marched.state.copy()
-        self.done = 0
+        self.time, self.time_step, self.done = marched.state.time, 0.0, 0
         self._marched, self._pressure, self._front = marched, pressure, front
-        self._line = Line(marched.scene, marched.grid)
+        self._line = Line(marched.scene, marched.grid.slot)
+        # only these laws are known not to ask for the accumulated slip
+        law = marched.scene.friction_law
+        self._by_slip = not isinstance(law, CoulombFriction | RateFriction)
+        state, size = marched.state.copy(), marched.grid.size
+        self._modes, self._lasting = state.modes, state.lasting
+        self._block = max(1, min(BLOCK_STEPS, STEP_VALUES // size))
+        # the levels of a block, of which the first is the one before it
+        values = (state.rate, state.traction, state.slip, state.path, state.work)
+        self._fields = [np.empty((self._block + 1, len(value))) for value in values]
+        for field, value in zip(self._fields, values, strict=True):
+            field[0] = value
+        self._rates, self._tractions, self._slips, self._paths, self._works = self._fields
+        self._last = 0
+        self._transform, self._stopping = np.empty((2, size))
+
+    @property
+    def state(self) -> MarchState:
+        """The state that is reached; its memory is complete between segments only."""
+        fields = (field[self._last].copy() for field in self._fields)
+        return MarchState(self.time, self._modes, self._lasting, *fields)
+
+    @property
+    def rates(self) -> Array:
+        """Slip rates at the levels of the last block and the one before it, (k + 1, size)."""
+        return self._rates[: self._last + 1]
 
     def begin(self, segment: Segment) -> None:
         """Enter a segment, applying the load jump at its beginning."""
         marched, grid, scene = self._marched, self.grid, self._marched.scene
+        self._turn_over()
+        self.time_step, self.done = segment.time_step, 0
         phase = grid.wavenumbers * scene.material.shear_speed * segment.time_step
         self._recursion = Recursion(marched.memory, phase, marched.damping)
+        self._feedback = -self._line.impedance * self._recursion.feedback
         self._levels = _levels(scene, segment, self._pressure, self._front)
         first = next(self._levels)
         # A segment that begins neither with the load nor at a jump continues an earlier march,
         # whose rate is the right one already.
         if segment.begin == marched.begins or segment.begin in _jumps(scene):
-            self.state = _after_jump(self._line, self.state, first)
-            self.record.jump(self.state)
+            self._jump(first)
+            self.record.jump(self.time, self._rates[0], self._slips[0])
         if segment.begin == marched.recorded_from:
             self.record.begin(self.state, first.pressure)
-        self.before, self.done = self.state, 0
-        self._transform = _cosines(self.state.rate)
-        self._recursion.enter(self.state.modes, self.state.lasting, self._transform)
+        cosines(self._rates[0], self._transform)
+        self._recursion.enter(self._modes, self._lasting, self._transform)
 
-    def step(self) -> None:
-        """Take the next step; the memory of the state is updated in place."""
-        level = next(self._levels)
-        _check_pressure(self._marched.scene, level, self.grid.spacing)
-        self.before = self.state
-        self._recursion.step(self.state.modes, self.state.lasting, self._transform)
-        self.state, self._transform = _step(
-            self._line, self._recursion, self.before, self._transform, level
-        )
-        self.done += 1
-        self.record.add(self.before, self.state, level.pressure)
+    def advance(self, steps: int) -> None:
+        """Take a block of up to so many steps, fewer if the march is stopped, and record it.
+
+        Raises
+        ------
+        TensionError
+            If the contact would open.
+        SceneError
+            If friction weakens too fast under a pressure that arises.
+        ComputationError
+            If a slip rate is no longer finite.
+        """
+        self._turn_over()
+        times, pressures = [self.time], []
+        while self._last < min(steps, self._block) and not self.record.stopped:
+            level = next(self._levels)
+            _check_pressure(self._marched.scene, level, self.grid.spacing)
+            self._step(level)
+            self._last += 1
+            times.append(level.time)
+            pressures.append(level.pressure)
+            self.record.count()
+        self.done += self._last
+        self.time = times[-1]
+        self._sum_up()
+        self.record.add(times, pressures, *(field[: self._last + 1] for field in self._fields))
 
     def end(self) -> None:
         """Leave the segment, at its end or before it if the march was stopped."""
         # complete the memory, so that a segment of another step length can begin from it
-        self._recursion.leave(self.state.modes, self.state.lasting, self._transform)
+        self._recursion.leave(self._transform)
 
+    def _turn_over(self) -> None:
+        """Make the level that is reached the first of the next block."""
+        if self._last:
+            for field in self._fields:
+                field[0] = field[self._last]
+            self._last = 0
 
-def _after_jump(line: Line, state: MarchState, level: Level) -> MarchState:
-    """Return the state right after a jump of the loads.
+    def _jump(self, level: Level) -> None:
+        """Change slip rate and traction as a jump of the loads does.
 
-    The memory is an integral over the past, which a jump does not change; slip rate and traction
-    change at once, through the local term of (4.40).
-    """
-    stopping = line.stopping_traction(exerted(state.modes, state.lasting), level)
-    rate = line.slip_rate(stopping, level, state.path)
-    return replace(state, rate=rate, traction=line.traction(stopping, rate))
+        The memory is an integral over the past, which a jump does not change; slip rate and
+        traction change at once, through the local term of (4.40).
+        """
+        stopping, rate, impedance = self._stopping, self._rates[0], self._line.impedance
+        from_cosines(exerted(self._modes, self._lasting) * -impedance, stopping)
+        stopping += level.uncut
+        self._line.slip_rate(stopping, level, self._paths[0], rate)
+        self._tractions[0] = (stopping - impedance * rate)[self.grid.contact]
 
+    def _step(self, level: Level) -> None:
+        """Take one step, from the last row of the block into the next one."""
+        line, contact, last = self._line, self.grid.contact, self._last
+        rate, stopping, transform = self._rates[last + 1], self._stopping, self._transform
+        past = self._recursion.step(transform)
+        past *= -line.impedance
+        # laws that do not ask for the path are given any
+        path = self._paths[last if self._by_slip else 0]
+        # Fixed-point iteration for the end value; its contraction factor is the feedback (< 1).
+        # The accumulated slip is iterated with it, since friction may depend on it.
+        for _ in range(SWEEPS):
+            # docs/theory.md, "Any load history", without the local term V
+            transform *= self._feedback
+            transform += past
+            from_cosines(transform, stopping)
+            stopping += level.uncut
+            line.slip_rate(stopping, level, path, rate)
+            if self._by_slip:
+                speeds = np.abs(self._rates[last, contact]) + np.abs(rate[contact])
+                path = self._paths[last + 1] = self._paths[last] + level.step / 2 * speeds
+            cosines(rate, transform)
+        # the first cosine is the sum over all nodes, which one value that is not finite spoils
+        if not math.isfinite(transform[0]):
+            raise ComputationError(
+                f"the march lost its finite values at t = {level.time:.4g}; lower `step_ratio`."
+            )
+        # tau = tau_stop - (rho c_t/2) V
+        np.multiply(rate[contact], -line.impedance, out=self._tractions[last + 1])
+        self._tractions[last + 1] += stopping[contact]
 
-def _step(
-    line: Line, recursion: Recursion, before: MarchState, transform: Array, level: Level
-) -> tuple[MarchState, Array]:
-    """Return the state one step later, and the cosines of its slip rate.
-
-    Parameters
-    ----------
-    line : Line
-        Tractions and friction on y = 0.
-    recursion : Recursion
-        Its `feedback` is what the end value of the rate contributes to the memory.
-    before : MarchState
-        State at the beginning of the step, except for its memory: that belongs to the end of the
-        step already, the contribution of the end value left out.
-    transform : (size,) array
-        Cosines of the slip rate at the beginning of the step, the first guess for its end.
-    level : Level
-        Loads at the end of the step.
-
-    Raises
-    ------
-    ComputationError
-        If the slip rate is no longer finite.
-    """
-    contact, half = line.grid.contact, level.step / 2
-    past, old, path = exerted(before.modes, before.lasting), before.rate[contact], before.path
-    # Fixed-point iteration for the end value; its contraction factor is the feedback (< 1).  The
-    # accumulated slip is iterated with it, since friction may depend on it.
-    for _ in range(SWEEPS):
-        stopping = line.stopping_traction(past + recursion.feedback * transform, level)
-        rate = line.slip_rate(stopping, level, path)
-        path = before.path + half * (np.abs(old) + np.abs(rate[contact]))
-        transform = _cosines(rate)
-    # the first cosine is the sum over all nodes, which one value that is not finite spoils
-    if not math.isfinite(float(transform[0])):
-        raise ComputationError(
-            f"the march lost its finite values at t = {level.time:.4g}; lower `step_ratio`."
-        )
-    traction, new = line.traction(stopping, rate), rate[contact]
-    # the rate is linear in time over a step: slip is exact, work by the trapezoidal rule
-    work = before.work + half * (before.traction * old + traction * new)
-    slip = before.slip + half * (old + new)
-    modes, lasting = before.modes, before.lasting
-    return MarchState(level.time, modes, lasting, rate, traction, slip, path, work), transform
-
-
-def _cosines(rate: Array) -> Array:
-    """Return the amplitudes of the cosines of a slip rate, (size,)."""
-    from scipy.fft import dct  # here, for `import semianalytic` is to be quick
-
-    # type 2: nodes half a spacing from the ends, even about both of them
-    return np.asarray(dct(rate, type=2))
+    def _sum_up(self) -> None:
+        """Add the steps of a block to slip, accumulated slip and work, one after the other."""
+        block, half = slice(0, self._last + 1), self.time_step / 2
+        rates, tractions = self._rates[block, self.grid.contact], self._tractions[block]
+        # the rate is linear in time over a step: slip is exact, work by the trapezoidal rule
+        sums = [(self._slips[block], rates), (self._works[block], tractions * rates)]
+        if not self._by_slip:
+            sums.append((self._paths[block], np.abs(rates)))
+        for field, values in sums:
+            np.add(values[:-1], values[1:], out=field[1:])
+            field[1:] *= half
+            # row by row, a third of the time of np.add.accumulate
+            for row in range(1, len(field)):
+                field[row] += field[row - 1]
 
 
 def _shear_loads(scene: Scene, levels: Array) -> Array:

@@ -25,6 +25,16 @@ DAMPING = 0.7
 """Default least feedback of the shortest wave: without any, small steps leave an odd-even mode."""
 TOLERANCE = 1e-6
 """Default tolerance of the memory's transform: for 1024 nodes as good as 1e-10."""
+BLOCK_STEPS = 64
+"""Largest number of steps that are recorded at once: 16 take 1.2 times as long, 256 as long (256
+nodes)."""
+STEP_VALUES = 1 << 15
+"""Slip rates in a block of steps, so that its five fields stay in the cache: with half of it a
+march takes 1.1 times as long, with twice as many no longer (1,024 nodes)."""
+MEMORY_STEPS = 4
+"""Steps after which the memory is brought up to date: with 2 the memory takes 1.5 times as long,
+with 8 three quarters (400 grid nodes; from 1,600 on the three differ by a fifth).  Each step needs
+16 bytes per pole and node."""
 LARGEST_FEEDBACK = 0.95
 """Largest feedback of the shortest wave: the iteration of a step diverges from 1 on."""
 AVERAGED_BREAKS = 2
@@ -59,8 +69,6 @@ are 0.1 to 1.7 of the difference."""
 MEMORY_SAFETY = 4.0
 """Factor on the error of the memory's transform, which march and companion share: at a tolerance of
 1e-4 the slip rate is off by 3.5 times that."""
-COMPANION_LAG = 64
-"""Steps of a march after which its companion catches up: stepping in turn is a tenth slower."""
 FIRST_NODES = 250
 """Nodes of the first march for an `rtol`: 0.6 % in 0.05 s (`preloaded`)."""
 LARGEST_GROWTH = 4.0
@@ -125,8 +133,8 @@ LEAST_LEVELS = 16
 """Least number of levels that must fit into the memory."""
 TYPICAL_POLES = 25
 """Number of poles assumed before the fit gives it: 15 to 40."""
-BYTES_PER_POLE = 80
-"""Bytes per pole and node of the grid at the peak of a march: five complex arrays, measured."""
+BYTES_PER_POLE = 128
+"""Bytes per pole and node of the grid at the peak of a march: eight complex arrays, measured."""
 BYTES_PER_NODE = 400
 """Further bytes per node of the grid, measured."""
 BYTES_STORED = 32

@@ -12,7 +12,7 @@ from semianalytic import Scene
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.spacetime.exponentials import fit_memory, impedance_of
 from semianalytic.spacetime.march import causal_grid
-from semianalytic.spacetime.recursion import Recursion, exerted
+from semianalytic.spacetime.recursion import Recursion
 
 Array = NDArray[np.float64]
 
@@ -77,8 +77,7 @@ def held_slot(scene: Scene, nodes: int) -> HeldSlot:
     transform = cosines(rate)
     recursion.enter(modes, lasting, transform)
     for step in range(1, steps + 1):
-        recursion.step(modes, lasting, transform)
-        past = exerted(modes, lasting)
+        past = recursion.step(transform)
         for _ in range(_SWEEPS):
             exertion = idct(past + recursion.feedback * transform, type=2)[grid.contact]
             rate, traction = contact_rate(step / steps, exertion)

@@ -35,6 +35,7 @@ from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.named import find_scene
+from semianalytic.spacetime import recursion, stepping
 from semianalytic.spacetime.exponentials import InPlane, fit_memory
 
 
@@ -359,6 +360,42 @@ def test_continued_march_equals_one_march(history, tmp_path):
         found, wanted = getattr(continued.interface, name), getattr(whole.interface, name)
         np.testing.assert_allclose(found, wanted, atol=1e-12)
     np.testing.assert_allclose(continued.final_path, whole.final_path, atol=1e-12)
+
+
+@pytest.mark.parametrize("steps", [1, 3])
+def test_blocks_of_steps_change_nothing(steps, monkeypatch):
+    """Blocks end anywhere: at a jump, at a stop, between levels of the companion."""
+    scene = preloaded(shear_history=Pulse(0.5), friction_law=SlipWeakening(0.5, 0.5))
+
+    def marches():
+        stopped = march(scene, nodes=60, every=5, progress=lambda done, steps: done == 33)
+        return stopped, march_on(stopped, 1.0)
+
+    found = marches()
+    monkeypatch.setattr(stepping, "BLOCK_STEPS", steps)
+    monkeypatch.setattr(recursion, "MEMORY_STEPS", steps)
+    for one, other in zip(found, marches(), strict=True):
+        assert one.statistics.steps == other.statistics.steps
+        assert one.error_estimate == pytest.approx(other.error_estimate, rel=1e-10)
+        for part in ("interface", "totals", "seen"):
+            for name, values in vars(getattr(one, part)).items():
+                wanted = getattr(getattr(other, part), name)
+                np.testing.assert_allclose(values, wanted, rtol=1e-10, atol=1e-12, err_msg=name)
+
+
+def test_march_does_without_the_private_transform(monkeypatch):
+    def missing(name):
+        raise ImportError(name)
+
+    direct = march(preloaded(), nodes=60).interface.slip_rate
+    monkeypatch.setattr(recursion, "import_module", missing)
+    recursion._transform.cache_clear()
+    try:
+        public = march(preloaded(), nodes=60).interface.slip_rate
+        assert "pypocketfft" not in repr(recursion._transform())
+    finally:
+        recursion._transform.cache_clear()
+    np.testing.assert_allclose(public, direct, atol=1e-12)
 
 
 def test_interrupted_march_keeps_what_it_has():

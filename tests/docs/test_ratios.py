@@ -1,0 +1,40 @@
+"""Ratios of the time of jobs in two checkouts: both are run, in turn, and a slower one is told."""
+
+import math
+
+import pytest
+
+from docs.studies import ratios
+from docs.studies.pages import read_data
+
+SOLVE = "`solve` of `preloaded` to 1e-9"
+
+
+def test_a_job_runs_in_both_checkouts():
+    (row,) = ratios.compared([SOLVE], ratios.ROOT, ratios.ROOT, times=0.1)
+    assert row.job == SOLVE
+    assert row.before > 0
+    assert row.ratio == row.now / row.before
+    assert row.error_before == row.error_now < 1e-9
+
+
+def test_a_checkout_that_fails_is_named(tmp_path):
+    (tmp_path / "slipfront.py").write_text("")  # a package without a single name
+    with pytest.raises(SystemExit, match="`solve` of `preloaded`"):
+        ratios.compared([SOLVE], tmp_path, ratios.ROOT, times=0.1)
+
+
+@pytest.mark.parametrize(("ratio", "code"), [(1.2, 0), (1.3, 1), (0.5, 0)])
+def test_exit_code_tells_of_a_slower_job(ratio, code, monkeypatch, tmp_path):
+    row = ratios.RatioRow(SOLVE, 1.0, ratio, ratio, math.nan, 1e-10)
+    packed = []
+    monkeypatch.setattr(ratios, "unpacked", lambda commit, folder: packed.append(commit))
+    monkeypatch.setattr(ratios, "compared", lambda *given: [row])
+    assert ratios.main(["--against", "some", "--csv", str(tmp_path)]) == code
+    assert packed == ["some"]
+    assert (tmp_path / "speed-ratios.csv").read_text().startswith("# python -m docs.studies.ratios")
+
+
+def test_all_jobs_are_in_the_table():
+    _, rows = read_data("speed-ratios")
+    assert [str(row["job"]) for row in rows] == list(ratios.JOBS)
