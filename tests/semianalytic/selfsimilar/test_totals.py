@@ -117,7 +117,7 @@ def test_slip_without_a_film_is_the_integral_of_its_rate_to_rounding(name):
     where the rule ends."""
     exact = solve(NAMED_SCENES[name].scene, rtol=1e-10)
     fastest, speeds = exact.scene.material.longitudinal_speed, singular_speeds(exact)
-    for x in fastest * np.array([1e-5, 0.03, 0.3, 0.5]):
+    for x in fastest * np.array([1e-5, 0.03, 0.3, 0.4]):
         times = sorted(x / speed for speed in speeds)
         slip = integral(lambda t, x=x: exact.slip_rate(x, t), 0.0, 1.0, times)
         assert exact.slip(x, 1.0) == pytest.approx(slip, abs=1e-13 * exact.max_slip(1.0))
