@@ -65,7 +65,17 @@ class Profile:
     @cached_property
     def rate_integral(self) -> RunningIntegral:
         """Running integral of V on panels that slip."""
-        return self.fields.rate_integral()
+        return self.fields.rate_integral(None if self._load.resists_rate else self.tail)
+
+    @property
+    def tail(self) -> Array:
+        """Limit of v^2 dV/dv at the contact edge, () or (k,); 0 where it sticks, or under a
+        film."""
+        if not self.edge_slips or self._load.resists_rate:
+            return np.zeros(())
+        # T tends to a constant at a slipping edge and M to i kappa v: dV/dv ~ T / (pi kappa v^2).
+        kappa = per_set(self.fields.factors.kappa)
+        return np.asarray(self.fields.transform_at_edge[..., 0] / (np.pi * kappa))
 
     @property
     def infinite_rates(self) -> list[Power]:

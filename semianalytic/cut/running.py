@@ -165,8 +165,8 @@ def split_power(
 class RunningIntegral:
     """Integrals of a density g(v), and of v g over v, from the left end of each panel.
 
-    g may have a simple pole at c inside a panel, which is integrated in closed form, the rest by
-    sinc indefinite integration.
+    g may have a simple pole at c inside a panel, and decay like tail / v^2 on the unbounded one.
+    Both are integrated in closed form, the rest by sinc indefinite integration.
 
     Attributes
     ----------
@@ -180,6 +180,10 @@ class RunningIntegral:
     residue : (...) array or None
         Residue of g at c where it is known; None to interpolate it between nodes, with half as
         many digits as integrals have.
+    tail : float or (...) array or None
+        Limit of v^2 g, with which v g is integrated in closed form. None where v g may be far
+        larger elsewhere than at the points asked for, as under a film: the integral over v is then
+        the solution of an equation of its own, which leaves the end of the rule, 1e-12 of slip.
     """
 
     panels: Panels
@@ -187,6 +191,7 @@ class RunningIntegral:
     c: float
     powers: tuple[Power, ...] = ()
     residue: Array | None = None
+    tail: float | Array | None = None
 
     @cached_property
     def totals(self) -> Array:
@@ -256,9 +261,19 @@ class RunningIntegral:
         return pole if pole >= 0 and self.residues[pole].any() else None
 
     @cached_property
-    def _slopes_of_mean(self) -> dict[int, Array]:
-        """Slopes by panel, kept because each is the solution of a system of n equations."""
+    def _slopes(self) -> dict[int, Array]:
+        """Slopes of moment or mean by panel, kept because a mean is that of n equations."""
         return {}
+
+    def _slope_of_moment(self, panel: int, tail: float | Array) -> Array:
+        """Return v g without pole and tail, times dv/dy, (n,)."""
+        panels = self.panels
+        v, moment = panels.at.v[panel], panels.at.v[panel] * self._regular[panel]
+        if panels.right[panel] is None:
+            moment = moment - tail * panels.from_left[panel] / v**2 * panels.jacobian[panel]
+        for power in self.powers_on(panel):
+            moment = moment + power.moment_by_y(panels)
+        return np.asarray(moment)
 
     def _slope_of_mean(self, panel: int) -> Array:
         """Return dK/dy (n,) at the nodes, of K = int v' g dv' / v from the left end, without pole.
@@ -324,12 +339,21 @@ class RunningIntegral:
         """Return integrals of g, and of v g over v, from the panel's left end to points inside
         it."""
         y = self.panels.coordinate(panel, at)
-        if panel not in self._slopes_of_mean:
-            self._slopes_of_mean[panel] = self._slope_of_mean(panel)
-        both = np.stack([self._regular[panel], self._slopes_of_mean[panel]])
+        tail = self.tail
+        if panel not in self._slopes:
+            self._slopes[panel] = (
+                self._slope_of_mean(panel) if tail is None else self._slope_of_moment(panel, tail)
+            )
+        both = np.stack([self._regular[panel], self._slopes[panel]])
         plain, mean = self.panels.rule.interpolate_running(y, both).T
         left, residue = self.panels.left[panel], self.residues[panel]
         bounded = self.panels.right[panel] is not None
+        if tail is not None:
+            mean = mean / at.v
+            if not bounded:
+                share = left.v / at.v  # 0 at the contact edge, where share ln share is 0
+                log = np.log(np.maximum(share, np.finfo(float).tiny))
+                mean = mean + tail / left.v * share * (share - 1 - log)
         if residue:
             log = self._log(panel, at)
             if bounded:

@@ -489,11 +489,11 @@ class ZoneFields:
             driven = driven + amount * self._share(edge)
         return self._slope_of(self.canonical.values * driven)
 
-    def rate_integral(self) -> RunningIntegral:
-        """Return V on panels that slip as a running integral."""
+    def rate_integral(self, tail: float | Array | None = None) -> RunningIntegral:
+        """Return V on panels that slip as a running integral; `tail` as of `RunningIntegral`."""
         residue = self.residue if self.layout.pole >= 0 else None
         return RunningIntegral(
-            self.panels, self.slip_rate_slope, self.factors.c, self._powers, residue
+            self.panels, self.slip_rate_slope, self.factors.c, self._powers, residue, tail
         )
 
     @property

@@ -37,11 +37,21 @@ class Violation:
     touches_right: bool
 
 
-def largest_excess(profile: Profile) -> Array:
-    """Return the largest traction over friction on stick, as `violations` measure it; () or (k,).
+def largest_excess(profile: Profile, rounding: float, mismatch: Array) -> Array:
+    """Return the largest traction over friction on stick that nothing explains; () or (k,).
 
-    Ahead of the shear front it is divided by the impedance, because slip responds more strongly
-    there than elsewhere.
+    It is measured as in `violations`; ahead of the shear front it is divided by the impedance,
+    because slip responds more strongly there than elsewhere.
+
+    Parameters
+    ----------
+    profile : Profile
+    rounding : float
+        Excess that rounding explains, on all panels.
+    mismatch : () or (k,) array
+        Excess that the mismatch of the edges explains, on panels beside a zone.  Farther from
+        them it explains none: where the base is just below friction and the step a millionth of
+        it, what is left at an edge is more than all the traction by which another zone slips.
     """
     panels, layout = profile.panels, profile.panels.layout
     excess = profile.wrong_at_nodes[layout.stick]
@@ -50,7 +60,10 @@ def largest_excess(profile: Profile) -> Array:
     # The bound from below keeps an impedance near zero from making any rounding count.
     impedance = tuning.SLIP_PER_EXCESS * np.hypot(real, imag)
     excess[: len(ahead)] /= np.clip(impedance, tuning.LEAST_IMPEDANCE, 1.0)
-    return np.asarray(excess.max(axis=(0, -1), initial=0.0))
+    slipping = np.pad(layout.slipping, 1)
+    beside = (slipping[:-2] | slipping[2:])[layout.stick]
+    known = rounding + beside.reshape(-1, *[1] * mismatch.ndim) * mismatch
+    return np.asarray((excess - known[..., None]).max(axis=(0, -1), initial=0.0))
 
 
 def _misses(profile: Profile, tolerance: float) -> Array:

@@ -83,8 +83,7 @@ def missed_slip(profile: Profile) -> Array:
     largest = profile.largest_rate
     mismatch = np.abs(profile.fields.mismatch()).max(axis=0, initial=0.0)
     # Excess that rounding or the edges explain is not slip that is missed.
-    known = tuning.TRACTION_ROUNDING + mismatch
-    excess = np.maximum(largest_excess(profile) - known, 0.0)
+    excess = largest_excess(profile, tuning.TRACTION_ROUNDING, mismatch)
     missed = tuning.SLIP_PER_EXCESS * excess / np.where(largest > 0, largest, np.inf)
     wrong = profile.wrong_at_nodes[profile.panels.layout.slip].max(axis=(0, -1), initial=0.0)
     # free slip may have either sense

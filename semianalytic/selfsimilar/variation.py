@@ -164,6 +164,8 @@ class NodeFields:
         Ends and rho of the panels.
     amounts, exponents : (q, 1) arrays
         Powers that the slope of slip rate has beside borders of an opening; not part of `rate`.
+    tail : () array
+        Limit of v^2 dV/dv, as of `Profile`.
     intensity : () array
         Intensity of the traction at a stuck contact edge.
     """
@@ -176,6 +178,7 @@ class NodeFields:
     skew: Array
     amounts: Array
     exponents: Array
+    tail: Array
     intensity: Array
 
     @classmethod
@@ -191,6 +194,7 @@ class NodeFields:
             panels.ends.parts,
             panels.skew,
             *_of_powers(profile),
+            profile.tail,
             np.asarray(profile.edge_intensity),
         )
 
@@ -230,7 +234,7 @@ class NodeFields:
         return replace(self, **resting)
 
 
-_SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0)
+_SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0, 0)
 
 
 def _widths(fields: ZoneFields) -> Array:

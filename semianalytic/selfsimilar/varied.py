@@ -119,7 +119,9 @@ class VariedProfile:
         return self._integral(self._nodes.traction / self._panels.jacobian)
 
     def _integral(self, density: Array, powers: tuple[Power, ...] = ()) -> RunningIntegral:
-        return RunningIntegral(self._panels, density, self.profile.fields.factors.c, powers)
+        tail = None if self.profile.rate_integral.tail is None else self._nodes.tail
+        front = self.profile.fields.factors.c
+        return RunningIntegral(self._panels, density, front, powers, tail=tail)
 
     def _slope(self, integral: RunningIntegral, panel: int, at: CutPoints) -> Array:
         """Return the slope of an integral at points (m,) inside a panel, infinite where it is at

@@ -130,3 +130,27 @@ def test_tractions_under_a_base_that_dwarfs_the_load(
             solution.error_estimate + truth.error_estimate + 1e-15 * ratio
         )
         assert [zone.sense for zone in solution.zones] == [zone.sense for zone in truth.zones]
+
+
+@pytest.mark.parametrize("lacking", [1e-12, 1e-11, 1e-9])
+@pytest.mark.parametrize("pressure", [4.8e4, 4.8e5])
+@pytest.mark.parametrize("nu", [0.25, -0.1136])
+def test_a_second_zone_is_not_hidden_by_what_is_left_at_the_edge_of_the_first(
+    nu: float, pressure: float, lacking: float
+) -> None:
+    """The load drives slip at the contact edge alone, and so little of it that the traction left at
+    that edge to 1e-4 exceeds all that another strip at friction behind the first front slips by."""
+    friction = 0.0046
+    base = (pressure, friction * pressure * (1 - lacking))
+    scene = unit_scene(friction, base, (1.53, -2.07), nu=nu)
+    loose, fine = solve(scene, rtol=1e-4), solve(scene, rtol=1e-8)
+    if len(fine.zones) > len(loose.zones) or fine.status != "converged":
+        assert loose.status != "converged"
+        assert loose.error_estimate > 1e-4
+        return
+    assert loose.status == "converged"
+    speeds = np.array([(zone.inner, zone.outer) for zone in fine.zones])
+    x = np.concatenate([np.linspace(inner, outer, 13)[1:-1] for inner, outer in speeds])
+    rates = [one.slip_rate(x, 1.0) for one in (loose, fine)]
+    error = np.abs(rates[0] - rates[1]).max() / np.abs(rates[1]).max()
+    assert error <= loose.error_estimate + fine.error_estimate
