@@ -213,5 +213,6 @@ def no_columns(path: Path, names: Sequence[str], line: int = 0) -> DataFileError
     shown = ", ".join(repr(name[:LONGEST]) for name in names[:8]) or "nothing"
     return DataFileError(
         f"{path}{_at(line)} names {shown}: none of it is {', '.join(QUANTITIES)} of the interface; "
-        "say which column is, as slip_rate=NAME."
+        "say which column is, as slip_rate=NAME.  Records of points inside the bodies are for "
+        "slipfront fit."
     )

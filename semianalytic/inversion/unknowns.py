@@ -223,19 +223,26 @@ def has_similarity(scene: Scene) -> bool:
     return type(scene.friction_law) is CoulombFriction
 
 
+def check_known(names: tuple[str, ...]) -> None:
+    """Raise SceneError for names of no parameter, before any record is read."""
+    for name in names:
+        lone = isinstance(name, str) and name.startswith(_LONE_GAIN)
+        if not lone and name not in UNKNOWNS:
+            raise SceneError(
+                f"fit: parameters must be among {', '.join(UNKNOWNS)} and gain:NAME, got "
+                f"{shown(name)}."
+            )
+
+
 def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene) -> None:
     """Raise SceneError for names that cannot be fitted."""
+    check_known(names)
     called = {one.name for one in gauges} - {""}
     for name in names:
-        if isinstance(name, str) and name.startswith(_LONE_GAIN):
-            if name.removeprefix(_LONE_GAIN) not in called:
-                known = ", ".join(sorted(called)) or "none of them has a name"
-                raise SceneError(f"fit: {shown(name)} is of no gauge; their names: {known}.")
-        elif name not in UNKNOWNS:
-            known = ", ".join(UNKNOWNS)
-            raise SceneError(
-                f"fit: parameters must be among {known} and gain:NAME, got {shown(name)}."
-            )
+        lone = isinstance(name, str) and name.startswith(_LONE_GAIN)
+        if lone and name.removeprefix(_LONE_GAIN) not in called:
+            known = ", ".join(sorted(called)) or "none of them has a name"
+            raise SceneError(f"fit: {shown(name)} is of no gauge; their names: {known}.")
     for name in names:
         if name in OF_FRONT and name not in _of_front(scene):
             known = ", ".join(_of_front(scene)) or "none"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from os import PathLike, fspath
@@ -316,15 +317,28 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
 
 def read_document(path: str | Path) -> dict[str, Any]:
     """Read a TOML file; raise SceneError if it cannot be read, or is none."""
+    text = ""
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        text = Path(path).read_text(encoding="utf-8")
+        return tomllib.loads(text)
     except OSError as error:
         reason = error.strerror or str(error)
         raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
     except ValueError as error:  # TOML syntax and UTF-8 errors alike
+        twice = [head for head, count in Counter(_headings(text)).items() if count > 1]
+        if twice:
+            raise SceneError(
+                f"{path} has the table {twice[0]} twice; delete or replace the first one."
+            ) from error
         raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
     except RecursionError as error:
         raise SceneError(f"{path} nests brackets too deeply; give a scene file.") from error
+
+
+def _headings(text: str) -> list[str]:
+    """Return the lines of a TOML text that begin a table, without comments."""
+    lines = (line.partition("#")[0].strip() for line in text.splitlines())
+    return [line for line in lines if line.startswith("[") and line.endswith("]")]
 
 
 def override_scene(

@@ -471,7 +471,8 @@ def _checked_entry(scene: Scene, latest: float, length: float, entry: float | No
     if slowness <= 0:
         if entry is not None:
             raise SceneError(
-                "march: `entry` is for a load that comes along the slot; leave it out."
+                "march: `entry` is for a load that comes along the slot, a wave at a positive "
+                "angle or a moving load of negative speed; leave it out."
             )
         return 0.0
     if entry is not None:

@@ -133,9 +133,9 @@ def _show(
         document = document if points is None else points.with_units(document, marched)
         terminal.print_json("solve", document, files=files)
         return
-    Console().print(terminal.march_table(marched, label))
-    if points is not None:
+    if points is not None:  # what was asked for comes first
         Console().print(points_table(marched, points))
+    Console().print(terminal.march_table(marched, label))
     for done, path in (("Saved", save), ("Drawn", plot)):
         if path is not None:
             Console().print(f"{done} in {path}", highlight=False)

@@ -195,12 +195,12 @@ def _solve_exactly(
         terminal.print_json("solve", document, files=[] if plot is None else [plot])
     else:
         console = Console()
+        if points is not None:  # what was asked for comes first
+            console.print(points_table(solution, points))
         console.print(terminal.zones_table(solution, label))
-        console.print(terminal.facts_table(solution))
         if end_time is not None:
             console.print(terminal.end_table(solution, end_time))
-        if points is not None:
-            console.print(points_table(solution, points))
+        console.print(terminal.facts_table(solution))
         if plot is not None:
             console.print(f"Drawn in {plot}", highlight=False)
     check_converged(solution, label)

@@ -29,6 +29,7 @@ from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fron
 from semianalytic import Marched, Scene, Solution
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.incident import IncidentWave
+from semianalytic.scene.loads import Step
 from semianalytic.scene.units import unit
 from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
 from slipfront.cli.refusals import in_options
@@ -120,6 +121,9 @@ def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
         (f"load {where}", scene.superposition.taken_off),
     ):
         yield name, f"{part.pressure:.6g}, {part.shear:.6g}", "stress"
+    for name, history in scene.acting_histories.items():
+        if history != Step():
+            yield f"{name} of the load", f"its {type(history).__name__} history times that", ""
     load = scene.load
     if isinstance(load, IncidentWave):
         yield f"{load.kind} wave from {load.from_}, angle", f"{load.angle:.6g}", "degrees"

@@ -272,7 +272,7 @@ def _maker(
     if known is None:
         raise DataFileError(
             f"{path} does not say how exact its {quantity} is; add a column {NOISE} of standard "
-            f"deviations, or give --noise {quantity}=NUMBER."
+            f"deviations, or give --noise {quantity}=NUMBER, with a unit if the file names one."
         )
     if error is None:  # then the number that was given is to blame, not the file
         checked_noise(known, values[order])

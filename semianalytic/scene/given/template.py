@@ -69,7 +69,7 @@ _SAYINGS: Mapping[type, str] = {
     Ramp: "rises evenly, then stays",
     Pulse: "comes and goes",
     Harmonic: "sin(2 pi frequency t)",
-    Tabulated: "given at some times, straight between",
+    Tabulated: 'straight between times; or, for t and value_at_t, file = "pulse.csv"',
     CoulombFriction: "constant, f p",
     ViscousFriction: "f p + viscosity |V|",
     RateWeakening: "f p (1 - reduction |V| / (|V| + rate))",

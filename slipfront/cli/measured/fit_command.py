@@ -20,7 +20,7 @@ from compare.output.progress import progress_bar
 from semianalytic.inversion.fitting import Fit, fit
 from semianalytic.inversion.gauges import QUANTITIES
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
-from semianalytic.inversion.unknowns import SETUP, Setup
+from semianalytic.inversion.unknowns import SETUP, Setup, check_known
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import BAYES, PLOT, require
@@ -109,6 +109,7 @@ def fit_command(
     require("slipfront fit", *(PLOT if plot else ()), *(BAYES if sample else ()))
     scene = override_scene(find_scene(scene_name), **overrides)
     names = tuple(part.strip() for part in parameters.split(",") if part.strip())
+    check_known(names)
     known, numbers = _priors(scene, prior or ()), _numbers(scene, "setup", held or (), SETUP)
     setup = Setup(numbers.get("t0", 0.0), numbers.get("x0", 0.0), numbers.get("gain", 1.0))
     gauges = read_gauges(files, _noise(scene, noise or ()))

@@ -77,14 +77,22 @@ def points_of(scene: Scene, x: Sequence[str] | None, t: Sequence[str] | None) ->
     Raises
     ------
     SceneError
-        If there is a time and no position, a number is not positive, a unit is unknown, or there
-        are too many points.
+        If there is a time and no position, a number is not positive, a unit is unknown, only
+        positions or only times have units, or there are too many points.
     """
     if not x:
         if t:
             raise SceneError("--t needs --x, the positions to be told about; give both.")
         return None
     points = Points(tuple(_numbers(scene, "x", x)), tuple(_numbers(scene, "t", t or ())))
+    for asked, other in (("x", "t"), ("t", "x")):
+        bare = [n for n in getattr(points, asked) if not isinstance(n, InSI)]
+        if bare and any(isinstance(n, InSI) for n in getattr(points, other)):
+            one = "5cm" if asked == "x" else "30us"
+            raise SceneError(
+                f"{option_name(asked)} {bare[0]:g} has no unit while {option_name(other)} has one; "
+                f"write it as in {option_name(asked)} {one}."
+            )
     if len(points.x) * max(len(points.t), 1) > MOST:
         raise SceneError(f"--x and --t make more than {MOST} points; give fewer.")
     return points

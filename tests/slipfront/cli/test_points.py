@@ -73,6 +73,8 @@ def test_arrivals_alone_and_of_marches(capsys):
         (["--friction", "abc"], "must be a number"),
         (["--units", "cgs"], 'units must be "SI"'),
         (["--x", ",".join(["1"] * 1001)], "more than 1000 points"),
+        (["--units", "SI", "--x", "5cm", "--t", "30"], "--t 30 has no unit while --x has one"),
+        (["--units", "SI", "--x", "5", "--t", "30us"], "write it as in --x 5cm"),
     ],
 )
 def test_wrong_numbers_are_refused_in_a_sentence(capsys, arguments, said):
