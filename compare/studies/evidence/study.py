@@ -41,6 +41,10 @@ FEM = "finite elements"
 PUBLISHED = "published algorithm"
 RESOLUTION = 100
 ARTICLE_RESOLUTION, QUICK_ARTICLE_RESOLUTION = 60, 40
+SCENES = tuple(
+    name for name, named in NAMED_SCENES.items() if isinstance(named.scene.load, Tractions)
+)
+"""Scenes of the default page: those whose load comes everywhere at once, which all methods take."""
 QUICK_SCENES = ("preloaded", "remote-shock", "auxetic", "ramp")
 PACKAGES = ("slipfront", "numpy", "scipy", "scikit-fem", "gmsh", "matplotlib")
 
@@ -330,10 +334,7 @@ def collect(
     from compare.studies.article.cases import run_cases
     from compare.studies.article.study import judge_claims
 
-    simulated = [
-        name for name, named in NAMED_SCENES.items() if isinstance(named.scene.load, Tractions)
-    ]
-    chosen = tuple(dict.fromkeys(sources or (QUICK_SCENES if quick else simulated)))
+    chosen = tuple(dict.fromkeys(sources or (QUICK_SCENES if quick else SCENES)))
     for source in chosen:
         find_scene(source)
     started = time.perf_counter()

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from compare.studies.evidence.figures import FRAMES
-from docs.studies.accuracy.scenes import COMPARED
+from compare.studies.evidence.study import SCENES
 from slipfront.cli.commands import main
 
 LARGEST_PAGE = 12e6
@@ -39,7 +39,7 @@ def test_chromium_opens_the_page_and_nothing_overflows(browser, whole_page, widt
     assert browser.value("innerWidth") == width
     assert browser.value("document.documentElement.scrollWidth") <= width
     assert browser.value(OVERFLOWING) == []
-    assert browser.value("document.querySelectorAll('.player').length") == len(COMPARED)
+    assert browser.value("document.querySelectorAll('.player').length") == len(SCENES)
     assert browser.value(
         "[...document.images].every(image => image.complete && image.naturalWidth > 0)"
     )
@@ -80,7 +80,7 @@ def test_sliders_and_boxes_redraw_the_profiles(browser, whole_page):
     """By real key strokes, one scene after the other."""
     browser.open(whole_page.as_uri(), 1280, "light")
     last = FRAMES - 1
-    for number in range(len(COMPARED)):
+    for number in range(len(SCENES)):
         before = browser.value(POINTS)
         assert not any("NaN" in points for points in before)
         slider = f"document.querySelectorAll('.player input[type=range]')[{number}]"
