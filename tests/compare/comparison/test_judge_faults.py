@@ -244,6 +244,13 @@ class TestSimulationsAtFault:
         judgement = judge(solve(PRELOADED), fault.make(run))
         assert judgement.verdict == "differs"
 
+    @pytest.mark.slow
+    def test_a_pressure_that_no_coarser_mesh_has_does_not_agree_where_nothing_slips(self):
+        right, run = solve(find_scene("tap")), simulated(find_scene("tap"), 100)
+        assert judge(right, run).verdict == "agrees"
+        (fault,) = [one for one in FAULTS if one.name == "pressure × 1.02"]
+        assert judge(right, fault.make(run)).verdict == "unresolved"
+
     @pytest.mark.parametrize("field", ["slip", "slip_rate", "shear_traction", "pressure", "gap"])
     def test_what_is_not_finite_is_refused(self, run, field):
         values = getattr(run.interface, field).copy()
