@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 
-from compare.comparison.scales import WAVE_SYMBOLS, stress_scale
+from compare.comparison.scales import WAVE_SYMBOLS, slip_rate_scale, stress_scale
 from semianalytic import CoulombFriction, Scene
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loading import REMOTE
@@ -138,7 +138,8 @@ def new_figure(width: float, height: float) -> Figure:
 def scene_words(scene: Scene) -> str:
     """Return the description that a figure of one scene carries.
 
-    It gives Poisson ratio, friction, pressure and shear before the load, and the units of the axes.
+    It gives Poisson ratio, friction, pressure and shear before the load, and the units of the axes,
+    with their sizes in SI scenes.
     """
     law = scene.friction_law
     kind = "" if isinstance(law, CoulombFriction) else f" ({type(law).__name__})"
@@ -151,9 +152,13 @@ def scene_words(scene: Scene) -> str:
         base += f"{load.kind} wave from {load.from_} at {load.angle:.3g}°,  "
     elif isinstance(load, MovingLoad):
         base += f"load moves at {load.speed:.3g},  "
+    sizes = ""
+    if scene.units:  # else they are of the scene's own units, in which numbers tell nothing more
+        speed = scene.material.shear_speed
+        sizes = f" = {slip_rate_scale(scene):.3g} m/s,  cₜ = {speed:.4g} m/s"
     return (
         f"{mode}ν = {scene.material.poisson_ratio:.3g},  f = {scene.friction:.3g}{kind},  {base}"
-        f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal},  V₀ = 2 τ₀ / ρcₜ"
+        f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal},  V₀ = 2 τ₀ / ρcₜ{sizes}"
     )
 
 

@@ -29,7 +29,8 @@ from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fron
 from semianalytic import Marched, Scene, Solution
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.incident import IncidentWave
-from semianalytic.scene.loads import Step
+from semianalytic.scene.loads import Step, Tabulated
+from semianalytic.scene.scene import part_document
 from semianalytic.scene.units import unit
 from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
 from slipfront.cli.refusals import in_options
@@ -123,7 +124,10 @@ def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
         yield name, f"{part.pressure:.6g}, {part.shear:.6g}", "stress"
     for name, history in scene.acting_histories.items():
         if history != Step():
-            yield f"{name} of the load", f"its {type(history).__name__} history times that", ""
+            words = str(part_document(history)["kind"]).replace("-", " ")
+            if isinstance(history, Tabulated):  # all other histories reach 1
+                words += f", largest value {max(map(abs, history.value_at_t)):.4g}"
+            yield f"history of its {name}", words, ""
     load = scene.load
     if isinstance(load, IncidentWave):
         yield f"{load.kind} wave from {load.from_}, angle", f"{load.angle:.6g}", "degrees"
