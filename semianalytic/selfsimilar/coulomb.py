@@ -62,7 +62,8 @@ def largest_excess(profile: Profile, rounding: float, mismatch: Array) -> Array:
     excess[: len(ahead)] /= np.clip(impedance, tuning.LEAST_IMPEDANCE, 1.0)
     slipping = np.pad(layout.slipping, 1)
     beside = (slipping[:-2] | slipping[2:])[layout.stick]
-    known = rounding + beside.reshape(-1, *[1] * mismatch.ndim) * mismatch
+    # without unknowns the mismatch is one number for all scenes of a batch
+    known = rounding + np.multiply.outer(beside, np.broadcast_to(mismatch, excess.shape[1:-1]))
     return np.asarray((excess - known[..., None]).max(axis=(0, -1), initial=0.0))
 
 

@@ -30,8 +30,8 @@ def check_against_single(swept, rtol):
 @pytest.mark.parametrize(
     ("start", "low", "high"),
     [
-        (PRELOADED, 0.2, 0.6),  # a second zone until 0.34
         (SHOCK, 0.9, 1.6),  # everywhere, past c_R, two zones, one, none
+        (PRELOADED, 0.2, 0.6),  # a second zone until 0.34
         (unit_scene(nu=-0.5), 1e-3, 0.2),  # reverse slip, two zones, one
         (unit_scene(1.1, **REMOTE, nu=-0.5), 1.05, 1.2),  # stuck edge
         (unit_scene(base=(2.0, 0.1), load=(0.5, 0.6)), 0.1, 0.9),  # both senses
