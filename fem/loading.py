@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fem.interface import Carried, Interface
 from fem.stepping import Body
@@ -39,8 +39,21 @@ def kick_means(history: LoadHistory, step: float, steps: int) -> NDArray[np.floa
     """
     if history.pieces == Step().pieces:
         return np.ones(steps + 1)
-    levels = np.arange(steps + 1)
-    return history.mean(np.maximum(levels - 0.5, 0.0) * step, (levels + 0.5) * step)
+    return history.mean(*_kick(np.arange(steps + 1), step))
+
+
+def _kick(level: ArrayLike, step: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the beginning and the end of the intervals that kicks at levels stand for [time]."""
+    level = np.asarray(level, dtype=float)
+    return np.maximum(level - 0.5, 0.0) * step, (level + 0.5) * step
+
+
+def _spread_mean(
+    history: LoadHistory, delay: NDArray[np.float64], level: int, step: float
+) -> NDArray[np.float64]:
+    """Return the mean of f(t - p x) over a kick and over the places (k, n) of each node, (k,)."""
+    start, end = _kick(level, step)
+    return np.asarray(history.mean(start - delay, end - delay).mean(axis=1))
 
 
 @dataclass(frozen=True)
@@ -92,13 +105,8 @@ class FrontLoad:
 
     def set(self, level: int) -> None:
         """Set the body's load to the mean of the load over the kick and over each node's part."""
-        start, end = max(level - 0.5, 0.0) * self.step, (level + 0.5) * self.step
         shear, pressure = (
-            (one.pieces.integral(end - self.delay) - one.pieces.integral(start - self.delay)).mean(
-                axis=1
-            )
-            / (end - start)
-            for one in self.histories
+            _spread_mean(history, self.delay, level, self.step) for history in self.histories
         )
         pressed = self.body.loaded % len(self.body.components) == 1
         self.body.load = self.amplitude * np.where(pressed, pressure, shear)
@@ -157,10 +165,9 @@ class ContactLoad:
 
     def set(self, level: int) -> None:
         """Set the tractions to their mean over the kick of a time level and each node's part."""
-        start, end = max(level - 0.5, 0.0) * self.step, (level + 0.5) * self.step
         base, load = self.scene.before_load, self.scene.superposition.taken_off
         pressure, shear = (
-            history.mean(start - self.delay, end - self.delay).mean(axis=1)
+            _spread_mean(history, self.delay, level, self.step)
             for history in (self.scene.pressure_history, self.scene.shear_history)
         )
         self.interface.held = Carried(
