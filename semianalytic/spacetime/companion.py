@@ -100,8 +100,7 @@ class Follower:
 
     def _look(self, rates: Array, own: Array) -> tuple[Array, Array]:
         """Sum |V - V of the companion| and |V| over the nodes, given V of the march, (k, n)."""
-        grid = self._walk.grid
-        own = own[:, grid.slot : grid.slot + grid.observed]
+        own = self._walk.grid.observe(own)
         return np.abs(rates - own).sum(axis=1), np.abs(rates).sum(axis=1)
 
     def _paired(self, rates: Array) -> Array:

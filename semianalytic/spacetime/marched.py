@@ -75,8 +75,8 @@ class Grid:
         return np.asarray((np.arange(self.size) - self.slot + 0.5) * self.spacing)
 
     def observe(self, values: Array) -> Array:
-        """Return the values of (size,) at the observed nodes of the contact, (observed,)."""
-        return values[self.slot : self.slot + self.observed]
+        """Return values (..., size) at the observed nodes of the contact, (..., observed)."""
+        return values[..., self.slot : self.slot + self.observed]
 
     @property
     def wavenumbers(self) -> Array:

@@ -113,8 +113,7 @@ class MarchRecord:
         tractions, slips, paths, works : (k + 1, contact) arrays
             Fields of `MarchState` at `times`.
         """
-        grid, taken = self._marched.grid, len(times) - 1
-        rates = rates[:, grid.slot : grid.slot + grid.observed]
+        rates, taken = self._marched.grid.observe(rates), len(times) - 1
         kept = np.zeros(taken, dtype=bool)
         # a segment ends where the record begins
         if times[-1] > self._marched.recorded_from:
