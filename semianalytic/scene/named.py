@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import tomllib
 from collections import Counter
 from collections.abc import Mapping
@@ -336,9 +337,9 @@ def read_document(path: str | Path) -> dict[str, Any]:
 
 
 def _headings(text: str) -> list[str]:
-    """Return the lines of a TOML text that begin a table, without comments."""
+    """Return the headings of a TOML text that may stand once: [name], not [[name]] or values."""
     lines = (line.partition("#")[0].strip() for line in text.splitlines())
-    return [line for line in lines if line.startswith("[") and line.endswith("]")]
+    return [line for line in lines if re.fullmatch(r"\[[A-Za-z_][\w.-]*\]", line)]
 
 
 def override_scene(

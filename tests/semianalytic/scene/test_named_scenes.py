@@ -109,6 +109,7 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
         ("[load]", "[step]", r"unknown key step; what is loaded goes into the table \[load\]\."),
         ("friction = 0.4", "friction = ", "not a valid TOML file"),
         ("[base]", "[base]  # once\n[base]", r"the table \[base\] twice"),
+        ("friction = 0.4", "friction = \n[[a]]\n[[a]]", "not a valid TOML file"),
     ],
 )
 def test_a_faulty_file_is_named_with_the_key(steel, old, new, named):
