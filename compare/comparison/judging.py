@@ -192,7 +192,7 @@ def profile_row(
         return norm(field, at / case.length, 1)
 
     own, changes = [], []
-    for pair in pairwise(range(len(runs[: most + 1]))):
+    for pair in pairwise(range(min(len(runs), most + 1))):
         of, to = pair[::-1] if smooth else pair
         at = runs[of].interface.x[places[of]]
         other = np.interp(at, runs[to].interface.x, fields[to])

@@ -223,11 +223,15 @@ def has_similarity(scene: Scene) -> bool:
     return type(scene.friction_law) is CoulombFriction
 
 
+def _is_lone_gain(name: object) -> bool:
+    """Return whether a name is that of the gain of one gauge."""
+    return isinstance(name, str) and name.startswith(_LONE_GAIN)
+
+
 def check_known(names: tuple[str, ...]) -> None:
     """Raise SceneError for names of no parameter, before any record is read."""
     for name in names:
-        lone = isinstance(name, str) and name.startswith(_LONE_GAIN)
-        if not lone and name not in UNKNOWNS:
+        if not _is_lone_gain(name) and name not in UNKNOWNS:
             raise SceneError(
                 f"fit: parameters must be among {', '.join(UNKNOWNS)} and gain:NAME, got "
                 f"{shown(name)}."
@@ -239,8 +243,7 @@ def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene)
     check_known(names)
     called = {one.name for one in gauges} - {""}
     for name in names:
-        lone = isinstance(name, str) and name.startswith(_LONE_GAIN)
-        if lone and name.removeprefix(_LONE_GAIN) not in called:
+        if _is_lone_gain(name) and name.removeprefix(_LONE_GAIN) not in called:
             known = ", ".join(sorted(called)) or "none of them has a name"
             raise SceneError(f"fit: {shown(name)} is of no gauge; their names: {known}.")
     for name in names:

@@ -256,17 +256,17 @@ def _weakness(case: Case, zone: SlipInterval) -> str:
     peak = float(np.abs(rate).max())
     read_from, nothing = _read_from(case), NOTHING * case.rate
     found = float((zone.sense * case.seen.slip_rate[-1, inside]).max())
-    if peak >= bar and nothing < found < read_from:
+    if peak < bar:
+        return (
+            f"slip in the zone, {peak / case.rate:.2g} V₀ at most, is slower than the error bar "
+            f"there, {bar / case.rate:.2g} V₀"
+        )
+    if nothing < found < read_from:
         return (
             f"the simulation slips there at {found / case.rate:.2g} V₀ at most, and edges are read "
             f"from {read_from / case.rate:.2g} V₀ on"
         )
-    if peak >= bar:
-        return ""
-    return (
-        f"slip in the zone, {peak / case.rate:.2g} V₀ at most, is slower than the error bar there, "
-        f"{bar / case.rate:.2g} V₀"
-    )
+    return ""
 
 
 def _unpredicted_rows(case: Case, parts: tuple[Part, ...], seen: Seen) -> Iterator[Row]:
