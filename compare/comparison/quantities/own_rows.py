@@ -1,4 +1,5 @@
-"""Checks of a simulation by itself, whatever is predicted: finite values, friction law, slip."""
+"""Checks of a simulation by itself, whatever is predicted: finite values, state of rest, friction
+law, slip."""
 
 from __future__ import annotations
 
@@ -28,6 +29,7 @@ FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
 WHOLE_STEPS = 1e-6
 """Tolerance for rounding between times of levels and of the ends of windows, in steps."""
 BEYOND, MISMATCH = "traction beyond friction", "slip rate against slip"
+AT_REST = "traction before the waves"
 SPARSE = "only some steps of the simulation are stored, which do not tell {}; store all of them"
 
 
@@ -65,8 +67,12 @@ def _refusal(run: Simulation, name: str, place: str) -> DataFileError:
 
 
 def own_rows(case: Case) -> Iterator[Row]:
-    """Rows of the excess of traction over the law of friction and of the mismatch between slip and
-    slip rate, both of the size of rounding errors in a correct simulation."""
+    """Rows of the tractions before any wave, of the excess of traction over the law of friction and
+    of the mismatch between slip and slip rate, all of the size of rounding errors in a correct
+    simulation."""
+    changed = _changed_at_rest(case)
+    if changed is not None:
+        yield _own_row(case, AT_REST, changed / case.stress, "τ₀")
     excess = _beyond_friction(case)
     if excess is None:
         yield _own_row(case, BEYOND, None, "τ₀", obstacle=SPARSE.format("a rate of each step"))
@@ -85,6 +91,20 @@ def _own_row(
     row = Row(name, "law", None, 0.0, value, value, None, unit)
     row = judged(case, row, Comparison(ErrorBar(NOTHING + bar, None, 0.0, converges=True)))
     return replace(row, obstacle=obstacle) if obstacle else row
+
+
+def _changed_at_rest(case: Case) -> float | None:
+    """Largest difference of the tractions at t = 0 from those in place [stress]; None if that level
+    is not stored, or if a wave rises while it arrives, so that the contact has had a part of it.
+
+    Where nothing slips no other law tells a pressure that is wrong in proportion.
+    """
+    seen, scene = case.seen, case.scene
+    if seen.t[0] > 0 or (scene.arrives and not scene.is_step):
+        return None
+    rest = scene.superposition.in_place
+    changes = (seen.pressure[0] - rest.pressure, seen.shear_traction[0] - rest.shear)
+    return float(np.abs(changes).max(initial=0.0))
 
 
 def _beyond_friction(case: Case) -> float | None:

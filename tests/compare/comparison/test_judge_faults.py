@@ -163,6 +163,34 @@ def sparse_run(scene, every):
     return with_companions(simulate(scene, resolution=32, every=every))
 
 
+class TestTractionsBeforeTheWaves:
+    """At t = 0 the contact carries the base, and a load that has come everywhere at once."""
+
+    @pytest.mark.parametrize(
+        "name", ["tap", "remote-shock", "incident-sv", "moving-load", "antiplane", "ramp"]
+    )
+    def test_a_simulation_begins_with_them_and_a_factor_on_them_is_caught(self, name):
+        run = simulate(find_scene(name), resolution=24)
+        right, wrong = (
+            next(
+                row for row in own_rows(Case(one, one, one.interface, None)) if "waves" in row.name
+            )
+            for one in (run, pressed(run, 1.02))
+        )
+        assert (right.verdict, right.difference) == ("agrees", 0.0)
+        assert wrong.verdict == "differs"
+
+    def test_a_pulse_at_an_angle_is_on_the_contact_by_then(self):
+        run = simulate(find_scene("incident-pulse"), resolution=24)
+        names = [row.name for row in own_rows(Case(run, run, run.interface, None))]
+        assert names == ["traction beyond friction", "slip rate against slip"]
+
+
+def pressed(run, factor):
+    """A simulation whose pressure is wrong by a factor."""
+    return replace(run, interface=replace(run.interface, pressure=factor * run.interface.pressure))
+
+
 class TestLevelsThatAreStoredFarApart:
     """Between stored levels slip comes and goes: neither slip rates nor strength are condemned."""
 
