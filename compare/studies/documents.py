@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from compare.studies.dissimilar.study import GrowthResults
     from compare.studies.evidence.study import Evidence
     from compare.studies.regimes.figures import RegimeResults
+    from compare.studies.supershear.study import RuptureResults
     from compare.studies.wear import WearRow
 
 _SCENE = {"poisson_ratio": "1", "chi": "1"}
@@ -45,6 +46,15 @@ def growth_document(results: GrowthResults) -> dict[str, Any]:
         "thresholds": [asdict(one) for one in results.thresholds],
         "named": [asdict(one) for one in results.named],
         "units": {"thresholds": "1", "named": growth},
+    }
+
+
+def ruptures_document(results: RuptureResults) -> dict[str, Any]:
+    """Return where each rupture overtakes shear waves; the map of its speeds is a file."""
+    units = {"strength": "1", "nodes": "1 / L_c", "transition": "L_c", "farthest": "L_c"}
+    return {
+        "transitions": [asdict(one) for one in results.transitions],
+        "units": {"transitions": units},
     }
 
 

@@ -28,6 +28,7 @@ from compare.studies.chart.study import Point
 from compare.studies.dissimilar.points import NamedPoint, ThresholdPoint
 from compare.studies.evidence.study import ClosedForm
 from compare.studies.regimes.points import BoundaryPoint
+from compare.studies.supershear.points import TransitionPoint
 from compare.studies.wear import MostRow, WearRow
 from compare.validation.bars import JudgedRow
 from compare.validation.norms import Norm
@@ -453,6 +454,10 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "with --dissimilar: friction above which waves grow", _list(_row(ThresholdPoint))
             ),
             "named": Key("growth per wavelength of pairs of solids", _list(_row(NamedPoint))),
+            "transitions": Key(
+                "with --supershear: where ruptures overtake shear waves",
+                _list(_row(TransitionPoint)),
+            ),
         },
     ),
     "sliding": (

@@ -52,6 +52,13 @@ def regimes(
             help="Map instead how fast waves grow while two different bodies slide.",
         ),
     ] = False,
+    supershear: Annotated[
+        bool,
+        typer.Option(
+            "--supershear",
+            help="Map instead where ruptures that weaken with slip overtake shear waves.",
+        ),
+    ] = False,
     output: Output = None,
     figures: FiguresForm = "png",
     quick: Quick = False,
@@ -62,20 +69,28 @@ def regimes(
     """Map how the interface slips over Poisson ratio and friction, with traced boundaries.
 
     An interrupted run continues when it is started again with the same size; one of --dissimilar
-    begins anew.
+    or --supershear begins anew.
     """
+    if dissimilar and supershear:
+        raise SceneError("regimes: give --dissimilar or --supershear, not both.")
     require("slipfront regimes", *PLOT)
     from compare.studies.dissimilar.study import write_growth
-    from compare.studies.documents import growth_document, regimes_document
+    from compare.studies.documents import growth_document, regimes_document, ruptures_document
     from compare.studies.regimes.study import write_regimes
+    from compare.studies.supershear.study import write_ruptures
 
     directory = output or Path("results", "regimes")
     bar = _progress(quiet, "mapping")
     document: dict[str, Any]
     with on_scheduler(scheduler) as client, working_folder(directory) as files, bar as progress:
         if dissimilar:
-            results = write_growth(directory, size, quick, progress, figures, client)
-            document = growth_document(results)
+            document = growth_document(
+                write_growth(directory, size, quick, progress, figures, client)
+            )
+        elif supershear:
+            document = ruptures_document(
+                write_ruptures(directory, size, quick, progress, figures, client)
+            )
         else:
             document = regimes_document(
                 write_regimes(directory, size, loading, quick, progress, figures, client)

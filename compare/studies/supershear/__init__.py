@@ -1,0 +1,1 @@
+"""Ruptures that weaken with slip: where they overtake shear waves."""

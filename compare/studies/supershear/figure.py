@@ -1,0 +1,67 @@
+"""Figure of rupture styles: the speed of the front over S and distance, and the transition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from compare.figures.style import BLACK, SMALL, describe, new_figure, outline, styled
+from compare.studies.supershear.points import RupturePoint, TransitionPoint
+
+_SLOWEST, _FASTEST = 0.5, 1.75  # c_t; c_l is 1.73 c_t
+
+
+@styled
+def rupture_figure(
+    points: Sequence[RupturePoint], transitions: Sequence[TransitionPoint]
+) -> Figure:
+    """Draw the speed of rupture fronts over S and distance, with the transition as a curve."""
+    figure = new_figure(7, 5)
+    describe(
+        figure,
+        "speed of spontaneous ruptures under linear slip weakening (in-plane, ν = 1/4)",
+    )
+    panel = figure.subplots()
+    x = np.unique([point.strength for point in points])
+    y = np.unique([point.distance for point in points])
+    speeds = np.array([min(point.speed, _FASTEST) for point in points]).reshape(len(x), len(y)).T
+    mesh = panel.pcolormesh(
+        x,
+        y,
+        speeds,
+        vmin=_SLOWEST,
+        vmax=_FASTEST,
+        cmap="viridis",
+        shading="nearest",
+        rasterized=True,
+    )
+    figure.colorbar(mesh, ax=panel).set_label("speed of the front / $c_t$")
+    changes = np.array([one.transition for one in transitions])
+    panel.plot(
+        [one.strength for one in transitions],
+        changes,
+        "o-",
+        color=BLACK,
+        ms=3,
+        label="overtakes shear waves",
+        path_effects=outline(),
+    )
+    panel.set(
+        xlim=(x[0], x[-1]),
+        ylim=(y[0], y[-1]),
+        xlabel="$S$ = (peak strength $-$ shear) / (shear $-$ dynamic strength)",
+        ylabel="distance from the centre / $L_c$",
+    )
+    for text, place in (("supershear", (0.28, 0.75)), ("sub-Rayleigh", (0.8, 0.2))):
+        panel.text(
+            *place,
+            text,
+            transform=panel.transAxes,
+            ha="center",
+            fontsize=SMALL,
+            path_effects=outline(),
+        )
+    panel.legend(loc="upper right", fontsize=SMALL)
+    return figure
