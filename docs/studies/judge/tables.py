@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import scipy
 
-from compare.comparison.rows import AGREES, ALARM, DIFFERS, UNRESOLVED
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from docs.studies.judge.faults import FAULTS
 from docs.studies.judge.spoils import SPOILS, Spoil
 from docs.studies.judge.trials import COUNTS, REFUSED, TRUTH, JudgedRow, SpoiltRow
@@ -19,10 +19,11 @@ from docs.studies.judge.trials import COUNTS, REFUSED, TRUTH, JudgedRow, SpoiltR
 ALL = "all"
 CONFIDENCE = 0.95
 """Confidence level of the upper limit of a rate."""
-STRENGTHS = (0.0, 0.5, 1.0, ALARM, 2.0, 2.5, math.inf)
+CATCHABLE, SURE = 1.5, 2.5
+"""Number of bars from which a mistake ought to be caught, and from which it shows however the
+simulation errs within its bar.  Both are more than what the judge needs to call it a difference."""
+STRENGTHS = (0.0, 0.5, 1.0, CATCHABLE, 2.0, SURE, math.inf)
 """Limits of the strength classes, over the bar; mistakes between two limits share a class."""
-SURE = ALARM + 1
-"""Number of bars from which a mistake shows, however the simulation errs within its bar."""
 
 
 @dataclass(frozen=True)
@@ -199,7 +200,7 @@ def fault_rows(rows: Sequence[SpoiltRow]) -> list[FaultRow]:
     found = []
     for fault in FAULTS:
         some = [row for row in rows if row.spoil == fault.name]
-        beyond = [row for row in some if row.over_bar > ALARM]
+        beyond = [row for row in some if row.over_bar > CATCHABLE]
         facts = (len(some), _part_caught(some), len(beyond), _part_caught(beyond))
         found += [FaultRow(fault.name, fault.what, *facts)] if some else []
     return found
@@ -237,7 +238,7 @@ def _power(spoil: Spoil, rows: Sequence[SpoiltRow]) -> PowerRow:
     size = abs(spoil.size) * (100 if spoil.unit == "%" else 1)
     least = float(np.quantile(least_shares(rows), 0.5, method="higher"))
     usual = [row for row in rows if row.share == 1]
-    beyond, sure = ([row for row in usual if row.over_bar > bars] for bars in (ALARM, SURE))
+    beyond, sure = ([row for row in usual if row.over_bar > bars] for bars in (CATCHABLE, SURE))
     return PowerRow(
         spoil=spoil.name,
         what=spoil.what,
