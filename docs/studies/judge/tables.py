@@ -21,7 +21,7 @@ CONFIDENCE = 0.95
 """Confidence level of the upper limit of a rate."""
 CATCHABLE, SURE = 1.5, 2.5
 """Number of bars from which a mistake ought to be caught, and from which it shows however the
-simulation errs within its bar.  Both are more than what the judge needs to call it a difference."""
+simulation errs within its bar."""
 STRENGTHS = (0.0, 0.5, 1.0, CATCHABLE, 2.0, SURE, math.inf)
 """Limits of the strength classes, over the bar; mistakes between two limits share a class."""
 

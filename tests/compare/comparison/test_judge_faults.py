@@ -180,6 +180,15 @@ class TestTractionsBeforeTheWaves:
         assert (right.verdict, right.difference) == ("agrees", 0.0)
         assert wrong.verdict == "differs"
 
+    @pytest.mark.parametrize("friction", [0.0, 0.24])
+    def test_a_sudden_load_that_friction_does_not_hold_slips_by_then(self, friction):
+        load = Tractions(1.0, -0.79)
+        scene = Scene(Material(1, 1, 0.25), friction, Tractions(0, 0), load, load_on="remote")
+        run = simulate(scene, resolution=24)
+        assert np.abs(run.interface.shear_traction[0] + 0.79).max() > 0.5
+        row = next(iter(own_rows(Case(run, run, run.interface, None))))
+        assert (row.name, row.verdict) == ("traction before the waves", "agrees")
+
     def test_a_pulse_at_an_angle_is_on_the_contact_by_then(self):
         run = simulate(find_scene("incident-pulse"), resolution=24)
         names = [row.name for row in own_rows(Case(run, run, run.interface, None))]
