@@ -32,8 +32,8 @@ from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import Step, Tabulated
 from semianalytic.scene.scene import part_document
 from semianalytic.scene.units import unit
+from slipfront.cli.endings.refusals import in_options
 from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
-from slipfront.cli.refusals import in_options
 
 if TYPE_CHECKING:
     from compare.validation.validation import Validation
