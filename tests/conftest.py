@@ -23,7 +23,7 @@ collect_ignore = (
         "docs/test_validate_trial.py",
         "fem/test_fem_checkpoint.py",
         "fem/test_fem_disk.py",
-        "slipfront/cli/test_endings.py",
+        "slipfront/cli/endings/test_endings.py",
         "slipfront/surveys/test_survey_files.py",
     ]
 )
