@@ -107,7 +107,7 @@ def test_versions_agree():
     assert f"\nversion: {number}\n" in (ROOT / "CITATION.cff").read_text()
     # never that of a release, which only a tag gives, and newer than it, as in a clone with tags
     major, minor, patch = number.split(".")
-    assert FALLBACK == f"{major}.{minor}.{int(patch) + 1}.dev0"
+    assert f"{major}.{minor}.{int(patch) + 1}.dev0" == FALLBACK
 
 
 def test_changelog_has_the_form_of_keep_a_changelog():
