@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -65,11 +66,19 @@ which assembles what the folder holds.
 
 
 def imported_modules(path):
-    for node in ast.walk(ast.parse(path.read_text())):
+    return imports_of(path.read_text())
+
+
+@cache
+def imports_of(text):
+    """Return the modules that a source imports; several tests ask for those of the same files."""
+    names = []
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            yield node.module
+            names.append(node.module)
+    return tuple(names)
 
 
 def sources(package, root=ROOT):
