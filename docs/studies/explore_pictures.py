@@ -17,6 +17,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 from docs.studies.latency import DOCS, SCENES
@@ -118,11 +119,13 @@ def _picture(browser: Browser) -> bytes:
     taken = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
     image = Image.open(io.BytesIO(base64.b64decode(taken["data"]))).convert("RGB")
     packed = io.BytesIO()
-    common = sorted(image.getcolors(image.width * image.height), reverse=True)[:KEPT]
+    pixels = np.asarray(image).reshape(-1, 3)
+    colours, counts = np.unique(pixels, axis=0, return_counts=True)
+    common = colours[np.argsort(-counts)[:KEPT]]
     others = COLOURS - len(common)
-    cover = image.quantize(others, Image.Quantize.MAXCOVERAGE).getpalette()[: 3 * others]
+    cover = image.quantize(others, Image.Quantize.MAXCOVERAGE).getpalette() or []
     palette = Image.new("P", (1, 1))
-    palette.putpalette([part for _, colour in common for part in colour] + cover)
+    palette.putpalette([*common.ravel().tolist(), *cover[: 3 * others]])
     few = image.quantize(palette=palette, dither=Image.Dither.NONE)
     few.save(packed, "PNG", optimize=True)
     return packed.getvalue()
