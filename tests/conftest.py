@@ -21,9 +21,9 @@ collect_ignore = (
         "compare/records/test_bounds.py",
         "compare/tasks/test_cluster.py",
         "docs/test_validate_trial.py",
-        "fem/test_fem_checkpoint.py",
-        "fem/test_fem_disk.py",
-        "slipfront/cli/test_endings.py",
+        "fem/files/test_fem_checkpoint.py",
+        "fem/files/test_fem_disk.py",
+        "slipfront/cli/endings/test_endings.py",
         "slipfront/surveys/test_survey_files.py",
     ]
 )

@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -65,11 +66,19 @@ which assembles what the folder holds.
 
 
 def imported_modules(path):
-    for node in ast.walk(ast.parse(path.read_text())):
+    return imports_of(path.read_text())
+
+
+@cache
+def imports_of(text):
+    """Return the modules that a source imports; several tests ask for those of the same files."""
+    names = []
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            yield node.module
+            names.append(node.module)
+    return tuple(names)
 
 
 def sources(package, root=ROOT):
@@ -205,11 +214,41 @@ def test_circles_are_found_between_files_and_between_a_folder_and_its_parent(tmp
     assert "semianalytic.scene.law" in circle_in(imports_between_files("semianalytic", tmp_path))
 
 
+MOST = 15
+"""Largest number of files of one trade in a folder; its face is none of them."""
+
+
+def crowded(root):
+    """Yield the folders that hold too many files; tests count apart from their helpers."""
+    folders = {path.parent for path in root.rglob("*.py")}
+    for folder in sorted(folders):
+        names = {path.name for path in folder.glob("*.py")} - {"__init__.py"}
+        tests = {name for name in names if name.startswith("test_")}
+        if max(len(tests), len(names - tests)) > MOST:
+            yield folder
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_folders_say_what_they_are_for_and_stay_small(package):
     for face in (ROOT / package).rglob("__init__.py"):
         assert ast.get_docstring(ast.parse(face.read_text())), face
-        assert len(list(face.parent.glob("*.py"))) <= 17, face.parent
+    assert list(crowded(ROOT / package)) == []
+
+
+@pytest.mark.parametrize("folder", ["tests", "docs"])
+def test_folders_of_tests_and_studies_stay_small(folder):
+    assert list(crowded(ROOT / folder)) == []
+
+
+def test_a_crowded_folder_is_found(tmp_path):
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    for number in range(MOST):
+        for name in ("__init__.py", f"test_{number}.py", f"helper_{number}.py"):
+            (inner / name).touch()
+    assert list(crowded(tmp_path)) == []
+    (inner / "test_more.py").touch()
+    assert list(crowded(tmp_path)) == [inner]
 
 
 SHOWN = {"scene.py", "sampled.py", "style.py", "whole_line.py"}

@@ -102,11 +102,12 @@ def test_title_of_the_article_stands_where_it_is_cited_only():
 
 
 def test_versions_agree():
-    """That of a clone without tags, of the citation, and the newest of the changelog."""
-    number = FALLBACK.removesuffix(".dev0")
-    assert number != FALLBACK  # never that of a release, which only a tag gives
+    """The newest of the changelog, the citation, and what follows in a clone without tags."""
+    number = re.findall(r"^## \[([\d.]+)\] - \d{4}-\d\d-\d\d$", CHANGES, re.M)[0]
     assert f"\nversion: {number}\n" in (ROOT / "CITATION.cff").read_text()
-    assert re.search(rf"^## \[{re.escape(number)}\] - \d{{4}}-\d\d-\d\d$", CHANGES, re.M)
+    # never that of a release, which only a tag gives, and newer than it, as in a clone with tags
+    major, minor, patch = number.split(".")
+    assert f"{major}.{minor}.{int(patch) + 1}.dev0" == FALLBACK
 
 
 def test_changelog_has_the_form_of_keep_a_changelog():

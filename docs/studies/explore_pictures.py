@@ -17,6 +17,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 from docs.studies.latency import DOCS, SCENES
@@ -26,8 +27,13 @@ from slipfront.explore.controls import defaults, query_of
 
 FOLDER = DOCS / "figures" / "explore"
 WIDTHS = (390, 1280, 1920)
-COLOURS = 128
-"""Colours of a picture, on whose number the size of the files depends."""
+COLOURS, KEPT = 256, 64
+"""Colours of a picture, the most that PNG allows, and how many are the commonest of the page.
+
+The commonest are kept as they are, the others are chosen to cover all that the page has.  No pixel
+of lift-off-shear is off by more than 23 of 255 then, and by 29 with twice as many kept; with none
+kept, white and grey areas are tinted.  A median cut is off by 116, in legends.
+"""
 READY = """
 Boolean(window.slipfrontTimes && slipfrontTimes.length
   && document.getElementById('pictures').dataset.late === 'false'
@@ -113,7 +119,15 @@ def _picture(browser: Browser) -> bytes:
     taken = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
     image = Image.open(io.BytesIO(base64.b64decode(taken["data"]))).convert("RGB")
     packed = io.BytesIO()
-    image.quantize(COLOURS, dither=Image.Dither.NONE).save(packed, "PNG", optimize=True)
+    pixels = np.asarray(image).reshape(-1, 3)
+    colours, counts = np.unique(pixels, axis=0, return_counts=True)
+    common = colours[np.argsort(-counts)[:KEPT]]
+    others = COLOURS - len(common)
+    cover = image.quantize(others, Image.Quantize.MAXCOVERAGE).getpalette() or []
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([*common.ravel().tolist(), *cover[: 3 * others]])
+    few = image.quantize(palette=palette, dither=Image.Dither.NONE)
+    few.save(packed, "PNG", optimize=True)
     return packed.getvalue()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -153,6 +153,7 @@ def fit(
     priors: Mapping[str, Prior] | None = None,
     setup: Setup | None = None,
     rtol: float = 1e-8,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Fit:
     """Fit parameters of a scene, and of the set-up, to gauge records by least squares.
 
@@ -174,6 +175,9 @@ def fit(
         Set-up of the gauges, for its parameters that are not fitted.
     rtol : float
         Accuracy of the solutions, as in `solve`.
+    progress : callable, optional
+        Called as ``progress(done, total)`` with the number of times that the gauges were computed
+        and how often the search will compute them at most, which is revised on the way.
 
     Returns
     -------
@@ -206,6 +210,7 @@ def fit(
     samples = Samples(gauges)
     duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
     trials = Trials(samples, Unknowns(names, scene, setup or Setup(), duration), priors, rtol)
+    trials.progress = progress
     trials.jacobian(trials.start)  # refuses what has no solution or derivative
     ends = minima(trials)
     best, size = ends[0], trials.sizes
@@ -214,6 +219,7 @@ def fit(
     covariance, free = _covariance(best.jacobian)
     unconstrained = tuple(name for name, one in zip(names, free, strict=True) if one)
     derivative_error = trials.difference_error(best.scaled)
+    trials.progress = None  # a posterior goes on with these trials and reports its own steps
     scene, fitted = trials.at(best.scaled)
     solution = trials.solution(best.scaled)
     status = _status(ends, solution, unconstrained, covariance, trials)

@@ -78,9 +78,16 @@ def spread(count: int, dimensions: int) -> Array:
 def minima(trials: Trials) -> list[Minimum]:
     """Return all minima that were found, the lowest first."""
     ends: list[Minimum] = []
-    for start in scan(trials):
+    count, setups = _counts(trials)
+    descent = SHORT * (1 + trials.of_jacobian)
+    around = _nearby(trials) + NEAR_STARTS * descent
+    trials.expect(count * setups + STARTS * descent + around)
+    starts = scan(trials)
+    for number, start in enumerate(starts):
+        trials.expect((len(starts) - number) * descent + around)
         _add(ends, descend(trials, start, SHORT))
     for _ in range(ROUNDS):
+        trials.expect(around)  # one round is expected to do, as it mostly does
         lowest = ends[0].chi2
         for start in surroundings(trials, ends[0]):
             _add(ends, descend(trials, start, SHORT))
@@ -144,13 +151,18 @@ def _share(trials: Trials) -> int:
     return 1 if trials.samples.on_interface.all() else FIELD_SHARE
 
 
+def _nearby(trials: Trials) -> int:
+    """Return the number of points of a scan of surroundings."""
+    return NEARBY * len(trials.unknowns.names) // _share(trials)
+
+
 def surroundings(trials: Trials, end: Minimum) -> list[Array]:
     """Return the best starts around a minimum, within `REACH` standard errors."""
     p = len(end.scaled)
     _, values, rows = np.linalg.svd(end.jacobian, full_matrices=False)
     widths = 1 / np.maximum(values, 1 / WIDEST)
     reach = REACH * max(1.0, np.sqrt(end.chi2 / max(len(end.jacobian) - p, 1)))
-    points = reach * (2 * spread(NEARBY * p // _share(trials), p) - 1)
+    points = reach * (2 * spread(_nearby(trials), p) - 1)
     around = np.clip(end.scaled + (points * widths) @ rows, *trials.bounds)
     return _best(trials, list(around), NEAR_STARTS)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -40,6 +40,12 @@ class Trials:
         Of solutions.
     count : int
         Solutions that were computed.
+    progress : callable, optional
+        Called as ``progress(done, total)`` with the numbers of looks at the gauges: one per misfit,
+        two per derivative.  The total is what the rest of the search takes at most, so it may
+        shrink, and grows where the search goes on.
+    looks : int
+        Looks that were taken.
     """
 
     samples: Samples
@@ -47,7 +53,27 @@ class Trials:
     priors: Mapping[str, Prior]
     rtol: float
     count: int = 0
+    progress: Callable[[int, int], object] | None = None
+    looks: int = 0
+    _ahead: int = field(default=0, repr=False)
     _known: dict[Scene, Solution] = field(default_factory=dict, repr=False)
+
+    def expect(self, ahead: int) -> None:
+        """Set how many looks the search still takes, at most."""
+        self._ahead = ahead
+        self._look(0)
+
+    def _look(self, count: int) -> None:
+        """Count looks at the gauges, and report them."""
+        self.looks += count
+        self._ahead = max(self._ahead - count, 0)
+        if self.progress is not None:
+            self.progress(self.looks, self.looks + self._ahead)
+
+    @property
+    def of_jacobian(self) -> int:
+        """Number of looks of a Jacobian: one to either side for each unknown."""
+        return 2 * len(self.unknowns.names)
 
     @cached_property
     def sizes(self) -> Array:
@@ -135,6 +161,7 @@ class Trials:
         samples = self.samples
         seen = samples.gain(setup) * samples.of(solution, setup)
         known = list(self.pulls(scaled).values())
+        self._look(1)
         return np.concatenate([(seen - samples.values) / samples.noise, known])
 
     def pulls(self, scaled: Array) -> dict[str, float]:
@@ -177,6 +204,7 @@ class Trials:
                 if which == number:
                     rows[len(t) + row] = prior.misfit(value)[1]
             columns.append(rows * self.sizes[number])
+        self._look(self.of_jacobian)
         return np.stack(columns, axis=1)
 
     def _column(self, name: str, solution: Solution, setup: Setup, t: Array) -> Array:

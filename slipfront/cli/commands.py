@@ -17,22 +17,22 @@ from typer.core import TyperGroup
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError, SlipfrontError
 from semianalytic.scene.extras import needing
-from slipfront.cli import study_commands as studies
 from slipfront.cli.compare_command import compare_command
+from slipfront.cli.endings.faults import READER_GONE, crashed, printable
+from slipfront.cli.endings.interruption import INTERRUPTED, INTERRUPTION
+from slipfront.cli.endings.refusals import in_one_sentence, in_options
 from slipfront.cli.explore_command import explore_command
-from slipfront.cli.faults import READER_GONE, crashed, printable
 from slipfront.cli.field_command import field_command
-from slipfront.cli.interruption import INTERRUPTED, INTERRUPTION
 from slipfront.cli.measured.benchmark_command import app as benchmark_app
 from slipfront.cli.measured.fit_command import fit_command
 from slipfront.cli.measured.validate_command import validate_command
-from slipfront.cli.refusals import in_one_sentence, in_options
 from slipfront.cli.run_command import run_command
 from slipfront.cli.scenes.commands import init, scenes
 from slipfront.cli.scenes.sliding import sliding
 from slipfront.cli.simulate_command import simulate_command
 from slipfront.cli.solve_command import solve_command
-from slipfront.cli.survey_command import survey_command
+from slipfront.cli.studies import study_commands as studies
+from slipfront.cli.studies.survey_command import survey_command
 
 NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a larger machine."
 

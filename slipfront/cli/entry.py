@@ -11,8 +11,8 @@ import signal
 import sys
 from types import FrameType
 
-from slipfront.cli.faults import READER_GONE, crashed, printable
-from slipfront.cli.interruption import INTERRUPTED, INTERRUPTION, TERMINATED
+from slipfront.cli.endings.faults import READER_GONE, crashed, printable
+from slipfront.cli.endings.interruption import INTERRUPTED, INTERRUPTION, TERMINATED
 
 BROKEN_FILE, BROKEN_PACKAGE = 3, 5
 """Exit codes of `DataFileError` and `PluginError`, repeated here as their import may fail."""

@@ -26,7 +26,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
 from semianalytic.scene.scene import scene_document
-from semianalytic.scene.units import measure
+from semianalytic.scene.units import measure, unit
 from slipfront.cli.marching import check_rtol
 from slipfront.cli.options import (
     MARCH_OPTIONS,
@@ -202,8 +202,8 @@ def field_command(
     """Draw fields inside the bodies with all fronts named; animate, export or record them.
 
     Velocity, stress and displacement are exact if the scene is self-similar.  A picture is written
-    to DIR/SCENE_QUANTITY.png, an animation beside it, and the rest to DIR/fields.pvd and
-    DIR/SCENE_gauge-1.csv.
+    to DIR/SCENE_QUANTITY.png, an animation beside it, grids to DIR/fields.pvd, and the record of
+    the first --gauge to DIR/SCENE_gauge-1.csv; at the end every file is listed with what it shows.
     """
     require("slipfront field", *PLOT, *(FEM if vtu else ()))
     from compare.figures.animation import check_format
@@ -249,11 +249,31 @@ def field_command(
     if as_json:
         print_json("field", _document(answer, of, request), answer.status, files)
     else:
-        Console().print(f"Written to {directory}/", highlight=False)
+        lines = [f"Written to {directory}/:", *_contents(label, of, request, scene)]
+        Console(soft_wrap=True).print("\n".join(lines), highlight=False, markup=False)
     if isinstance(answer, Solution):
         check_converged(answer, label)
     else:
         check_rtol(answer, label)
+
+
+def _contents(label: str, of: str, request: Request, scene: Scene) -> Iterator[str]:
+    """Yield a line for each file that was written: its name, and what is in it."""
+    length, moment = (unit(kind, scene.units) for kind in ("length", "time"))
+    until, form = f"{request.time:g} {moment}", request.figures
+    names = {f"{label}_{of}.{form}": f"{of} at t = {until}"}
+    if request.frames:
+        names[f"{label}_{of}.{request.form}"] = f"{of} until then, {request.frames} frames"
+    if request.grid is not None:
+        cells, count = "×".join(map(str, request.grid)), len(request.times)
+        names["fields.pvd"] = f"fields on {cells} cells for ParaView, {count} times until {until}"
+    for number, (x, y) in enumerate(request.gauges, start=1):
+        place = f"x = {x:g} {length}, y = {y:g} {length}"
+        records = f"record at {place}, {request.samples} times until {until}"
+        names[f"{label}_gauge-{number}.csv"] = records
+        names[f"{label}_gauge-{number}.{form}"] = "figure of this record"
+    width = max(map(len, names))
+    yield from (f"  {name:{width}}  {words}" for name, words in names.items())
 
 
 def _document(answer: Solution | Marched, of: str, request: Request) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import HDF5, require
 from slipfront.cli import terminal
-from slipfront.cli.interruption import INTERRUPTED
+from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.options import in_bytes, option_name
 from slipfront.cli.scenes.points import Points, points_table
 

@@ -17,7 +17,7 @@ from semianalytic.engine.named import NAMED_INTERFACES
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import XARRAY, require
 from semianalytic.scene.units import InSI
-from slipfront.cli.interruption import INTERRUPTED
+from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.options import AsJson, Quiet, measured_option
 from slipfront.cli.scenes.completion import interface_names
 from slipfront.cli.terminal import print_json

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +24,7 @@ from compare.comparison.documents import (
 )
 from compare.comparison.judgement import Judgement, own_bars
 from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
-from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.results.answer import digits_apart
@@ -32,8 +32,8 @@ from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import Step, Tabulated
 from semianalytic.scene.scene import part_document
 from semianalytic.scene.units import unit
+from slipfront.cli.endings.refusals import in_options
 from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
-from slipfront.cli.refusals import in_options
 
 if TYPE_CHECKING:
     from compare.validation.validation import Validation
@@ -285,6 +285,8 @@ def verdict_text(judgement: Judgement | Validation, options: Collection[str] = M
     counts = judgement.counts
     parts = [f"{count} {verdict}" for verdict, count in counts.items() if count]
     lines = [f"Verdict: {judgement.verdict} ({', '.join(parts)})."]
+    if judgement.verdict == AGREES:
+        lines += _closeness(judgement.having(AGREES))
     if counts[UNRESOLVED]:
         lines.append("Unresolved:")
     alike: dict[str, list[str]] = {}
@@ -294,6 +296,29 @@ def verdict_text(judgement: Judgement | Validation, options: Collection[str] = M
         alike.setdefault(f"{reason}{f' ({remedy})' if remedy else ''}", []).append(row.name)
     lines += [f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items()]
     return "\n".join(lines)
+
+
+def _closeness(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield how far rows that agree differ at most, in bars, and how wide the widest bar is."""
+    barred = [row for row in rows if row.bar and row.difference is not None]
+    if barred:
+        far = max(barred, key=_bars)
+        shown = f"{far.shown_share(abs(far.difference or 0.0))} ± {far.shown_share(far.bar)}"
+        yield f"Largest difference of what agrees: {_bars(far):.2f} bars ({far.label}: {shown})."
+    if sized := [row for row in barred if row.size]:
+        wide = max(sized, key=_width)
+        share = f"{two_digits(100 * _width(wide))} % of the value compared"
+        yield f"Widest bar of what agrees: {share} ({wide.label})."
+
+
+def _bars(row: Row) -> float:
+    """Return the size of a difference in error bars."""
+    return abs(row.difference or 0.0) / (row.bar or math.inf)
+
+
+def _width(row: Row) -> float:
+    """Return an error bar over the size of the quantity that is compared."""
+    return (row.bar or 0.0) / row.size
 
 
 def _label(name: str) -> str:

@@ -205,8 +205,7 @@ class InterfacePictures:
             right=[min(share * outer, space_time.reach) for *_, outer in space_time.wedges],
             colour=[SHADES[kind] for kind, *_ in space_time.wedges],
         )
-        # the label of the fastest wave would be cut off by the end of a narrow axis
-        before = {"Rayleigh", max(space_time.waves, key=lambda name: space_time.waves[name])}
+        before = _labelled_before(space_time.waves)
         board.fill(
             self._waves,
             x=[share * at for at in space_time.waves.values()],
@@ -277,13 +276,22 @@ class SpaceTimePicture:
             xs=[[0.0, at] for at in view.waves.values()],
             ys=[[0.0, 1.0] for _ in view.waves],
         )
+        before = _labelled_before(view.waves)
         board.fill(
             self._names,
-            x=[at + (0.02 if name == "S" else -0.05) for name, at in view.waves.items()],
+            x=[at + (-0.05 if name in before else 0.02) for name, at in view.waves.items()],
             name=[WAVES[name] for name in view.waves],
-            side=["left" if name == "S" else "right" for name in view.waves],
+            side=["right" if name in before else "left" for name in view.waves],
         )
         board.limit(self.panel.x_range, 0.0, view.reach)
+
+
+def _labelled_before(waves: Mapping[str, float]) -> set[str]:
+    """Return the waves whose labels stand before their lines.
+
+    The label of the fastest wave would be cut off behind its line by the end of a narrow axis.
+    """
+    return {"Rayleigh", max(waves, key=lambda name: waves[name])}
 
 
 def _wedge(inner: float, outer: float, reach: float) -> tuple[list[float], list[float]]:

@@ -34,7 +34,7 @@ from docs.studies.validate.settings import recorded
 from docs.studies.validate.writers import written_case, written_junk
 from semianalytic.scene.given.template import scene_text
 from slipfront.cli.commands import main as command_line
-from slipfront.cli.faults import CRASHED
+from slipfront.cli.endings.faults import CRASHED
 
 COMMAND = "python -m docs.studies.validate.study --csv docs/data"
 JUNK_KIND = "junk"

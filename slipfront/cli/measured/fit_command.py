@@ -119,10 +119,12 @@ def fit_command(
         figure_format(plot)
     for path in filter(None, (plot, output)):
         check_file(path)
-    found = fit(gauges, scene, names, priors=known, setup=setup)
+    notes = Console(stderr=True)
+    with progress_bar(notes, quiet or as_json, "fitting") as progress:
+        found = fit(gauges, scene, names, priors=known, setup=setup, progress=progress)
     chains = None
     if sample and not found.unconstrained:
-        with progress_bar(Console(stderr=True), quiet or as_json, "sampling") as progress:
+        with progress_bar(notes, quiet or as_json, "sampling") as progress:
             chains = posterior(found, steps=steps, seed=seed, progress=progress)
     written = [path for path in (plot, output) if path is not None]
     text = json_text(envelope("fit", fit_document(found, chains), files=written))

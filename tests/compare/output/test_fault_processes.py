@@ -19,7 +19,7 @@ from compare.tasks.workers import run_tasks
 from semianalytic import InterfaceHistory, Marched
 from semianalytic.scene.errors import ComputationError
 from slipfront.cli.commands import main
-from slipfront.cli.interruption import INTERRUPTION
+from slipfront.cli.endings.interruption import INTERRUPTION
 
 PATIENCE = 120
 """Of a test for a process that should end at once [s]; longer is a failure."""

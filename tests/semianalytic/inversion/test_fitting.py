@@ -8,8 +8,20 @@ import pytest
 from catalogue import PRELOADED, STEEL, unit_scene
 from scipy.stats import binom, chi2
 
-from semianalytic import Gauge, Material, Normal, Scene, SceneError, Tractions, fit, solve
+from semianalytic import (
+    Gauge,
+    Material,
+    Normal,
+    Scene,
+    SceneError,
+    Tractions,
+    find_scene,
+    fit,
+    solve,
+)
+from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.search import descend
+from semianalytic.inversion.unknowns import Setup
 from semianalytic.selfsimilar.derivative import parameter
 
 NOISE = 0.02
@@ -218,3 +230,26 @@ def test_bad_records_are_refused(truth):
             Gauge(1.0, t, t, noise)
     with pytest.raises(SceneError, match="must not exceed 1e"):
         Gauge(1.0, t, 1e100 * t, 1.0)
+
+
+def test_progress_counts_up_to_what_it_foretells():
+    """With a gauge in a body, the computation of which takes nearly all of the time."""
+    scene = find_scene("antiplane")
+    t = np.linspace(0.2, 1.5, 12)
+    record = Gauge(0.4, t, np.zeros(12), 0.02, "vz", y=0.1)
+    exact = Samples((record,)).of(solve(scene), Setup())
+    told = []
+    found = fit(
+        [replace(record, values=exact)],
+        scene,
+        "load_shear",
+        priors={"load_shear": Normal(1.0, 0.05)},
+        progress=lambda done, total: told.append((done, total)),
+    )
+    assert found.values == pytest.approx([1.0], abs=1e-6)
+    done, total = np.array(told).T
+    assert np.all(np.diff(done) >= 0)
+    assert np.all(done <= total)
+    # the search goes on for a round or two that were not foretold, at most
+    assert 0.4 * done[-1] < total[1] < 5 * done[-1]
+    assert found.trials.progress is None

@@ -7,15 +7,19 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import compare.comparison.prediction
 import slipfront.cli.solve_command
+from compare.comparison.judgement import Judgement
+from compare.comparison.rows import Row
 from semianalytic import solve
 from semianalytic.scene.errors import ComputationError, MissingLibraryError
 from slipfront.cli.commands import main
+from slipfront.cli.terminal import verdict_text
 
 COARSE = ("--resolution", "40", "--frames", "2")
 
@@ -350,6 +354,27 @@ def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
     for row in document["rows"]:
         assert row["name"] in out
     assert f"Verdict: {document['verdict']} (" in out
+
+
+def test_agreement_is_told_with_its_largest_difference_and_widest_bar():
+    """In bars and per cent; rows that differ by more, or do not agree, are none of it."""
+    rows = (
+        Row("slip, L1", "slip", None, 1.0, 1.0, -0.03, 0.04, relative=True),
+        Row("largest gap", "gap", None, 2.0, 2.1, 0.1, 0.5, "length"),
+        Row("onset", "onset", None, 0.5, 0.7, 0.2, 0.3, place="x = 1"),
+        Row("pressure", "pressure", None, 1.0, 1.0, 0.0, 0.0, "stress"),
+        Row("front", "arrival", None, 1.0, 2.0, 1.0, 1.0, obstacle="not sharp"),
+    )
+    said = verdict_text(Judgement(SimpleNamespace(rests=False), rows)).splitlines()
+    assert said[:3] == [
+        "Verdict: agrees (4 agrees, 1 unresolved).",
+        "Largest difference of what agrees: 0.75 bars (slip, L1: 3.0 % ± 4.0 %).",
+        "Widest bar of what agrees: 25 % of the value compared (largest gap [length]).",
+    ]
+    worse = replace(rows[0], difference=0.2)
+    said = verdict_text(Judgement(SimpleNamespace(rests=False), (worse, *rows[1:])))
+    assert "differs" in said
+    assert "Largest" not in said
 
 
 @pytest.mark.slow

@@ -20,8 +20,16 @@ def test_all_that_can_be_asked_for_is_written(tmp_path, capsys):
     asked = ["--animate", "2", "--vtu", "--grid", "4,4", "--gauge", "0.4,0.2"]
     size = ["--points", "8", "--samples", "5"]
     assert field("preloaded", "--of", "vx", *asked, *size, "--output", str(folder)) == 0
-    assert "".join(capsys.readouterr().out.split()) == f"Writtento{folder}/"  # lines are folded
-    assert sorted(path.name for path in folder.iterdir()) == [
+    first, *lines = capsys.readouterr().out.splitlines()
+    written = sorted(path.name for path in folder.iterdir())
+    assert first == f"Written to {folder}/:"
+    # the frames are those of fields.pvd
+    assert sorted(line.split()[0] for line in lines) == [
+        name for name in written if not name.endswith(".vtu")
+    ]
+    assert "vx until then, 2 frames" in lines[1]
+    assert "x = 0.4 length, y = 0.2 length" in lines[3]
+    assert written == [
         "fields-0001.vtu", "fields-0002.vtu", "fields.pvd",
         "preloaded_gauge-1.csv", "preloaded_gauge-1.png",
         "preloaded_vx.gif", "preloaded_vx.png",

@@ -11,7 +11,7 @@ import typer
 import docs.studies.schema
 from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
-from compare.studies.article.claims import Claim, Verdict
+from compare.studies.article.claims import METHODS, Claim, Verdict
 from compare.studies.article.study import Article
 from compare.studies.chart.study import read_points
 from compare.studies.documents import (
@@ -114,6 +114,7 @@ def test_solve_fits_its_schema(arguments, capsys):
     assert document["status"] in ("converged", "resolved", "unresolved")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_solve_names_the_files_it_wrote(capsys):
     saved = run(capsys, "solve", "ramp", "--nodes", "60", "--save", "a.h5", "--plot", "a.png")
     assert saved["files"] == ["a.h5", "a.png"]
@@ -231,18 +232,32 @@ def test_documents_of_studies_fit_their_schema():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "arguments",
+    ("arguments", "among"),
     [
-        ("wear", "--quick"),
-        ("regimes", "--quick", "--size", "4"),
-        ("stability", "--solver", "--space-time", "--quick"),
-        ("article", "--quick"),
-        ("chart", "preloaded", "--quick"),
-        ("evidence", "preloaded", "--quick", "--output", "evidence.html"),
+        ("wear --quick", "wear.csv"),
+        ("regimes --quick --size 4", "boundaries.csv"),
+        ("stability --solver --space-time --quick", "stability-solver.csv"),
+        ("article --quick", "figure6.png"),
+        ("chart preloaded --quick", "chart.md"),
+        ("evidence preloaded --quick --output evidence.html", "evidence.html"),
     ],
-    ids=lambda arguments: arguments[0],
 )
-def test_studies_print_what_their_schema_says(arguments, capsys):
+def test_studies_write_files_and_print_what_their_schema_says(arguments, among, capsys):
     capsys.readouterr()
-    assert main([*arguments, "--json"]) in (0, 1)
-    assert checked(capsys.readouterr().out)["files"]
+    assert main([*arguments.split(), "--json"]) in (0, 1)
+    files = [Path(one) for one in checked(capsys.readouterr().out)["files"]]
+    assert among in {one.name for one in files}
+    assert all(one.is_dir() or one.stat().st_size for one in files)
+
+
+def test_claims_of_the_article_are_a_table(capsys, monkeypatch):
+    """Without --json; the study itself is run by the test above."""
+    verdict = Verdict("holds", "by 1")
+    claim = Claim("6.1", "words of it", "preload", dict.fromkeys(METHODS, verdict))
+    found = Article((claim,), (), 0.1, ())
+    monkeypatch.setattr("compare.studies.article.study.write_article", lambda *_: found)
+    assert main(["article", "--quick"]) == 0
+    said = capsys.readouterr().out
+    assert "claim" in said
+    assert "words of it" in said
+    assert "Written to results/article/" in said

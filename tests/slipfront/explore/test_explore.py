@@ -146,18 +146,23 @@ def test_sliders_stay_as_they_are_while_they_serve():
     assert slider["high"] == 2e9
 
 
-@pytest.mark.parametrize("moment", [Moment(), Moment(0.4), Moment(0.05, "displacement")])
-def test_the_address_holds_the_moment(moment):
+def test_the_address_holds_the_moment():
     scene = controls.query_of(controls.defaults(STEEL))
-    assert moment_in(scene + moment.query) == (moment, scene)
+    for moment in (Moment(), Moment(0.4), Moment(0.05, "displacement")):
+        assert moment_in(scene + moment.query) == (moment, scene)
     session = Session(Document(), find_scene("preloaded"), scene + moment.query)
     assert given_to(session)["moment"] == moment._asdict()
     assert given_to(session)["values"] == controls.defaults(STEEL)
 
 
 @pytest.mark.parametrize("query", ["?time=0.01", "?time=2", "?time=nan", "?picture=heat"])
-def test_a_moment_that_is_none_is_a_message(query):
-    session = Session(Document(), STEEL, query)
+def test_a_moment_that_is_none_is_refused(query):
+    with pytest.raises(SceneError, match="must be"):
+        moment_in(query)
+
+
+def test_a_moment_that_is_none_is_a_message():
+    session = Session(Document(), STEEL, "?time=2")
     assert "must be" in given_to(session)["message"]
     assert given_to(session)["moment"] == Moment()._asdict()
 

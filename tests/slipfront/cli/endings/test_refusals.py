@@ -9,7 +9,7 @@ from semianalytic import Ramp, TensionError, march, solve
 from semianalytic.scene.named import find_scene
 from semianalytic.spacetime.march import check_march
 from slipfront.cli.commands import main
-from slipfront.cli.refusals import in_options
+from slipfront.cli.endings.refusals import in_options
 
 
 @pytest.mark.parametrize(

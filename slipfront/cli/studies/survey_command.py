@@ -34,7 +34,7 @@ from slipfront.cli.options import (
     read_number,
     with_options,
 )
-from slipfront.cli.study_commands import Scheduler, on_scheduler
+from slipfront.cli.studies.study_commands import Scheduler, on_scheduler
 from slipfront.cli.terminal import print_json
 
 _VALUES = (

@@ -11,7 +11,7 @@ from catalogue import unit_scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import find_scene, override_scene
 from slipfront.cli.commands import main
-from slipfront.cli.survey_command import typed_values
+from slipfront.cli.studies.survey_command import typed_values
 
 GRID = ["survey", "preloaded", "--friction", "0.2,0.9", "--poisson-ratio", "0.1:0.7:3", "--quiet"]
 

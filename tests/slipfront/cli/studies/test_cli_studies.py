@@ -20,18 +20,6 @@ def test_regimes_refuses_an_unknown_loading(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_studies_write_their_files(tmp_path, capsys):
-    regimes, stability, article = (tmp_path / name for name in ("regimes", "stability", "article"))
-    assert main(["regimes", "--quick", "--size", "4", "--output", str(regimes)]) == 0
-    assert main(["stability", "--solver", "--quick", "--output", str(stability)]) == 0
-    assert main(["article", "--quick", "--quiet", "--output", str(article)]) == 0
-    assert (regimes / "boundaries.csv").stat().st_size > 0
-    assert (stability / "stability-solver.csv").stat().st_size > 0
-    assert "claim" in capsys.readouterr().out
-    assert (article / "figure6.png").stat().st_size > 0
-
-
-@pytest.mark.slow
 def test_benchmark_reports_time_next_to_error():
     assert len(median_times([lambda: None, lambda: sum(range(1000))], 3)) == 2
     rows = measure(repetitions=1)

@@ -1,0 +1,1 @@
+"""How commands end when they do not succeed: refusals in one sentence, interruptions, faults."""
