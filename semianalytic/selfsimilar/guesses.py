@@ -81,6 +81,8 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
         narrow = _zone_around_narrow_opening(factors, load, load.opened)
         if narrow is not None:
             yield Guess([narrow])
+            # Where base and step nearly balance at the opening, the stuck traction does not tell.
+            yield Guess([replace(narrow, sense=-narrow.sense)])
     for size in tuning.GRIDS:
         try:
             grid = slip_on_grid(factors.poisson_ratio, load, size, factors.mode)
@@ -208,7 +210,7 @@ def _zone_around_narrow_opening(
     edge, where traction rises like the inverse root of the distance.  Slip begins about where the
     traction of a stuck interface exceeds the strength that the opening leaves.  Its sense is that
     of the traction at the opening, which may be opposite to that of the base.  A grid shows only
-    that the base is released in the opening, and its sense.
+    the sense of the base, which is released in the opening.
     """
     opening, widest = opened.zone, 1 / tuning.NARROW_AT_EDGE
     if opening.right is not None or opening.left is None or not opening.left.v[0] > 2 * widest:

@@ -441,7 +441,8 @@ def _status(best: _Trial, estimate: float, rtol: float) -> str:
         costly = _affordable(best.profile.fields, finer) > finer
         most = f"{tuning.MOST_NODES:,}"
         more = f", for which more than {most} nodes and far more than seconds are needed"
-        return f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}" + more * costly + nearly
+        exceeds = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
+        return exceeds + more * costly + nearly
     return "converged"
 
 
@@ -453,11 +454,11 @@ def _nearly_at_friction(load: Load) -> str:
     strength = float(load.friction) * load.base_pressure
     step = max(abs(load.load_shear), float(load.friction) * abs(load.load_pressure))
     lack = strength - abs(load.base_shear)
-    nearly = 0 < lack < tuning.NEARLY_AT_FRICTION * strength and step < tuning.SMALL_STEP * strength
-    if not nearly or load.critical:
+    nearly = 0 < lack < tuning.NEARLY_AT_FRICTION * strength
+    if load.critical or not nearly or not step < tuning.SMALL_STEP * strength:
         return ""
     return (
-        f"; the base lacks {lack / strength:.1e} of friction, and friction is {strength / step:.1e} "
-        "times the step: let the base be exactly at friction, or lack more than "
+        f"; the base lacks {lack / strength:.1e} of friction, and the step is "
+        f"{step / strength:.1e} of it: let the base be exactly at friction, or lack more than "
         f"{tuning.NEARLY_AT_FRICTION:.0e} of it"
     )
