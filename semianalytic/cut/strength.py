@@ -118,16 +118,21 @@ class PressurePart:
         return ratio, imag
 
     @cached_property
-    def log_ratio_at_edge(self) -> Array:
-        """ln of M_+^I / M_+ on the last panel, (..., n), 0 at the contact edge, without loss of
-        digits."""
+    def ratio_less_edge(self) -> Array:
+        """M_+^I / M_+ over its limit at the contact edge, less 1, on the last panel, (..., n).
+
+        No digits are lost close to the edge.
+        """
         at, factors = self.canonical.panels.at[-1], self.canonical.factors
         if factors.mode == "II":
-            return 0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a))
-        log = log_share(factors.seen_in_plane(at).from_c, at.v, np.array(factors.in_plane.c))
+            return np.expm1(0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a)))
+        from_c = factors.seen_in_plane(at).from_c
+        log = log_share(np.abs(from_c), at.v, np.array(factors.in_plane.c))
         log = log - 0.5 * log_share(at.from_a, at.v, np.array(factors.a))
         log = log - 0.5 * log_share(at.from_b, at.v, np.array(1.0))
-        return np.asarray(log + factors.log_s_plus_behind(at))
+        log = log + factors.log_s_plus_behind(at)
+        # In antiplane shear a stuck edge may reach ahead of c, where M_+^I changes sign.
+        return np.where(from_c < 0, -np.exp(log) - 1, np.expm1(log))
 
     @cached_property
     def slope(self) -> Array:

@@ -456,7 +456,7 @@ class ZoneFields:
         pressure = self._pressure
         if not pressure.analytic:
             return excess
-        ratio = np.expm1(pressure.log_ratio_at_edge)
+        ratio = pressure.ratio_less_edge
         if self.normal is None:
             return excess + pressure.amount_at_edge * (ratio + beyond * (1 + ratio))
         gained = -pressure.sense * self.load.friction * self.normal.stick_transform_excess

@@ -16,6 +16,9 @@ from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import largest_excess
 from semianalytic.selfsimilar.edges import Edges, Placement, edge_shift, moves
 
+_COMPARED = np.linspace(-7.0, 7.0, 40)
+"""Places in y between the nodes of panels at which two rules are compared under a film."""
+
 
 def loose_tolerance(rtol: float) -> float:
     """Return the tolerance of the rule on which zones are searched for."""
@@ -70,7 +73,74 @@ def numerical_error(
         # The edges that the coarse rule requires, to first order.
         moved = unknowns - moves(placement.inverse, placement.edges.left_by(coarse, unknowns))
     error = float(difference(placement.edges, unknowns, moved, fields, coarse))
-    return error + tuning.LEFT_SAFETY * tuning.SAFETY * left
+    gain = intensity_gain(fields)
+    error = max(error, gain * float(edge_shift(placement.edges, unknowns, moved)))
+    error = max(error, tuning.FILM_SAFETY * _share_of_film(fields, coarse))
+    error = max(error, tuning.POWER_SAFETY * _share_of_power(fields, coarse))
+    return error + max(tuning.LEFT_SAFETY * tuning.SAFETY, gain) * left
+
+
+def _share_of_film(fine: ZoneFields, coarse: ZoneFields) -> float:
+    """Return the largest difference of traction between two rules where a film that opens is
+    closed.
+
+    It is relative to the traction of the film plus the largest load.  Between nodes a strong film
+    is resolved much worse than at them, since its slip rate falls within a small part of a zone.
+    """
+    resistance, load, layout = fine.load.resistance, fine.load, fine.layout
+    if resistance is None or load.opened is None or np.ndim(resistance) != 0:
+        return 0.0
+    applied = max(abs(load.load_shear), abs(load.load_pressure)) / float(resistance)
+    both, worst = [one.rate_integral() for one in (fine, coarse)], 0.0
+    far = float(load.far_slip_rate)
+    for panel in layout.slip:
+        if layout.open[panel]:
+            continue
+        at = fine.panels.inside(panel, _COMPARED)
+        rates = [far + rate.totals[:panel].sum() + rate(panel, at) for rate in both]
+        change = np.abs(rates[0] - rates[1]) / (np.abs(rates[0]) + applied)
+        worst = max(worst, float(change.max()))
+    return worst
+
+
+def _share_of_power(fine: ZoneFields, coarse: ZoneFields) -> float:
+    """Return the relative difference of frictional power between two rules where slip covers c.
+
+    There the slip rate is infinite.  Where pressure nearly vanishes there as well, power is a small
+    part of what either would make alone.
+    """
+    if fine.layout.pole < 0 or fine.load.resists_rate or fine.load.frictionless:
+        return 0.0
+    profiles = [Profile(one) for one in (fine, coarse)]
+    own, other = (one.contact_integral(one.strength_at_nodes) for one in profiles)
+    return abs(own - other) / own if own > 0 else 0.0
+
+
+def slip_gain(profile: Profile) -> float:
+    """Return the largest slip rate, over all the time since the first front, over the largest slip.
+
+    An error of the slip rate leaves this many times as much of slip, each over its largest value.
+    """
+    panels, load = profile.panels, profile.fields.load
+    at, first = panels.at.v, float(panels.left[0].v[0])
+    gained = (profile.slip_rate_at_nodes * panels.jacobian).ravel() * panels.rule.spacing
+    # The sum over nodes is right to some per cent.
+    slip = (float(load.far_slip_rate) * first + np.cumsum(gained)) / at.ravel()
+    largest = float(np.abs(slip).max(initial=0.0))
+    return float(profile.largest_rate) / first / largest if largest else 0.0
+
+
+def intensity_gain(fields: ZoneFields) -> float:
+    """Return by how much a shift of edges changes the stress intensity at a stuck contact edge.
+
+    The intensity is the difference of what the step brings and what friction holds there.  Both
+    follow the edges, and it may be much less than either.
+    """
+    if fields.layout.sense[-1]:
+        return 0.0
+    held = abs(float(fields.held_at_edge))
+    known = abs(float(fields.stick_transform_at_edge)) + tuning.LEAST_INTENSITY * held
+    return held / known if known else 0.0
 
 
 def missed_slip(profile: Profile) -> Array:

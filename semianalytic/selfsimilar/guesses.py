@@ -26,7 +26,7 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic.cut.layout import Zone
-from semianalytic.cut.load import Load
+from semianalytic.cut.load import Load, Opened
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
@@ -77,6 +77,12 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
     weak = weak_friction_zones(factors, load) if with_wave else None
     if weak is not None:
         yield Guess(weak)
+    if load.opened is not None:
+        narrow = _zone_around_narrow_opening(factors, load, load.opened)
+        if narrow is not None:
+            yield Guess([narrow])
+            # Where base and step nearly balance at the opening, the stuck traction does not tell.
+            yield Guess([replace(narrow, sense=-narrow.sense)])
     for size in tuning.GRIDS:
         try:
             grid = slip_on_grid(factors.poisson_ratio, load, size, factors.mode)
@@ -193,6 +199,31 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
     else:
         zones[index] = _around(factors, held, opening, grid.xi, (int(last), int(first)))
     return zones
+
+
+def _zone_around_narrow_opening(
+    factors: RayleighFactors, load: Load, opened: Opened
+) -> Zone | None:
+    """Return the zone of slip around an opening at the contact edge that no grid resolves, or None.
+
+    Under a base much larger than the step, the opening and the slip around it end close to the
+    edge, where traction rises like the inverse root of the distance.  Slip begins about where the
+    traction of a stuck interface exceeds the strength that the opening leaves.  Its sense is that
+    of the traction at the opening, which may be opposite to that of the base.  A grid shows only
+    the sense of the base, which is released in the opening.
+    """
+    opening, widest = opened.zone, 1 / tuning.NARROW_AT_EDGE
+    if opening.right is not None or opening.left is None or not opening.left.v[0] > 2 * widest:
+        return None
+    # Rounding would let the last point pass the opening.
+    at = factors.cut(np.geomspace(widest, opening.left.v[0] * (1 - tuning.OFF_ENDS), 400))
+    traction = load.base_shear + load.load_shear * load.stuck(factors, factors.mode).at(at)
+    sense = int(np.sign(traction[-1]))
+    stuck = np.flatnonzero(sense * traction <= load.friction * opened.near_pressure(at.v))
+    # Where all of it slips, the zone is wide enough for a grid.
+    if not sense or not len(stuck) or stuck[-1] + 1 == len(at.v):
+        return None
+    return Zone(at[[stuck[-1] + 1]], None, sense)
 
 
 def _around(

@@ -252,11 +252,14 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
     about, most = replace(load, linearised=step), tuning.MOST_RATE_EDGE_STEPS
     placement = locate_edges(factors, zones, about, rule, _LOCATED, most)
     changes: list[float] = []
-    profile = start
+    profile, left = start, tuning.MOST_RATE_FIELDS
     for _ in range(tuning.MOST_RATE_STEPS):
-        if not placement.converged:
+        # What has not settled by now lies next to c_R, where each of a thousand fields moves the
+        # edges as far as the one before.
+        if not (placement.converged and left > 0):
             break
-        placement, profile = _iterated(step, placement, rule, once=not changes)
+        placement, profile, used = _iterated(step, placement, rule, 1 if not changes else left)
+        left -= used
         fields, largest = profile.fields, float(profile.largest_rate)
         if not step.follows(fields):  # an edge has passed a front: V_k does not move with it
             changes, step = [], RateStep.about(law, fields, SlipRate.of(profile))
@@ -275,17 +278,18 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
 
 
 def _iterated(
-    step: RateStep, placement: Placement, rule: Rule, once: bool
-) -> tuple[Placement, Profile]:
-    """Return edges and fields for one linearisation, with its term in the new V iterated.
+    step: RateStep, placement: Placement, rule: Rule, most: int
+) -> tuple[Placement, Profile, int]:
+    """Return edges and fields for one linearisation, with its term in the new V iterated, and how
+    many fields that took.
 
-    The iteration ends once it settles or an edge passes a front.
+    The iteration ends once it settles, an edge passes a front, or it has taken `most` fields.
     """
-    factors, mixed = step.factors, list[tuple[Array, Array]]()
-    for _ in range(1 if once else tuning.MOST_RATE_ITERATIONS):
+    factors, mixed, used = step.factors, list[tuple[Array, Array]](), 0
+    while used < most:
         fields = ZoneFields(factors, replace(step.load, linearised=step), placement.zones, rule)
         placement, fields, _ = polish_edges(placement, fields, rule, _LEFT)
-        profile = Profile(fields)
+        profile, used = Profile(fields), used + 1 + placement.steps
         if not step.follows(fields):
             break
         new = profile.slip_rate_at_nodes
@@ -294,7 +298,7 @@ def _iterated(
             break
         mixed = [*mixed[-tuning.MIXED_ITERATES :], (step.last, new)]
         step = replace(step, last=_mixed(mixed))
-    return placement, profile
+    return placement, profile, used
 
 
 def _shrinks(changes: Sequence[float]) -> bool:
@@ -395,7 +399,10 @@ def approached(
         share = min(reached + step, 1.0)
         rated = settled_zones(start, replace(law, share=share), tolerance, speed)
         if rated is None:
-            if reached and _least_exponent(start.fields, law)[0] < tuning.STEEP_EXPONENT:
+            # Too steep for any rule is the whole law at the edges that a part of it has moved, or
+            # even the smallest part of it at those of constant friction.
+            least = law if reached else replace(law, share=tuning.LEAST_RATE_SHARE)
+            if _least_exponent(start.fields, least)[0] < tuning.STEEP_EXPONENT:
                 break
             step /= 2
             continue

@@ -108,8 +108,9 @@ class Solution:
         - the slip rate over all positions, in L1 relative to its own L1 norm;
         - the slip rate at every point further than 0.03 c_t from zone edges and from c_R,
           relative to its largest value there, and the shear traction there, relative to itself
-          plus the largest load.  Nearer the error may be larger: a shift e of an edge changes
-          the square root at it by up to e^(1/2), and the logarithm at c_R has no largest value;
+          plus its change plus the largest load.  Nearer the error may be larger: a shift e of an
+          edge changes the square root at it by up to e^(1/2), and the logarithm at c_R has no
+          largest value;
         - edges of openings, relative to c_t; the gap, relative to its largest value, in L1; its
           rate, like the slip rate; and the pressure, relative to base plus step;
         - slip, path and work of friction at every point, relative to their largest value;

@@ -34,10 +34,12 @@ from semianalytic.selfsimilar.corrections import corrected, rearranged
 from semianalytic.selfsimilar.coulomb import violations
 from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of, polish_edges
 from semianalytic.selfsimilar.estimate import (
+    intensity_gain,
     loose_tolerance,
     missed_slip,
     narrowness,
     numerical_error,
+    slip_gain,
 )
 from semianalytic.selfsimilar.guesses import guesses
 from semianalytic.selfsimilar.motion import slip_zones
@@ -337,8 +339,11 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     if covers_c and trial.profile.fields.rule is not rule_for(tolerance):
         tolerance = rtol / tuning.RULE_SHARE_AT_POLE
     tolerance = _affordable(trial.profile.fields, tolerance)
-    # Slip that is narrow ahead of an opening needs its edge relative to that width.
+    # Slip that is narrow ahead of an opening needs its edge relative to that width, and stress
+    # intensity that is a small difference needs it better by what it gains from a shift.
     target = tuning.LEFT_SHIFT * rtol * narrowness(start.edges, start.unknowns)
+    usual = tuning.LEFT_SAFETY * tuning.SAFETY
+    target *= usual / max(usual, intensity_gain(trial.profile.fields))
     target = max(target, tuning.LEAST_LEFT_SHIFT)
     before = np.inf
     for _ in range(tuning.MOST_REFINEMENTS):
@@ -349,6 +354,7 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
         finer = replace(trial, placement=placement, profile=profile)
         steps += placement.steps
         numerical = numerical_error(placement, fields, tolerance, left)
+        numerical *= max(1.0, slip_gain(profile) / tuning.COVERED_GAIN)
         missed = float(missed_slip(profile))
         # Zones that shrink to nothing have no relative error.
         if not numerical + missed < np.inf:
@@ -356,6 +362,8 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
         # What does not decrease any more is rounding: finer rules would only cost more.
         if numerical > tuning.LEAST_GAIN * before:
             break
+        # The zone of slip that is missed by more is not known, nor how its slip grows beside it.
+        missed *= tuning.MISSED_SAFETY if missed > rtol else 1.0
         trial, before, estimate = finer, numerical, numerical + missed
         # If missed slip alone exceeds rtol, a finer rule does not help: the check finds its zone.
         if estimate <= rtol or numerical <= tuning.HOPED_ERROR * rtol:
@@ -425,12 +433,32 @@ def _stricter(best: _Trial, estimate: float, rtol: float) -> tuple[_Trial, float
 
 def _status(best: _Trial, estimate: float, rtol: float) -> str:
     """Return "converged", or a sentence that says what to distrust."""
+    nearly = _nearly_at_friction(best.profile.fields.load)
     if not best.lawful:
-        return "no set of slip zones was found that fulfils Coulomb's law everywhere"
+        return "no set of slip zones was found that fulfils Coulomb's law everywhere" + nearly
     if estimate > rtol:
         finer = max(rtol / tuning.RULE_SHARE, tuning.FINEST_RULE)
         costly = _affordable(best.profile.fields, finer) > finer
         most = f"{tuning.MOST_NODES:,}"
         more = f", for which more than {most} nodes and far more than seconds are needed"
-        return f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}" + more * costly
+        exceeds = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
+        return exceeds + more * costly + nearly
     return "converged"
+
+
+def _nearly_at_friction(load: Load) -> str:
+    """Return the end of a status that says what to change about a base just below friction.
+
+    Under a base that dwarfs the step, what then keeps the interface stuck is rounding of the base.
+    """
+    strength = float(load.friction) * load.base_pressure
+    step = max(abs(load.load_shear), float(load.friction) * abs(load.load_pressure))
+    lack = strength - abs(load.base_shear)
+    nearly = 0 < lack < tuning.NEARLY_AT_FRICTION * strength
+    if load.critical or not nearly or not step < tuning.SMALL_STEP * strength:
+        return ""
+    return (
+        f"; the base lacks {lack / strength:.1e} of friction, and the step is "
+        f"{step / strength:.1e} of it: let the base be exactly at friction, or lack more than "
+        f"{tuning.NEARLY_AT_FRICTION:.0e} of it"
+    )

@@ -146,3 +146,25 @@ def test_slip_of_the_wrong_sense_is_part_of_the_estimate():
     assert rough.zones[-1].outer - fine.zones[-1].outer > 6e-4
     assert 0 < wrong.max() / abs(rough.edge_slip_rate) < rough.error_estimate < 1e-6
     assert error_between(rough, fine) < rough.error_estimate
+
+
+FOUND = [
+    487,  # no set of zones: antiplane slip that ends ahead of c_R
+    560,  # slip, whose largest rate would make eight times as much of it
+    939,
+    963,  # a film that opens, between its nodes
+    pytest.param(823, marks=pytest.mark.slow),  # stress intensity that is a small difference
+    pytest.param(
+        1351, marks=pytest.mark.slow
+    ),  # derivatives of a film that slips at the edge alone
+    pytest.param(1522, marks=pytest.mark.slow),  # power of a contact that nearly opens at c_R
+]
+
+
+@pytest.mark.parametrize("index", FOUND)
+def test_draws_that_were_beyond_their_estimates(index):
+    """One of each kind that a campaign of 5,000 found."""
+    row = answers.answer_row(answers.SEED, index)
+    assert row.outcome == "converged"
+    ratios = [getattr(row, name) for name in answers.QUANTITIES]
+    assert max(ratio for ratio in ratios if ratio == ratio) < 1

@@ -182,7 +182,12 @@ def _on_the_interface(
             rates[0] - rates[1], max(np.abs(rates[1]).max(initial=0.0), _fastest(fine)), bound
         ),
         "slip": _over(slips[0] - slips[1], fine.max_slip(1.0), bound),
-        "traction": _over(shears[0] - shears[1], np.abs(shears[1]) + load + rounding, bound),
+        # close to a stuck contact edge a large change may take off a large base
+        "traction": _over(
+            shears[0] - shears[1],
+            np.abs(shears[1]) + np.abs(shears[1] - scene.base.shear) + load + rounding,
+            bound,
+        ),
         "pressure": _over(
             pressures[0] - pressures[1], base + abs(scene.superposition.taken_off.pressure), bound
         ),

@@ -17,6 +17,8 @@ from semianalytic import (
 from semianalytic.reference import viscous_edge_speed, viscous_slip_rate
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar import rated as rated_module
+from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.edges import polish_edges
 from semianalytic.selfsimilar.rated import (
     approached,
     rated_zones,
@@ -119,6 +121,48 @@ def test_slip_rate_too_steep_for_any_rule_is_said():
     assert "rises like the power 0.05" in solution.status
     assert "a zone edge near x/t = 0.92" in solution.status
     assert solution.error_estimate == np.inf
+
+
+@pytest.mark.slow
+def test_slip_rate_that_no_step_makes_less_steep_is_given_up_at_once(monkeypatch):
+    """Draw 2747 of the campaign: weak friction leaves 1e-10 of stick around c_R, beside which even
+    a part of the law is too steep; five more steps took a minute."""
+    calls, fields = [], []
+
+    def counted(*given):
+        calls.append(rated_zones(*given))
+        return calls[-1]
+
+    def polished(*given):
+        found = polish_edges(*given)
+        fields.append(1 + found[0].steps)
+        return found
+
+    monkeypatch.setattr(rated_module, "rated_zones", counted)
+    monkeypatch.setattr(rated_module, "polish_edges", polished)
+    law = RateWeakening(0.5673157809443904, 2.021263565484365)
+    base = (0.8160586945782151, 0.0011639241467299353)
+    friction, nu = 0.0014262750393603937, 0.41993813926217527
+    solution = solve(unit_scene(friction, base, nu=nu, friction_law=law), rtol=1e-5)
+    assert "which no rule resolves" in solution.status
+    assert len(calls) == 1
+    assert sum(fields) <= tuning.MOST_RATE_FIELDS
+
+
+def test_fields_without_end_are_given_up(monkeypatch):
+    """However many the iterations would take."""
+    monkeypatch.setattr(tuning, "MOST_RATE_FIELDS", 6)
+    start, fields = dry(ONE_ZONE), []
+
+    def polished(*given):
+        found = polish_edges(*given)
+        fields.append(1 + found[0].steps)
+        return found
+
+    monkeypatch.setattr(rated_module, "polish_edges", polished)
+    law = unit_law(ONE_ZONE, start.stress_unit)
+    assert not rated_zones(start.profile, start.profile.fields.zones, law, 1e-6).converged
+    assert 6 <= sum(fields) <= 6 + tuning.MOST_BROYDEN_STEPS
 
 
 def test_steps_of_the_share_lead_where_the_whole_law_at_once_does_not(monkeypatch):
