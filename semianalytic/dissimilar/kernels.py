@@ -27,6 +27,9 @@ from semianalytic.scene.material import Material
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
+_SAME = 1e-8
+"""Relative difference of two speeds below which they count as one: beside two fronts that are
+nearer, samples of the kernels differ by rounding alone."""
 _BESIDE = 1e-5
 """Distance from the Stoneley pole at which its residues are taken: its square is what they are off
 by, and rounding over it."""
@@ -65,8 +68,10 @@ class PairImpedance:
 
     @cached_property
     def branches(self) -> tuple[float, ...]:
-        """Branch points over i: speeds of the body waves."""
-        return tuple(sorted(1 / front for front in self.compliance.distinct_fronts))
+        """Branch points over i: speeds of the body waves, nearly equal ones once."""
+        speeds = np.sort(1 / self.compliance.fronts)
+        apart = np.diff(speeds, prepend=0.0) > _SAME * speeds
+        return tuple(speeds[apart].tolist())
 
     def __call__(self, s: Complex) -> Complex:
         """Return Z_s, Z_n and H at s (n,) with Re s > 0, without the Stoneley wave, (3, n)."""

@@ -8,13 +8,15 @@ waves of length 2 pi c_t t*.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.dissimilar.kernels import BodyPair
+from semianalytic.dissimilar.kernels import BodyPair, PairImpedance
 from semianalytic.dissimilar.phase import slip_phase
-from semianalytic.dissimilar.stability import SlidingStability, sliding_stability
+from semianalytic.dissimilar.stability import sliding_stability
+from semianalytic.dissimilar.thresholds import growth_threshold
 from semianalytic.engine.law import InterfaceLaw
 from semianalytic.engine.tuning import DELAY_NODES
 from semianalytic.scene.errors import SceneError
@@ -41,22 +43,23 @@ def check_window(
     spacing : float
         Node distance [length].
     """
-    known = growth_of(pair, law, pressure)
-    if known is None:
+    least, delay = least_delay(pair, spacing), float(np.min(law.pressure_delay(speed)))
+    if delay >= least:
         return
-    delay = float(np.min(law.pressure_delay(speed)))
-    least = least_delay(pair, spacing)
+    friction = growing_friction(pair, law, pressure)
+    if not friction:
+        return
     if delay == 0:
+        verdict = sliding_stability(pair.upper, pair.lower, friction).verdict
         raise SceneError(
-            f"interface: friction {known.friction:.4g} between these bodies is {known.verdict} "
-            f"On this grid `delay` of Coulomb friction must be {_rounded_up(least)} or more."
+            f"interface: friction {friction:.4g} between these bodies is {verdict} On this grid "
+            f"`delay` of Coulomb friction must be {_rounded_up(least)} or more."
         )
-    if delay < least:
-        raise SceneError(
-            f"interface: friction follows pressure with a delay of {delay:.3g}, which the grid "
-            f"cannot resolve; raise it to {_rounded_up(least)} or divide the node distance by "
-            f"{math.ceil(least / delay)}."
-        )
+    raise SceneError(
+        f"interface: friction follows pressure with a delay of {delay:.3g}, which the grid "
+        f"cannot resolve; raise it to {_rounded_up(least)} or divide the node distance by "
+        f"{math.ceil(least / delay)}."
+    )
 
 
 def doubt_of(
@@ -83,7 +86,7 @@ def doubt_of(
         return ""
     if law.has_threshold:
         least, found = least_delay(pair, spacing), float(np.min(law.pressure_delay(speed)))
-        if found >= least or growth_of(pair, law, pressure) is None:
+        if found >= least or not growing_friction(pair, law, pressure):
             return ""
         return (
             f"at the largest slip rate friction follows pressure within {found:.3g}, and the grid "
@@ -94,9 +97,7 @@ def doubt_of(
     friction = float((strength / pressure[pressed]).max())
     slopes = np.broadcast_to(law.rate_slope(pressure, speed, state), len(pressure))
     viscosity = max(float(slopes[pressed].min()), 0.0)
-    if friction < sliding_stability(pair.upper, pair.lower, friction).threshold or is_damped(
-        pair, friction, viscosity
-    ):
+    if friction < threshold_of(pair.kernels) or is_damped(pair, friction, viscosity):
         return ""
     return (
         f"at the largest slip rate, {fastest:.3g}, friction rises too little with slip rate "
@@ -104,20 +105,21 @@ def doubt_of(
     )
 
 
-def growth_of(pair: BodyPair, law: InterfaceLaw, pressure: Array) -> SlidingStability | None:
-    """Return the stability of sliding if waves grow under a law without a delay, or None."""
+def growing_friction(pair: BodyPair, law: InterfaceLaw, pressure: Array) -> float:
+    """Return the friction under which waves grow if a law has no delay, or 0 where none does."""
     if not law.has_threshold or not (pressure > 0).any():
-        # A direct effect of slip rate damps the shortest waves (`hidden_growth`).
-        return None
+        # A direct effect of slip rate damps the shortest waves, if it is large (`doubt_of`).
+        return 0.0
     friction, viscosity = _response(law, pressure[pressure > 0], pressure > 0)
-    if not friction > 0:
-        return None
-    known = sliding_stability(pair.upper, pair.lower, friction)
-    if friction < known.threshold or known.threshold == math.inf:
-        return None
-    if viscosity > 0 and is_damped(pair, friction, viscosity):
-        return None
-    return known
+    if friction < threshold_of(pair.kernels):
+        return 0.0
+    return 0.0 if viscosity > 0 and is_damped(pair, friction, viscosity) else friction
+
+
+@lru_cache(maxsize=32)
+def threshold_of(kernels: PairImpedance) -> float:
+    """Return the friction below which no wave grows, whatever the sense and the direction."""
+    return float(min(growth_threshold(kernels.compliance, way) for way in (1, -1)))
 
 
 def is_damped(pair: BodyPair, friction: float, viscosity: float) -> bool:
