@@ -123,7 +123,10 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
 def _solid(name: str, value: Any) -> Material:
     material, known = _table(name, value), tuple(one.name for one in fields(Material))
     _known(f"{name}.", material, known, known)
-    return Material(**material)
+    try:
+        return Material(**material)
+    except SceneError as error:
+        raise SceneError(str(error).replace("material:", f"{name}:", 1)) from error
 
 
 def _law(table: dict[str, Any], folder: Path) -> InterfaceLaw:
