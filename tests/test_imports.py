@@ -22,7 +22,7 @@ ARROWS = {
         "field": "scene halfplane cut",
         "selfsimilar": "scene results halfplane cut separation field",
         "spacetime": "scene results halfplane field",
-        "engine": "scene results spacetime",
+        "engine": "scene results spacetime dissimilar",
         "dissimilar": "scene halfplane",
         "dissimilar_slot": "scene results halfplane selfsimilar dissimilar",
         "whole_line": "scene results halfplane selfsimilar",

@@ -11,7 +11,7 @@ from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFri
 from semianalytic.scene.quantities import with_quantities
 from semianalytic.scene.scene import Material, Tractions
 
-_LARGEST_CONTRAST = 1e5
+LARGEST_CONTRAST = 1e5
 """Largest ratio of moduli or densities.  At 1e4 the canonical matrix keeps nine digits, and it
 loses one more for every further factor of ten (rigid bodies need no second half-plane).  Rubber on
 steel is 2.4e4."""
@@ -80,7 +80,7 @@ class Pair:
             "pair: friction", self.friction, "be positive and finite", lambda given: given > 0
         )
         object.__setattr__(self, "friction", friction)
-        check_contrast(self.upper, self.lower, _LARGEST_CONTRAST)
+        check_contrast(self.upper, self.lower, LARGEST_CONTRAST)
         strength = self.friction * self.base.pressure
         if not self.base.pressure > 0:
             raise SceneError(

@@ -168,15 +168,18 @@ class Unilateral:
         touching: NDArray[np.bool_],
     ) -> None:
         self.impedance, self.memory, self.loads = impedance, memory, loads
-        self._grid, self._touching = grid, touching
+        self.grid, self.touching = grid, touching
 
-    def jump(self, now: Faces, time: float) -> Faces:
-        """Return pressure and opening rate after loads have jumped, with the gap as it is."""
-        held = self.memory.convolution(self._grid.amplitudes(now.gap_rate))
+    def jump(self, now: Faces, time: float, push: Array | float = 0.0) -> Faces:
+        """Return pressure and opening rate after loads have jumped, with the gap as it is.
+
+        The pressure that slip exerts is `push`, (n,).
+        """
+        held = self.held(now)[0]
         line, slot = self.loads(time, after=True)
         least = np.where(now.gap > 0, -math.inf, 0.0)
-        pressure, rate = self._balance(line, slot, held, least)
-        self.memory.exchange(self._grid.amplitudes(rate - now.gap_rate))
+        pressure, rate = self.balance(line + push, slot, held, least)
+        self.memory.exchange(self.grid.amplitudes(rate - now.gap_rate))
         return Faces(pressure, now.gap, rate, now.closing)
 
     def step(self, now: Faces, time: float, length: float, path: float, sweeps: int) -> Faces:
@@ -193,32 +196,77 @@ class Unilateral:
         sweeps : int
             Iterations.
         """
-        amplitudes = self._grid.amplitudes(now.gap_rate)
-        past, feedback = self.memory.advance(amplitudes, path)
-        line, slot = self.loads(time)
-        least = 0.0 - now.gap / length
+        parting = Parting(self, now, time, length, path)
         for _ in range(sweeps):
-            pressure, rate = self._balance(line, slot, past + feedback * amplitudes, least)
-            amplitudes = self._grid.amplitudes(rate)
-        gap = now.gap + length * rate
-        gap[self._touching] = np.where(rate > least, np.maximum(gap, 0.0), 0.0)[self._touching]
-        return Faces(pressure, gap, rate, now.closing - length * pressure * rate)
+            parting.sweep()
+        return parting.faces
 
-    def frees(self, now: Faces, time: float) -> bool:
-        """Return whether a node is open, or would open under the loads of a later time."""
-        if now.is_open[self._touching].any():
+    def held(self, now: Faces) -> Array:
+        """Return the convolutions now, one per kernel, (1 or 2, rows, m)."""
+        held = self.memory.convolution(self.grid.amplitudes(now.gap_rate))
+        return held if held.ndim == 3 else held[None]
+
+    def frees(self, now: Faces, time: float, push: Array | float = 0.0) -> bool:
+        """Return whether a node is open, or would open under the loads of a later time.
+
+        The pressure that slip exerts is `push`, (n,).
+        """
+        if now.is_open[self.touching].any():
             return True
-        held = self.memory.convolution(self._grid.amplitudes(now.gap_rate))
-        left = self.loads(time)[0] + self.impedance * self._grid.values(held)
-        return bool((left[self._touching] < 0).any())
+        left = self.loads(time)[0] + push + self.impedance * self.grid.values(self.held(now)[0])
+        return bool((left[self.touching] < 0).any())
 
-    def _balance(
+    def balance(
         self, line: Array, slot: Array, convolution: Array, least: Array
     ) -> tuple[Array, Array]:
         """Return pressure and opening rate, given the convolution and the rate that closes."""
-        stopping = line + self.impedance * self._grid.values(convolution)
+        stopping = line + self.impedance * self.grid.values(convolution)
         freed = -stopping / self.impedance
-        rate = np.where(self._touching, np.maximum(freed, least), freed + slot / self.impedance)
+        rate = np.where(self.touching, np.maximum(freed, least), freed + slot / self.impedance)
         # An open node has a pressure of exactly 0, since rounding could make p U positive.
-        held = self._touching & (least >= freed)
+        held = self.touching & (least >= freed)
         return np.where(held, np.maximum(stopping + self.impedance * rate, 0.0), 0.0), rate
+
+
+class Parting:
+    """One step of the contact's pressure and gap, in sweeps; the memory is advanced at once.
+
+    Parameters
+    ----------
+    unilateral, now, time, length, path
+        As in `Unilateral.step`.
+    """
+
+    def __init__(
+        self, unilateral: Unilateral, now: Faces, time: float, length: float, path: float
+    ) -> None:
+        self._unilateral, self._now, self._length = unilateral, now, length
+        self._line, self._slot = unilateral.loads(time)
+        self._amplitudes = unilateral.grid.amplitudes(now.gap_rate)
+        past, feedback = unilateral.memory.advance(self._amplitudes, path)
+        several = past.ndim == 3
+        self._past, self._feedback = (past, feedback) if several else (past[None], feedback[None])
+        self._least = 0.0 - now.gap / length
+        self._pressure, self._rate = now.pressure, now.gap_rate
+
+    @property
+    def convolutions(self) -> Array:
+        """Convolutions with the latest opening rate, one per kernel, (1 or 2, rows, m)."""
+        return self._past + self._feedback[:, None] * self._amplitudes
+
+    def sweep(self, push: Array | float = 0.0) -> Array:
+        """Find the opening rate anew under a pressure that slip exerts; return the pressure."""
+        self._pressure, self._rate = self._unilateral.balance(
+            self._line + push, self._slot, self.convolutions[0], self._least
+        )
+        self._amplitudes = self._unilateral.grid.amplitudes(self._rate)
+        return self._pressure
+
+    @property
+    def faces(self) -> Faces:
+        """Pressure and gap at the end of the step."""
+        now, rate, on = self._now, self._rate, self._unilateral.touching
+        gap = now.gap + self._length * rate
+        gap[on] = np.where(rate > self._least, np.maximum(gap, 0.0), 0.0)[on]
+        closing = now.closing - self._length * self._pressure * rate
+        return Faces(self._pressure, gap, rate, closing)

@@ -1,11 +1,13 @@
-"""Fields along x: numbers, functions of x, tables, and files of tables with units."""
+"""Fields along x: numbers, functions of x, expressions, tables, and files of tables with units."""
 
 from __future__ import annotations
 
+import ast
 import csv
 import math
+import operator
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -23,6 +25,25 @@ _PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "µ": 
 UNITS = {f"{prefix}{unit}": size for unit in ("m", "s", "Pa") for prefix, size in _PREFIXES.items()}
 UNITS |= {f"{prefix}m/s": size for prefix, size in _PREFIXES.items()} | {"1": 1.0, "": 1.0}
 """Units that headers of tables may name, in SI units."""
+_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    **{name: getattr(np, name) for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "tanh")},
+    **{"abs": np.abs, "min": np.minimum, "max": np.maximum, "where": np.where},
+}
+_OPERATORS: Mapping[type, Callable[..., Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+}
+LONGEST = 2000
+"""Characters of an expression; longer ones belong in a table or a script."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,3 +192,66 @@ def required(what: str, values: Array, admitted: Sequence[Any] | Any, words: str
     if wrong.any():
         first = int(np.argmax(wrong))
         raise SceneError(f"{what} must {words}, got {values[first]:.6g} at x = {x[first]:.4g}.")
+
+
+class Expression:
+    """A function given as text: numbers, + - * / **, comparisons, and a few functions of numpy.
+
+    Parameters
+    ----------
+    text : str
+        The expression, such as "where(abs(x) < 1, 0.6, 0.2)".
+    variables : tuple of str
+        Names of the arguments, in order.
+
+    Raises
+    ------
+    SceneError
+        If it contains anything else.
+    """
+
+    def __init__(self, text: str, variables: tuple[str, ...]) -> None:
+        self.text, self.variables = text, variables
+        try:
+            tree = ast.parse(" ".join(text.split()), mode="eval") if len(text) <= LONGEST else None
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            tree = None
+        if tree is None:
+            raise SceneError(f"{shown(text)} is not an expression such as 1 + 0.1 * exp(-x**2).")
+        self._body = tree.body
+        with np.errstate(all="ignore"):
+            self(*(np.array([0.5]) for _ in variables))
+
+    def __call__(self, *values: Any) -> Any:
+        """Return the value at arguments, which broadcast."""
+        return self._value(self._body, dict(zip(self.variables, values, strict=True)))
+
+    def __repr__(self) -> str:
+        return self.text
+
+    def _value(self, node: ast.AST, known: Mapping[str, Any]) -> Any:
+        """Return the value of a part of the expression."""
+        match node:
+            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+                return float(number)
+            case ast.Name(id=name) if name in known:
+                return known[name]
+            case ast.Name(id="pi"):
+                return np.pi
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
+                return _OPERATORS[type(op)](self._value(left, known), self._value(right, known))
+            case ast.UnaryOp(op=op, operand=one) if type(op) in _OPERATORS:
+                return _OPERATORS[type(op)](self._value(one, known))
+            case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _OPERATORS:
+                return _OPERATORS[type(op)](self._value(left, known), self._value(right, known))
+            case ast.Call(func=ast.Name(id=name), args=given, keywords=[]) if name in _FUNCTIONS:
+                try:
+                    return _FUNCTIONS[name](*(self._value(one, known) for one in given))
+                except (TypeError, ValueError) as error:
+                    raise SceneError(
+                        f"{shown(self.text)}: {name} takes other arguments."
+                    ) from error
+        raise SceneError(
+            f"{shown(self.text)}: {ast.unparse(node)} is not known here; use "
+            f"{', '.join(self.variables)}, pi, + - * / **, < > <= >=, {', '.join(_FUNCTIONS)}."
+        )

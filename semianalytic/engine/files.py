@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from semianalytic.engine.contact import Contact
-from semianalytic.engine.expressions import Expression
-from semianalytic.engine.fields import Table
+from semianalytic.engine.fields import Expression, Table
 from semianalytic.engine.interface import Interface, InterfaceLoad
 from semianalytic.engine.law import InterfaceLaw
 from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
@@ -94,14 +93,16 @@ def parsed(text: str, name: str, folder: Path) -> InterfaceFile:
 
 def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     """Make the interface of a document."""
-    parts = ("summary", "material", "law", "contact", "load", "run")
+    parts = ("summary", "material", "lower_material", "law", "contact", "load", "run")
     _known("", document, (*_INTERFACE, *parts), ("length", "material", "law", "run"))
-    material = _table("material", document["material"])
-    solid = [one.name for one in fields(Material)]
-    _known("material.", material, tuple(solid), tuple(solid))
+    given: dict[str, Any] = {
+        name: _solid(name, document[name])
+        for name in ("material", "lower_material")
+        if name in document
+    }
     plan = _table("run", document["run"])
     _known("run.", plan, _RUN, ("end_time",))
-    given: dict[str, Any] = {key: document[key] for key in _INTERFACE if key in document}
+    given |= {key: document[key] for key in _INTERFACE if key in document}
     for key in _FIELDS:
         if key in given:
             given[key] = _field(key, given[key], folder)
@@ -110,7 +111,6 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     if not isinstance(loads, list):
         raise SceneError("load must be one table, [load], or several, [[load]].")
     interface = Interface(
-        material=Material(**material),
         law=_law(_table("law", document["law"]), folder),
         loads=[_load(_table("load", one), folder) for one in loads],
         contact=_contact(document.get("contact")),
@@ -118,6 +118,15 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     )
     options = {key: value for key, value in plan.items() if key != "end_time"}
     return InterfaceFile(interface, plan["end_time"], options, str(document.get("summary", "")))
+
+
+def _solid(name: str, value: Any) -> Material:
+    material, known = _table(name, value), tuple(one.name for one in fields(Material))
+    _known(f"{name}.", material, known, known)
+    try:
+        return Material(**material)
+    except SceneError as error:
+        raise SceneError(str(error).replace("material:", f"{name}:", 1)) from error
 
 
 def _law(table: dict[str, Any], folder: Path) -> InterfaceLaw:

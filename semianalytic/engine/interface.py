@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.dissimilar.kernels import BodyPair
+from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
 from semianalytic.engine.contact import Contact
 from semianalytic.engine.fields import at_nodes, check_field
 from semianalytic.engine.law import InterfaceLaw
@@ -162,7 +164,7 @@ class ActingLoads:
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """A frictional interface between two identical half-planes, with fields that vary along x.
+    """A frictional interface between two half-planes, with fields that vary along x.
 
     Pressure, base shear, loads and all parameters of the law are fields: numbers, functions of x,
     or a `Table`.  The line y = 0 is periodic; waves leave one end and enter the other after
@@ -171,7 +173,7 @@ class Interface:
     Parameters
     ----------
     material : Material
-        The solid on both sides.
+        The solid on both sides, or that on y > 0.
     law : InterfaceLaw
         Friction; `Coulomb`, `SlipDependent`, `RateDependent`, `RateAndState`, or a law of your own.
     length : float
@@ -195,6 +197,8 @@ class Interface:
         stiffness does, and the mean slip only radiates.
     even : bool
         Whether everything is even in x, so that only x > 0 is computed.
+    lower_material : Material, optional
+        The solid on y < 0 if it is another one.  Slip then changes the pressure (in-plane only).
 
     Raises
     ------
@@ -222,6 +226,7 @@ class Interface:
     plate_rate: float = 0.0
     held: float = math.inf
     even: bool = False
+    lower_material: Material | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.material, Material):
@@ -242,6 +247,10 @@ class Interface:
             raise SceneError(f"interface: contact must be a Contact, got {shown(self.contact)}.")
         if self.mode not in MODES:
             raise SceneError(f"interface: mode must be in-plane or antiplane, got {self.mode!r}.")
+        if not isinstance(self.even, bool):
+            raise SceneError(f"interface: even must be true or false, got {shown(self.even)}.")
+        if self.lower_material is not None:
+            self._check_lower(self.lower_material)
         if self.mode == "antiplane" and self.may_open:
             raise SceneError(
                 "interface: loads of an antiplane interface have no pressure; leave it out or set "
@@ -251,23 +260,50 @@ class Interface:
         object.__setattr__(self, "plate_rate", plate)
         if self.held != math.inf:
             object.__setattr__(self, "held", checked_size("interface: held", self.held))
-        if not isinstance(self.even, bool):
-            raise SceneError(f"interface: even must be true or false, got {shown(self.even)}.")
+
+    def _check_lower(self, lower: Material) -> None:
+        if not isinstance(lower, Material):
+            raise SceneError(f"interface: lower_material must be a Material, got {shown(lower)}.")
+        check_contrast(self.material, lower, LARGEST_CONTRAST)
+        if self.pair is None:
+            return
+        if self.mode == "antiplane":
+            raise SceneError(
+                'interface: between different bodies mode must be "in-plane"; leave out '
+                "lower_material or change the mode."
+            )
+        if self.even:
+            raise SceneError(
+                "interface: slip between different bodies is not even in x, because it raises the "
+                "pressure on one side and lowers it on the other; set even = false."
+            )
+
+    @property
+    def pair(self) -> BodyPair | None:
+        """The two bodies if they are different ones."""
+        if self.lower_material is None or self.lower_material == self.material:
+            return None
+        return BodyPair(self.material, self.lower_material)
 
     @property
     def impedance(self) -> float:
-        """Traction per relative slip rate of plane waves, mu / (2 c_t) [stress time / length]."""
-        return self.material.shear_impedance / 2
+        """Traction per relative slip rate of plane waves [stress time / length].
+
+        It is mu / (2 c_t) between identical bodies.
+        """
+        return self.material.shear_impedance / 2 if self.pair is None else self.pair.impedances[0]
 
     @property
     def opening_impedance(self) -> float:
-        """Pressure per rate of the gap, rho c_l / 2 [stress time / length]."""
+        """Pressure per rate of the gap [stress time / length]; rho c_l / 2 if bodies are alike."""
+        if self.pair is not None:
+            return self.pair.impedances[1]
         return self.material.density * self.material.longitudinal_speed / 2
 
     @property
     def may_open(self) -> bool:
-        """Whether a load changes the pressure, so that gaps are computed."""
-        return any(load.acts("pressure") for load in self.loads)
+        """Whether a load, or slip of different bodies, changes the pressure: gaps are computed."""
+        return self.pair is not None or any(load.acts("pressure") for load in self.loads)
 
     @property
     def jumps(self) -> list[float]:

@@ -54,6 +54,20 @@ class InterfaceLaw(ABC):
         """Return the state after a time at a mean speed; the accumulated |slip| by default."""
         return state + speed * time
 
+    def evolved_under(
+        self, state: Array, speed: Array, time: float, before: Array, after: Array
+    ) -> Array:
+        """Return the state after a time under a changing pressure; that of `evolved` by default.
+
+        The pressure changes linearly from `before` to `after`, which are 0 where the contact is
+        open.
+        """
+        return self.evolved(state, speed, time)
+
+    def pressure_delay(self, speed: Array) -> Any:
+        """Return the time in which strength follows pressure at a speed; 0 by default: at once."""
+        return 0.0
+
     def start(self, pressure: Array, shear: Array, speed: Array) -> Array:
         """Return the state at t = 0, where |shear| is carried at a speed; 0 by default."""
         return np.zeros(len(pressure))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.tuning import TABLES
-from semianalytic.spacetime.exponentials import Memory
+from semianalytic.spacetime.exponentials import Memory, SharedMemory
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -160,6 +160,11 @@ class LineMemory:
         step : float
             c_t dt [length].
         """
+        table = self.move(amplitudes, step)
+        return self.modes.real.sum(axis=0) + self.lasting, table.feedback
+
+    def move(self, amplitudes: Array, step: float) -> Table:
+        """Step on, with the rate at the beginning of the step; return the table of the step."""
         table = self.table(step)
         if self.last != step:
             # The memory lacks the share of the newest rate as the table of the last step had it;
@@ -175,7 +180,7 @@ class LineMemory:
         np.multiply(table.gain, amplitudes, out=self._scratch)
         self.modes += self._scratch
         self.lasting += 2 * table.half * amplitudes
-        return self.modes.real.sum(axis=0) + self.lasting, table.feedback
+        return table
 
     def convolution(self, amplitudes: Array) -> Array:
         """Return the convolution now (rows, m), with the newest rate's amplitudes (rows, m)."""
@@ -192,6 +197,60 @@ class LineMemory:
             table = self.table(self.last)
             self.modes -= table.end * change
             self.lasting -= table.half * change
+
+
+class CoupledMemory(LineMemory):
+    """The memory of slip, or opening, of different bodies, which exert two tractions each.
+
+    Slip changes the pressure between bodies that differ, and opening the shear traction,
+
+        tau = tau_0 - Z_V [V + h_s * V] + i sgn(q) Z_U h_p * U,
+        p   = p_0   + Z_U [U + h_n * U] + i sgn(q) Z_V h_q * V,
+
+    with Z_V, Z_U the impedances of plane waves; nothing of the coupling is at once
+    (`dissimilar.kernels`).
+    `advance` and `convolution` return both kernels, (2, rows, m), and feedback is (2, m).
+
+    Parameters
+    ----------
+    fit : SharedMemory
+        Sums of exponentials of Z_s, Z_n and H.
+    own : int
+        0 for slip, whose own kernel is Z_s; 1 for opening, whose own is Z_n.
+    direct : float
+        Z_V or Z_U over the unit of the kernels.
+    grid : Grid
+        Nodes.
+    """
+
+    def __init__(self, fit: SharedMemory, own: int, direct: float, grid: Grid) -> None:
+        super().__init__(
+            Memory(fit.poles, np.ones_like(fit.poles), 1.0, fit.horizon, fit.error), grid
+        )
+        self._residues = fit.residues[[own, 2]] / direct
+        self._static = fit.static[[own, 2]] / direct
+        self._shares: tuple[float, Array] = (0.0, np.zeros((2, 1)))
+
+    def advance(self, amplitudes: Array, step: float) -> tuple[Array, Array]:
+        """Step on; see `LineMemory.advance`."""
+        self.move(amplitudes, step)
+        return self._held(), self._feedback()
+
+    def convolution(self, amplitudes: Array) -> Array:
+        """Return both convolutions now, with the newest rate's amplitudes (rows, m)."""
+        held = self._held()
+        return held + self._feedback()[:, None] * amplitudes if self.last else held
+
+    def _held(self) -> Array:
+        modes = np.tensordot(self._residues, self.modes, 1).real
+        return np.asarray(modes + np.multiply.outer(self._static, self.lasting))
+
+    def _feedback(self) -> Array:
+        if self._shares[0] != self.last:
+            table = self.table(self.last)
+            ends = (self._residues @ table.end[:, 0]).real
+            self._shares = self.last, ends + np.multiply.outer(self._static, table.half)
+        return self._shares[1]
 
 
 def _phi(z: Complex) -> tuple[Complex, Complex]:

@@ -85,6 +85,51 @@ shear_modulus = 1.0
 density = 1.0
 poisson_ratio = 0.3333333333333333
 """,
+    "rock-on-gouge": """
+summary = "a growing patch between rock and gouge: slip is faster towards the slip of the gouge"
+length = 24.0
+pressure = 10e6
+shear = 3e6
+[material]
+shear_modulus = 30e9
+density = 2700.0
+poisson_ratio = 0.25
+[lower_material]
+shear_modulus = 12e9
+density = 2300.0
+poisson_ratio = 0.25
+[law]
+kind = "coulomb"
+friction = 0.4
+[load]
+shear = "2e6 * min(max((600 * t - abs(x)) / 0.1 + 0.5, 0), 1)"
+[run]
+end_time = 2e-3
+nodes = 1024
+""",
+    "steel-on-rubber": """
+summary = "a growing patch between steel and rubber, whose friction follows pressure with a delay"
+length = 1.6
+pressure = 1e5
+shear = 4e4
+[material]
+shear_modulus = 80.77e9
+density = 7800.0
+poisson_ratio = 0.3
+[lower_material]
+shear_modulus = 3.356e6
+density = 1100.0
+poisson_ratio = 0.49
+[law]
+kind = "coulomb"
+friction = 0.5
+delay = 2e-4
+[load]
+shear = "2e4 * min(max((20 * t - abs(x)) / 0.006 + 0.5, 0), 1)"
+[run]
+end_time = 2e-3
+nodes = 1024
+""",
     "cattaneo": """
 summary = "slow shear on a contact under uniform pressure: partial slip of Cattaneo and Mindlin"
 length = 8.0

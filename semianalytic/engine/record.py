@@ -130,7 +130,9 @@ def checkpoint(stepper: Stepper, record: Record, now: State, print_of: str) -> d
 
 def fingerprint(stepper: Stepper) -> str:
     """Return a digest of everything on the grid that a run depends on."""
-    parts = [stepper.interface.material, stepper.grid, stepper.interface.plate_rate]
+    parts: list[Any] = [stepper.interface.material, stepper.grid, stepper.interface.plate_rate]
+    if stepper.pair is not None:
+        parts.append(stepper.pair)
     parts += [stepper.interface.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
     digest = hashlib.sha256(repr(parts).encode())
     laid = [stepper.pressure, stepper.shear, stepper.touching, *stepper.loads(stepper.shortest)]

@@ -23,6 +23,7 @@ from semianalytic.engine.tuning import (
     STEP_RATIO,
     ZONE_NODES,
 )
+from semianalytic.engine.window import doubt_of
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
@@ -119,6 +120,9 @@ def run(
     if go_on is not None:
         nodes = go_on.nodes if nodes is None else nodes
     count = _checked_nodes(NODES if nodes is None else nodes)
+    if interface.pair is not None:
+        stepper = Stepper(interface, count, step_ratio, end_time=end_time, **settings)
+        stepper.check_sliding()
     while True:
         done = _one(interface, end_time, count, options, settings, go_on, progress)
         if done.status.startswith("interrupted") or not (estimate or rtol is not None):
@@ -179,7 +183,9 @@ def _one(
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
     most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])
-    status = f"interrupted at t = {now.time:.6g}" if stopped else _resolution(stepper, most)
+    status = _resolution(stepper, most, now.state, max(record.peak_rates))
+    if stopped:
+        status = f"interrupted at t = {now.time:.6g}"
     return Run(
         interface=interface,
         nodes=nodes,
@@ -218,6 +224,9 @@ def _estimated(
     )
     between = not done.interface.contact.is_whole
     touching = coarse.touching
+    if between:
+        # a coarse node at the end of a contact may stand for a node of the slot as well
+        touching = touching & done.touching[::2] & done.touching[1::2]
 
     def thinned(values: Array) -> Array:
         pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
@@ -241,12 +250,17 @@ def _estimated(
     return replace(done, error_estimates=errors, status=status)
 
 
-def _resolution(stepper: Stepper, pressure: Array) -> str:
-    """Return "done", or why the grid cannot follow the law at the largest pressures."""
+def _resolution(stepper: Stepper, pressure: Array, state: Array, fastest: float) -> str:
+    """Return "done", or why the grid cannot follow the law at the largest pressures and rate."""
+    if stepper.pair is not None:
+        doubt = doubt_of(stepper.pair, stepper.law, pressure, state, fastest, stepper.grid.spacing)
+        if doubt:
+            return f"unresolved: {doubt}"
     weakening = stepper.law.weakening(pressure)
     if not weakening > 0:
         return "done"
-    zone = stepper.interface.material.shear_modulus / weakening
+    bodies = (stepper.interface.material, stepper.interface.lower_material)
+    zone = min(body.shear_modulus for body in bodies if body is not None) / weakening
     found = zone / stepper.grid.spacing
     if found >= ZONE_NODES:
         return "done"

@@ -8,24 +8,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.contact import Faces, Unilateral, area_mean
+from semianalytic.engine.contact import Faces, Parting, Unilateral, area_mean
 from semianalytic.engine.fields import required, sampled
 from semianalytic.engine.interface import ActingLoads, Interface
 from semianalytic.engine.law import check_law
-from semianalytic.engine.line import Grid, LineMemory
+from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
     CROSSINGS,
     LADDER,
     LARGEST_HORIZON,
     LEAST_HORIZON,
+    PAIR_TOLERANCE,
     RATE_SHARE,
     STATE_SHARE,
     SWEEPS,
     TOLERANCE,
 )
+from semianalytic.engine.window import check_window
 from semianalytic.scene.errors import ComputationError
-from semianalytic.spacetime.exponentials import Antiplane, InPlane, Opening, fit_memory
+from semianalytic.spacetime.exponentials import Antiplane, InPlane, Opening, fit_memory, fit_shared
 
 Array = NDArray[np.float64]
 
@@ -106,28 +108,43 @@ class Stepper:
         # a slot carries base shear before the load, as if it were closed
         self.shear = sampled("interface: shear", interface.shear, x)
         self.loads = ActingLoads("shear", self.shear, interface.loads, x, self.touching)
-        speed = material.shear_speed
-        self._speed, self.impedance = speed, interface.impedance
-        self.shortest = step_ratio * self.grid.spacing / speed
-        if interface.mode == "antiplane":
-            impedance: Antiplane | InPlane = Antiplane()
-        else:
-            impedance = InPlane(speed / material.longitudinal_speed)
+        self.pair, self.impedance = interface.pair, interface.impedance
+        self._speed = material.shear_speed if self.pair is None else self.pair.speed
+        fastest = material.shear_speed if self.pair is None else self.pair.fastest
+        self.shortest = step_ratio * self.grid.spacing / fastest
         q = math.pi / self.grid.spacing
-        reach = q * min(speed * end_time, CROSSINGS * interface.length)
+        reach = q * min(self._speed * end_time, CROSSINGS * interface.length)
         horizon = min(max(reach, LEAST_HORIZON), LARGEST_HORIZON)
         # rounded up to a power of 2, so that runs of different lengths share a fit
         horizon = min(2.0 ** math.ceil(math.log2(horizon)), LARGEST_HORIZON)
-        self.memory = LineMemory(fit_memory(impedance, horizon, tolerance), self.grid)
+        self.memory, opening, stiffness = self._memories(horizon, tolerance)
         self.unilateral = None
-        if interface.may_open:
-            fit = fit_memory(Opening(speed / material.longitudinal_speed), horizon, tolerance)
+        if opening is not None:
             loads = ActingLoads("pressure", self._base(), interface.loads, x, self.touching)
-            memory, stiff = LineMemory(fit, self.grid), interface.opening_impedance
-            self.unilateral = Unilateral(stiff, memory, self.grid, loads, self.touching)
-        self._bound = bound_share * 4 / (impedance.static * material.shear_modulus * q)
+            stiff = interface.opening_impedance
+            self.unilateral = Unilateral(stiff, opening, self.grid, loads, self.touching)
+        self._bound = bound_share * 2 / (stiffness * q)
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
+
+    def _memories(
+        self, horizon: float, tolerance: float
+    ) -> tuple[LineMemory, LineMemory | None, float]:
+        """Return the memories of slip and opening, and traction over wavenumber and slip."""
+        interface, material = self.interface, self.interface.material
+        if self.pair is not None:
+            fit = fit_shared(self.pair.kernels, horizon, PAIR_TOLERANCE)
+            direct = self.pair.kernels.direct
+            slip, gap = (CoupledMemory(fit, own, float(direct[own]), self.grid) for own in (0, 1))
+            return slip, gap, self.pair.stiffness
+        ratio = material.shear_speed / material.longitudinal_speed
+        impedance = Antiplane() if interface.mode == "antiplane" else InPlane(ratio)
+        memory = LineMemory(fit_memory(impedance, horizon, tolerance), self.grid)
+        stiffness = impedance.static * material.shear_modulus / 2
+        if not interface.may_open:
+            return memory, None, stiffness
+        opening = LineMemory(fit_memory(Opening(ratio), horizon, tolerance), self.grid)
+        return memory, opening, stiffness
 
     def _neighbours(self) -> NDArray[np.bool_]:
         """Return which nodes have a neighbour of the contact on either side, (n,)."""
@@ -142,6 +159,12 @@ class Stepper:
         base = np.zeros(len(self.grid.x))
         base[self.touching] = self.pressure
         return base
+
+    def check_sliding(self) -> None:
+        """Raise SceneError if friction between different bodies lets waves grow without bounds."""
+        if self.pair is not None:
+            rate = np.abs(sampled("interface: rate", self.interface.rate, self._on))
+            check_window(self.pair, self.law, self.pressure, rate, self.grid.spacing)
 
     def begin(self) -> State:
         """Return the state at t = 0, just after loads that jump there."""
@@ -170,10 +193,14 @@ class Stepper:
     def jump(self, now: State) -> State:
         """Return the state after loads have jumped, with the memory as it is."""
         faces: Faces = now
-        if self.unilateral is not None:
-            faces = self.unilateral.jump(now, now.time)
         held = self.memory.convolution(self._amplitudes(now.rate))
         line, slot = self.loads(now.time, after=True)
+        if self.pair is not None and self.unilateral is not None:
+            line = line + self._drag(self.unilateral.held(now))
+            faces = self.unilateral.jump(now, now.time, self._push(held))
+            held = held[0]
+        elif self.unilateral is not None:
+            faces = self.unilateral.jump(now, now.time)
         stopping = self._stopping(line, held)
         rate, traction = self._balance(stopping, slot, now.state, faces)
         self.memory.exchange(self._amplitudes(rate - now.rate))
@@ -203,7 +230,10 @@ class Stepper:
         if rung and self.unilateral is not None:
             # Free faces have no direct effect of friction, which is what permits long steps.
             length = self.shortest * LADDER**rung
-            rung = 0 if self.unilateral.frees(now, now.time + length) else rung
+            push: Array | float = 0.0
+            if self.pair is not None:
+                push = self._push(self.memory.convolution(self._amplitudes(now.rate)))
+            rung = 0 if self.unilateral.frees(now, now.time + length, push) else rung
         return self.shortest * LADDER**rung, rung
 
     def step(self, now: State, length: float, rung: int, time: float | None = None) -> State:
@@ -221,7 +251,10 @@ class Stepper:
         time = now.time + length if time is None else time
         path = self._speed * length
         faces: Faces = now
-        if self.unilateral is not None:
+        parting = None
+        if self.pair is not None and self.unilateral is not None:
+            parting = Parting(self.unilateral, now, time, length, path)
+        elif self.unilateral is not None:
             faces = self.unilateral.step(now, time, length, path, self.sweeps)
         amplitudes = self._amplitudes(now.rate)
         past, feedback = self.memory.advance(amplitudes, path)
@@ -229,18 +262,23 @@ class Stepper:
         old = np.abs(now.rate[self.touching])
         rate = now.rate
         for _ in range(self.sweeps):
-            stopping = self._stopping(line, past + feedback * amplitudes)
+            if parting is None:
+                stopping = self._stopping(line, past + feedback * amplitudes)
+            else:
+                held = past + feedback[:, None] * amplitudes
+                parting.sweep(self._push(held))
+                faces = parting.faces
+                stopping = self._stopping(line + self._drag(parting.convolutions), held[0])
             mean = (old + np.abs(rate[self.touching])) / 2
-            rate, traction = self._balance(
-                stopping, slot, self.law.evolved(now.state, mean, length), faces
-            )
+            state = self._evolved(now, mean, length, faces)
+            rate, traction = self._balance(stopping, slot, state, faces)
             amplitudes = self._amplitudes(rate)
         if not math.isfinite(float(amplitudes.sum())):
             raise ComputationError(
                 f"the run lost its finite values at t = {time:.4g}; lower `step_ratio`."
             )
         mean = (old + np.abs(rate[self.touching])) / 2
-        state = self.law.evolved(now.state, mean, length)
+        state = self._evolved(now, mean, length, faces)
         half = length / 2
         new, turned = rate[self.touching], np.abs(rate - now.rate)[self.touching]
         fastest = max(float(np.abs(new).max()), float(old.max()), 1e-300)
@@ -257,6 +295,24 @@ class Stepper:
             work=now.work + half * (now.traction * now.rate + traction * rate) * self.touching,
             rung=rung,
             pace=float(turned.max()) / fastest / length,
+        )
+
+    def _push(self, convolutions: Array) -> Array:
+        """Return the pressure (n,) that slip of different bodies exerts."""
+        assert self.pair is not None
+        return self.impedance * self.grid.values(self.pair.turned(convolutions[1]))
+
+    def _drag(self, convolutions: Array) -> Array:
+        """Return the shear traction (n,) that opening between different bodies exerts."""
+        assert self.pair is not None
+        assert self.unilateral is not None
+        turned = self.pair.turned(convolutions[1])
+        return self.unilateral.impedance * self.grid.values(turned)
+
+    def _evolved(self, now: State, speed: Array, length: float, faces: Faces) -> Array:
+        """Return the state of friction (contact,) after a step at a mean speed."""
+        return self.law.evolved_under(
+            now.state, speed, length, self._pressure(now), self._pressure(faces)
         )
 
     def _pressure(self, faces: Faces) -> Array:

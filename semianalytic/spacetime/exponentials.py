@@ -19,8 +19,10 @@ residues from least squares.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +31,7 @@ from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.tuning import (
     FAR_SAMPLE,
+    LEAST_KERNEL,
     MOST_PAIRS,
     SAMPLES,
     SHORTEST_SAMPLE,
@@ -63,6 +66,54 @@ class Memory:
     def __call__(self, x: Array) -> Array:
         """Return h at x = q c_t t >= 0, (n,)."""
         return self.static + (np.exp(np.multiply.outer(x, self.poles)) @ self.residues).real
+
+
+@dataclass(frozen=True, eq=False)
+class SharedMemory:
+    """Several memory kernels with the same poles, static + Re sum residues exp(poles x) each.
+
+    Attributes
+    ----------
+    poles : (m,) complex array
+        One pole of each conjugate pair.
+    residues : (k, m) complex array
+        Twice the residue of a pair, for every kernel.
+    static : (k,) array
+        Limits of the kernels for long times.
+    horizon : float
+        Largest q c_t t for which the sums are made.
+    error : float
+        Largest error of a transform on Re s = 1/horizon over its largest value.
+    """
+
+    poles: Complex
+    residues: Complex
+    static: Array
+    horizon: float
+    error: float
+
+
+class Kernels(Protocol):
+    """Transforms of several kernels that have their branch points in common."""
+
+    @property
+    def branches(self) -> tuple[float, ...]:
+        """Branch points and poles divided by i."""
+
+    @property
+    def direct(self) -> Array:
+        """Limits at s = infinity, (k,)."""
+
+    @property
+    def static(self) -> Array:
+        """Limits of s times the transforms at s = 0, (k,)."""
+
+    @property
+    def lasting(self) -> tuple[Complex, Complex]:
+        """Known poles with Re s = 0 < Im s, (p,), and their residues, (k, p)."""
+
+    def __call__(self, s: Complex) -> Complex:
+        """Return the transforms without those poles at s (n,) with Re s > 0, (k, n)."""
 
 
 @dataclass(frozen=True)
@@ -163,13 +214,67 @@ def fit_memory(impedance: Impedance, horizon: float, tolerance: float) -> Memory
         # what is left of G - 1 without the static stiffness, bounded at s = 0
         return impedance(s) - 1 - static / s
 
-    s = _samples(impedance.branches, horizon, SAMPLES)
-    poles = _poles(s, remainder(s), tolerance)
-    residues = _residues(s, remainder(s), poles)
+    poles, residues, error = _fitted(
+        lambda s: remainder(s)[None], impedance.branches, horizon, tolerance
+    )
+    return Memory(poles, residues[0], static, horizon, error)
+
+
+@lru_cache(maxsize=32)
+def fit_shared(kernels: Kernels, horizon: float, tolerance: float) -> SharedMemory:
+    """Fit poles that several kernels have in common, and their residues; results are cached.
+
+    Kernels are fitted relative to their own sizes, by set-valued AAA (one set of support points).
+
+    Parameters
+    ----------
+    kernels : Kernels
+        Transforms of the kernels.
+    horizon : float
+        Largest q c_t t that will be asked for.
+    tolerance : float
+        Relative error of the transforms at which to stop.
+
+    Raises
+    ------
+    ComputationError
+        If the tolerance is not met.
+    """
+    direct, static = kernels.direct[:, None], kernels.static[:, None]
+
+    def remainder(s: Complex) -> Complex:
+        return kernels(s) - direct - static / s
+
+    sizes = np.abs(remainder(_samples(kernels.branches, horizon, SAMPLES))).max(axis=1)
+    sizes = np.maximum(sizes, LEAST_KERNEL * sizes.max())[:, None]
+    poles, residues, error = _fitted(
+        lambda s: remainder(s) / sizes, kernels.branches, horizon, tolerance
+    )
+    waves, parts = kernels.lasting
+    return SharedMemory(
+        np.concatenate([poles, waves]),
+        np.concatenate([residues * sizes, 2 * parts], axis=1),
+        kernels.static,
+        horizon,
+        error,
+    )
+
+
+def _fitted(
+    remainder: Callable[[Complex], Complex],
+    branches: tuple[float, ...],
+    horizon: float,
+    tolerance: float,
+) -> tuple[Complex, Complex, float]:
+    """Return poles (m,), residues (k, m) and the error of a fit to functions of s, (k, n)."""
+    s = _samples(branches, horizon, SAMPLES)
+    values = remainder(s)
+    poles = _poles(s, values, tolerance)
+    residues = _residues(s, values, poles)
     # check at other points than those of the fit, four times as many
-    check = _samples(impedance.branches, horizon, 4 * SAMPLES + 1)
+    check = _samples(branches, horizon, 4 * SAMPLES + 1)
     exact = remainder(check)
-    error = float(np.abs(_columns(check, poles) @ residues - exact).max() / np.abs(exact).max())
+    error = float(np.abs(residues @ _columns(check, poles).T - exact).max() / np.abs(exact).max())
     if not error < 10 * tolerance:
         raise ComputationError(
             f"the memory of the interface could be fitted to {error:.1e} only, not to "
@@ -178,14 +283,9 @@ def fit_memory(impedance: Impedance, horizon: float, tolerance: float) -> Memory
     pairs, real = _split(poles)
     half = len(pairs)
     # r exp(z x) + conj = Re [2 r exp(z x)]: one of each pair is kept, with twice its residue
-    twice = 2 * (residues[:half] + 1j * residues[half : 2 * half])
-    return Memory(
-        np.concatenate([pairs, real + 0j]),
-        np.concatenate([twice, residues[2 * half :] + 0j]),
-        static,
-        horizon,
-        error,
-    )
+    twice = 2 * (residues[:, :half] + 1j * residues[:, half : 2 * half])
+    kept = np.concatenate([twice, residues[:, 2 * half :] + 0j], axis=1)
+    return np.concatenate([pairs, real + 0j]), kept, error
 
 
 def _samples(branches: tuple[float, ...], horizon: float, count: int) -> Complex:
@@ -203,23 +303,27 @@ def _samples(branches: tuple[float, ...], horizon: float, count: int) -> Complex
 
 
 def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
-    """Return the stable poles with Im >= 0 of a rational approximation to values at s, by AAA.
+    """Return the stable poles with Im >= 0 of rational approximations to values (k, n) at s (n,).
 
-    Support points come in conjugate pairs, which makes the approximation real on the real axis.
+    By set-valued AAA: all k functions have the same support points and weights.  Support points
+    come in conjugate pairs, which makes the approximation real on the real axis.
     """
     from scipy.linalg import eigvals  # here, for `import semianalytic` is to be quick
 
     chosen: list[int] = []
     left = np.ones(len(s), dtype=bool)
-    approximation = np.zeros(len(s), dtype=complex)
+    approximation = np.zeros(values.shape, dtype=complex)
     while True:
-        chosen.append(int(np.argmax(np.where(left, np.abs(values - approximation), -1.0))))
+        errors = np.abs(values - approximation).max(axis=0)
+        chosen.append(int(np.argmax(np.where(left, errors, -1.0))))
         left[chosen[-1]] = False
-        support, at_support = s[chosen], values[chosen]
+        support, at_support = s[chosen], values[:, chosen]
         direct = 1 / (s[left, None] - support)
         mirrored = 1 / (s[left, None] - support.conj())
-        upper = (values[left, None] - at_support) * direct
-        lower = (values[left, None] - at_support.conj()) * mirrored
+        differences = values[:, left, None] - at_support[:, None]
+        upper = np.concatenate(list(differences * direct))
+        differences = values[:, left, None] - at_support[:, None].conj()
+        lower = np.concatenate(list(differences * mirrored))
         # Weights w and conj(w) of a pair as two real unknowns: w U + conj(w) L =
         # Re w (U + L) + i Im w (U - L).
         loewner = np.hstack([upper + lower, 1j * (upper - lower)])
@@ -227,9 +331,11 @@ def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
         triangle = np.linalg.qr(np.vstack([loewner.real, loewner.imag]), "r")
         last = np.linalg.svd(triangle)[2][-1]
         weights = last[: len(chosen)] + 1j * last[len(chosen) :]
-        numerator = direct @ (weights * at_support) + mirrored @ (weights * at_support).conj()
-        approximation[left] = numerator / (direct @ weights + mirrored @ weights.conj())
-        approximation[chosen] = at_support
+        weighted = (weights * at_support).T
+        numerator = direct @ weighted + mirrored @ weighted.conj()
+        denominator = direct @ weights + mirrored @ weights.conj()
+        approximation[:, left] = numerator.T / denominator
+        approximation[:, chosen] = at_support
         error = np.abs(values - approximation).max() / np.abs(values).max()
         if error < tolerance or len(chosen) == MOST_PAIRS:
             break
@@ -264,10 +370,10 @@ def _columns(s: Complex, poles: Complex) -> Complex:
 
 
 def _residues(s: Complex, values: Complex, poles: Complex) -> Array:
-    """Return the residues that fit values at s best, (unknowns,) as in `_columns`."""
+    """Return the residues that fit values (k, n) at s best, (k, unknowns) as in `_columns`."""
     columns = _columns(s, poles)
     matrix = np.vstack([columns.real, columns.imag])
     # columns of equal norm, so that `rcond` judges all poles alike
     scale = np.linalg.norm(matrix, axis=0)
-    both = np.concatenate([values.real, values.imag])
-    return np.asarray(np.linalg.lstsq(matrix / scale, both, rcond=1e-13)[0] / scale)
+    both = np.concatenate([values.real, values.imag], axis=1)
+    return np.asarray(np.linalg.lstsq(matrix / scale, both.T, rcond=1e-13)[0].T / scale)

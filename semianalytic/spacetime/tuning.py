@@ -183,3 +183,6 @@ EDGE_SHARE = 1.0
 """Distance from the edge, over 1 / the highest wavenumber, within which the sum takes nothing more
 off the stuck intensity: at a twentieth of the shortest wave stress is off by 1 to 2 times itself
 (`preloaded`), with 0.6 or 2.4 up to 2.5 times, and by 5 times without."""
+LEAST_KERNEL = 1e-3
+"""Least size of one of several kernels, over that of the largest, to which its error is relative:
+smaller ones do not matter to the march, and rounding of 1e-11 of the largest hides them."""

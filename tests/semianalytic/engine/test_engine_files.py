@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.expressions import Expression
+from semianalytic.engine.fields import Expression
 from semianalytic.engine.named import NAMED_INTERFACES
 from slipfront.cli.commands import main
 
