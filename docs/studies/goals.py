@@ -60,7 +60,7 @@ def _spent(run: Callable[[], object]) -> float:
 
 @cache
 def _comparison() -> tuple[float, float]:
-    """Return the seconds of `compare preloaded`, and those by the clock over those announced."""
+    """Return the seconds of `compare preloaded`, and the ratio of those announced and taken."""
     from compare.comparison.comparing import planned
     from slipfront.cli.commands import main
 
@@ -68,7 +68,8 @@ def _comparison() -> tuple[float, float]:
     began = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder, redirect_stdout(StringIO()):
         took = _spent(lambda: main(["compare", "preloaded", "--output", f"{folder}/it", "--quiet"]))
-    return took, (time.perf_counter() - began) / announced
+    ratio = (time.perf_counter() - began) / announced
+    return took, max(ratio, 1 / ratio)
 
 
 def _marched(nodes: int) -> Found:
@@ -223,7 +224,7 @@ GOALS: Mapping[str, Goal] = {
     },
     "growth of a march from 1,024 to 4,096 nodes": Goal("exponent", 1.88, 1.6, _grown),
     "`compare preloaded`, snapshots kept": Goal("s", 20.4, 6, lambda: (_comparison()[0], math.nan)),
-    "`compare preloaded` over the time it announces": Goal(
+    "`compare preloaded`: announced and taken, ratio": Goal(
         "times", 2.1, 1.2, lambda: (_comparison()[1], math.nan)
     ),
     "share of matrix products in `simulate`": Goal("of its time", 0.40, 0.18, _products),
