@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
@@ -10,8 +11,9 @@ from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
-from semianalytic.spacetime.march import march
-from semianalytic.spacetime.marched import Marched
+
+if TYPE_CHECKING:
+    from semianalytic.spacetime.marched import Marched
 
 METHODS = ("auto", "self-similar", "space-time")
 
@@ -106,4 +108,6 @@ def predict(
         nodes = checked_count("predict: nodes", nodes, 1, "a whole number from")
     if chosen_method(scene, method) == "self-similar":
         return solve(scene) if rtol is None else solve(scene, rtol=rtol)
+    from semianalytic.spacetime.march import march  # 50 ms that a solution does not need
+
     return march(scene, end_time, nodes, rtol=rtol, length=length, progress=progress)

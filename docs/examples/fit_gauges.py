@@ -21,8 +21,8 @@ TRIGGER, NOISE = 4e-6, 0.1e-6  # [s], [m]
 NAMES = ("friction", "base_pressure", "t0")
 
 
-def main(folder: Path = Path(".")) -> sf.Fit:
-    """Record slip with noise, fit it, draw the fit, and return it."""
+def fitted() -> sf.Fit:
+    """Record slip with noise, and fit it."""
     solution, t = sf.solve(TRUTH), np.linspace(0.0, 1e-4, 51)
     random = np.random.default_rng(2)
     gauges = []
@@ -31,7 +31,12 @@ def main(folder: Path = Path(".")) -> sf.Fit:
         gauges.append(sf.Gauge(x, t, slip, NOISE, quantity="slip"))
     guess = replace(TRUTH, friction=0.4)
     known = {"base_pressure": sf.Normal(5.2e6, 0.3e6)}  # reading of the load cell [Pa]
-    fit = sf.fit(gauges, guess, NAMES, priors=known, rtol=1e-6)
+    return sf.fit(gauges, guess, NAMES, priors=known, rtol=1e-6)
+
+
+def main(folder: Path = Path(".")) -> sf.Fit:
+    """Fit slip, draw the fit, and return it."""
+    fit = fitted()
     fit_figure(fit).savefig(folder / "fit_gauges.png", dpi=60)
     (f, p, t0), (df, dp, dt) = fit.values, fit.standard_errors
     print(

@@ -111,7 +111,8 @@ class Bodies:
         largest = max(abs(step.pressure), abs(step.shear)) / self.stress_unit
         least = min(largest, 1.0) or 1.0  # a base may be far more than what changes
         change = np.abs(rows - coarse._rows(*at)) / (least + np.abs(rows))
-        return tuning.CELL_ERROR + float(change.max())
+        cells = tuning.COARSE_ERROR if self._shear.is_coarse else tuning.CELL_ERROR
+        return cells + float(change.max())
 
     def _rows(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the rows of `body.upper` in either body, those of antiplane shear last."""

@@ -73,8 +73,11 @@ def upper(primitives: Primitives, x: Array, y: Array, t: Array, close: float) ->
     for s in primitives.slownesses:
         here = np.flatnonzero(arrives(x, y, t, s, primitives.front) & ~near)
         at = x[here], y[here], t[here]
-        values = primitives(slowness(*at, s, primitives.front), close)
-        result[:, here] += _of_p(values, *at, a) if s == a else _of_s(values, *at)
+        k = slowness(*at, s, primitives.front)
+        if s == a:
+            result[:, here] += _of_p(primitives(k, close, P_WAVE), *at, a)
+        else:
+            result[:, here] += _of_s(primitives(k, close, S_WAVE), *at)
     here = np.flatnonzero(near)
     result[:, here] = _beside_edge(primitives, x[here], y[here], t[here], close)
     return result / np.pi
@@ -97,9 +100,9 @@ def reflected(primitives: Primitives, x: Array, y: Array, t: Array) -> Array:
             one, k, beta = values.imag
             result[:, here] = one, k, beta, at[2] * one + at[0] * k + at[1] * beta
         elif s == primitives.slownesses[0]:
-            result[:, here] += _of_p(values, *at, s)
+            result[:, here] += _of_p(values[P_WAVE], *at, s)
         else:
-            result[:, here] += _of_s(values, *at)
+            result[:, here] += _of_s(values[S_WAVE], *at)
     return result / np.pi
 
 
@@ -114,7 +117,7 @@ def _antiplane(primitives: Primitives, x: Array, y: Array, t: Array, close: floa
 
 def _of_p(parts: Complex, x: Array, y: Array, t: Array, a: float) -> Array:
     """Return pi times the contribution of the P wave."""
-    one, k, over_k, alpha, alpha_over_k = parts[P_WAVE].imag
+    one, k, over_k, alpha, alpha_over_k = parts.imag
     return np.stack(
         [
             one,
@@ -130,7 +133,7 @@ def _of_p(parts: Complex, x: Array, y: Array, t: Array, a: float) -> Array:
 
 def _of_s(parts: Complex, x: Array, y: Array, t: Array) -> Array:
     """Return pi times the contribution of the S wave."""
-    one, k, k_over, over, square_over = parts[S_WAVE].imag
+    one, k, k_over, over, square_over = parts.imag
     return np.stack(
         [
             one,
@@ -151,7 +154,7 @@ def _beside_edge(primitives: Primitives, x: Array, y: Array, t: Array, close: fl
     integrated on to k_S.
     """
     k_p, a = slowness(x, y, t, primitives.slownesses[0]), primitives.slownesses[0]
-    *fields, k_x, k_y, y_x, y_y = primitives(k_p, close)[SUMS].imag
+    *fields, k_x, k_y, y_x, y_y = primitives(k_p, close, SUMS).imag
     v_x, v_y, *_ = fields
     moved = [t * v_x + x * k_x - y * y_x, t * v_y + x * k_y - y * y_y]
     result = np.stack([*fields, *moved])
@@ -162,7 +165,7 @@ def _beside_edge(primitives: Primitives, x: Array, y: Array, t: Array, close: fl
     for share, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
         k = k_p + share * step
         beta = -1j * np.sqrt(k - 1) * np.sqrt(k + 1)
-        sent = primitives(k, close)[SHEAR] * weight * step
+        (sent,) = primitives(k, close, slice(SHEAR, SHEAR + 1)) * weight * step
         lifted, phase = k / beta * sent, t + k * x - beta * y
         parts = (sent, lifted, 2 * k * sent, -2 * k * sent, (2 * k * k - 1) / beta * sent)
         result += np.stack([*parts, phase * sent, phase * lifted]).imag

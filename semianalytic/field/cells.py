@@ -47,17 +47,30 @@ _HALF = _STEP / np.sqrt(2.0)
 _QUARTER = tuning.SECTORS // 2
 
 
-@lru_cache(maxsize=1)
-def _pattern() -> tuple[Complex, Complex]:
+@lru_cache(maxsize=2)
+def _pattern(degree: int, per_side: int) -> tuple[Complex, Complex]:
     """Return nodes (m,) on the border of a cell, and the matrix from values to coefficients.
 
-    Nodes are in units of half the diagonal; the matrix is (n + 1, m).
+    Nodes are in units of half the diagonal; the matrix is (degree + 1, m).
     """
-    side = np.cos(np.pi * (np.arange(tuning.NODES_PER_SIDE) + 0.5) / tuning.NODES_PER_SIDE)
+    side = np.cos(np.pi * (np.arange(per_side) + 0.5) / per_side)
     corner = 1 / np.sqrt(2.0)
     nodes = np.concatenate([(side + 1j) * corner * 1j**turn for turn in range(4)])
-    powers = nodes[:, None] ** np.arange(tuning.DEGREE + 1)
+    powers = nodes[:, None] ** np.arange(degree + 1)
     return nodes, np.asarray(np.linalg.pinv(powers), dtype=complex)
+
+
+def _powers(z: Complex, count: int) -> Complex:
+    """Return the powers (count, m) of z (m,) from 0 on, each from two of half its exponent."""
+    powers = np.empty((count, len(z)), dtype=complex)
+    powers[0] = 1.0
+    known, factor = 1, z
+    while known < count:
+        more = min(known, count - known)
+        np.multiply(powers[:more], factor, out=powers[known : known + more])
+        known += more
+        factor = factor * factor
+    return powers
 
 
 def _order(one: Centre, other: Centre) -> int:
@@ -240,12 +253,14 @@ class Primitives:
     def _form(self, cells: list[Cell]) -> None:
         """Add cells, each after the one from which it takes its constant.
 
-        Threads may form the same cell at the same time.  All obtain the same digits, and a cell is
-        complete when it is added, so that readers need not wait for one another.
+        All polynomials are evaluated at once where two cells meet, and only their constants are
+        added up from cell to cell.  Threads may form the same cell at the same time.  All obtain
+        the same digits, and a cell is complete when it is added, so that readers need not wait for
+        one another.
         """
-        fresh: dict[Cell, Complex] = {}
+        fresh = np.empty((len(cells), len(self._pattern[1]) + 1, len(self._ahead)), dtype=complex)
         middles = np.array([self._middle(cell) for cell in cells])
-        offsets = np.exp(middles[:, None] + _HALF * _pattern()[0])
+        offsets = np.exp(middles[:, None] + _HALF * self._pattern[0])
         offsets = offsets.real + 1j * np.maximum(offsets.imag, 0.0)
         largest = np.maximum(np.abs(offsets).max(axis=1), 1.0)
         sizes = np.floor(np.log(largest) / np.log(tuning.SCALES))
@@ -254,15 +269,13 @@ class Primitives:
             for size in np.unique(sizes[owners == owner]):
                 these = np.flatnonzero((owners == owner) & (sizes == size))
                 scale = tuning.SCALES ** float(size + 1)
-                coefs = self._coefficients(int(owner), offsets[these], scale)
-                fresh.update(zip((cells[i] for i in these), coefs, strict=True))
-        for cell in cells:
-            self._add_constant(cell, fresh)
-        self._cells.update(fresh)
+                fresh[these] = self._coefficients(int(owner), offsets[these], scale)
+        self._add_constants(cells, fresh, middles)
+        self._cells.update(zip(cells, fresh, strict=True))
 
     def _coefficients(self, owner: int, offsets: Complex, scale: float) -> Complex:
         """Return the polynomials (c, n, f) of cells around a centre, with arbitrary constants."""
-        matrix = _pattern()[1]
+        matrix = self._pattern[1]
         values = self._densities(owner, offsets, scale)
         integrands = np.ascontiguousarray(np.moveaxis(values * (offsets * _HALF), 0, -1))
         grown = matrix @ integrands
@@ -273,26 +286,55 @@ class Primitives:
             coefs[:, :-1, self.kept], coefs[:, -1, self.kept] = series[..., 0], 0.0
         return coefs
 
-    def _add_constant(self, cell: Cell, fresh: dict[Cell, Complex]) -> None:
-        """Set the constant of a new cell so that it continues the cell before it, new or known."""
-        link, coefs = self._link(cell), fresh[cell]
-        if link is None:
-            half = np.log(self._gaps[cell.centre, cell.left] / 2)
-            known, own = self._ahead, complex(half, np.pi)
-        else:
-            before, own = link[0], link[1]
-            inner = fresh[before] if before in fresh else self._cells[before]
-            (known,) = self._values(before, inner, np.array([link[2]]))
-        (gained,) = self._values(cell, coefs, np.array([own]))
-        kept = coefs[0, self.kept] if self.kept is not None else 0.0
-        coefs[0] += known - gained
-        if self.kept is not None:
-            coefs[0, self.kept] = kept
+    def _add_constants(self, cells: list[Cell], fresh: Complex, middles: Complex) -> None:
+        """Set the constants of new cells (c, n, f) so that each continues the one before it.
+
+        A constant is that of the cell before, and what polynomials without constants differ by: its
+        digits do not depend on which cells are formed together.
+        """
+        numbers = {cell: number for number, cell in enumerate(cells)}
+        count, own, there = fresh.shape[1] - 1, np.copy(middles), np.copy(middles)
+        others = np.zeros_like(fresh[:, 1:])
+        constants: list[Complex] = [self._ahead] * len(cells)
+        before: list[int | None] = [None] * len(cells)
+        for number, cell in enumerate(cells):
+            link = self._link(cell)
+            if link is None:
+                own[number] = complex(np.log(self._gaps[cell.centre, cell.left] / 2), np.pi)
+                continue
+            other, own[number], at = link
+            there[number] += at - self._middle(other)
+            before[number] = numbers.get(other)
+            coefs = self._cells[other] if before[number] is None else fresh[numbers[other]]
+            others[number], constants[number] = coefs[1:], coefs[0]
+        at_own, at_other = (
+            np.vander(within, count + 1, increasing=True)[:, None, 1:]
+            for within in ((own - middles) / _HALF, (there - middles) / _HALF)
+        )
+        changes = (at_other @ others - at_own @ fresh[:, 1:])[:, 0]
+        for number, earlier in enumerate(before):
+            # the earlier one comes first, so that it has its constant
+            constant = constants[number] if earlier is None else fresh[earlier, 0]
+            continuing = constant + changes[number]
+            if self.kept is not None:
+                continuing[self.kept] = fresh[number, 0, self.kept]
+            fresh[number, 0] = continuing
 
     @property
     def kept(self) -> int | None:
         """Row of a density that is kept without integration, if there is one."""
         return SHEAR if self._mode != "III" else None
+
+    @property
+    def is_coarse(self) -> bool:
+        """Whether the rule has so few digits that polynomials of a lower degree hold them."""
+        return self.transform.fields.rule.tolerance > tuning.COARSE_FROM
+
+    @cached_property
+    def _pattern(self) -> tuple[Complex, Complex]:
+        if self.is_coarse:
+            return _pattern(tuning.COARSE_DEGREE, tuning.COARSE_NODES)
+        return _pattern(tuning.DEGREE, tuning.NODES_PER_SIDE)
 
     @property
     def _mode(self) -> Mode:
@@ -318,9 +360,9 @@ class Primitives:
         return self._ahead - plane_wave(at_zero, self._mode, factors.a)
 
     def _values(self, cell: Cell, coefs: Complex, log: Complex) -> Complex:
-        """Return all integrals (m, f) at points of a cell, from polynomials in ln(k - centre)."""
+        """Return integrals (f, m) at points of a cell, from polynomials in ln(k - centre)."""
         within = (log - self._middle(cell)) / _HALF
-        return np.vander(within, len(coefs), increasing=True) @ coefs
+        return coefs.T @ _powers(within, len(coefs))
 
     def _densities(self, owner: int, offset: Complex, scale: float) -> Complex:
         """Return all densities (f, ...) at centre + offset."""
@@ -332,21 +374,26 @@ class Primitives:
         values = self.transform.near(centre, offset, scale)
         return densities(at, values, factors.mode)
 
-    def __call__(self, k: Complex, close: float = tuning.CLOSE[0]) -> Complex:
-        """Return the integrals (f, m) of all densities at k (m,), Im k >= 0; S_v itself in its row.
+    def __call__(
+        self, k: Complex, close: float = tuning.CLOSE[0], rows: slice = slice(None)
+    ) -> Complex:
+        """Return integrals (f, m) of densities at k (m,), Im k >= 0; S_v itself in its row.
 
-        Where they are singular, they are taken at the distance `close`.
+        Where they are singular, they are taken at the distance `close`; `rows` chooses densities.
         """
-        result = np.empty((len(k), len(self._ahead)), dtype=complex)
+        ahead, behind = self._ahead[rows, None], self._behind[rows, None]
+        result = np.empty((len(ahead), len(k)), dtype=complex)
         parting = self.parting.place
         still = (k.imag == 0) & (np.abs(k.real) < self.transform.fields.factors.a) & (k != parting)
-        result[still] = np.where(k[still, None].real < parting, self._ahead, self._behind)
+        if not still.any():
+            return self._looked_up(k, close, rows) if len(k) else result
+        result[:, still] = np.where(k[still].real < parting, ahead, behind)
         if not still.all():
-            result[~still] = self._looked_up(k[~still], close)
-        return result.T
+            result[:, ~still] = self._looked_up(k[~still], close, rows)
+        return result
 
-    def _looked_up(self, k: Complex, close: float) -> Complex:
-        """Return the integrals (m, f) where waves have come, from the cells."""
+    def _looked_up(self, k: Complex, close: float, rows: slice) -> Complex:
+        """Return integrals (f, m) where waves have come, from the cells."""
         keys, logs = self.located(k, close)
         # Keys of a cell are small integers. Those of one number are found much faster than rows.
         least = keys.min(axis=0)
@@ -360,8 +407,10 @@ class Primitives:
         short = inverse.astype(np.uint16) if len(names) < 2**16 else inverse
         order = np.argsort(short, kind="stable")
         starts = np.searchsorted(inverse[order], np.arange(len(names) + 1))
-        result = np.empty((len(k), self._cells[names[0]].shape[1]), dtype=complex)
+        grouped, logs = np.empty((len(self._ahead[rows]), len(k)), dtype=complex), logs[order]
         for index, name in enumerate(names):
-            here = order[starts[index] : starts[index + 1]]
-            result[here] = self._values(name, self._cells[name], logs[here])
+            here = slice(starts[index], starts[index + 1])
+            grouped[:, here] = self._values(name, self._cells[name][:, rows], logs[here])
+        result = np.empty_like(grouped)
+        result[:, order] = grouped
         return result

@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from importlib.metadata import version
+from importlib import import_module
 from io import TextIOWrapper
 from typing import Annotated, Any
 
@@ -17,22 +17,9 @@ from typer.core import TyperGroup
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError, SlipfrontError
 from semianalytic.scene.extras import needing
-from slipfront.cli.compare_command import compare_command
 from slipfront.cli.endings.faults import READER_GONE, crashed, printable
 from slipfront.cli.endings.interruption import INTERRUPTED, INTERRUPTION
 from slipfront.cli.endings.refusals import in_one_sentence, in_options
-from slipfront.cli.explore_command import explore_command
-from slipfront.cli.field_command import field_command
-from slipfront.cli.measured.benchmark_command import app as benchmark_app
-from slipfront.cli.measured.fit_command import fit_command
-from slipfront.cli.measured.validate_command import validate_command
-from slipfront.cli.run_command import run_command
-from slipfront.cli.scenes.commands import init, scenes
-from slipfront.cli.scenes.sliding import sliding
-from slipfront.cli.simulate_command import simulate_command
-from slipfront.cli.solve_command import solve_command
-from slipfront.cli.studies import study_commands as studies
-from slipfront.cli.studies.survey_command import survey_command
 
 NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a larger machine."
 
@@ -62,11 +49,10 @@ class _Commands(TyperGroup):
             raise RuntimeError(f"a library ended the program with {end.code!r}") from end
 
 
-app = typer.Typer(cls=_Commands, no_args_is_help=True, pretty_exceptions_enable=False)
-
-
 def _show_version(asked: bool) -> None:
     if asked:
+        from importlib.metadata import version
+
         print(f"slipfront {version('slipfront')}")
         raise typer.Exit
 
@@ -99,7 +85,6 @@ def _show_messages(context: typer.Context, level: str | None) -> None:
         context.call_on_close(partial(logger.removeHandler, handler))
 
 
-@app.callback()
 def slipfront(
     context: typer.Context,
     log: Annotated[
@@ -123,30 +108,53 @@ def slipfront(
     _show_messages(context, log)
 
 
-app.command("compare")(compare_command)
-app.command("solve")(solve_command)
-app.command("run")(run_command)
-app.command("simulate")(simulate_command)
-app.command("field")(field_command)
-app.command("explore")(explore_command)
-app.add_typer(benchmark_app, name="benchmark")
-app.command("validate")(validate_command)
-app.command("fit")(fit_command)
-app.command("survey")(survey_command)
+_STUDIES = "studies.study_commands"
+COMMANDS: Mapping[str, tuple[str, str]] = {
+    "compare": ("compare_command", "compare_command"),
+    "solve": ("solve_command", "solve_command"),
+    "run": ("run_command", "run_command"),
+    "simulate": ("simulate_command", "simulate_command"),
+    "field": ("field_command", "field_command"),
+    "explore": ("explore_command", "explore_command"),
+    "benchmark": ("measured.benchmark_command", "app"),
+    "validate": ("measured.validate_command", "validate_command"),
+    "fit": ("measured.fit_command", "fit_command"),
+    "survey": ("studies.survey_command", "survey_command"),
+    "scenes": ("scenes.commands", "scenes"),
+    "init": ("scenes.commands", "init"),
+    "sliding": ("scenes.sliding", "sliding"),
+    "regimes": (_STUDIES, "regimes"),
+    "stability": (_STUDIES, "stability"),
+    "article": (_STUDIES, "article"),
+    "chart": (_STUDIES, "chart"),
+    "wear": (_STUDIES, "wear"),
+    "evidence": (_STUDIES, "evidence"),
+}
+"""Commands in the order of the help, with the module of this package and the name in it."""
 
 
-for command in (
-    scenes,
-    init,
-    sliding,
-    studies.regimes,
-    studies.stability,
-    studies.article,
-    studies.chart,
-    studies.wear,
-    studies.evidence,
-):
-    app.command()(command)
+def app_for(arguments: Sequence[str]) -> typer.Typer:
+    """Return the command line with the command that the arguments call, else with all of them.
+
+    Modules of other commands are not imported, nor are their options read: both together take
+    longer than a solution.  All are needed for the help, and to say which word was meant.
+    """
+    words = list(arguments)
+    if words[:1] == ["--log"]:
+        words = words[2:]
+    elif words and words[0].startswith("--log="):
+        words = words[1:]
+    called = [words[0]] if words and words[0] in COMMANDS else list(COMMANDS)
+    app = typer.Typer(cls=_Commands, no_args_is_help=True, pretty_exceptions_enable=False)
+    app.callback()(slipfront)
+    for name in called:
+        module, attribute = COMMANDS[name]
+        command = getattr(import_module(f"slipfront.cli.{module}"), attribute)
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=name)
+        else:
+            app.command(name)(command)
+    return app
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -170,7 +178,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, so that no other backend needs to exist
     try:
         with needing("This command"):
-            app(args=arguments, prog_name="slipfront")
+            app_for(arguments)(args=arguments, prog_name="slipfront")
     except SlipfrontError as error:
         print(printable(in_options(str(error), _options(arguments))), file=sys.stderr)
         return error.exit_code
@@ -194,7 +202,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _options(arguments: Sequence[str]) -> set[str]:
     """Return the names of the options of the called command and of its subcommands."""
-    command: Any = typer.main.get_command(app)
+    command: Any = typer.main.get_command(app_for(arguments))
     options: set[str] = set()
     for word in arguments:
         commands = getattr(command, "commands", {})

@@ -11,7 +11,6 @@ from rich.console import Console
 
 from compare.comparison.documents import march_document
 from compare.output.places import check_file, save_somewhere
-from compare.output.progress import progress_bar
 from semianalytic import Marched, Scene, march, march_on
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
@@ -52,6 +51,8 @@ def march_command(
         require("a saved march", *HDF5)
     if save is not None:
         check_file(save)
+    from compare.output.progress import progress_bar
+
     notes = Console(stderr=True)
     bar = progress_bar(notes, quiet or as_json, "marching")
     with bar as show, deferred_interrupt() as interruption:

@@ -22,8 +22,6 @@ from compare.comparison.documents import (
     march_document,
     units_document,
 )
-from compare.comparison.judgement import Judgement, own_bars
-from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
@@ -35,7 +33,9 @@ from semianalytic.scene.units import unit
 from slipfront.cli.endings.refusals import in_options
 from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # most commands print an answer, and judge none
+    from compare.comparison.judgement import Judgement
+    from compare.comparison.mesh_choice import MeshChoice
     from compare.validation.validation import Validation
     from fem import Simulation
 
@@ -200,6 +200,8 @@ def simulation_line(simulation: Simulation) -> str:
 
 def mesh_lines(choice: MeshChoice, *, snapshots: bool) -> Iterator[str]:
     """Yield which mesh was chosen, why, and its cost; then each feature that it cannot resolve."""
+    from compare.comparison.mesh_choice import toll
+
     taken = toll(choice.seconds, choice.memory)
     yield f"resolution {choice.resolution} ({choice.reason}): about {taken}"
     bare = " without snapshots" if snapshots else ""
@@ -212,6 +214,9 @@ def error_line(simulation: Simulation) -> str:
     """Return a sentence on the errors of final slip rate and slip, estimated by coarser meshes."""
     if simulation.companion is None:
         return "no error bars, for there is no coarser mesh"
+    from compare.comparison.judgement import own_bars
+    from compare.comparison.mesh_choice import two_digits
+
     rate, slip = (
         f"{two_digits(100 * row.bar)} %" if row.relative else f"{two_digits(row.bar)} {row.unit}"
         for row in own_bars(simulation)
@@ -261,6 +266,8 @@ def validation_table(validation: Validation, label: str) -> Table:
 
 def norms_table(validation: Validation) -> Table:
     """Return a table of the relative errors of every quantity over all stations."""
+    from compare.comparison.mesh_choice import two_digits
+
     table = Table(title="Over all stations", box=SIMPLE_HEAD)
     table.add_column("quantity")
     for heading in ("L1 error", "L2 error", "samples"):
@@ -274,7 +281,9 @@ def norms_table(validation: Validation) -> Table:
 
 def references_line(judgement: Judgement | Validation) -> str:
     """Return a line that explains the symbols in the units of a judgement."""
-    run = judgement.simulation if isinstance(judgement, Judgement) else judgement.exact
+    from compare.validation.validation import Validation
+
+    run = judgement.exact if isinstance(judgement, Validation) else judgement.simulation
     references = reference_values(run.scene, run.end_time)
     values = (f"{symbol} = {value:.4g} {unit}" for symbol, (value, unit) in references.items())
     return f"Units: {', '.join(values)}; % of the prediction"

@@ -12,7 +12,6 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, version
 
 CRASHED = 70
 """EX_SOFTWARE of sysexits.h."""
@@ -76,6 +75,8 @@ def _report(error: BaseException, arguments: Sequence[str]) -> str:
 
 def _installed(package: str) -> str:
     """Return a package and its version; an empty string if it is not installed."""
+    from importlib.metadata import PackageNotFoundError, version  # 30 ms that few commands need
+
     try:
         return f"{package} {version(package)}"
     except PackageNotFoundError:

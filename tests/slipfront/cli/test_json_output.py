@@ -29,7 +29,7 @@ from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
 from semianalytic.scene.scene import scene_document
-from slipfront.cli.commands import app, main
+from slipfront.cli.commands import app_for, main
 
 VALIDATOR = jsonschema.Draft202012Validator(schema())
 ROOT = Path(__file__).parents[3]
@@ -37,7 +37,7 @@ ROOT = Path(__file__).parents[3]
 
 def commands(group=None, before=""):
     """(name, command) of the app, those of its groups included."""
-    for name, command in (group or typer.main.get_command(app)).commands.items():
+    for name, command in (group or typer.main.get_command(app_for([]))).commands.items():
         yield f"{before}{name}", command
         if hasattr(command, "commands"):
             yield from commands(command, f"{before}{name} ")

@@ -129,9 +129,9 @@ def texts_of(command):
     """Help texts of a command and its options, as they were written."""
     from typer.main import get_command
 
-    from slipfront.cli.commands import app
+    from slipfront.cli.commands import app_for
 
-    found = get_command(app)
+    found = get_command(app_for([]))
     for name in command.split():
         found = found.commands[name]
     yield from (one.help for one in found.params if getattr(one, "help", None))
