@@ -126,13 +126,16 @@ class Load:
         negligible = tuning.NEGLIGIBLE_FRICTION * abs(self.load_shear)
         return np.asarray((strength == 0) | (strength < negligible))
 
-    @property
-    def slips_from_front(self) -> bool:
-        """Whether slip may begin at the first front or ahead of all waves (one set).
+    def slips_from_front(self, sense: int) -> bool:
+        """Whether slip of a sense may begin at the first front or ahead of all waves (one set).
 
-        This requires a base at friction, or no friction.
+        This requires no friction, or a base at friction that drives slip in this sense: otherwise
+        the traction would have to jump at the front, which no load produces.
         """
-        return bool(self.frictionless) or self.critical or bool(self.far_slip_rate)
+        if self.frictionless or self.far_slip_rate:
+            return True
+        # A base without any traction is at friction in either sense.
+        return self.critical and sense * self.base_shear >= 0
 
     @property
     def rests(self) -> bool:

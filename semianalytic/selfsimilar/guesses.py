@@ -89,7 +89,7 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
         except ComputationError:
             # By rounding, pivoting may end on a ray; the next grid has other pivots.
             continue
-        zones = zones_on_grid(factors, grid, load.critical)
+        zones = zones_on_grid(factors, grid, load)
         if load.opened is not None:
             zones = zones_beside_opening(factors, grid, load)
         yield Guess(zones, grid.pivots, size > tuning.GRIDS[0])
@@ -119,16 +119,16 @@ def antiplane_zones(factors: RayleighFactors, load: Load) -> list[Zone] | None:
     return [Zone(factors.beside("b", [behind]), None, sense)]
 
 
-def zones_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> list[Zone]:
+def zones_on_grid(factors: RayleighFactors, grid: GridSlip, load: Load) -> list[Zone]:
     """Return the zones of the first stage, with edges from the two outermost values of V in each.
 
     If the base is critical, that is, its shear traction equals friction ahead of all waves, slip
-    that starts at the first node starts at the longitudinal front itself.
+    in its sense that starts at the first node starts at the longitudinal front itself.
     """
     # Zones are listed from the longitudinal front inward, and xi increases outward.
     xi, rate = grid.xi[::-1], grid.slip_rate[::-1]
     sense = np.sign(rate).astype(int)
-    if critical and sense[0] == 0:
+    if load.critical and sense[0] == 0 and sense[1] * load.base_shear >= 0:
         sense[0] = sense[1]
     bounds = [0, *(np.flatnonzero(sense[1:] != sense[:-1]) + 1).tolist(), len(sense)]
     fronts = (xi == 0) | (xi == 1 / factors.c) | (xi == 1) | (xi == xi[0])
@@ -176,7 +176,7 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
     inward = int(np.sign(grid.slip_rate[last - 1])) if last else 0
     rate = grid.slip_rate.copy()
     rate[free] = np.abs(rate[free]) * (ahead or beside or 1.0)
-    zones = zones_on_grid(factors, replace(grid, slip_rate=rate), load.critical)
+    zones = zones_on_grid(factors, replace(grid, slip_rate=rate), load)
     index = next(
         i
         for i, zone in enumerate(zones)

@@ -290,9 +290,7 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
     for sets in range(1, tuning.MOST_ZONE_SETS + 1):
         placement = locate_edges(factors, zones, load, rules.locating, rules.shift)
         steps += placement.steps
-        # A zone may begin at the first front only if the base is at friction: elsewhere the
-        # traction would have to jump there, which no load produces.
-        if zones and zones[0].left is None and not load.slips_from_front:
+        if zones and zones[0].left is None and not load.slips_from_front(zones[0].sense):
             break
         if not placement.converged:
             others = rearranged(factors, placement.zones, load, may_turn)

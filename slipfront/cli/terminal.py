@@ -309,6 +309,8 @@ def verdict_text(judgement: Judgement | Validation, options: Collection[str] = M
 
 def _closeness(rows: Sequence[Row]) -> Iterator[str]:
     """Yield how far rows that agree differ at most, in bars, and how wide the widest bar is."""
+    from compare.comparison.mesh_choice import two_digits
+
     barred = [row for row in rows if row.bar and row.difference is not None]
     if barred:
         far = max(barred, key=_bars)

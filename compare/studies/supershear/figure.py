@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 from compare.figures.style import BLACK, SMALL, describe, new_figure, outline, styled
 from compare.studies.supershear.points import RupturePoint, TransitionPoint
 
-_SLOWEST, _FASTEST = 0.5, 1.75  # c_t; c_l is 1.73 c_t
+_SLOWEST, _FASTEST = 0.5, math.sqrt(3)  # c_t; the faster is c_l
 
 
 @styled
@@ -26,7 +27,7 @@ def rupture_figure(
     panel = figure.subplots()
     x = np.unique([point.strength for point in points])
     y = np.unique([point.distance for point in points])
-    speeds = np.array([min(point.speed, _FASTEST) for point in points]).reshape(len(x), len(y)).T
+    speeds = np.array([point.speed for point in points]).reshape(len(x), len(y)).T
     mesh = panel.pcolormesh(
         x,
         y,
@@ -49,12 +50,11 @@ def rupture_figure(
         path_effects=outline(),
     )
     panel.set(
-        xlim=(x[0], x[-1]),
-        ylim=(y[0], y[-1]),
+        ylim=(0, y[-1] + y[0]),
         xlabel="$S$ = (peak strength $-$ shear) / (shear $-$ dynamic strength)",
         ylabel="distance from the centre / $L_c$",
     )
-    for text, place in (("supershear", (0.28, 0.75)), ("sub-Rayleigh", (0.8, 0.2))):
+    for text, place in (("supershear", (0.28, 0.75)), ("sub-Rayleigh", (0.8, 0.15))):
         panel.text(
             *place,
             text,

@@ -46,9 +46,9 @@ class RupturePoint:
     strength : float
         S.
     distance : float
-        Distance from the centre [L_c].
+        Distance from the centre, in the middle of a cell of the map [L_c].
     speed : float
-        Speed of the front over c_t, over 1 L_c around that distance.
+        Mean speed of the front over c_t in that cell.
     style : str
         "sub-Rayleigh" or "supershear": whether the rupture has overtaken shear waves there.
     """
@@ -89,7 +89,7 @@ def rupture(strength: float, half_length: float) -> Interface:
     """
 
     def nucleus(x: Array, t: float) -> Array:
-        return -(1 - _LEFT) * (np.abs(x) < min(NUCLEATION_SPEED * t, NUCLEUS))
+        return np.where(np.abs(x) < min(NUCLEATION_SPEED * t, NUCLEUS), _LEFT - 1, 0.0)
 
     return Interface(
         Material(1.0, 1.0, POISSON_RATIO),
@@ -136,8 +136,8 @@ def onsets(strength: float, nodes: int, farthest: float) -> tuple[Array, Array]:
     return x, begun
 
 
-def front_speeds(x: Array, begun: Array) -> tuple[Array, Array]:
-    """Return positions and the speed of the front there over c_t, (n,) each.
+def front_speeds(x: Array, begun: Array, window: float = WINDOW) -> tuple[Array, Array]:
+    """Return positions and the speed of the front over c_t in a window around each, (n,) each.
 
     The front is at x when slip has begun at x or anywhere beyond; a rupture that jumps ahead to a
     daughter crack so has an infinite speed on the way, written as inf.
@@ -145,7 +145,7 @@ def front_speeds(x: Array, begun: Array) -> tuple[Array, Array]:
     first = np.minimum.accumulate(begun[::-1])[::-1]
     reached = np.isfinite(first)
     x, first = x[reached], first[reached]
-    count = round(WINDOW / (x[1] - x[0]))
+    count = round(window / (x[1] - x[0]))
     taken = first[count:] - first[:-count]
     with np.errstate(divide="ignore"):
         speeds = (x[count:] - x[:-count]) / taken
@@ -172,12 +172,14 @@ def transition_point(strength: float, nodes: int, farthest: float) -> Transition
 def rupture_points(
     strength: float, nodes: int, farthest: float, count: int
 ) -> tuple[list[RupturePoint], TransitionPoint]:
-    """Follow a rupture and give its style at evenly spaced distances beyond the nucleus."""
-    x, speeds = front_speeds(*onsets(strength, nodes, farthest))
-    change = transition(x, speeds)
+    """Follow a rupture and give its style and speed in cells of equal length."""
+    begun = onsets(strength, nodes, farthest)
+    change = transition(*front_speeds(*begun))
+    cell = farthest / count
+    x, speeds = front_speeds(*begun, cell)
     points = []
-    for distance in np.linspace(0, farthest, count + 1)[1:].tolist():
-        at = min(int(np.searchsorted(x, distance)), len(x) - 1)
+    for distance in (cell * (np.arange(count) + 0.5)).tolist():
         style = SUPERSHEAR if distance >= change else SUB_RAYLEIGH
+        at = int(np.argmin(np.abs(x - distance)))
         points.append(RupturePoint(strength, distance, float(speeds[at]), style))
     return points, TransitionPoint(strength, nodes, change, farthest)

@@ -210,3 +210,28 @@ def test_antiplane_slip_that_ends_ahead_of_the_rayleigh_front() -> None:
     assert np.abs(own - grid.slip_rate[inside]).max() < 0.02 * largest
     finer = solve(scene, rtol=1e-11)
     assert not beyond(solution, finer)
+
+
+@pytest.mark.parametrize("law", [{}, {"friction_law": ViscousFriction(0.0033154838)}])
+def test_slip_against_a_base_at_friction_does_not_begin_at_the_front(law: dict[str, Any]) -> None:
+    """A weak base at friction and a strong load against it: slip begins a little behind the front.
+
+    It was placed at the front itself, as if the base drove it, and the answer was that to the base
+    of the other sign: 1e-5 of slip off, with an estimate of 1e-10.  The base alone slips at the
+    front, in a strip of 3e-10 c_t.
+    """
+    friction, pressure = 0.069, 5.1037e-5
+    base, load = friction * pressure, (0.017016, -0.659087)
+    at, below, other = (
+        solve(unit_scene(friction, (pressure, shear), load, nu=-0.0945, **law), rtol=1e-10)
+        for shear in (base, base * (1 - 1e-6), -base)
+    )
+    assert at.status == below.status == other.status == "converged"
+    front = at.scene.material.longitudinal_speed
+    assert [zone.sense for zone in at.zones] == [-1, -1, 1]
+    assert at.zones[-1].outer == pytest.approx(front, rel=1e-12)
+    assert 1e-5 < 1 - at.zones[-2].outer / front < 1e-3
+    slip, near, far = (one.slip(X, 1.0) for one in (at, below, other))
+    largest = np.abs(slip).max()
+    assert np.abs(slip - near).max() < 1e-9 * largest
+    assert np.abs(slip - far).max() > 1e-6 * largest
