@@ -228,6 +228,7 @@ def growth_rate(pair, law, friction, periods):
     return (4 * found[1] - found[0]) / 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pair", "friction", "delay", "periods"),
     [
@@ -285,8 +286,12 @@ def patch_of(law):
             Coulomb(0.6),
             "ill-posed: waves that run with .* grow by 5.33 % .* must be 0.0654 or more",
         ),
-        (SlipDependent(0.7, 0.3, 0.5), "friction 0.7 between these bodies is ill-posed"),
-        (Coulomb(0.6, viscosity=0.1), "ill-posed"),
+        pytest.param(
+            SlipDependent(0.7, 0.3, 0.5),
+            "friction 0.7 between these bodies is ill-posed",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(Coulomb(0.6, viscosity=0.1), "ill-posed", marks=pytest.mark.slow),
         (Coulomb(0.6, delay=1e-3), "delay of 0.001, which the grid cannot resolve; raise it to"),
     ],
 )
@@ -347,6 +352,7 @@ def test_rate_and_state_between_two_bodies_needs_no_short_steps():
     assert np.abs(done.pressure - 1.0).max() > 1e-4
 
 
+@pytest.mark.slow
 def test_the_patch_of_rock_on_gouge_spreads_as_the_exact_one():
     found = find_interface("rock-on-gouge")
     given = found.interface
@@ -363,6 +369,7 @@ def test_the_patch_of_rock_on_gouge_spreads_as_the_exact_one():
     )
 
 
+@pytest.mark.slow
 def test_steel_on_rubber_is_resolved_under_its_delay_and_refused_without():
     found = find_interface("steel-on-rubber")
     done = run(found.interface, found.end_time, 256)
