@@ -55,6 +55,8 @@ from compare.studies.stability import fem as fem_stability
 from compare.studies.stability import figures as stability
 from compare.studies.stability import spacetime
 from compare.studies.stability.sweeps import StudyRow
+from compare.studies.supershear.figure import rupture_figure
+from compare.studies.supershear.points import RupturePoint, TransitionPoint
 from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow, sweep_figure
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
@@ -201,6 +203,16 @@ def _growth():
         for f in frictions
     ]
     return growth_figure(points, curves, named)
+
+
+def _ruptures():
+    transitions = [TransitionPoint(s, 16, 5 * s if s < 1.4 else np.nan, 12) for s in (0.5, 1, 1.5)]
+    points = [
+        RupturePoint(one.strength, d, 1.7 if d > one.transition else 0.9, "")
+        for one in transitions
+        for d in (2.0, 6.0, 10.0)
+    ]
+    return rupture_figure(points, transitions)
 
 
 def _viscosity():
@@ -354,6 +366,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     ),
     "compare.studies.regimes.figures.reverse_figure": lambda: regimes.reverse_figure(_regimes()),
     "compare.studies.dissimilar.figure.growth_figure": _growth,
+    "compare.studies.supershear.figure.rupture_figure": _ruptures,
     "compare.studies.regimes.viscosity.viscosity_figure": _viscosity,
     "compare.studies.regimes.openings.openings_figure": _openings,
     **{

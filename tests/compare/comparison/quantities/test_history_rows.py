@@ -262,7 +262,7 @@ def test_interrupted_march_is_saved(tmp_path, monkeypatch, capsys):
     def pressing(*_):
         yield lambda done, steps: os.kill(os.getpid(), signal.SIGINT) if done == 30 else None
 
-    monkeypatch.setattr("slipfront.cli.marching.progress_bar", pressing)
+    monkeypatch.setattr("compare.output.progress.progress_bar", pressing)
     saved = tmp_path / "march.h5"
     assert main(["solve", "harmonic", "--nodes", "100", "--save", str(saved)]) == 130
     assert "holds the march until" in " ".join(capsys.readouterr().err.split())
