@@ -97,6 +97,11 @@ class Row:
         return 0.0 if self.place else abs(self.at_nodes or 0.0)
 
     @property
+    def over_bar(self) -> float:
+        """Size of the difference in error bars; 0 where there is no difference or no bar."""
+        return abs(self.difference) / self.bar if self.difference and self.bar else 0.0
+
+    @property
     def label(self) -> str:
         """Name of the row, with the unit of its values unless they are relative or unitless."""
         return self.name if self.relative or self.unit == "1" else f"{self.name} [{self.unit}]"

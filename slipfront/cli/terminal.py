@@ -313,18 +313,13 @@ def _closeness(rows: Sequence[Row]) -> Iterator[str]:
 
     barred = [row for row in rows if row.bar and row.difference is not None]
     if barred:
-        far = max(barred, key=_bars)
+        far = max(barred, key=lambda row: row.over_bar)
         shown = f"{far.shown_share(abs(far.difference or 0.0))} ± {far.shown_share(far.bar)}"
-        yield f"Largest difference of what agrees: {_bars(far):.2f} bars ({far.label}: {shown})."
+        yield f"Largest difference of what agrees: {far.over_bar:.2f} bars ({far.label}: {shown})."
     if sized := [row for row in barred if row.size]:
         wide = max(sized, key=_width)
         share = f"{two_digits(100 * _width(wide))} % of the value compared"
         yield f"Widest bar of what agrees: {share} ({wide.label})."
-
-
-def _bars(row: Row) -> float:
-    """Return the size of a difference in error bars."""
-    return abs(row.difference or 0.0) / (row.bar or math.inf)
 
 
 def _width(row: Row) -> float:

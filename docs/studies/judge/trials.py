@@ -348,7 +348,7 @@ class _Trial:
             return _Outcome(0.0, 0.0, math.inf, REFUSED, "")
         flawless_one = fault.make(self.flawless)
         over_bar = self._most(judge(self.right, flawless_one or self.flawless).rows)
-        laws = [_over(row) for row in judgement.rows if row.kind == LAW]
+        laws = [row.over_bar for row in judgement.rows if row.kind == LAW]
         return _Outcome(0.0, 0.0, max(over_bar, *laws), judgement.verdict, _differing(judgement))
 
     def searched(self, spoil: Spoil, shares: Sequence[float]) -> dict[float, _Outcome]:
@@ -367,11 +367,6 @@ class _Trial:
                     least = middle + 1
             middle = (least + most) // 2
         return outcomes
-
-
-def _over(row: Row) -> float:
-    """|difference| over the bar; 0 where there is none."""
-    return abs(row.difference) / row.bar if row.difference and row.bar else 0.0
 
 
 def _differing(judgement: Judgement) -> str:

@@ -203,11 +203,6 @@ SPOILS: Mapping[str, Spoil] = {
 }
 
 
-def excess(row: JudgedRow) -> float:
-    """Difference of a row over its bar."""
-    return abs(row.difference or 0.0) / row.bar if row.bar else 0.0
-
-
 def spoilt(one: Recorded) -> Iterator[tuple[str, Validation]]:
     """Validations of records of one resolution that are spoilt, with the names of the mistakes."""
     for mistake, spoil in SPOILS.items():
@@ -367,7 +362,7 @@ def _alarms(key: tuple[str, str, str, str], found: Sequence[Tried]) -> Alarms:
         len(whole),
         sum(row.verdict == DIFFERS for row in whole),
         sum(row.verdict == UNRESOLVED for row in whole),
-        max(map(excess, resolved), default=0.0),
+        max((row.over_bar for row in resolved), default=0.0),
         _median_bar(found, "slip rate all stations"),
         _median_bar(found, "slip all stations"),
     )
