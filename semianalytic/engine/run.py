@@ -120,11 +120,8 @@ def run(
     if go_on is not None:
         nodes = go_on.nodes if nodes is None else nodes
     count = _checked_nodes(NODES if nodes is None else nodes)
-    if interface.pair is not None:
-        stepper = Stepper(interface, count, step_ratio, end_time=end_time, **settings)
-        stepper.check_sliding()
     while True:
-        done = _one(interface, end_time, count, options, settings, go_on, progress)
+        done = _one(interface, end_time, count, options, settings, go_on, progress, check=True)
         if done.status.startswith("interrupted") or not (estimate or rtol is not None):
             return done
         done = _estimated(done, end_time, options, settings, rtol)
@@ -155,9 +152,15 @@ def _one(
     settings: dict[str, Any],
     go_on: Run | None,
     progress: Progress | None,
+    check: bool = False,
 ) -> Run:
-    """Return a run on one grid, without error estimates."""
+    """Return a run on one grid, without error estimates.
+
+    With `check`, friction between different bodies that this grid cannot follow is refused.
+    """
     stepper = Stepper(interface, nodes, options["step_ratio"], end_time=end_time, **settings)
+    if check:
+        stepper.check_sliding()
     record = Record(stepper, options["every"], options["frames"], options["times"])
     print_of = fingerprint(stepper)
     if go_on is None:

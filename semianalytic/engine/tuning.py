@@ -23,7 +23,7 @@ TOLERANCE = 1e-7
 """Error of the transform of the memory: with 1e-5 the slip rate of TPV101 changes by 2e-4, with
 1e-9 by 5e-7."""
 PAIR_TOLERANCE = 1e-6
-"""The same for the three kernels of different bodies, which then take 33 to 59 poles."""
+"""Error of the transforms of the three kernels of different bodies, which take 33 to 59 poles."""
 DELAY_NODES = 3.0
 """Least q c_t t* of the shortest wave under a delay t*, without which finer grids show waves that
 grow faster."""
