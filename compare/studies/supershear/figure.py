@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from compare.figures.style import BLACK, SMALL, describe, new_figure, outline, styled
-from compare.studies.supershear.points import RupturePoint, TransitionPoint
+from compare.studies.supershear.points import SOLID, RupturePoint, TransitionPoint
 
-_SLOWEST, _FASTEST = 0.5, math.sqrt(3)  # c_t; the faster is c_l
+_SLOWEST = 0.5  # c_t
 
 
 @styled
@@ -33,16 +32,15 @@ def rupture_figure(
         y,
         speeds,
         vmin=_SLOWEST,
-        vmax=_FASTEST,
+        vmax=SOLID.longitudinal_speed,
         cmap="viridis",
         shading="nearest",
         rasterized=True,
     )
     figure.colorbar(mesh, ax=panel).set_label("speed of the front / $c_t$")
-    changes = np.array([one.transition for one in transitions])
     panel.plot(
         [one.strength for one in transitions],
-        changes,
+        [one.transition for one in transitions],
         "o-",
         color=BLACK,
         ms=3,

@@ -20,7 +20,7 @@ from semianalytic.engine.tuning import STEP_RATIO
 
 Array = NDArray[np.float64]
 
-POISSON_RATIO = 0.25
+SOLID = Material(1.0, 1.0, 0.25)
 SUB_RAYLEIGH, SUPERSHEAR = "sub-Rayleigh", "supershear"
 SUPERSHEAR_SPEED = 1.02
 """Front speed over c_t from which a rupture counts as supershear.  With 1.01 and 1.1 the
@@ -92,11 +92,11 @@ def rupture(strength: float, half_length: float) -> Interface:
         return np.where(np.abs(x) < min(NUCLEATION_SPEED * t, NUCLEUS), _LEFT - 1, 0.0)
 
     return Interface(
-        Material(1.0, 1.0, POISSON_RATIO),
+        SOLID,
         SlipDependent(
             static=1 + strength,
             dynamic=0.0,
-            distance=math.pi * (1 - POISSON_RATIO) / (1 + strength),
+            distance=math.pi * (1 - SOLID.poisson_ratio) / (1 + strength),
         ),
         2 * half_length,
         pressure=1.0,
@@ -121,10 +121,9 @@ def onsets(strength: float, nodes: int, farthest: float) -> tuple[Array, Array]:
     farthest : float
         Distance that the rupture has to reach [L_c].
     """
-    material = Material(1.0, 1.0, POISSON_RATIO)
     end = NUCLEUS / NUCLEATION_SPEED + farthest / _SLOWEST
     # Waves of the nucleus of the next period must not arrive before the rupture does.
-    half = math.ceil((farthest + _MARGIN + material.longitudinal_speed * end) / 2)
+    half = math.ceil((farthest + _MARGIN + SOLID.longitudinal_speed * end) / 2)
     interface = rupture(strength, half)
     stepper = Stepper(interface, 4 * math.ceil(half * nodes / 2), STEP_RATIO, end_time=end)
     now, x = stepper.begin(), stepper.grid.x
