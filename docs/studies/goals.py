@@ -73,25 +73,25 @@ def _comparison() -> tuple[float, float]:
 
 
 def _marched(nodes: int) -> Found:
-    return _least(partial(ratios._STEP, "march", nodes=nodes), 3)
+    return _least(partial(ratios.STEP, "march", nodes=nodes), 3)
 
 
 def _cheapest() -> Found:
     """Return the cheapest march of a step whose true error is below 1e-4."""
     for nodes in (1152, 1280, 1408, 1536, 2048):
-        if ratios._STEP("march", nodes=nodes)[1] <= 1e-4:
+        if ratios.STEP("march", nodes=nodes)[1] <= 1e-4:
             return _marched(nodes)
     raise AssertionError("2,048 nodes miss 1e-4")
 
 
 def _by_tolerance() -> Found:
     """Return the time of a march to 1e-4 over that of the cheapest one by nodes."""
-    took, error = ratios._STEP("march", rtol=1e-4)
+    took, error = ratios.STEP("march", rtol=1e-4)
     return took / _cheapest()[0], error
 
 
 def _kinked(scene: sf.Scene) -> Found:
-    return ratios._timed(lambda _: sf.march(scene, rtol=1e-3), ratios._estimate)
+    return ratios.timed(lambda _: sf.march(scene, rtol=1e-3), ratios.estimate)
 
 
 def _grown(many: int = 4096, few: int = 1024) -> Found:
@@ -106,9 +106,9 @@ def _grown(many: int = 4096, few: int = 1024) -> Found:
 def _swept(name: str, side: int = 100) -> Found:
     """Return the milliseconds per scene of a sweep of a plane to 1e-6."""
     friction, ratio = batch_points(name, "grid", side)
-    took, error = ratios._timed(
+    took, error = ratios.timed(
         lambda _: sf.sweep(sf.find_scene(name), friction, 1e-6, poisson_ratio=ratio),
-        ratios._estimate,
+        ratios.estimate,
     )
     return 1e3 * took / side**2, error
 
@@ -133,13 +133,13 @@ def _opening(kind: str) -> Found:
 
 def _fields(points: int = 200_000) -> Found:
     """Return the points per second of stress to 1e-9, tables of a first call included."""
-    took, error = ratios._fields(points)
+    took, error = ratios.fields(points)
     return points / took, error
 
 
 def _moved() -> Found:
     """Return the milliseconds of the coarse field that `explore` draws at a move of a slider."""
-    return _least(lambda: (1e3 * ratios._picture()[0], math.nan), 10)
+    return _least(lambda: (1e3 * ratios.picture()[0], math.nan), 10)
 
 
 def _products() -> Found:
@@ -149,10 +149,9 @@ def _products() -> Found:
 
     profile = cProfile.Profile()
     profile.runcall(sf.simulate, sf.find_scene("preloaded"), resolution=100)
-    stats = pstats.Stats(profile)
-    times = {key[2]: entry[2] for key, entry in stats.stats.items()}  # type: ignore[attr-defined]
-    products = sum(took for name, took in times.items() if "csr_matvec" in name)
-    return products / stats.total_tt, math.nan  # type: ignore[attr-defined]
+    stats = pstats.Stats(profile).get_stats_profile()
+    products = sum(one.tottime for name, one in stats.func_profiles.items() if "csr_matvec" in name)
+    return products / stats.total_tt, math.nan
 
 
 @cache
@@ -188,16 +187,15 @@ class Goal:
     more: bool = False
 
 
-_process = ratios._process
 GOALS: Mapping[str, Goal] = {
     "first `solve` of a process, without imports": Goal(
-        "s", 0.114, 0.03, lambda: _least(partial(_process, FIRST), 8)
+        "s", 0.114, 0.03, lambda: _least(partial(ratios.process, FIRST), 8)
     ),
     "`slipfront solve preloaded`": Goal(
-        "s", 0.57, 0.3, lambda: _least(partial(_process, ratios.COMMAND), 8)
+        "s", 0.57, 0.3, lambda: _least(partial(ratios.process, ratios.COMMAND), 8)
     ),
     "`solve` of `viscous` to 1e-10": Goal(
-        "s", 0.056, 0.02, lambda: _least(partial(ratios._SOLVE, "viscous", rtol=1e-10), 12)
+        "s", 0.056, 0.02, lambda: _least(partial(ratios.SOLVE, "viscous", rtol=1e-10), 12)
     ),
     "openings from the edge over closed contacts": Goal(
         "times", math.nan, 1.5, partial(_opening, "opening from the edge")
@@ -231,7 +229,7 @@ GOALS: Mapping[str, Goal] = {
     "`fit` of three unknowns to three gauges": Goal("s", 2.0, 1, lambda: (_fit()[0], math.nan)),
     "solutions of that fit": Goal("solutions", 206, 100, lambda: (_fit()[1], math.nan)),
 }
-"""Goals of issue 28 by job."""
+"""Goals by job."""
 
 
 @dataclass(frozen=True)
@@ -249,7 +247,7 @@ class GoalRow:
 
 def measured(process: subprocess.Popen[str], job: str) -> GoalRow:
     """Have a row measured by a process that serves."""
-    (now, error), goal = ratios._run(process, job), GOALS[job]
+    (now, error), goal = ratios.run_job(process, job), GOALS[job]
     met = now >= goal.goal if goal.more else now <= goal.goal
     return GoalRow(job, goal.unit, goal.then, goal.goal, now, error, "yes" if met else "no")
 

@@ -38,7 +38,7 @@ Found = tuple[float, float]
 # Jobs run in either checkout, so they use public names only and import them when they run.
 
 
-def _timed(run: Callable[[Any], Any], error: Callable[[Any], float] = lambda _: math.nan) -> Found:
+def timed(run: Callable[[Any], Any], error: Callable[[Any], float] = lambda _: math.nan) -> Found:
     import slipfront as sf
 
     started = time.process_time()
@@ -46,7 +46,7 @@ def _timed(run: Callable[[Any], Any], error: Callable[[Any], float] = lambda _: 
     return time.process_time() - started, error(result)
 
 
-def _estimate(answer: Any) -> float:
+def estimate(answer: Any) -> float:
     """Return the error estimate of an answer, of a sweep the largest."""
     return max(one.error_estimate for one in getattr(answer, "solutions", (answer,)))
 
@@ -66,26 +66,26 @@ def _rate_error(answer: Any) -> float:
 
 
 def _call(function: str, name: str, error: Callable[[Any], float], **options: Any) -> Found:
-    return _timed(lambda sf: getattr(sf, function)(sf.find_scene(name), **options), error)
+    return timed(lambda sf: getattr(sf, function)(sf.find_scene(name), **options), error)
 
 
-def _fields(points: int) -> Found:
+def fields(points: int) -> Found:
     import numpy as np
 
     import slipfront as sf
 
     solution = sf.solve(sf.find_scene("preloaded"), rtol=1e-9)
     x, y = np.random.default_rng(1).uniform(-1, 1, (2, points))
-    return _timed(lambda _: solution.stress(x, y, 1.0), lambda _: solution.field_error)
+    return timed(lambda _: solution.stress(x, y, 1.0), lambda _: solution.field_error)
 
 
-def _picture() -> Found:
+def picture() -> Found:
     from slipfront.explore.jobs import Moment, solved_field
 
     def draw(sf: Any) -> Any:
         return solved_field(sf.find_scene("preloaded"), 24, 1e-4, Moment(), lambda *_: None)
 
-    return _timed(draw)
+    return timed(draw)
 
 
 def _fit() -> Found:
@@ -94,10 +94,10 @@ def _fit() -> Found:
     from docs.examples.fit_gauges import main
 
     with tempfile.TemporaryDirectory() as folder, redirect_stdout(io.StringIO()):
-        return _timed(lambda _: main(Path(folder)))
+        return timed(lambda _: main(Path(folder)))
 
 
-def _process(program: str) -> Found:
+def process(program: str) -> Found:
     command = [sys.executable, "-c", program]
     # An installed program finds its bytecode; without it the modules are compiled in every run.
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
@@ -105,26 +105,26 @@ def _process(program: str) -> Found:
     return float(done.stdout.split()[-1]), math.nan
 
 
-_SOLVE = partial(_call, "solve", error=_estimate)
-_SWEEP = partial(_call, "sweep", error=_estimate, friction=[n / 200 for n in range(24, 124)])
-_STEP = partial(_call, name="preloaded", error=_rate_error)
+SOLVE = partial(_call, "solve", error=estimate)
+_SWEEP = partial(_call, "sweep", error=estimate, friction=[n / 200 for n in range(24, 124)])
+STEP = partial(_call, name="preloaded", error=_rate_error)
 JOBS: Mapping[str, tuple[int, Callable[[], Found]]] = {
-    "first `solve` of a process, with imports": (8, partial(_process, FIRST)),
-    "`slipfront solve preloaded`": (8, partial(_process, COMMAND)),
-    "`solve` of `preloaded` to 1e-9": (20, partial(_SOLVE, "preloaded", rtol=1e-9)),
-    "`solve` of `viscous` to 1e-10": (12, partial(_SOLVE, "viscous", rtol=1e-10)),
-    "`solve` of `tap` to 1e-9": (20, partial(_SOLVE, "tap", rtol=1e-9)),
+    "first `solve` of a process, with imports": (8, partial(process, FIRST)),
+    "`slipfront solve preloaded`": (8, partial(process, COMMAND)),
+    "`solve` of `preloaded` to 1e-9": (20, partial(SOLVE, "preloaded", rtol=1e-9)),
+    "`solve` of `viscous` to 1e-10": (12, partial(SOLVE, "viscous", rtol=1e-10)),
+    "`solve` of `tap` to 1e-9": (20, partial(SOLVE, "tap", rtol=1e-9)),
     "`sweep` of 100 scenes from `preloaded`": (6, partial(_SWEEP, "preloaded")),
     "`sweep` of 100 scenes from `remote-shock`": (6, partial(_SWEEP, "remote-shock")),
-    "stress at 20,000 points": (6, partial(_fields, 20_000)),
-    "stress at 200,000 points": (4, partial(_fields, 200_000)),
-    "`explore`: coarse field at a move": (12, _picture),
-    "`march` with 256 nodes": (20, partial(_STEP, "march", nodes=256)),
-    "`march` with 1,024 nodes": (10, partial(_STEP, "march", nodes=1024)),
-    "`march` with 4,096 nodes": (3, partial(_STEP, "march", nodes=4096)),
-    "`march` of a step to 1e-3": (4, partial(_STEP, "march", rtol=1e-3)),
-    "`march` of a pulse to 1e-2": (4, partial(_call, "march", "pulse", _estimate, rtol=1e-2)),
-    "`simulate` with 100 node distances": (3, partial(_STEP, "simulate", resolution=100)),
+    "stress at 20,000 points": (6, partial(fields, 20_000)),
+    "stress at 200,000 points": (4, partial(fields, 200_000)),
+    "`explore`: coarse field at a move": (12, picture),
+    "`march` with 256 nodes": (20, partial(STEP, "march", nodes=256)),
+    "`march` with 1,024 nodes": (10, partial(STEP, "march", nodes=1024)),
+    "`march` with 4,096 nodes": (3, partial(STEP, "march", nodes=4096)),
+    "`march` of a step to 1e-3": (4, partial(STEP, "march", rtol=1e-3)),
+    "`march` of a pulse to 1e-2": (4, partial(_call, "march", "pulse", estimate, rtol=1e-2)),
+    "`simulate` with 100 node distances": (3, partial(STEP, "simulate", resolution=100)),
     "`fit` of three unknowns to three gauges": (3, _fit),
 }
 """Jobs: how often each is run in both commits, and what runs it."""
@@ -150,7 +150,7 @@ def _serving(folder: Path) -> subprocess.Popen[str]:
     return subprocess.Popen(command, cwd=folder, env=environment, stdin=-1, stdout=-1, text=True)
 
 
-def _run(checkout: subprocess.Popen[str], job: str) -> list[float]:
+def run_job(checkout: subprocess.Popen[str], job: str) -> list[float]:
     """Have a job run once in a checkout."""
     assert checkout.stdin is not None
     assert checkout.stdout is not None
@@ -167,7 +167,7 @@ def compared(jobs: Sequence[str], before: Path, now: Path, times: float = 1.0) -
     with _serving(before) as one, _serving(now) as other:
         for job in jobs:
             turns = range(max(1, round(times * JOBS[job][0])))
-            runs = [(_run(one, job), _run(other, job)) for _ in turns]
+            runs = [(run_job(one, job), run_job(other, job)) for _ in turns]
             (old, was), (new, error) = map(min, zip(*runs, strict=True))
             rows.append(RatioRow(job, old, new, new / old, was, error))
             print(f"{job:42} {old:9.4f} s {new:9.4f} s   x {new / old:.2f}", file=sys.stderr)
