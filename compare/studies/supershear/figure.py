@@ -21,7 +21,7 @@ def rupture_figure(
     figure = new_figure(7, 5)
     describe(
         figure,
-        "speed of spontaneous ruptures under linear slip weakening (in-plane, ν = 1/4)",
+        "speed of spontaneous ruptures whose friction falls linearly with slip (in-plane, ν = 1/4)",
     )
     panel = figure.subplots()
     x = np.unique([point.strength for point in points])
