@@ -117,17 +117,23 @@ def _share_of_power(fine: ZoneFields, coarse: ZoneFields) -> float:
 
 
 def slip_gain(profile: Profile) -> float:
-    """Return the largest slip rate, over all the time since the first front, over the largest slip.
+    """Return the largest slip rate, over all the time of slip, over the largest slip.
 
     An error of the slip rate leaves this many times as much of slip, each over its largest value.
     """
     panels, load = profile.panels, profile.fields.load
     at, first = panels.at.v, float(panels.left[0].v[0])
-    gained = (profile.slip_rate_at_nodes * panels.jacobian).ravel() * panels.rule.spacing
-    # The sum over nodes is right to some per cent.
-    slip = (float(load.far_slip_rate) * first + np.cumsum(gained)) / at.ravel()
+    passed = panels.jacobian.ravel() * panels.rule.spacing
+    # Sums over nodes are right to some per cent.
+    gained = np.cumsum(profile.slip_rate_at_nodes.ravel() * passed)
+    slip = (float(load.far_slip_rate) * first + gained) / at.ravel()
     largest = float(np.abs(slip).max(initial=0.0))
-    return float(profile.largest_rate) / first / largest if largest else 0.0
+    if not largest:
+        return 0.0
+    # Where nothing slips the slip rate has no error.
+    slipping = np.repeat(panels.layout.slipping, at.shape[1])
+    share = float((np.cumsum(slipping * passed) / at.ravel()).max())
+    return share * float(profile.largest_rate) / first / largest
 
 
 def intensity_gain(fields: ZoneFields) -> float:
