@@ -255,7 +255,7 @@ def test_a_simulation_that_does_not_fit_on_the_disk_is_kept(tmp_path):
     """In a process of its own: HDF5 used to end it with a segmentation fault."""
     (tmp_path / "spare").mkdir()
     code = (
-        "import resource; import fem, sys, slipfront.cli.commands;"
+        "import resource; import fem, sys, slipfront.cli.commands, slipfront.cli.simulate_command;"
         "before = slipfront.cli.simulate_command.save_somewhere\n"
         "def limited(save, place, name=''):\n"
         "    hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]\n"
