@@ -169,5 +169,5 @@ def test_a_chart_and_a_map_made_by_a_cluster(two_workers, tmp_path, capsys):
     capsys.readouterr()
     assert main(["chart", "preloaded", "--quick", "--json", *to, *scheduler]) == 0
     files = {Path(one).name for one in checked(capsys.readouterr().out)["files"]}
-    assert {"chart.md", "chart.csv"} <= files
+    assert {"chart.md", "data", "figures"} <= files
     assert (tmp_path / "chart" / "data" / "chart.csv").read_text().count("preloaded") > 3
