@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -155,7 +156,7 @@ class Model:
 
 
 def prepare(
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     end_time: float | None = None,
     settings: Settings | None = None,
     *,
@@ -183,8 +184,7 @@ def prepare(
     Examples
     --------
     >>> from fem import prepare
-    >>> from semianalytic import find_scene
-    >>> prepare(find_scene("antiplane"), resolution=8).plan.name
+    >>> prepare("antiplane", resolution=8).plan.name
     'antiplane half'
     """
     return build(make_plan(scene, end_time, settings, options, full=full))
