@@ -144,6 +144,9 @@ class Model:
     half_window: int
     seconds: dict[str, float] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        return f"<Model: {self.plan.name}, {self.unknowns:,} unknowns, {self.steps} steps>"
+
     @property
     def copies(self) -> int:
         """Number of blocks that a body stands for: 2 for a half, 1 if both are in the mesh."""

@@ -62,6 +62,10 @@ class Validation:
     rows: tuple[JudgedRow, ...]
     norms: tuple[Norm, ...]
 
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{verdict}: {count}" for verdict, count in self.counts.items())
+        return f"<Validation: {self.verdict} (rows {counts})>"
+
     @property
     def exact(self) -> Exact:
         """The answer, until T."""
