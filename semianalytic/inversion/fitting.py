@@ -15,6 +15,7 @@ from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.search import Minimum, minima
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
+from semianalytic.results.notebook import html_table
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.named import checked_scene
@@ -111,6 +112,16 @@ class Fit:
         pairs = zip(self.parameters, self.values, self.standard_errors, strict=True)
         values = ", ".join(f"{name} {value:.5g} ± {error:.2g}" for name, value, error in pairs)
         return f"<Fit: {values}; chi2 {self.chi2:.4g} of {self.freedom}; {self.status}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, f"{value:.6g}", f"{error:.2g}")
+            for name, value, error in zip(
+                self.parameters, self.values, self.standard_errors, strict=True
+            )
+        ]
+        caption = f"Fit: chi2 {self.chi2:.4g} of {self.freedom}; {self.status}"
+        return html_table(caption, ("parameter", "value", "standard error"), rows)
 
     @property
     def scene(self) -> Scene:

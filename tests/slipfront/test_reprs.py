@@ -1,12 +1,16 @@
 """What a notebook shows of an answer is one line that says what it is."""
 
 import re
+from dataclasses import replace
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from catalogue import PRELOADED
 
 import slipfront as sf
+from compare.comparison.judgement import judge
+from semianalytic.results.notebook import html_table
 
 X, T = np.array([0.1, 0.2]), np.linspace(0.1, 1.0, 20)
 
@@ -48,3 +52,44 @@ def test_an_answer_is_shown_on_one_line(make, said):
     assert re.search(said, text)
     assert "\n" not in text
     assert len(text) < 160
+
+
+def fitted():
+    scene, t = sf.find_scene("antiplane"), T[::5]
+    record = sf.Gauge(0.2, t, sf.solve(scene).slip(0.2, t), 1e-3, "slip")
+    return sf.fit([record], scene, "friction", priors={"friction": sf.Normal(0.5, 0.01)})
+
+
+def judged():
+    simulation = sf.with_companions(sf.simulate(PRELOADED, resolution=32))
+    return judge(sf.solve(PRELOADED), simulation)
+
+
+SHOWN = {
+    "preloaded": (lambda: sf.solve(PRELOADED), 2, ["slip +1", "0.884266", "from [length/time]"]),
+    "steel": (
+        lambda: sf.solve(replace(sf.find_scene("stuck"), units="SI")),
+        0,
+        ["no slip; converged", "from [m/s]"],
+    ),
+    "opening": (lambda: sf.solve("lift-off-shear"), 2, ["<td>open</td>", "slip +1"]),
+    "march": (lambda: sf.march("ramp", 1.0, 64), 3, ["largest slip", "; resolved, ", "length^2"]),
+    "fit": (fitted, 1, ["<td>friction</td><td>0.5</td>", "chi2"]),
+    "judgement": (judged, 15, ["Judgement: ", "<td>agrees</td>", "differs: 0"]),
+}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_a_notebook_shows_an_answer_as_a_table(name):
+    make, least, said = SHOWN[name]
+    text = make()._repr_html_()
+    assert [words for words in said if words not in text] == []
+    table = ElementTree.fromstring(text)  # which fails unless all tags are closed
+    head = table.findall("thead/tr/th")
+    rows = table.findall("tbody/tr")
+    assert len(rows) >= least
+    assert {len(row) for row in rows} <= {len(head)}
+
+
+def test_words_of_a_table_are_no_tags():
+    assert "<b>" not in html_table("<b>", ("<b>",), [("<b>",)])
