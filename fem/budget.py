@@ -8,6 +8,7 @@ import tempfile
 import time
 from dataclasses import dataclass, replace
 from functools import cache
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -118,7 +119,7 @@ class Cost:
 
 
 def cost(
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     end_time: float | None = None,
     settings: Settings | None = None,
     *,
@@ -151,8 +152,7 @@ def cost(
     Examples
     --------
     >>> from fem import cost
-    >>> from semianalytic import find_scene
-    >>> cost(find_scene("preloaded"), resolution=8).unknowns
+    >>> cost("preloaded", resolution=8).unknowns
     1380
     """
     plan = make_plan(scene, end_time, settings, options, full=snapshots)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -143,6 +144,9 @@ class Model:
     half_window: int
     seconds: dict[str, float] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        return f"<Model: {self.plan.name}, {self.unknowns:,} unknowns, {self.steps} steps>"
+
     @property
     def copies(self) -> int:
         """Number of blocks that a body stands for: 2 for a half, 1 if both are in the mesh."""
@@ -155,7 +159,7 @@ class Model:
 
 
 def prepare(
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     end_time: float | None = None,
     settings: Settings | None = None,
     *,
@@ -183,8 +187,7 @@ def prepare(
     Examples
     --------
     >>> from fem import prepare
-    >>> from semianalytic import find_scene
-    >>> prepare(find_scene("antiplane"), resolution=8).plan.name
+    >>> prepare("antiplane", resolution=8).plan.name
     'antiplane half'
     """
     return build(make_plan(scene, end_time, settings, options, full=full))

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,8 @@ from semianalytic.scene.checks import checked_count, checked_number, checked_siz
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
-from semianalytic.scene.scene import Material, Scene, checked_scene
+from semianalytic.scene.named import checked_scene
+from semianalytic.scene.scene import Material, Scene
 
 LEAST_RESOLUTION = 8
 STABLE_RATIO = 1.0
@@ -403,7 +405,7 @@ def _check_front(scene: Scene, end_time: float) -> None:
 
 
 def make_plan(
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     end_time: float | None,
     settings: Settings | None,
     options: Mapping[str, Any],
@@ -414,7 +416,7 @@ def make_plan(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, str or path
     end_time : float or None
         T [time]; the time a shear wave takes over a length of 1 if None.
     settings : Settings or None
@@ -428,7 +430,7 @@ def make_plan(
     SceneError
         If a setting is out of range, or for the reasons given at `Plan`.
     """
-    checked_scene("simulate", scene)
+    scene = checked_scene("simulate", scene)
     if settings is None:
         settings = Settings()
     if not isinstance(settings, Settings):

@@ -7,6 +7,7 @@ import math
 import sys
 import warnings
 from collections.abc import Callable, Iterator
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from fem.results import Simulation
 from fem.snapshots import Snapshots
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.quantities import taking_quantities
+from semianalytic.scene.named import of_scene
 from semianalytic.scene.scene import Scene
 
 _log = logging.getLogger(__name__)
@@ -31,9 +32,9 @@ FIRST_JUDGED = 4
 """Largest kinetic energy over the work of the loads; in stable runs it is about 1 at most."""
 
 
-@taking_quantities
+@of_scene
 def simulate(
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     end_time: float | None = None,
     settings: Settings | None = None,
     *,
@@ -54,8 +55,8 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene
-        Material, friction law, tractions and load histories.
+    scene : Scene, str or path
+        Material, friction law, tractions and load histories, or a name or file as for `find_scene`.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     settings : Settings, optional
@@ -109,8 +110,7 @@ def simulate(
     A coarse mesh, of 8 elements over the distance that a shear wave travels:
 
     >>> from fem import simulate
-    >>> from semianalytic import find_scene
-    >>> run = simulate(find_scene("preloaded"), resolution=8)
+    >>> run = simulate("preloaded", resolution=8)
     >>> run.unknowns, run.status
     (1380, 'resolved')
     >>> round(float(run.max_slip(1.0)), 2)  # 0.83 in the limit of fine meshes

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from os import PathLike
 from typing import TYPE_CHECKING
 
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.quantities import taking_quantities
-from semianalytic.scene.scene import Scene, checked_scene
+from semianalytic.scene.named import checked_scene, of_scene
+from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 
@@ -29,7 +30,6 @@ def chosen_method(scene: Scene, method: str = "auto") -> str:
     SceneError
         If the method is unknown, or the self-similar one is asked for a scene that is not.
     """
-    checked_scene("predict", scene)
     if method not in METHODS:
         raise SceneError(f"method must be one of {', '.join(METHODS)}, got {shown(method)}.")
     if method == "auto":
@@ -42,9 +42,9 @@ def chosen_method(scene: Scene, method: str = "auto") -> str:
     return method
 
 
-@taking_quantities
+@of_scene
 def predict(
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     end_time: float | None = None,
     *,
     nodes: int | None = None,
@@ -60,8 +60,8 @@ def predict(
 
     Parameters
     ----------
-    scene : Scene
-        Material, friction law, tractions and load histories.
+    scene : Scene, str or path
+        Material, friction law, tractions and load histories, or a name or file as for `find_scene`.
     end_time : float, optional
         End time of a march [time]; by default the time a shear wave takes over a length of 1.
     nodes : int, optional
@@ -93,13 +93,14 @@ def predict(
 
     Examples
     --------
-    >>> from semianalytic import Solution, find_scene, predict
-    >>> answer = predict(find_scene("preloaded"))  # step loads: the exact, self-similar solution
+    >>> from semianalytic import Solution, predict
+    >>> answer = predict("preloaded")  # step loads: the exact, self-similar solution
     >>> isinstance(answer, Solution), round(float(answer.slip_rate(0.1, 1.0)), 3)
     (True, 0.771)
-    >>> predict(find_scene("ramp"), nodes=128).status  # any other history: a march in time
+    >>> predict("ramp", nodes=128).status  # any other history: a march in time
     'resolved'
     """
+    scene = checked_scene("predict", scene)
     if end_time is not None:
         end_time = checked_size("predict: end_time", end_time)
     if length is not None:

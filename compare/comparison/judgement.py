@@ -29,8 +29,9 @@ from compare.comparison.quantities.profile_rows import (
     wear_rows,
 )
 from compare.comparison.quantities.slot_rows import slot_rows
-from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall, shown_number
 from semianalytic.results.answer import Answer
+from semianalytic.results.notebook import html_table
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
@@ -60,6 +61,20 @@ class Judgement:
     case: Case
     rows: tuple[Row, ...]
     fields: FieldErrors | None = None
+
+    def _repr_html_(self) -> str:
+        columns = ("quantity", "exact", "at nodes", "simulated", "difference", "bar", "verdict")
+        rows = [
+            (
+                row.label,
+                *map(shown_number, (row.exact, row.at_nodes, row.simulated)),
+                *map(row.shown_share, (row.difference, row.bar)),
+                f"{row.verdict}: {row.obstacle}" if row.obstacle else row.verdict,
+            )
+            for row in self.rows
+        ]
+        counts = ", ".join(f"{verdict}: {count}" for verdict, count in self.counts.items())
+        return html_table(f"Judgement: {self.verdict} (rows {counts})", columns, rows)
 
     @property
     def prediction(self) -> Answer:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from os import PathLike
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from compare.validation.weighing import LITTLE
 from semianalytic import Scene
 from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.scene import checked_scene
+from semianalytic.scene.named import checked_scene
 from semianalytic.scene.units import InSI
 
 CONVERTED = "agrees after conversion"
@@ -60,6 +61,10 @@ class Validation:
     notes: tuple[str, ...]
     rows: tuple[JudgedRow, ...]
     norms: tuple[Norm, ...]
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{verdict}: {count}" for verdict, count in self.counts.items())
+        return f"<Validation: {self.verdict} (rows {counts})>"
 
     @property
     def exact(self) -> Exact:
@@ -111,7 +116,7 @@ class Validation:
 
 def validate(
     data: Data | Sequence[Data],
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     *,
     spacing: float | Sequence[float] | None = None,
     conventions: Conventions | None = None,
@@ -123,8 +128,8 @@ def validate(
     data : Records, InterfaceHistory, mapping of arrays, or a sequence of them
         One run, or one for each resolution, coarse to fine unless spacings say otherwise.  A
         mapping has "t", "x" and some of "slip_rate", "slip", "shear_traction" and "pressure".
-    scene : Scene
-        What was simulated.
+    scene : Scene, str or path
+        What was simulated; a name or file as for `find_scene`.
     spacing : float or sequence of float, optional
         Distance of the grid points of each run on the interface, in the unit of x of its file; 0
         for a gauge without any extent, whose noise is known.
@@ -142,7 +147,7 @@ def validate(
     SceneError
         If spacings do not fit, or a march cannot follow the scene.
     """
-    checked_scene("validate", scene)
+    scene = checked_scene("validate", scene)
     conventions = conventions or Conventions()
     runs = [_with_rates(run, conventions) for run in as_runs(data)]
     found = [detect(runs[-1], scene, conventions)]

@@ -40,6 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     folder = parser.parse_args(arguments).csv
     if CHROMIUM is None:
         raise SystemExit("There is no Chromium to measure in; apt install chromium.")
+    folder.mkdir(parents=True, exist_ok=True)  # before minutes of measurements, not after them
     command = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
     arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
     rows = [

@@ -20,7 +20,7 @@ from slipfront.explore.chromium import CHROMIUM, Browser
 
 PAGES = ("", "theory/", "tutorials/first_scene/", "api/scene/", "not_here/")
 WITH_FORMULAS = "theory/"
-OUTSIDE = ("3-D", "3D", "plasticity", "layers", "layered", "anisotropy", "rate-and-state")
+OUTSIDE = ("3-D", "3D", "plasticity", "layers", "layered", "anisotropy", "viscoelastic")
 """Words whose first hit is the page of what slipfront does not do."""
 PAGE = "not_here/"
 SECONDS = 30.0

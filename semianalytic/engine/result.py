@@ -87,6 +87,14 @@ class Run:
     checkpoint: Mapping[str, Any] = field(repr=False)
     error_estimates: Mapping[str, float] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        slip = self.error_estimates.get("slip")
+        error = "no error estimate" if slip is None else f"error of slip {slip:.1e}"
+        return (
+            f"<Run: to t = {self.end_time:.4g} in {self.steps} steps, {self.nodes} nodes, "
+            f"{len(self.t)} frames; {self.status}, {error}>"
+        )
+
     @property
     def end_time(self) -> float:
         """The last time [time]."""

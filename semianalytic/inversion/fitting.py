@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from os import PathLike
 
 import numpy as np
 
@@ -14,9 +15,11 @@ from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.search import Minimum, minima
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
+from semianalytic.results.notebook import html_table
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.scene import Scene, checked_scene
+from semianalytic.scene.named import checked_scene
+from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 
 UNCONSTRAINED = 1.0
@@ -110,6 +113,16 @@ class Fit:
         values = ", ".join(f"{name} {value:.5g} ± {error:.2g}" for name, value, error in pairs)
         return f"<Fit: {values}; chi2 {self.chi2:.4g} of {self.freedom}; {self.status}>"
 
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, f"{value:.6g}", f"{error:.2g}")
+            for name, value, error in zip(
+                self.parameters, self.values, self.standard_errors, strict=True
+            )
+        ]
+        caption = f"Fit: chi2 {self.chi2:.4g} of {self.freedom}; {self.status}"
+        return html_table(caption, ("parameter", "value", "standard error"), rows)
+
     @property
     def scene(self) -> Scene:
         """The scene with the fitted parameters."""
@@ -147,7 +160,7 @@ class Fit:
 
 def fit(
     gauges: Sequence[Gauge],
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     parameters: str | Sequence[str],
     *,
     priors: Mapping[str, Prior] | None = None,
@@ -163,8 +176,9 @@ def fit(
     ----------
     gauges : sequence of Gauge
         Records, each with its noise.
-    scene : Scene
-        Values of all parameters that are not fitted, and a first guess of those that are.
+    scene : Scene, str or path
+        Values of all parameters that are not fitted, and a first guess of those that are; or the
+        name or file of a scene as for `find_scene`.
     parameters : str, or sequence of str
         Any of "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
         "load_shear", "viscosity", "shear_modulus", "density" of the scene; "t0", "x0" and "gain"
@@ -205,6 +219,7 @@ def fit(
     gauges = tuple(gauges) if isinstance(gauges, Iterable) else ()
     names = (parameters,) if isinstance(parameters, str) else tuple(parameters)
     _check_kinds(priors, setup)
+    scene = checked_scene("fit", scene)
     priors = dict(priors or {})
     _check(gauges, scene, names, priors)
     samples = Samples(gauges)
@@ -264,7 +279,6 @@ def _check(
     priors: Mapping[str, Prior],
 ) -> None:
     """Raise SceneError if the records cannot be fitted with these parameters."""
-    checked_scene("fit", scene)
     if not gauges or not all(isinstance(one, Gauge) for one in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
     for gauge in gauges:

@@ -114,6 +114,12 @@ class Gauge:
             raise SceneError(f"gauge: t and values must not exceed {LARGEST:g}; use other units.")
         object.__setattr__(self, "noise", checked_noise(self.noise, values))
 
+    def __repr__(self) -> str:
+        place = f"x = {self.x:g}" + ("" if self.y is None else f", y = {self.y:g}")
+        name = f"{self.name!r}, " if self.name else ""
+        times = f"{len(self.t)} samples, t = {self.t[0]:.4g} ... {self.t[-1]:.4g}"
+        return f"<Gauge: {name}{self.quantity} at {place}, {times}>"
+
     @property
     def on_interface(self) -> bool:
         """Whether the gauge records a quantity of the interface."""

@@ -55,6 +55,13 @@ class InterfaceHistory:
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} has shape {getattr(self, name).shape}, expected {shape}.")
 
+    def __repr__(self) -> str:
+        ranges = (
+            f"{len(row)} {what}" + (f" from {row.min():.4g} to {row.max():.4g}" if len(row) else "")
+            for what, row in (("times", self.t), ("positions", self.x))
+        )
+        return f"<InterfaceHistory: {', '.join(ranges)}>"
+
     @property
     def rubbing_rate(self) -> NDArray[np.float64]:
         """Slip rate where the sides touch, 0 where the contact is open (m, n) [length / time]."""

@@ -8,6 +8,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from semianalytic.scene.load_tables import with_tables
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
-from semianalytic.scene.quantities import in_units_of
+from semianalytic.scene.quantities import Function, in_units_of, taking_quantities
 from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
 from semianalytic.scene.units import PARAMETERS
 
@@ -174,6 +175,30 @@ def find_scene(source: str | PathLike[str]) -> Scene:
         )
     source = fspath(source)
     return _identical(source, *find_blocks(source))
+
+
+def checked_scene(function: str, given: object) -> Scene:
+    """Return the scene that a function was given, itself or as a source of `find_scene`.
+
+    Raises
+    ------
+    SceneError
+        "{function}: scene must be a Scene, ...", or for the reasons given at `find_scene`.
+    PluginError
+        For those given there.
+    """
+    if isinstance(given, Scene):
+        return given
+    if isinstance(given, str | PathLike):
+        return find_scene(given)
+    raise SceneError(
+        f"{function}: scene must be a Scene, or the name or file of one, got {shown(given)}."
+    )
+
+
+def of_scene(function: Function) -> Function:
+    """Let a function of a scene, or of the name or file of one, take quantities."""
+    return taking_quantities(function, partial(checked_scene, function.__name__))
 
 
 def find_blocks(source: str) -> tuple[Scene, Material | None]:

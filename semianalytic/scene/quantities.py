@@ -94,11 +94,13 @@ def with_quantities(described: Class) -> Class:
     return described
 
 
-def taking_quantities(function: Function) -> Function:
+def taking_quantities(
+    function: Function, described: Callable[[Any], object] = lambda first: first
+) -> Function:
     """Let a function of a scene, or a method of an answer, take quantities for its `ARGUMENTS`.
 
     They become numbers in the units of the scene, which is the first argument, or that of the
-    answer.
+    answer; `described` returns the scene if the first argument is only its name.
     """
     names = list(inspect.signature(function).parameters)
 
@@ -106,7 +108,7 @@ def taking_quantities(function: Function) -> Function:
     def asked(*args: Any, **given: Any) -> Any:
         if any(map(is_quantity, (*args[1:], *given.values()))):
             given = {**dict(zip(names, args, strict=False)), **given}
-            args, units = (), _units_of(given[names[0]])
+            args, units = (), _units_of(described(given[names[0]]))
             for name in given.keys() & ARGUMENTS.keys():
                 what = f"{function.__name__}: {name}"
                 given[name] = in_units_of(units, what, given[name], ARGUMENTS[name])

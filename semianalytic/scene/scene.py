@@ -439,20 +439,6 @@ class Scene:
         return math.copysign(float(speed), held.shear)
 
 
-def checked_scene(function: str, given: object) -> Scene:
-    """Return what a function was given for its scene, if it is one.
-
-    Raises
-    ------
-    SceneError
-        "{function}: scene must be a Scene, got {given}", with a hint if a name was given.
-    """
-    if isinstance(given, Scene):
-        return given
-    hint = f"; find_scene({given!r}) finds one by name" if isinstance(given, str) else ""
-    raise SceneError(f"{function}: scene must be a Scene, got {shown(given)}{hint}.")
-
-
 def scene_document(scene: Scene) -> dict[str, Any]:
     """Return a scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
 

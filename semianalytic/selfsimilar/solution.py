@@ -24,6 +24,7 @@ from semianalytic.results.answer import (
     sampled_history,
 )
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.notebook import html_table
 from semianalytic.results.reading import (
     Reading,
     first_times,
@@ -36,6 +37,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.units import unit
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion, over_slowness
 from semianalytic.separation.normal import Normal
@@ -154,6 +156,27 @@ class Solution:
         zones = ", ".join(f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds)
         slips = f"slip at {zones}" if zones else "no slip"
         return f"<Solution: {slips}; {self.status}, error estimate {self.error_estimate:.1e}>"
+
+    def _repr_html_(self) -> str:
+        speed = self.scene.material.shear_speed
+        moving = [(zone, f"slip {zone.sense:+d}") for zone in self.zones]
+        moving += [(zone, "open") for zone in self.openings]
+        moving.sort(key=lambda one: one[0].inner)
+        ends = [end for zone, _ in moving for end in (zone.inner, zone.outer)]
+        digits, places = digits_apart(ends, 6), digits_apart([end / speed for end in ends], 6)
+        rows = [
+            (
+                kind,
+                *(f"{end:.{digits}g}" for end in (zone.inner, zone.outer)),
+                *(f"{end / speed:.{places}g}" for end in (zone.inner, zone.outer)),
+            )
+            for zone, kind in moving
+        ]
+        per = unit("length / time", self.scene.units)
+        columns = ("zone", f"from [{per}]", f"to [{per}]", "from / c_t", "to / c_t")
+        moves = "" if rows else "no slip; "
+        caption = f"Solution: {moves}{self.status}, error estimate {self.error_estimate:.1e}"
+        return html_table(caption, columns, rows)
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]) -> Array:
         """Evaluate a field over slowness, (m,) or several (k, m), at x and t; it is 0 before t =

@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from time import perf_counter
 
 import numpy as np
@@ -28,7 +29,8 @@ from semianalytic.scene.friction import (
     RateFriction,
     ViscousFriction,
 )
-from semianalytic.scene.scene import Scene, checked_scene
+from semianalytic.scene.named import checked_scene
+from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.corrections import corrected, rearranged
 from semianalytic.selfsimilar.coulomb import violations
@@ -58,7 +60,7 @@ from semianalytic.separation.normal import with_opening
 _log = logging.getLogger(__name__)
 
 
-def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
+def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution:
     """Solve a scene for slip and stick on its interface: equations (2.1) and (3.21) of the article.
 
     The method is described in docs/solver.md; docs/theory.md, "Slip under a step, for given zones"
@@ -66,8 +68,8 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
 
     Parameters
     ----------
-    scene : Scene
-        A scene with self-similar loads.
+    scene : Scene, str or path
+        A scene with self-similar loads, or its name or file as for `find_scene`.
     rtol : float
         Wanted accuracy, between 1e-12 and 1e-2, of every quantity that `Solution.error_estimate`
         bounds: zone edges (relative to c_t), the slip rate in L1 and at points away from edges and
@@ -82,8 +84,9 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     Raises
     ------
     SceneError
-        If rtol is out of range, the scene is not self-similar, its viscosity is so large that slip
-        is below rounding, or friction falls with slip rate in a way that has no solution here.
+        If there is no such scene, it is not self-similar, its viscosity is so large that slip is
+        below rounding, friction falls with slip rate in a way that has no solution here, or rtol is
+        out of range.
     TensionError
         If the contact would open to infinity; the message says why.
 
@@ -96,8 +99,11 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     'converged'
     >>> round(solution.zones[0].outer, 6)
     0.375
+    >>> len(solve("preloaded").zones)  # a scene by its name
+    2
     """
-    checked_scene("solve", scene).check_self_similar()
+    scene = checked_scene("solve", scene)
+    scene.check_self_similar()
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )

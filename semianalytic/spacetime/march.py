@@ -25,6 +25,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from os import PathLike
 
 import numpy as np
 
@@ -33,8 +34,9 @@ from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import checked_scene, of_scene
 from semianalytic.scene.quantities import taking_quantities
-from semianalytic.scene.scene import Scene, checked_scene
+from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.advancing import advance, loads_on_grid
 from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
 from semianalytic.spacetime.march_memory import check_size, extents
@@ -94,9 +96,9 @@ def causal_grid(scene: Scene, latest: float, length: float, nodes: int, entry: f
     return Grid(spacing, size - contact, nodes, size)
 
 
-@taking_quantities
+@of_scene
 def march(
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     end_time: float | None = None,
     nodes: int | None = None,
     *,
@@ -122,8 +124,8 @@ def march(
 
     Parameters
     ----------
-    scene : Scene
-        Material, friction law, tractions and load histories.
+    scene : Scene, str or path
+        Material, friction law, tractions and load histories, or a name or file as for `find_scene`.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     nodes : int, optional
@@ -198,9 +200,9 @@ def march(
     >>> f"{float(run.slip(0.01, 3e-5)):.1e} m"
     '3.0e-06 m'
     """
-    material = checked_scene("march", scene).material
+    scene = checked_scene("march", scene)
     # By default a march lasts until a shear wave has travelled a length of 1 in the scene's units.
-    end_time = 1 / material.shear_speed if end_time is None else end_time
+    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
     length = scene.fastest_speed * end_time if length is None else length
     length = checked_size("march: length", length, "be above 0")

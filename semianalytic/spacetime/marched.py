@@ -15,11 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.notebook import html_table
 from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions, scene_document, scene_from_document
+from semianalytic.scene.units import unit
 from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.marched_bodies import MarchedBodies
 from semianalytic.spacetime.resolution import (
@@ -523,6 +525,17 @@ class Marched(SampledAnswer):
             f"{grid.observed} nodes on 0 < x < {grid.observed * grid.spacing:.4g}; {self.status}, "
             f"{error}>"
         )
+
+    def _repr_html_(self) -> str:
+        end, units = self.end_time, self.scene.units
+        facts = (
+            ("largest slip", self.max_slip(end), "length"),
+            ("accumulated slip over the contact", self.accumulated_slip(end), "length^2"),
+            ("frictional work over the contact", self.frictional_work(end), "stress length^2"),
+        )
+        rows = [(name, f"{float(value):.6g}", unit(of, units)) for name, value, of in facts]
+        caption = repr(self).strip("<>")
+        return html_table(caption, ("at the end", "value", "unit"), rows)
 
     def save(self, path: str | Path) -> None:
         """Write the march as HDF5, to be loaded or continued.

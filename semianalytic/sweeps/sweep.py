@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from os import PathLike
 from typing import Any, overload
 
 import numpy as np
@@ -16,7 +17,8 @@ from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.friction import CoulombFriction
-from semianalytic.scene.scene import Scene, checked_scene
+from semianalytic.scene.named import checked_scene
+from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
@@ -187,7 +189,7 @@ class Sweep:
 
 
 def sweep(
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     friction: ArrayLike,
     rtol: float = 1e-8,
     *,
@@ -199,8 +201,8 @@ def sweep(
 
     Parameters
     ----------
-    scene : Scene
-        The scene; its own friction plays no part.
+    scene : Scene, str or path
+        The scene, or its name or file as for `find_scene`; its own friction plays no part.
     friction : (n,) array
         Coulomb friction coefficients, in any order.
     rtol : float
@@ -232,13 +234,14 @@ def sweep(
     Examples
     --------
     >>> import numpy as np
-    >>> from semianalytic import find_scene, sweep
-    >>> swept = sweep(find_scene("antiplane"), friction=np.linspace(0.1, 0.9, 5))
+    >>> from semianalytic import sweep
+    >>> swept = sweep("antiplane", friction=np.linspace(0.1, 0.9, 5))
     >>> swept.edges[:, 0, 1].round(3).tolist()  # c_t / (1 + friction)^2
     [0.826, 0.592, 0.444, 0.346, 0.277]
     """
     given = np.asarray(friction, dtype=object)
-    ratio = np.asarray(checked_scene("sweep", scene).material.poisson_ratio)
+    scene = checked_scene("sweep", scene)
+    ratio = np.asarray(scene.material.poisson_ratio)
     if poisson_ratio is not None:
         ratio = np.asarray(poisson_ratio, dtype=object)
         given, ratio = _broadcast(given, ratio)

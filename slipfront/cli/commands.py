@@ -122,6 +122,7 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
     "survey": ("studies.survey_command", "survey_command"),
     "scenes": ("scenes.commands", "scenes"),
     "init": ("scenes.commands", "init"),
+    "docs": ("docs_command", "docs"),
     "sliding": ("scenes.sliding", "sliding"),
     "regimes": (_STUDIES, "regimes"),
     "stability": (_STUDIES, "stability"),

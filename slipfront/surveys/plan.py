@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
 from itertools import product
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,8 @@ from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene, checked_scene, scene_document
+from semianalytic.scene.named import checked_scene
+from semianalytic.scene.scene import Scene, scene_document
 from slipfront.surveys.parameters import Array, checked_values, parameter_name
 
 Region = tuple[slice, ...]
@@ -245,7 +247,7 @@ def _row(values: Array) -> str:
 
 
 def planned(
-    scene: Scene,
+    scene: Scene | str | PathLike[str],
     parameters: Mapping[str, ArrayLike],
     question: Question,
     *,
@@ -260,7 +262,7 @@ def planned(
         If there is no such parameter, no parameter has several values, lists that go together
         differ in length, or an option is out of range.
     """
-    checked_scene("survey", scene)
+    scene = checked_scene("survey", scene)
     values: dict[str, Array] = {}
     fixed: dict[str, float] = {}
     for given, row in parameters.items():

@@ -31,7 +31,7 @@ FIELDS = ("slip_rate", "shear_traction", "pressure")
 
 
 def survey(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     *,
     together: bool = False,
     rtol: float | None = None,
@@ -55,8 +55,9 @@ def survey(
 
     Parameters
     ----------
-    scene : Scene
-        Values that no parameter replaces are those of this scene.
+    scene : Scene, str or path
+        Values that no parameter replaces are those of this scene, or of that of this name or file,
+        as for `find_scene`.
     together : bool
         Whether the parameters are lists of equal length that form one list of points, along the
         dimension "point"; otherwise they span a grid, one dimension each.

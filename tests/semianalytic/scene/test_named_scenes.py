@@ -2,8 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from pint import UnitRegistry
 
+import slipfront as sf
 from semianalytic import (
     CoulombFriction,
     Material,
@@ -178,3 +181,34 @@ def test_a_viscosity_overrides_that_of_constant_or_viscous_friction():
 def test_an_override_out_of_range_is_refused():
     with pytest.raises(SceneError, match="poisson_ratio"):
         override_scene(find_scene("preloaded"), poisson_ratio=0.5)
+
+
+def test_functions_of_a_scene_take_its_name_or_file(steel):
+    path, _ = steel
+    path.write_text('units = "SI"\n' + STEEL)
+    given = str(path)
+    end, units = 2e-4, UnitRegistry()
+    record = sf.Gauge(0.05, np.array([1e-4, 2e-4]), np.array([0.0, 1e-7]), 1e-8)
+    scenes = [
+        sf.solve(path).scene,
+        sf.predict(given).scene,
+        sf.march(given, 200 * units.us, nodes=32).scene,  # in the units of the file
+        sf.sweep(given, [0.3]).scene,
+        sf.fit([record], given, "friction", priors={"friction": sf.Normal(0.4, 0.01)}).scene,
+        sf.prepare(given, end, resolution=8).plan.scene,
+        sf.simulate(given, end * units.s, resolution=8).scene,
+    ]
+    scenes[4] = replace(scenes[4], friction=0.4)
+    assert scenes == [read_scene(path)] * len(scenes)
+    assert sf.cost(given, end, resolution=8).unknowns > 0
+    data = {"t": record.t, "x": np.array([0.05]), "slip": np.zeros((2, 1))}
+    assert sf.validate(data, given).scene == scenes[0]
+    surveyed = sf.survey(given, friction=[0.3, 0.4], workers=1)
+    assert surveyed.attrs == sf.survey(scenes[0], friction=[0.3, 0.4], workers=1).attrs
+
+
+def test_named_scenes_are_solved_by_name():
+    assert sf.solve("preloaded").zones == sf.solve(find_scene("preloaded")).zones
+    assert sf.march("ramp", 0.5, 32).error_estimate > 0
+    with pytest.raises(SceneError, match="whole-line-patch has no slot"):
+        sf.solve("whole-line-patch")

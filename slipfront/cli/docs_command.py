@@ -1,0 +1,86 @@
+"""``slipfront docs`` prints the pages of the documentation that messages name."""
+
+from __future__ import annotations
+
+import difflib
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.markdown import Markdown
+from rich.markup import escape
+from rich.table import Table
+
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+
+_HOUSE = Path(__file__).parents[1]
+FOLDERS = (_HOUSE / "docs", _HOUSE.parent / "docs")
+"""Where pages are: in an installed package (see pyproject.toml), and in a checkout."""
+WIDEST = 110
+"""Columns of text that are read with ease; a page is not set wider on a wide terminal."""
+
+
+def docs(
+    page: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="PAGE",
+            help="Page to print, such as docs/limits.md or limits; all pages are listed without.",
+            autocompletion=lambda: sorted(pages()),
+        ),
+    ] = None,
+) -> None:
+    """Print a page of the documentation, such as docs/limits.md, which a message has named."""
+    if page is None:
+        table = Table("page", "title", title="Pages of the documentation")
+        for name, path in sorted(pages().items()):
+            table.add_row(name, escape(_title(path)))
+        Console().print(table)
+        return
+    text = _text(found_page(page))
+    if sys.stdout.isatty():
+        Console(width=min(Console().width, WIDEST)).print(Markdown(text, hyperlinks=False))
+    else:
+        print(text, end="")
+
+
+def pages() -> dict[str, Path]:
+    """Return the pages that are installed, by name."""
+    folder = next((one for one in FOLDERS if one.is_dir()), FOLDERS[0])
+    return {path.stem: path for path in folder.glob("*.md")}
+
+
+def found_page(name: str) -> Path:
+    """Return the file of a page.
+
+    Parameters
+    ----------
+    name : str
+        As messages write it, docs/limits.md, or limits.md or limits.
+
+    Raises
+    ------
+    SceneError
+        If there is no such page.
+    """
+    known = pages()
+    stem = name.rsplit("/", 1)[-1].removesuffix(".md")
+    if stem in known:
+        return known[stem]
+    close = difflib.get_close_matches(stem, known, n=1)
+    hint = f"did you mean {close[0]}?" if close else "'slipfront docs' lists them."
+    raise SceneError(f"There is no page called {shown(name)}; {hint}")
+
+
+def _text(path: Path) -> str:
+    """Return the text of a page without the settings that the site reads at its top."""
+    text = path.read_text(encoding="utf-8")
+    return text.split("\n---\n", 1)[1] if text.startswith("---\n") else text
+
+
+def _title(path: Path) -> str:
+    headings = (line[2:] for line in _text(path).splitlines() if line.startswith("# "))
+    return next(headings, path.stem)

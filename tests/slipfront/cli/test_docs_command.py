@@ -1,0 +1,55 @@
+"""``slipfront docs``: the pages that messages name are in the wheel, and are printed."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from slipfront.cli import docs_command
+from slipfront.cli.commands import main
+
+ROOT = Path(__file__).parents[3]
+WHEEL = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]
+WHEEL = WHEEL["wheel"]
+
+
+def test_pages_that_the_packages_name_are_in_the_wheel():
+    sources = (path for name in WHEEL["packages"] for path in (ROOT / name).rglob("*.py"))
+    named = {page for path in sources for page in re.findall(r"docs/\w+\.md", path.read_text())}
+    assert len(named) > 15
+    assert named <= WHEEL["force-include"].keys()
+    for source, place in WHEEL["force-include"].items():
+        assert (ROOT / source).is_file()
+        assert ROOT / place == docs_command.FOLDERS[0] / Path(source).name
+
+
+@pytest.mark.parametrize("name", ["docs/not_here.md", "not_here.md", "not_here"])
+def test_a_page_is_printed_by_the_name_that_messages_give(name, capsys):
+    assert main(["docs", name]) == 0
+    text = (ROOT / "docs" / "not_here.md").read_text()
+    assert text.startswith("---\n")  # settings of the site, which are not printed
+    shown = capsys.readouterr().out
+    assert shown.startswith("# What slipfront does not do")
+    assert text.endswith(shown)
+
+
+def test_pages_are_listed_with_their_titles(capsys):
+    assert main(["docs"]) == 0
+    assert re.search(r"limits +│ Assumptions and limits", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"), [("docs/limit.md", "did you mean limits?"), ("", "'slipfront docs' lists")]
+)
+def test_unknown_pages_are_refused_in_a_sentence(name, hint, capsys):
+    assert main(["docs", name]) == 2
+    assert hint in capsys.readouterr().err
+
+
+def test_an_installed_package_has_its_pages_beside_it(tmp_path, monkeypatch, capsys):
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "limits.md").write_text("# Limits of the wheel\n")
+    monkeypatch.setattr(docs_command, "FOLDERS", (tmp_path / "docs", ROOT / "docs"))
+    assert main(["docs", "limits"]) == 0
+    assert capsys.readouterr().out == "# Limits of the wheel\n"
