@@ -37,11 +37,11 @@ class Named:
     """One quantity of a named interface, or why there is none."""
 
     interface: str
-    mesh: int
+    mesh: int | None
     quantity: str
-    difference: float
-    bar: float
-    order: float
+    difference: float | None
+    bar: float | None
+    order: float | None
     verdict: str
     whole: str
 
@@ -53,16 +53,17 @@ def named() -> Iterator[Named]:
         try:
             judged = compare_interface(found.interface, found.end_time, **found.options)
         except SceneError:
-            yield Named(name, 0, "", 0.0, 0.0, 0.0, "", "not simulated")
+            yield Named(name, None, "", None, None, None, "", "refused")
             continue
+        print(name, judged.verdict, flush=True)
         for row in judged.rows:
             yield Named(
                 name,
                 judged.simulations[0].nodes,
                 row.kind,
-                row.difference or 0.0,
-                row.bar or 0.0,
-                row.order or 0.0,
+                row.difference,
+                row.bar,
+                row.order,
                 row.verdict,
                 judged.verdict,
             )
@@ -166,7 +167,12 @@ def pairs() -> Iterator[Pairs]:
         for _ in range(count):
             interface = drawn(rng, inside)
             judged = compare_interface(interface, END, NODES, mesh_nodes=MESH)
-            print(label, judged.verdict, [(r.kind, r.difference, r.bar) for r in judged.rows])
+            print(
+                label,
+                judged.verdict,
+                [(r.kind, r.difference, r.bar) for r in judged.rows],
+                flush=True,
+            )
             right.append(judged)
             times = list(judged.run.t)
             for name, spoil in SPOILS.items():

@@ -31,7 +31,7 @@ FAULT = sf.Interface(
 
 @pytest.fixture(scope="module")
 def judged():
-    return compare_interface(FAULT, 2.0, 256, mesh_nodes=128)
+    return compare_interface(FAULT, 2.0, 256)
 
 
 def test_different_bodies_agree(judged):
@@ -41,7 +41,7 @@ def test_different_bodies_agree(judged):
     assert rows["slip"].difference < 0.02
     assert rows["slip"].bar < 0.1
     assert rows["pressure"].over_bar < 1
-    assert [one.nodes for one in judged.simulations] == [128, 64, 32]
+    assert [one.nodes for one in judged.simulations] == [256, 128, 64]
     assert all(abs(one.imbalance) < 1e-12 for one in judged.simulations)
 
 
@@ -62,7 +62,21 @@ def test_a_run_of_another_interface_differs(judged, change, kind):
 
 
 def test_slots_openings_and_halves_agree():
+    # some nodes beside the slot of different bodies open, by 2e-4 of the slip, on any grid
     slot = sf.Contact([(-6.0, -1.0), (1.0, 6.0)])
+    stiff = sf.Material(2.8, 1.1, 0.25)
+    pair = sf.Interface(
+        ROCK,
+        sf.Coulomb(0.3),
+        12.0,
+        loads=[sf.InterfaceLoad(1.0, on="slot")],
+        contact=slot,
+        lower_material=stiff,
+    )
+    judged = compare_interface(pair, 2.0, 512, mesh_nodes=128)
+    assert judged.run.error_estimates["gap"] > 0.5
+    assert judged.run.status == "done"
+    assert "gap" not in {row.kind for row in judged.rows}
     solid = sf.Material(1.0, 1.0, 0.25)
     load = sf.InterfaceLoad(0.8, on="slot")
     slotted = sf.Interface(solid, sf.Coulomb(0.3), 12.0, loads=[load], contact=slot, even=True)
@@ -78,16 +92,15 @@ def test_slots_openings_and_halves_agree():
 
 
 def test_rate_and_state_friction_agrees():
-    law = sf.RateAndState(a=0.02, b=0.03, f0=0.6, v0=1e-3, distance=0.05)
+    law = sf.RateAndState(a=0.02, b=0.03, f0=0.6, v0=1e-3, distance=0.2)
     load = sf.InterfaceLoad(lambda x: 0.5 * np.exp(-(x**2)), history=lambda t: min(t, 1.0))
-    fault = sf.Interface(ROCK, law, 16.0, shear=0.55, rate=1e-6, loads=[load])
-    judged = compare_interface(fault, 3.0, 256)
-    assert judged.verdict == "agrees"
-    row = judged.rows[0]
-    assert (row.kind, row.verdict) == ("slip", "agrees")
-    assert row.difference < 0.02
-    ageing = sf.RateAndState(a=0.02, b=0.03, f0=0.6, v0=1e-3, distance=0.05, evolution="slip")
-    wrong = sf.run(replace(fault, law=ageing), 3.0, 256, times=list(judged.run.t))
+    fault = sf.Interface(ROCK, law, 12.0, shear=0.55, rate=1e-6, loads=[load])
+    judged = compare_interface(fault, 2.0, 128)
+    assert [row.verdict for row in judged.rows] == ["agrees"] * 3
+    assert judged.rows[0].difference < 0.02
+    wrong = sf.run(
+        replace(fault, law=replace(law, evolution="slip")), 2.0, 128, times=list(judged.run.t)
+    )
     assert judge_interface(wrong, list(judged.simulations)).verdict == "differs"
 
 
@@ -135,7 +148,7 @@ def test_a_difference_ends_with_1(monkeypatch, capsys):
     monkeypatch.setattr(
         judging,
         "line_of",
-        lambda one, nodes: honest(replace(one, law=sf.Coulomb(0.44)), nodes),
+        lambda one, nodes: honest(replace(one, law=sf.Coulomb(0.3)), nodes),
     )
     assert main([*COMMON, "--compare", "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())
