@@ -315,13 +315,19 @@ def simulate_line(
     return LineSimulation(
         x=line.x,
         touching=line.touching,
-        t=step * np.array(record.levels),
+        t=sample_times(end_time, samples),
         **record.fields(),
         imbalance=model.imbalance,
         steps=steps,
         unknowns=sum(block.unknowns for block in blocks),
         seconds=clock.perf_counter() - started,
     )
+
+
+def sample_times(end_time: float, samples: int = SAMPLES) -> Array:
+    """Return the times at which fields are kept, (samples,) [time]; the last one is the end."""
+    # the share of the end is exactly 1, so that no rounding leads beyond it
+    return np.asarray(end_time * (np.arange(1, samples + 1) / samples))
 
 
 def count_steps(blocks: list[Block], end_time: float, samples: int, step_ratio: float) -> int:

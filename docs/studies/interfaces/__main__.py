@@ -47,8 +47,8 @@ class Named:
 
 
 def named() -> Iterator[Named]:
-    """Yield the judged quantities of every named interface."""
-    for name in NAMED_INTERFACES:
+    """Yield the judged quantities of every named interface, those of two bodies first."""
+    for name in sorted(NAMED_INTERFACES, key=lambda one: "[lower" not in NAMED_INTERFACES[one]):
         found = sf.find_interface(name)
         try:
             judged = compare_interface(found.interface, found.end_time, **found.options)
@@ -187,10 +187,13 @@ def pairs() -> Iterator[Pairs]:
 
 
 def main(parts: list[str]) -> None:
-    """Write the tables."""
+    """Write the tables, line by line."""
     for name, rows in (("named", named), ("pairs", pairs)):
         if not parts or name in parts:
-            write_rows(DATA / f"interfaces-{name}.csv", list(rows()), command=COMMAND)
+            written: list[Named | Pairs] = []
+            for row in rows():
+                written.append(row)
+                write_rows(DATA / f"interfaces-{name}.csv", written, command=COMMAND)
 
 
 main(sys.argv[1:])

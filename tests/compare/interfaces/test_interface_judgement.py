@@ -109,6 +109,8 @@ def test_what_cannot_be_compared_is_refused():
         compare_interface(FAULT, 2.0, 256, mesh_nodes=100)
     with pytest.raises(SceneError, match="must be an Interface"):
         compare_interface(None, 2.0)
+    with pytest.raises(SceneError, match="between these bodies is ill-posed"):
+        compare_interface(replace(FAULT, law=sf.Coulomb(0.9)), 2.0, 256)
     with pytest.raises(SceneError, match="holds the mean slip"):
         compare_interface(replace(FAULT, held=3.0), 2.0, 256)
 
