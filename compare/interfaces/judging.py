@@ -227,7 +227,8 @@ def _scales(done: Run) -> dict[str, float]:
 
     Rounding moves faces that rest by far less than that; a small gap decides nothing.
     """
-    fields = {name: np.abs(getattr(done, name)) for name in KINDS}
+    # slots are wider than contacts open
+    fields = {name: np.abs(getattr(done, name)[:, done.touching]) for name in KINDS}
     motion = max(float(fields[name].mean()) for name in ("slip", "gap"))
     stress = max(float(fields[name].mean()) for name in ("shear_traction", "pressure"))
     return {

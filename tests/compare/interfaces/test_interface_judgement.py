@@ -91,6 +91,13 @@ def test_slots_openings_and_halves_agree():
     assert {row.kind for row in judged.rows if row.verdict == "agrees"} >= {"gap", "slip"}
 
 
+def test_a_contact_that_opens_beside_a_slot_agrees():
+    tap = sf.find_interface("tap")
+    judged = compare_interface(tap.interface, tap.end_time, 256)
+    assert judged.verdict == "agrees"
+    assert [row.kind for row in judged.rows if row.verdict == "agrees"] == ["gap", "pressure"]
+
+
 def test_rate_and_state_friction_agrees():
     law = sf.RateAndState(a=0.02, b=0.03, f0=0.6, v0=1e-3, distance=0.2)
     load = sf.InterfaceLoad(lambda x: 0.5 * np.exp(-(x**2)), history=lambda t: min(t, 1.0))
