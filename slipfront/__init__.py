@@ -128,6 +128,7 @@ _NAMES = {
         "simulate",
         "with_companions",
     ),
+    "compare.interfaces": ("InterfaceJudgement", "compare_interface"),
     "compare.validation": (
         "Conventions",
         "Validation",

@@ -29,15 +29,21 @@ collect_ignore = (
 )
 """Tests that send signals, fork, limit resources or give up rights, none of which Windows can."""
 
-if "PYTEST_XDIST_WORKER" in os.environ:  # as many processes as cores: one thread each
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 
 settings.register_profile("repeatable", derandomize=True)
 settings.register_profile("searching")
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 # The same scenes in every run, so that a failing run is a fault of the change it tests;
 # HYPOTHESIS_PROFILE=searching draws others.
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_setupnodes():
+    """One thread for each process, as there are as many of them as cores.
+
+    Processes inherit it: within one it would be too late, since plug-ins import numpy earlier.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -36,6 +36,7 @@ ARROWS = {
         "records": "",
         "tasks": "",
         "comparison": "output",
+        "interfaces": "comparison",
         "figures": "comparison output",
         "validation": "records comparison figures output",
         "benchmarks": "records comparison figures output",

@@ -331,6 +331,18 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "gap and pressure where loads change the pressure; empty without a second run",
                 _of(NUMBER),
             ),
+            "comparison": Key(
+                "with --compare: verdict, meshes, and the judged quantities",
+                _object(
+                    verdict=TEXT,
+                    counts=_of(WHOLE),
+                    meshes=_list(
+                        _object(nodes=WHOLE, steps=WHOLE, unknowns=WHOLE, imbalance=NUMBER)
+                    ),
+                    rows=_list(_row(Row, verdict=TEXT)),
+                ),
+                always=False,
+            ),
         },
     ),
     "simulate": (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,6 +17,7 @@ from semianalytic.engine.steps import Stepper
 from semianalytic.engine.tuning import (
     ERROR_SAFETY,
     LARGEST_ERROR,
+    LEAST_GAP,
     LEAST_NODES,
     MOST_NODES,
     NODES,
@@ -128,7 +129,7 @@ def run(
         if done.status.startswith("interrupted") or not (estimate or rtol is not None):
             return done
         done = _estimated(done, end_time, options, settings, rtol)
-        error = max(done.error_estimates.get(name, 0.0) for name in ("slip", "gap"))
+        error = done.error_estimates[_deciding(done, done.error_estimates)]
         if rtol is None or error <= rtol or 2 * count > MOST_NODES or go_on is not None:
             return done
         # The order is two where fields are smooth and one beside edges: at order one, four times as
@@ -247,13 +248,18 @@ def _estimated(
         scale = fine - fine[0] if name == "shear_traction" else fine
         size = float(np.abs(scale).sum())
         errors[name] = ERROR_SAFETY * float(np.abs(fine - other).sum()) / size if size else 0.0
-    status, name = done.status, "slip"
-    if errors.get("gap", 0.0) > errors["slip"]:
-        name = "gap"
+    status, name = done.status, _deciding(done, errors)
     if status == "done" and errors[name] > (LARGEST_ERROR if rtol is None else rtol):
         what = "slip" if name == "slip" else "the gap"
         status = f"unresolved: {what} may be off by {errors[name]:.1g} of itself; raise `nodes`."
     return replace(done, error_estimates=errors, status=status)
+
+
+def _deciding(done: Run, errors: Mapping[str, float]) -> str:
+    """Return which error counts, that of slip or that of a gap which is not much smaller."""
+    slip, gap = (float(np.abs(one[:, done.touching]).sum()) for one in (done.slip, done.gap))
+    larger = errors.get("gap", 0.0) > errors["slip"]
+    return "gap" if larger and gap > LEAST_GAP * slip else "slip"
 
 
 def _resolution(stepper: Stepper, pressure: Array, state: Array, fastest: float) -> str:

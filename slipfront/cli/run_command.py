@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
 
+from compare.comparison.rows import DIFFERS
 from compare.output.places import check_file, save_somewhere
 from compare.output.progress import progress_bar
 from semianalytic import Run, find_interface, run
 from semianalytic.engine.named import NAMED_INTERFACES
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.extras import XARRAY, require
+from semianalytic.scene.extras import FEM, XARRAY, require
 from semianalytic.scene.units import InSI
 from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.options import AsJson, Quiet, measured_option
 from slipfront.cli.scenes.completion import interface_names
-from slipfront.cli.terminal import print_json
+from slipfront.cli.terminal import interface_table, print_json, verdict_text
+
+if TYPE_CHECKING:
+    from compare.interfaces.judging import InterfaceJudgement
 
 _SHARES = 1000
 """Parts of the end time that the progress bar counts."""
@@ -55,6 +60,13 @@ def run_command(
     no_estimate: Annotated[
         bool, typer.Option("--no-estimate", help="Skip the second run on half the nodes.")
     ] = False,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="Simulate with finite elements too, and judge both.")
+    ] = False,
+    mesh_nodes: Annotated[
+        int | None,
+        typer.Option(help="Nodes of the finest mesh of --compare along the interface."),
+    ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -62,7 +74,8 @@ def run_command(
 
     The exit code is 4 if the run is unresolved or misses --rtol; the result is printed all the
     same.  Ctrl-C ends a run early; what was computed is printed, and saved
-    with --save.
+    with --save.  With --compare finite elements on three meshes simulate the interface as well;
+    the exit code is 1 if a quantity differs by more than its error bar allows.
     """
     found = find_interface(source)
     if isinstance(end_time, InSI):
@@ -75,30 +88,59 @@ def run_command(
     options |= {name: value for name, value in given.items() if value is not None}
     if netcdf is not None:
         require("slipfront run --netcdf", *XARRAY)
+    if mesh_nodes is not None and not compare:
+        raise SceneError("--mesh-nodes has no effect without --compare; leave it out.")
+    if compare:
+        require("slipfront run --compare", *FEM)
+        if go_on is not None or no_estimate or rtol is not None:
+            raise SceneError(
+                "--compare has no effect with --go-on, --no-estimate and --rtol; leave them out."
+            )
     for path in (save, netcdf):
         if path is not None:
             check_file(path)
     if go_on is not None:
         options["go_on"] = Run.load(go_on, found.interface)
         options.pop("nodes" if nodes is None else "", None)
-    with progress_bar(Console(stderr=True), quiet or as_json, "running") as show:
+    end = found.end_time if end_time is None else end_time
+    judgement: InterfaceJudgement | None = None
+    notes = Console(stderr=True)
+    if compare:
+        from compare.interfaces.judging import compare_interface
 
-        def progress(time: float, last: float) -> None:
-            show(int(_SHARES * time / last), _SHARES)
+        options.pop("estimate")
+        with progress_bar(notes, quiet or as_json, "simulating") as show:
+            judgement = compare_interface(
+                found.interface, end, **options, mesh_nodes=mesh_nodes, progress=show
+            )
+        done = judgement.run
+    else:
+        with progress_bar(notes, quiet or as_json, "running") as show:
 
-        end = found.end_time if end_time is None else end_time
-        done = run(found.interface, end, **options, progress=progress)
+            def progress(time: float, last: float) -> None:
+                show(int(_SHARES * time / last), _SHARES)
+
+            done = run(found.interface, end, **options, progress=progress)
     if save is not None:
         save_somewhere(done.save, save, save.name)
     if netcdf is not None:
         save_somewhere(lambda path: done.to_xarray().to_netcdf(path), netcdf, netcdf.name)
     files = [path for path in (save, netcdf) if path is not None]
     if as_json:
-        print_json("run", _document(done, source), status=done.status, files=files)
+        document = _document(done, source)
+        if judgement is not None:
+            document["comparison"] = _comparison(judgement)
+        status = done.status if judgement is None else judgement.verdict
+        print_json("run", document, status=status, files=files)
     else:
         _show(done, source)
+        if judgement is not None:
+            Console().print(interface_table(judgement, source))
+            Console().print(verdict_text(judgement, ("nodes", "mesh_nodes")), highlight=False)
         for path in files:
             Console().print(f"Saved in {path}", highlight=False)
+    if judgement is not None and judgement.verdict == DIFFERS:
+        raise typer.Exit(1)
     if done.status.startswith("interrupted"):
         raise typer.Exit(INTERRUPTED)
     if done.status != "done":
@@ -128,6 +170,19 @@ def _document(done: Run, name: str) -> dict[str, Any]:
             "largest_slip_rate": "length / time",
             "slipping": "1",
         },
+    }
+
+
+def _comparison(judgement: InterfaceJudgement) -> dict[str, Any]:
+    """Return what --json prints of a comparison."""
+    return {
+        "verdict": judgement.verdict,
+        "counts": judgement.counts,
+        "meshes": [
+            {name: getattr(one, name) for name in ("nodes", "steps", "unknowns", "imbalance")}
+            for one in judgement.simulations
+        ],
+        "rows": [{**asdict(row), "verdict": row.verdict} for row in judgement.rows],
     }
 
 

@@ -36,6 +36,7 @@ from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
 if TYPE_CHECKING:  # most commands print an answer, and judge none
     from compare.comparison.judgement import Judgement
     from compare.comparison.mesh_choice import MeshChoice
+    from compare.interfaces.judging import InterfaceJudgement
     from compare.validation.validation import Validation
     from fem import Simulation
 
@@ -244,6 +245,30 @@ def judgement_table(judgement: Judgement, label: str) -> Table:
     return table
 
 
+def interface_table(judgement: InterfaceJudgement, label: str) -> Table:
+    """Return the rows of an interface by both methods, with errors of norms in per cent."""
+    finest = judgement.simulations[0]
+    title = (
+        f"{label}: {judgement.run.nodes} nodes against finite elements, {finest.nodes} along the "
+        f"interface, {finest.steps} steps"
+    )
+    table = Table(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("quantity", min_width=14)
+    for heading in ("run", "FEM", "differ by", "bar ±", "order"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    for row in judgement.rows:
+        table.add_row(
+            escape(f"{row.name} [{row.unit}]"),
+            *(shown_number(value, DIGITS) for value in (row.at_nodes, row.simulated)),
+            row.shown_share(row.difference),
+            row.shown_share(row.bar),
+            "" if row.order is None else f"{row.order:.1f}",
+            _verdict(row),
+        )
+    return table
+
+
 def validation_table(validation: Validation, label: str) -> Table:
     """Return the rows of a validation; differences in red, errors of norms in per cent."""
     title = f"{label}: {validation.source or 'records'} against the exact answer"
@@ -289,7 +314,10 @@ def references_line(judgement: Judgement | Validation) -> str:
     return f"Units: {', '.join(values)}; % of the prediction"
 
 
-def verdict_text(judgement: Judgement | Validation, options: Collection[str] = MESH_OPTIONS) -> str:
+def verdict_text(
+    judgement: Judgement | Validation | InterfaceJudgement,
+    options: Collection[str] = MESH_OPTIONS,
+) -> str:
     """Return the verdict as a sentence, followed by each unresolved row, its reason and remedy."""
     counts = judgement.counts
     parts = [f"{count} {verdict}" for verdict, count in counts.items() if count]

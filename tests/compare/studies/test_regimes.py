@@ -267,6 +267,7 @@ def test_an_interrupted_map_continues(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_all_figures_and_tables_are_written_and_agree(tmp_path, monkeypatch):
     monkeypatch.setattr(regimes, "_OPENING_COUNTS", {False: (6, 9)})
+    monkeypatch.setattr(regimes, "_COUNTS", {False: (17, 36, 9)})
     write_regimes(tmp_path, size=12)
     names = {path.name for path in tmp_path.iterdir()}
     tables = {"regimes-preload", "regimes-remote", "front-speeds", "reverse-slip", "openings"}

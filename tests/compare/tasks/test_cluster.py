@@ -5,10 +5,12 @@ import pickle
 import signal
 import sys
 from importlib.metadata import PackageNotFoundError
+from pathlib import Path
 
 import pytest
 from distributed import Client, LocalCluster
 from fault_tasks import kill_me
+from json_checks import checked
 
 import slipfront as sf
 from compare.tasks import cluster
@@ -155,7 +157,7 @@ def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, mo
 
 
 @pytest.mark.slow
-def test_a_chart_and_a_map_made_by_a_cluster(two_workers, tmp_path):
+def test_a_chart_and_a_map_made_by_a_cluster(two_workers, tmp_path, capsys):
     scheduler = ["--scheduler", two_workers.scheduler_address, "--quiet"]
     for folder, options in (("here", ["--quiet"]), ("there", scheduler)):
         to = ["--output", str(tmp_path / folder)]
@@ -164,5 +166,8 @@ def test_a_chart_and_a_map_made_by_a_cluster(two_workers, tmp_path):
         here, there = ((tmp_path / folder / name).read_text() for folder in ("here", "there"))
         assert here == there
     to = ["--output", str(tmp_path / "chart")]
-    assert main(["chart", "preloaded", "--quick", *to, *scheduler]) == 0
+    capsys.readouterr()
+    assert main(["chart", "preloaded", "--quick", "--json", *to, *scheduler]) == 0
+    files = {Path(one).name for one in checked(capsys.readouterr().out)["files"]}
+    assert {"chart.md", "data", "figures"} <= files
     assert (tmp_path / "chart" / "data" / "chart.csv").read_text().count("preloaded") > 3

@@ -1,0 +1,59 @@
+"""The description of an interface at the nodes of a finite-element mesh."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.lines import Line
+from semianalytic.engine.fields import at_nodes, sampled
+from semianalytic.engine.interface import ActingLoads, Interface
+from semianalytic.engine.line import Grid
+from semianalytic.scene.errors import SceneError
+
+Array = NDArray[np.float64]
+
+
+def line_of(interface: Interface, nodes: int) -> Line:
+    """Return what finite elements have to know of an interface, at the nodes that `run` has.
+
+    Parameters
+    ----------
+    interface : Interface
+    nodes : int
+        Nodes of the whole period; even interfaces are simulated on all of it.
+
+    Raises
+    ------
+    SceneError
+        If mean slip is held, which no body does, or a field has no value at a node.
+    """
+    if interface.held != math.inf:
+        raise SceneError(
+            "simulate: finite elements have no stiffness that holds the mean slip; leave out "
+            "`held` (docs/engine.md)."
+        )
+    x = Grid(interface.length, nodes, not interface.contact.is_whole).x
+    touching = interface.contact.touches(x)
+    on = x[touching]
+    law = interface.law.on(on)
+    pressure = at_nodes("interface: pressure", interface.pressure, x, touching)
+    shear = sampled("interface: shear", interface.shear, x)
+    rate = np.abs(sampled("interface: rate", interface.rate, on))
+    state = np.asarray(law.start(pressure[touching], shear[touching], rate), dtype=float)
+    return Line(
+        upper=interface.material,
+        lower=interface.lower_material or interface.material,
+        length=interface.length,
+        x=x,
+        touching=touching,
+        friction=law,
+        state=state,
+        shear=ActingLoads("shear", shear, interface.loads, x, touching),
+        pressure=ActingLoads("pressure", pressure, interface.loads, x, touching),
+        opens=interface.may_open,
+        antiplane=interface.mode == "antiplane",
+        plate_rate=interface.plate_rate,
+    )

@@ -1,0 +1,1 @@
+"""Interfaces against finite elements: the named ones, and random pairs of bodies."""

@@ -1,0 +1,163 @@
+"""Periodic blocks of squares above and below the interface, and how deep they are.
+
+Nodes are numbered row by row from the interface on, so that those which no wave has reached are the
+last ones.  Far sides absorb plane waves: a dashpot rho c per area on each node.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import MeshQuad
+
+from fem.assembly import FAMILIES, IN_PLANE, OUT_OF_PLANE, STIFFNESS, Y, lumped_mass, make_space
+from fem.lines.line import Line
+from fem.stepping import Body, critical_step, highest_frequency, normalised
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.material import Material
+
+Array = NDArray[np.float64]
+
+PATCH = 24
+"""Squares along each side of the patch from which the critical step comes; see `fem.plan.Plan`."""
+STIFF = 1000.0
+"""Ratio of the shear moduli from which on the stiffer block may be shallow: its motion is 0.1 % of
+the whole or less, and its far side absorbs most of the waves."""
+SHALLOW = 0.25
+"""Depth of such a block over the period of the line.  Slip of steel on rubber (2.4e4) is that of a
+depth of 2 to 5e-6; with half of this value it is to 6e-6, with twice to 3e-6."""
+MOST_WORK = 5e11
+"""Unknowns times steps that are accepted, which take one to two hours."""
+MARGIN = 8
+"""Rows of nodes beyond the first wave that move already."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """One block of the mesh, before it is assembled.
+
+    Attributes
+    ----------
+    material : Material
+    below : bool
+        Whether it lies on y < 0.
+    columns, rows : int
+        Nodes of a period, and rows of squares.
+    size : float
+        Side of the squares [length].
+    damping_time : float
+        eta of the damping C = eta K [time].
+    components : tuple of int
+        Displacement components.
+    """
+
+    material: Material
+    below: bool
+    columns: int
+    rows: int
+    size: float
+    damping_time: float
+    components: tuple[int, ...]
+
+    @property
+    def fastest(self) -> float:
+        """Speed of the first wave [length / time]."""
+        solid = self.material
+        return solid.longitudinal_speed if self.components == IN_PLANE else solid.shear_speed
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns."""
+        return len(self.components) * self.columns * (self.rows + 1)
+
+    @property
+    def critical_step(self) -> float:
+        """Largest stable step [time], that of a free patch, which no periodic block exceeds."""
+        side = self.size * np.arange(PATCH + 1.0)
+        space = make_space(MeshQuad.init_tensor(side, side), FAMILIES["Q1"])
+        one = {"upper": self.material}
+        matrix, _ = normalised(STIFFNESS[self.components](space, one), lumped_mass(space, one))
+        return critical_step(highest_frequency(matrix, tol=1e-7), self.damping_time)
+
+    def assembled(self, step: float) -> Body:
+        """Return the block at rest, for a time step."""
+        along = self.size * np.arange(self.columns + 1.0)
+        away = self.size * np.arange(self.rows + 1.0)
+        y = -away[::-1] if self.below else away
+        space = make_space(MeshQuad.init_tensor(along, y), FAMILIES["Q1"])
+        # the last column of nodes is the first one again
+        column, row = np.rint(np.abs(space.points) / self.size).astype(np.int64)
+        place = self.columns * row + column % self.columns
+        one = {"upper": self.material}
+        mass = np.asarray(np.bincount(place, lumped_mass(space, one)), dtype=np.float64)
+        stiffness = STIFFNESS[self.components](space, one, place)
+        matrix, root = normalised(stiffness[: self.unknowns, : self.unknowns], mass)
+        matrix.data *= step**2
+        none = np.empty(0, dtype=np.int64)
+        return Body(
+            components=self.components,
+            matrix=matrix,
+            root=root,
+            damping=self.damping_time / step,
+            loaded=none,
+            load=np.empty(0),
+            held=none,
+            mirrored=np.empty((2, 0), dtype=np.int64),
+        )
+
+    def absorption(self, root: Array, step: float) -> Array:
+        """Return z = rho c h dt / (2 m) of the unknowns of the far side, (k,)."""
+        solid = self.material
+        speed = [
+            solid.longitudinal_speed if one == Y else solid.shear_speed for one in self.components
+        ]
+        dashpot = solid.density * np.tile(speed, self.columns) * self.size
+        return np.asarray(step * dashpot / (2 * root[-len(dashpot) :] ** 2))
+
+    def reached(self, time: float) -> int:
+        """Return the number of unknowns that may move until a time."""
+        # damping spreads the fronts; see `meshes.blocks.causal_margin`
+        ahead = self.fastest * time + 3 * self.fastest * math.sqrt(self.damping_time * time)
+        rows = min(math.ceil(ahead / self.size) + MARGIN, self.rows + 1)
+        return len(self.components) * self.columns * rows
+
+
+def make_blocks(line: Line, end_time: float, damping: float) -> list[Block]:
+    """Return the blocks of a line: one where both bodies move oppositely, else two.
+
+    Parameters
+    ----------
+    line : Line
+    end_time : float
+        T [time].
+    damping : float
+        eta of the damping of each block, over the time in which its shear wave crosses a square.
+    """
+    size, columns = line.spacing, len(line.x)
+    softest = min(line.upper.shear_modulus, line.lower.shear_modulus)
+    components = OUT_OF_PLANE if line.antiplane else IN_PLANE
+    blocks = []
+    for material, below in [(line.upper, False), (line.lower, True)][: 1 if line.is_odd else 2]:
+        fastest = material.shear_speed if line.antiplane else material.longitudinal_speed
+        # what comes back from the far side arrives after the end
+        rows = math.ceil(fastest * end_time / (2 * size)) + MARGIN
+        if material.shear_modulus >= STIFF * softest:
+            rows = min(rows, math.ceil(SHALLOW * columns))
+        damping_time = damping * size / material.shear_speed
+        blocks.append(Block(material, below, columns, rows, size, damping_time, components))
+    return blocks
+
+
+def check_work(blocks: list[Block], steps: int) -> None:
+    """Raise SceneError if a simulation would take hours."""
+    work = sum(block.unknowns for block in blocks) * steps
+    if work > MOST_WORK:
+        raise SceneError(
+            f"simulate: {steps} steps of finite elements with "
+            f"{sum(block.unknowns for block in blocks)} unknowns would take hours, because a step "
+            "cannot be longer than a wave takes to cross a square; take fewer nodes, or an earlier "
+            "end time."
+        )

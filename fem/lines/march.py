@@ -1,0 +1,382 @@
+"""Simulation of a periodic interface with explicit finite elements, and what it records."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.assembly import X, Y, Z
+from fem.interface import contact_pressure
+from fem.lines.blocks import Block, check_work, make_blocks
+from fem.lines.friction import slip_speed
+from fem.lines.line import Line, Tractions
+from fem.model import RATE_WINDOW
+from fem.stepping import Body
+from semianalytic.results.interruption import deferred_interrupt
+from semianalytic.scene.checks import checked_count, checked_size
+from semianalytic.scene.errors import ComputationError
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+
+SAMPLES = 20
+"""Times at which fields are kept."""
+DAMPING = 0.02
+"""Damping of each block, as that of `fem.plan.Settings`."""
+STEP_RATIO = 0.95
+"""Time step over the critical one."""
+
+
+@dataclass(frozen=True, eq=False)
+class LineSimulation:
+    """Fields of a simulated interface at evenly spaced times.
+
+    Slip rates and tractions are means over the time in which a shear wave of the slower body
+    crosses `fem.model.RATE_WINDOW` squares, which removes the ringing of the mesh.
+
+    Attributes
+    ----------
+    x : (n,) array
+        Positions of nodes [length].
+    touching : (n,) array of bool
+        Whether the bodies touch there.
+    t : (m,) array
+        Times [time]; the last one is the end.
+    slip, slip_rate, shear_traction, pressure, gap : (m, n) arrays
+        Relative slip and gap [length], slip rate [length / time] and tractions [stress].
+    imbalance : float
+        Energy of the bodies and what far sides absorb, less the work of all tractions, over it.
+    steps, unknowns : int
+    seconds : float
+        Wall-clock time [s].
+    """
+
+    x: Array
+    touching: NDArray[np.bool_]
+    t: Array
+    slip: Array
+    slip_rate: Array
+    shear_traction: Array
+    pressure: Array
+    gap: Array
+    imbalance: float
+    steps: int
+    unknowns: int
+    seconds: float
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes along the interface."""
+        return len(self.x)
+
+
+@dataclass(frozen=True)
+class Side:
+    """The face of a block, for one component of motion."""
+
+    body: Body
+    unknowns: slice
+    root: Array
+    sign: float
+
+
+class Jump:
+    """One component of the motion of the upper face less that of the lower one.
+
+    Parameters
+    ----------
+    sides : list of Side
+        The upper face, and the lower one unless it moves oppositely.
+    size, step : float
+        Node distance [length] and time step [time].
+    """
+
+    def __init__(self, sides: list[Side], size: float, step: float) -> None:
+        self.sides, self.times = sides, 2.0 if len(sides) == 1 else 1.0
+        self._share = step**2 * size
+        inertia = sum(1 / side.root**2 for side in sides)
+        self.compliance: Array = np.asarray(self._share * self.times * inertia)
+
+    def of(self, name: str) -> Array:
+        """Return the jump of a vector of the bodies, (n,) [length]."""
+        total = sum(s.sign * getattr(s.body, name)[s.unknowns] / s.root for s in self.sides)
+        return np.asarray(self.times * total)
+
+    def push(self, traction: Array, part: float) -> float:
+        """Apply a traction to the upper face and its opposite to the lower one; return its work.
+
+        The work is times the square of the step, as energies of bodies are.
+        """
+        impulse = part * self._share * traction
+        for side in self.sides:
+            side.body.increment[side.unknowns] += side.sign * impulse / side.root
+        mean = (self.of("before") + self.of("increment")) / 2
+        return float(impulse @ mean)
+
+
+class LineModel:
+    """The bodies of a line, its faces, and the state of its friction, at a time level."""
+
+    def __init__(self, line: Line, blocks: list[Block], step: float) -> None:
+        self.line, self.blocks, self.step = line, blocks, step
+        self.bodies = [block.assembled(step) for block in blocks]
+        self.absorbers = [
+            block.absorption(body.root, step)
+            for block, body in zip(blocks, self.bodies, strict=True)
+        ]
+        self.sliding = self._jump(Z if line.antiplane else X)
+        self.pressing = self._jump(Y) if line.opens else None
+        self.state = line.state
+        (self.pressure, _), (self.shear, _) = line.pressure(0.0), line.shear(0.0)
+        self.pushed = self.absorbed = self.imbalance = 0.0
+
+    def _jump(self, component: int) -> Jump:
+        sides = []
+        for block, body in zip(self.blocks, self.bodies, strict=True):
+            count = len(block.components)
+            unknowns = slice(block.components.index(component), count * block.columns, count)
+            sides.append(Side(body, unknowns, body.root[unknowns], -1.0 if block.below else 1.0))
+        return Jump(sides, self.line.spacing, self.step)
+
+    def kick(self, level: int, part: float) -> None:
+        """Kick the bodies at a time level by internal forces, far sides and the interface."""
+        for block, body in zip(self.blocks, self.bodies, strict=True):
+            body.activate(block.reached((level + 1) * self.step))
+            body.kick(part)
+        self._settle()
+        for body, z in zip(self.bodies, self.absorbers, strict=True):
+            far = slice(len(body.root) - len(z), None)
+            before = body.before[far]
+            body.increment[far] = (body.increment[far] - z * before) / (1 + z)
+            mean = (before + body.increment[far]) / 2
+            self.absorbed += 2 * float(z @ mean**2) * self.copies
+        self._press(level, part)
+        self._slide(level, part)
+
+    @property
+    def copies(self) -> int:
+        """Number of blocks that a body stands for."""
+        return 2 if self.line.is_odd else 1
+
+    def drift(self, part: float) -> None:
+        """Move the bodies on to the next time level."""
+        for body in self.bodies:
+            body.drift(part)
+
+    def _settle(self) -> None:
+        energies = [body.energy for body in self.bodies]
+        energy = self.copies * sum(one.kinetic + one.strain + one.damping for one in energies)
+        if not math.isfinite(energy):
+            raise ComputationError(
+                "the simulation lost its finite values; lower `step_ratio`, or give loads and "
+                "moduli of ordinary size."
+            )
+        size = max(abs(self.pushed), abs(energy))
+        self.imbalance = (energy + self.absorbed - self.pushed) / size if size else 0.0
+
+    def _press(self, level: int, part: float) -> None:
+        if self.pressing is None:
+            return
+        line, slot = kick_tractions(self.line.pressure, level * self.step)
+        jump, on = self.pressing, self.line.touching
+        needed = contact_pressure(
+            jump.of("displacement"), jump.of("increment"), line, part * jump.compliance
+        )
+        before, self.pressure = self.pressure, np.where(on, needed, slot)
+        self._past = before
+        self.pushed += jump.push(self.pressure - line, part)
+
+    def _slide(self, level: int, part: float) -> None:
+        line, slot = kick_tractions(self.line.shear, level * self.step)
+        jump, on, friction = self.sliding, self.line.touching, self.line.friction
+        plate = self.line.plate_rate
+        pressure = self.pressure[on]
+        if level:
+            speed = np.abs(jump.of("before")[on] / self.step + plate)
+            past = pressure if self.pressing is None else self._past[on]
+            self.state = np.asarray(
+                friction.evolved_under(self.state, speed, self.step, past, pressure)
+            )
+        compliance = part * jump.compliance
+        stopping = (line + (jump.of("increment") + plate * self.step) / compliance)[on]
+        impedance = (self.step / compliance)[on]
+        speed = slip_speed(friction, np.abs(stopping), pressure, impedance, self.state)
+        self.shear = slot.copy()
+        self.shear[on] = stopping - np.sign(stopping) * impedance * speed
+        # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy
+        self.pushed += jump.push(line - self.shear, part)
+
+    def slip(self, level: int) -> Array:
+        """Return the slip at a level, (n,) [length]."""
+        return self.sliding.of("displacement") + self.line.plate_rate * level * self.step
+
+    def gap(self) -> Array:
+        """Return the gap, (n,) [length]."""
+        return 0 * self.shear if self.pressing is None else self.pressing.of("displacement")
+
+
+def kick_tractions(tractions: Tractions, time: float) -> tuple[Array, Array]:
+    """Return the tractions of a kick; one at a jump has the mean of the values beside it.
+
+    The kick at t = 0 stands for the time after it.
+    """
+    after = tractions(time, after=True)
+    if time == 0:
+        return after
+    before = tractions(time)
+    return (before[0] + after[0]) / 2, (before[1] + after[1]) / 2
+
+
+def simulate_line(
+    line: Line,
+    end_time: float,
+    *,
+    samples: int = SAMPLES,
+    damping: float = DAMPING,
+    step_ratio: float = STEP_RATIO,
+    progress: Progress | None = None,
+) -> LineSimulation:
+    """Simulate a periodic interface with finite elements and central differences.
+
+    Contact and friction hold exactly at every pair of nodes and every step, without a penalty
+    (docs/fem.md).  The blocks are so deep that nothing comes back from their far sides, or absorb
+    what comes there where one is far stiffer than the other.  Each block has its own damping.
+
+    Parameters
+    ----------
+    line : Line
+    end_time : float
+        T [time].
+    samples : int
+        Number of times, up to T, at which fields are kept.
+    damping : float
+        eta of the Kelvin-Voigt damping, over the time in which the shear wave of a block crosses a
+        square.
+    step_ratio : float
+        Time step over the critical one.
+    progress : callable, optional
+        Called with (step, steps).
+
+    Returns
+    -------
+    LineSimulation
+
+    Raises
+    ------
+    SceneError
+        If an option is out of range, or the simulation would take hours.
+    ComputationError
+        If values are no longer finite.
+    KeyboardInterrupt
+        On Ctrl-C.
+
+    Examples
+    --------
+    A patch that is suddenly over-stressed, without friction: plane waves in its middle.
+
+    >>> import numpy as np
+    >>> from fem.lines import Line, simulate_line
+    >>> from semianalytic import Coulomb, Material
+    >>> solid, x = Material(1.0, 1.0, 0.25), np.arange(-32, 32) / 16
+    >>> shear, still = 1.0 * (abs(x) < 1), np.zeros(64)
+    >>> line = Line(solid, solid, 4.0, x, np.full(64, True), Coulomb(0.0), still,
+    ...             shear=lambda t, after=False: (shear, still),
+    ...             pressure=lambda t, after=False: (1 + still, still))
+    >>> done = simulate_line(line, 0.4)
+    >>> round(float(done.slip[-1, 32]), 2)  # 2 c_t tau t / mu
+    0.8
+    """
+    end_time = checked_size("simulate: end_time", end_time)
+    samples = checked_count("simulate: samples", samples, 1, "a whole number of at least")
+    started = clock.perf_counter()
+    blocks = make_blocks(line, end_time, damping)
+    steps = count_steps(blocks, end_time, samples, step_ratio)
+    step = end_time / steps
+    check_work(blocks, steps)
+    slowest = min(block.material.shear_speed for block in blocks)
+    window = max(1, round(RATE_WINDOW / 2 * line.spacing / slowest / step))
+    model = LineModel(line, blocks, step)
+    record = _Record(model, [steps // samples * k for k in range(1, samples + 1)], window)
+    with np.errstate(over="ignore", invalid="ignore"), deferred_interrupt() as interruption:
+        for level in range(steps + window + 1):
+            part = 1.0 if level else 0.5
+            model.kick(level, part)
+            record.level(level)
+            model.drift(part)
+            if interruption.pressed:
+                raise KeyboardInterrupt
+            if progress is not None and level:
+                progress(min(level, steps), steps)
+    return LineSimulation(
+        x=line.x,
+        touching=line.touching,
+        t=sample_times(end_time, samples),
+        **record.fields(),
+        imbalance=model.imbalance,
+        steps=steps,
+        unknowns=sum(block.unknowns for block in blocks),
+        seconds=clock.perf_counter() - started,
+    )
+
+
+def sample_times(end_time: float, samples: int = SAMPLES) -> Array:
+    """Return the times at which fields are kept, (samples,) [time]; the last one is the end."""
+    # the share of the end is exactly 1, so that no rounding leads beyond it
+    return np.asarray(end_time * (np.arange(1, samples + 1) / samples))
+
+
+def count_steps(blocks: list[Block], end_time: float, samples: int, step_ratio: float) -> int:
+    """Return the number of steps until the end time, a multiple of the number of samples."""
+    critical = min(block.critical_step for block in blocks)
+    return samples * math.ceil(end_time / (samples * step_ratio * critical))
+
+
+def planned_work(line: Line, end_time: float) -> float:
+    """Return the unknowns times steps of `simulate_line` with its defaults, before it is run."""
+    blocks = make_blocks(line, end_time, DAMPING)
+    steps = count_steps(blocks, end_time, SAMPLES, STEP_RATIO)
+    return float(steps) * sum(block.unknowns for block in blocks)
+
+
+class _Record:
+    """Fields at some levels; slip rates and tractions are means over a window around each."""
+
+    def __init__(self, model: LineModel, levels: list[int], window: int) -> None:
+        self.model, self.levels, self.window = model, levels, window
+        count = (len(levels), len(model.line.x))
+        self._slip, self._gap = np.zeros(count), np.zeros(count)
+        self._begin, self._rate = np.zeros(count), np.zeros(count)
+        self._shear, self._pressure = np.zeros(count), np.zeros(count)
+
+    def level(self, level: int) -> None:
+        """Record a level whose kick is done."""
+        for number, at in enumerate(self.levels):
+            first, last = max(at - self.window, 0), at + self.window
+            if not first <= level <= last:
+                continue
+            slip = self.model.slip(level)
+            if level == first:
+                self._begin[number] = slip
+            if level == last:
+                time = self.model.step * (last - first)
+                self._rate[number] = (slip - self._begin[number]) / time
+            if level == at:
+                self._slip[number], self._gap[number] = slip, self.model.gap()
+            share = 1 / (last - first + 1)
+            self._shear[number] += share * self.model.shear
+            self._pressure[number] += share * self.model.pressure
+
+    def fields(self) -> dict[str, Array]:
+        """The fields of a `LineSimulation`."""
+        return {
+            "slip": self._slip,
+            "slip_rate": self._rate,
+            "shear_traction": self._shear,
+            "pressure": self._pressure,
+            "gap": self._gap,
+        }

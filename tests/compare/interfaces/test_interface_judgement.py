@@ -1,0 +1,156 @@
+"""Interfaces by both methods: right answers agree, wrong ones differ, and the command says so."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import semianalytic as sf
+from compare.interfaces import compare_interface
+from compare.interfaces.judging import judge_interface
+from semianalytic.scene.errors import SceneError
+from slipfront.cli.commands import main
+
+ROCK, GOUGE = sf.Material(1.0, 1.0, 0.25), sf.Material(0.4, 0.85, 0.25)
+
+
+def push(x, t):
+    return 0.2 * np.clip((0.3 * t - abs(x)) / 0.4 + 0.5, 0, 1)
+
+
+FAULT = sf.Interface(
+    ROCK,
+    sf.Coulomb(0.4),
+    12.0,
+    shear=0.3,
+    loads=[sf.InterfaceLoad(push, history=None)],
+    lower_material=GOUGE,
+)
+
+
+@pytest.fixture(scope="module")
+def judged():
+    return compare_interface(FAULT, 2.0, 256)
+
+
+def test_different_bodies_agree(judged):
+    assert judged.verdict == "agrees"
+    rows = {row.kind: row for row in judged.rows}
+    assert set(rows) == {"slip", "slip rate", "shear traction", "pressure"}
+    assert rows["slip"].difference < 0.02
+    assert rows["slip"].bar < 0.1
+    assert rows["pressure"].over_bar < 1
+    assert [one.nodes for one in judged.simulations] == [256, 128, 64]
+    assert all(abs(one.imbalance) < 1e-12 for one in judged.simulations)
+
+
+@pytest.mark.parametrize(
+    ("change", "kind"),
+    [
+        ({"material": GOUGE, "lower_material": ROCK}, "pressure"),
+        ({"law": sf.Coulomb(0.44)}, "slip"),
+        ({"shear": -0.3}, "slip"),
+        ({"lower_material": None}, "slip"),
+    ],
+)
+def test_a_run_of_another_interface_differs(judged, change, kind):
+    wrong = sf.run(replace(FAULT, **change), 2.0, 256, times=list(judged.run.t))
+    other = judge_interface(wrong, list(judged.simulations))
+    assert other.verdict == "differs"
+    assert next(row for row in other.rows if row.kind == kind).verdict == "differs"
+
+
+def test_slots_openings_and_halves_agree():
+    # some nodes beside the slot of different bodies open, by 2e-4 of the slip, on any grid
+    slot = sf.Contact([(-6.0, -1.0), (1.0, 6.0)])
+    stiff = sf.Material(2.8, 1.1, 0.25)
+    pair = sf.Interface(
+        ROCK,
+        sf.Coulomb(0.3),
+        12.0,
+        loads=[sf.InterfaceLoad(1.0, on="slot")],
+        contact=slot,
+        lower_material=stiff,
+    )
+    judged = compare_interface(pair, 2.0, 512, mesh_nodes=128)
+    assert judged.run.error_estimates["gap"] > 0.5
+    assert judged.run.status == "done"
+    assert "gap" not in {row.kind for row in judged.rows}
+    solid = sf.Material(1.0, 1.0, 0.25)
+    load = sf.InterfaceLoad(0.8, on="slot")
+    slotted = sf.Interface(solid, sf.Coulomb(0.3), 12.0, loads=[load], contact=slot, even=True)
+    judged = compare_interface(slotted, 1.5, 256)
+    assert judged.verdict == "agrees"
+    burst = sf.InterfaceLoad(
+        pressure=lambda x, t: -2 * np.exp(-4 * x**2) * min(2 * t, 1), history=None
+    )
+    lifted = sf.Interface(solid, sf.Coulomb(0.3), 12.0, shear=0.2, loads=[burst])
+    judged = compare_interface(lifted, 1.5, 256)
+    assert judged.verdict == "agrees"
+    assert {row.kind for row in judged.rows if row.verdict == "agrees"} >= {"gap", "slip"}
+
+
+def test_rate_and_state_friction_agrees():
+    law = sf.RateAndState(a=0.02, b=0.03, f0=0.6, v0=1e-3, distance=0.2)
+    load = sf.InterfaceLoad(lambda x: 0.5 * np.exp(-(x**2)), history=lambda t: min(t, 1.0))
+    fault = sf.Interface(ROCK, law, 12.0, shear=0.55, rate=1e-6, loads=[load])
+    judged = compare_interface(fault, 2.0, 128)
+    assert [row.verdict for row in judged.rows] == ["agrees"] * 3
+    assert judged.rows[0].difference < 0.02
+    wrong = sf.run(
+        replace(fault, law=replace(law, evolution="slip")), 2.0, 128, times=list(judged.run.t)
+    )
+    assert judge_interface(wrong, list(judged.simulations)).verdict == "differs"
+
+
+def test_what_cannot_be_compared_is_refused():
+    with pytest.raises(SceneError, match="mesh_nodes must be a multiple of 4 that divides"):
+        compare_interface(FAULT, 2.0, 256, mesh_nodes=100)
+    with pytest.raises(SceneError, match="must be an Interface"):
+        compare_interface(None, 2.0)
+    with pytest.raises(SceneError, match="between these bodies is ill-posed"):
+        compare_interface(replace(FAULT, law=sf.Coulomb(0.9)), 2.0, 256)
+    with pytest.raises(SceneError, match="holds the mean slip"):
+        compare_interface(replace(FAULT, held=3.0), 2.0, 256)
+
+
+COMMON = ["run", "rock-on-gouge", "--nodes", "256", "--end-time", "1e-3", "--quiet"]
+
+
+def test_the_command_compares(capsys):
+    assert main([*COMMON, "--compare", "--mesh-nodes", "128"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "Verdict: agrees" in shown
+    assert "finite elements, 128 along the interface" in shown
+    assert main([*COMMON, "--compare", "--mesh-nodes", "128", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["status"] == "agrees"
+    assert [one["nodes"] for one in document["comparison"]["meshes"]] == [128, 64, 32]
+    assert {row["kind"] for row in document["comparison"]["rows"]} >= {"slip", "pressure"}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--mesh-nodes", "128"], "no effect without --compare"),
+        (["--compare", "--rtol", "0.1"], "no effect with --go-on"),
+        (["--compare", "--mesh-nodes", "100"], "--mesh-nodes must be a multiple of 4"),
+    ],
+)
+def test_options_without_effect_are_refused(options, said, capsys):
+    assert main([*COMMON, *options]) == 2
+    assert said in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_difference_ends_with_1(monkeypatch, capsys):
+    import compare.interfaces.judging as judging
+
+    honest = judging.line_of
+    monkeypatch.setattr(
+        judging,
+        "line_of",
+        lambda one, nodes: honest(replace(one, law=sf.Coulomb(0.3)), nodes),
+    )
+    assert main([*COMMON, "--compare", "--mesh-nodes", "128"]) == 1
+    assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())

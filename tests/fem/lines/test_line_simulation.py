@@ -1,0 +1,148 @@
+"""Finite elements of a periodic interface, against plane waves, energy and the laws themselves."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import semianalytic as sf
+from fem.lines import Line, simulate_line
+from fem.lines.blocks import make_blocks
+from fem.lines.friction import slip_speed
+from fem.lines.march import LineModel
+from semianalytic.scene.errors import SceneError
+
+SOFT, STIFF = sf.Material(1.0, 1.0, 0.25), sf.Material(3.0, 1.2, 0.2)
+
+
+def always(line, slot=None):
+    """Tractions that do not change with time."""
+    return lambda t, after=False: (line, 0 * line if slot is None else slot)
+
+
+def whole(upper, lower, friction, shear, state=None, nodes=64, length=4.0, **more):
+    """A line that touches everywhere, under a pressure of 1."""
+    x = length * (np.arange(nodes) / nodes - 0.5)
+    still = np.zeros(nodes)
+    return Line(
+        upper,
+        lower,
+        length,
+        x,
+        np.full(nodes, True),
+        friction.on(x),
+        still if state is None else state + still,
+        always(shear(x) + still),
+        always(1 + still),
+        **more,
+    )
+
+
+@pytest.mark.parametrize(("lower", "opens"), [(SOFT, False), (SOFT, True), (STIFF, True)])
+def test_uniform_slip_is_that_of_plane_waves_in_both_bodies(lower, opens):
+    line = whole(SOFT, lower, sf.Coulomb(0.3), lambda x: 0.8, opens=opens)
+    done = simulate_line(line, 1.0, samples=4)
+    rate = (0.8 - 0.3) * (1 / SOFT.shear_impedance + 1 / lower.shear_impedance)
+    # a kick at t = 0 acts for half a step, so that slip lags by less than a step
+    assert done.slip[-1] == pytest.approx(rate, rel=0.01)
+    assert done.slip_rate[-1] == pytest.approx(rate, rel=2e-3)
+    assert done.shear_traction[-1] == pytest.approx(0.3, rel=1e-12)
+
+
+def test_a_far_side_lets_plane_waves_out(monkeypatch):
+    monkeypatch.setattr("fem.lines.blocks.SHALLOW", 0.1)
+    monkeypatch.setattr("fem.lines.blocks.STIFF", 2.0)
+    line = whole(SOFT, STIFF, sf.Coulomb(0.3), lambda x: 0.8, opens=True)
+    deep, shallow = make_blocks(line, 2.0, 0.02)
+    assert shallow.rows < deep.rows / 4
+    rate = 0.5 * (1 / SOFT.shear_impedance + 1 / STIFF.shear_impedance)
+    assert simulate_line(line, 2.0).slip_rate[-1] == pytest.approx(rate, rel=5e-3)
+
+
+LAWS = {
+    "coulomb": (sf.Coulomb(0.3), 0.0),
+    "delayed": (sf.Coulomb(0.3, cohesion=0.1, viscosity=0.2, delay=0.2), 1.0),
+    "weakening": (sf.SlipDependent(0.5, 0.2, 0.3), 0.0),
+    "rate-and-state": (sf.RateAndState(0.02, 0.03, 0.5, 1e-3, 0.2), 50.0),
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_energy_balances_and_the_law_holds_at_every_step(name):
+    law, state = LAWS[name]
+    line = whole(SOFT, STIFF, law, lambda x: 1.0 * (abs(x) < 0.7), state, opens=True)
+    line = Line(**{**vars(line), "pressure": always(1 - 1.6 * np.exp(-4 * line.x**2))})
+    blocks = make_blocks(line, 1.0, 0.02)
+    step = 0.8 * min(block.critical_step for block in blocks)
+    model = LineModel(line, blocks, step)
+    opened = 0
+    for level in range(round(0.8 / step)):
+        part = 1.0 if level else 0.5
+        model.kick(level, part)
+        rate = model.sliding.of("increment") / step
+        # slower than that, a rate is the rounding of increments
+        strength = line.friction.strength(
+            model.pressure, np.maximum(np.abs(rate), 1e-9), model.state
+        )
+        strength = np.where(model.pressure > 0, strength, 0.0)
+        assert (np.abs(model.shear) <= strength + 1e-9).all()
+        slips = np.abs(rate) > 1e-9
+        assert model.shear[slips] == pytest.approx((np.sign(rate) * strength)[slips], abs=1e-9)
+        assert model.pressure.min() >= 0
+        model.drift(part)
+        gap = model.gap()
+        assert gap.min() > -1e-12
+        assert (gap[model.pressure > 0] < 1e-12).all()
+        opened = max(opened, int((gap > 1e-6).sum()))
+        if level > 3:
+            assert abs(model.imbalance) < 1e-12
+    assert 4 < opened < len(line.x)
+
+
+def test_bodies_that_change_places_mirror_the_answer():
+    def shear(x):
+        return 0.2 + 0.6 * (abs(x - 0.3) < 0.5)
+
+    one = simulate_line(whole(SOFT, STIFF, sf.Coulomb(0.3), shear, opens=True), 0.8)
+    other = simulate_line(whole(STIFF, SOFT, sf.Coulomb(0.3), lambda x: shear(-x), opens=True), 0.8)
+    for name, sign in (("slip", 1), ("pressure", 1)):
+        mirrored = np.roll(getattr(other, name)[:, ::-1], 1, axis=1)
+        assert getattr(one, name) == pytest.approx(sign * mirrored, abs=1e-12)
+    assert abs(one.pressure - 1).max() > 0.05
+
+
+def test_one_body_is_enough_where_the_other_moves_oppositely():
+    def shear(x):
+        return 0.8 * (abs(x) < 0.5)
+
+    half = simulate_line(whole(SOFT, SOFT, sf.Coulomb(0.3), shear), 0.8)
+    both = simulate_line(whole(SOFT, SOFT, sf.Coulomb(0.3), shear, opens=True), 0.8)
+    assert both.unknowns == 2 * half.unknowns
+    assert half.slip == pytest.approx(both.slip, abs=1e-12)
+    assert both.pressure == pytest.approx(1.0, abs=1e-12)
+
+
+@given(
+    st.floats(-3, 3),
+    st.floats(0.1, 5),
+    st.floats(-8, 3),
+    st.sampled_from(["coulomb", "rate-and-state"]),
+)
+def test_the_speed_of_a_node_balances_its_tractions(stop, pressure, impedance, name):
+    law, _ = LAWS[name]
+    stopping, pressed = np.array([10.0**stop]), np.array([pressure])
+    heavy, state = np.array([10.0**impedance]), np.array([1.0])
+    speed = slip_speed(law, stopping, pressed, heavy, state)
+    strength = np.asarray(law.strength(pressed, speed, state))
+    if speed[0] == 0:
+        assert strength[0] >= stopping[0] * (1 - 1e-12)
+    else:
+        assert strength + heavy * speed == pytest.approx(stopping, rel=1e-9)
+
+
+def test_what_cannot_be_simulated_is_refused():
+    line = whole(SOFT, STIFF, sf.Coulomb(0.3), lambda x: 0.8, nodes=4096, opens=True)
+    with pytest.raises(SceneError, match="would take hours"):
+        simulate_line(line, 100.0)
+    with pytest.raises(SceneError, match="end_time must"):
+        simulate_line(line, -1.0)
