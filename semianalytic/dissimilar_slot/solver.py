@@ -23,7 +23,7 @@ from semianalytic.dissimilar_slot.placement import Placement, place, polished
 from semianalytic.dissimilar_slot.profile import Profile
 from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics, in_velocity
 from semianalytic.dissimilar_slot.zones import Zone
-from semianalytic.scene.checks import checked_number
+from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
 
 GRIDS = (48, 96, 192)
@@ -74,9 +74,9 @@ def solve_pair(pair: Pair, *, rtol: float = 1e-8) -> PairSolution:
     Raises
     ------
     SceneError
-        If rtol is out of range, the interface slips in a sense in which friction between these
-        bodies has no answer (the message says how fast waves grow), a Stoneley wave runs along the
-        interface, or the contact opens under a viscous film.
+        If `pair` is none, rtol is out of range, the interface slips in a sense in which friction
+        between these bodies has no answer (the message says how fast waves grow), a Stoneley wave
+        runs along the interface, or the contact opens under a viscous film.
 
     Examples
     --------
@@ -89,6 +89,11 @@ def solve_pair(pair: Pair, *, rtol: float = 1e-8) -> PairSolution:
     >>> answer.edge_speeds.round(1)  # of slip, in m/s; nearer to the slot the contact is open
     array([[  5.1, 903.6]])
     """
+    if not isinstance(pair, Pair):
+        raise SceneError(
+            "solve_pair: pair must be a Pair of two materials with friction and tractions, got "
+            f"{shown(pair)}."
+        )
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-10 and 1e-2", lambda given: 1e-10 <= given <= 1e-2
     )

@@ -106,7 +106,10 @@ def run(
     (True, 'done')
     """
     if not isinstance(interface, Interface):
-        raise SceneError(f"run: interface must be an Interface, got {shown(interface)}.")
+        raise SceneError(
+            'run: interface must be an Interface, such as find_interface("punch").interface, got '
+            f"{shown(interface)}."
+        )
     end_time = checked_size("run: end_time", end_time)
     every = checked_count("run: every", every, 1, "a whole number of at least")
     frames = checked_count("run: frames", frames, 2, "a whole number of at least")

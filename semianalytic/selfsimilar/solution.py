@@ -159,18 +159,17 @@ class Solution:
 
     def _repr_html_(self) -> str:
         speed = self.scene.material.shear_speed
-        moving = [(zone, f"slip {zone.sense:+d}") for zone in self.zones]
-        moving += [(zone, "open") for zone in self.openings]
-        moving.sort(key=lambda one: one[0].inner)
-        ends = [end for zone, _ in moving for end in (zone.inner, zone.outer)]
+        parts = [(zone.inner, zone.outer, f"slip {zone.sense:+d}") for zone in self.zones]
+        parts += [(zone.inner, zone.outer, "open") for zone in self.openings]
+        ends = [end for *both, _ in parts for end in both]
         digits, places = digits_apart(ends, 6), digits_apart([end / speed for end in ends], 6)
         rows = [
             (
                 kind,
-                *(f"{end:.{digits}g}" for end in (zone.inner, zone.outer)),
-                *(f"{end / speed:.{places}g}" for end in (zone.inner, zone.outer)),
+                *(f"{end:.{digits}g}" for end in (inner, outer)),
+                *(f"{end / speed:.{places}g}" for end in (inner, outer)),
             )
-            for zone, kind in moving
+            for inner, outer, kind in sorted(parts)
         ]
         per = unit("length / time", self.scene.units)
         columns = ("zone", f"from [{per}]", f"to [{per}]", "from / c_t", "to / c_t")

@@ -332,7 +332,10 @@ def solve_growing(slot: GrowingSlot) -> GrowingSolution:
     0.120614758
     """
     if not isinstance(slot, GrowingSlot):
-        raise SceneError(f"solve_growing: slot must be a GrowingSlot, got {shown(slot)}.")
+        raise SceneError(
+            'solve_growing: slot must be a GrowingSlot, such as find_line("growing-load"), got '
+            f"{shown(slot)}."
+        )
     mode: Mode = "III" if slot.antiplane else "II"
     factors = rayleigh_factors(slot.material.poisson_ratio, mode)
     zone = growing_zone(factors, slot.power, slot.strength_ratio)

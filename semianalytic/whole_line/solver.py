@@ -53,7 +53,10 @@ def solve_line(line: WholeLine) -> LineSolution | Solution:
     0.290552362024
     """
     if not isinstance(line, WholeLine):
-        raise SceneError(f"solve_line: line must be a WholeLine, got {shown(line)}.")
+        raise SceneError(
+            'solve_line: line must be a WholeLine, such as find_line("whole-line-patch"), got '
+            f"{shown(line)}."
+        )
     if isinstance(line.load, HalfLine):
         return solve(line.slot_scene)
     mode: Mode = "I" if line.opens else "III" if line.antiplane else "II"
