@@ -138,6 +138,32 @@ def aligned_speed(
     return float(found.x) * window.front
 
 
+def alignment_bar(
+    velocity: Array, values: Array, prediction: Waveform, window: Window, speed: float
+) -> float:
+    """How far an aligned front [length / time] moves until the sum of the squares of what the
+    alignment leaves unexplained has doubled.
+
+    What is left is the error of the record itself.  Its part that looks like a shift of the front
+    is in the speed, and about as large as what is left.  It moves a weak signal farther than a
+    strong one.
+
+    Parameters
+    ----------
+    velocity, values, prediction, window
+        As for `aligned_speed`.
+    speed : float
+        Speed that the alignment found [length / time].
+    """
+    inside = within(velocity, window.lower, window.upper)
+    seen_at, stretch = velocity[inside], speed / window.front
+    left = roughness(values[inside] - prediction(seen_at / stretch), seen_at)
+    step = (window.upper - window.lower) / window.front / TRIALS
+    moved = prediction(seen_at / (stretch + step)) - prediction(seen_at / (stretch - step))
+    per_stretch = roughness(moved, seen_at) / (2 * step)
+    return left / per_stretch * window.front if per_stretch else np.inf
+
+
 def _without_trend(values: Array, velocity: Array) -> Array:
     centred = (velocity - velocity.mean()) / np.ptp(velocity)
     trends, _ = np.linalg.qr(np.vander(centred, TREND_DEGREE + 1))
