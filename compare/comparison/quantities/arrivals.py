@@ -85,7 +85,7 @@ def roughness(values: Array, velocity: Array) -> float:
     values, velocity : (n,) arrays
         A waveform and the velocities it is sampled at; the result has the units of `values`.
     """
-    return float(np.sqrt(np.mean(_without_trend(values, velocity) ** 2)))
+    return _rough(values, _trends(velocity))
 
 
 def aligned_speed(
@@ -122,9 +122,10 @@ def aligned_speed(
     if np.count_nonzero(inside) < LEAST_SAMPLES:
         return None
     seen_at, seen = velocity[inside], values[inside]
+    trends = _trends(seen_at)
 
     def unexplained(stretch: float) -> float:
-        return roughness(seen - prediction(seen_at / stretch), seen_at)
+        return _rough(seen - prediction(seen_at / stretch), trends)
 
     reach = 0.5 * min(window.front - window.lower, window.upper - window.front) / window.front
     trials = np.linspace(1 - reach, 1 + reach, TRIALS)
@@ -164,7 +165,12 @@ def alignment_bar(
     return left / per_stretch * window.front if per_stretch else np.inf
 
 
-def _without_trend(values: Array, velocity: Array) -> Array:
+def _trends(velocity: Array) -> Array:
+    """Orthonormal smooth trends over velocities (n,), (n, `TREND_DEGREE` + 1)."""
     centred = (velocity - velocity.mean()) / np.ptp(velocity)
-    trends, _ = np.linalg.qr(np.vander(centred, TREND_DEGREE + 1))
-    return np.asarray(values - trends @ (trends.T @ values))
+    return np.asarray(np.linalg.qr(np.vander(centred, TREND_DEGREE + 1))[0])
+
+
+def _rough(values: Array, trends: Array) -> float:
+    """Root mean square of values (n,) less their trends."""
+    return float(np.sqrt(np.mean((values - trends @ (trends.T @ values)) ** 2)))
