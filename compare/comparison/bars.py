@@ -73,8 +73,9 @@ def error_bar(
         Differences from the mesh 2h to h and, if there is such a mesh, from 4h to 2h: signed
         differences of one value, or norms of the differences of a field.
     floor : float
-        Uncertainty due to nodes, steps and rounding, in the same unit; smaller changes show no
-        order.
+        Uncertainty due to nodes, steps and rounding, in the same unit.  Changes that do not fall
+        with `LEAST_ORDER` and are no larger than it allows show no order; the last one counts as no
+        smaller than the floor.
     ratio : float
         Ratio of the element sizes of two successive meshes.
     most : float
@@ -92,6 +93,8 @@ def error_bar(
         size = RANGE * max(last, before, abs(changes[0] + changes[1])) + floor
         return ErrorBar(size, order, limit, converges=False)
     seen = order if order is not None else math.inf if last == 0 else 0.0
+    if seen < LEAST_ORDER:
+        last = max(last, floor)  # only the uncertainty of the nodes allows it: small by chance
     believed = min(max(seen, LEAST_ORDER), most)
     missing = max(last, before / ratio**most) / (ratio**believed - 1)
     return ErrorBar(min(SAFETY * missing + floor, limit), order, limit, converges=True)

@@ -220,31 +220,36 @@ def test_a_held_slot_matters_beside_it_only():
         assert least <= off < most
 
 
-# --- the search for the least mistake -----------------------------------------------------------
+# --- the search for sizes of mistakes -----------------------------------------------------------
 
 
 class Searched(judge_trials._Trial):
-    """A trial of which mistakes from a share on are caught."""
+    """A trial in which a mistake of a share has an effect of two bars, whatever the verdict."""
 
-    def __init__(self, least):
-        self.__dict__.update(right=solve(find_scene("preloaded")), window=WINDOW, least=least)
+    def __init__(self, share, verdict):
+        self.__dict__.update(right=solve(find_scene("preloaded")), window=WINDOW)
+        self.__dict__.update(share=share, verdict=verdict)
 
     def outcome(self, answer):
         share = (answer.scene.friction / 0.3 - 1) / 0.03
-        verdict = DIFFERS if share > 0.99 * self.least else AGREES
-        return judge_trials._Outcome(share, 0.0, share, verdict, "")
+        over_bar = 2.001 * share / self.share
+        return judge_trials._Outcome(share, 0.0, over_bar, self.verdict, "")
 
 
 @pytest.mark.thinned(3)
-@pytest.mark.parametrize("least", [0.1, *SHARES, 10.0])
-def test_the_least_mistake_is_bisected(least):
-    outcomes = Searched(least).searched(NAMED["friction +3 %"], SHARES)
-    assert 1.0 in outcomes
-    assert len(outcomes) <= 4
-    assert all(one.over_bar == pytest.approx(share) for share, one in outcomes.items())
-    caught = [share for share, one in outcomes.items() if one.verdict == DIFFERS]
-    expected = [share for share in SHARES if share >= least]
-    assert min(caught, default=None) == min(expected, default=None)
+@pytest.mark.parametrize("share", [0.1, *SHARES, 10.0])
+def test_sizes_are_chosen_by_effect_and_not_by_verdict(share):
+    differs, agrees = (
+        Searched(share, verdict).searched(NAMED["friction +3 %"], SHARES)
+        for verdict in (DIFFERS, AGREES)
+    )
+    assert differs.keys() == agrees.keys() >= {1.0}
+    assert len(agrees) <= 4
+    beyond = [tried for tried, one in agrees.items() if one.over_bar > judge_trials.MIDDLE]
+    expected = [tried for tried in SHARES if tried >= share]
+    assert min(beyond, default=None) == min(expected, default=None)
+    below = [tried for tried in agrees if tried < share]
+    assert max(below, default=None) == max((s for s in SHARES if s < share), default=None)
 
 
 # --- what it comes to ---------------------------------------------------------------------------

@@ -85,7 +85,7 @@ def roughness(values: Array, velocity: Array) -> float:
     values, velocity : (n,) arrays
         A waveform and the velocities it is sampled at; the result has the units of `values`.
     """
-    return float(np.sqrt(np.mean(_without_trend(values, velocity) ** 2)))
+    return _rough(values, _trends(velocity))
 
 
 def aligned_speed(
@@ -122,9 +122,10 @@ def aligned_speed(
     if np.count_nonzero(inside) < LEAST_SAMPLES:
         return None
     seen_at, seen = velocity[inside], values[inside]
+    trends = _trends(seen_at)
 
     def unexplained(stretch: float) -> float:
-        return roughness(seen - prediction(seen_at / stretch), seen_at)
+        return _rough(seen - prediction(seen_at / stretch), trends)
 
     reach = 0.5 * min(window.front - window.lower, window.upper - window.front) / window.front
     trials = np.linspace(1 - reach, 1 + reach, TRIALS)
@@ -138,7 +139,38 @@ def aligned_speed(
     return float(found.x) * window.front
 
 
-def _without_trend(values: Array, velocity: Array) -> Array:
+def alignment_bar(
+    velocity: Array, values: Array, prediction: Waveform, window: Window, speed: float
+) -> float:
+    """How far an aligned front [length / time] moves until the sum of the squares of what the
+    alignment leaves unexplained has doubled.
+
+    What is left is the error of the record itself.  Its part that looks like a shift of the front
+    is in the speed, and about as large as what is left.  It moves a weak signal farther than a
+    strong one.
+
+    Parameters
+    ----------
+    velocity, values, prediction, window
+        As for `aligned_speed`.
+    speed : float
+        Speed that the alignment found [length / time].
+    """
+    inside = within(velocity, window.lower, window.upper)
+    seen_at, stretch = velocity[inside], speed / window.front
+    left = roughness(values[inside] - prediction(seen_at / stretch), seen_at)
+    step = (window.upper - window.lower) / window.front / TRIALS
+    moved = prediction(seen_at / (stretch + step)) - prediction(seen_at / (stretch - step))
+    per_stretch = roughness(moved, seen_at) / (2 * step)
+    return left / per_stretch * window.front if per_stretch else np.inf
+
+
+def _trends(velocity: Array) -> Array:
+    """Orthonormal smooth trends over velocities (n,), (n, `TREND_DEGREE` + 1)."""
     centred = (velocity - velocity.mean()) / np.ptp(velocity)
-    trends, _ = np.linalg.qr(np.vander(centred, TREND_DEGREE + 1))
-    return np.asarray(values - trends @ (trends.T @ values))
+    return np.asarray(np.linalg.qr(np.vander(centred, TREND_DEGREE + 1))[0])
+
+
+def _rough(values: Array, trends: Array) -> float:
+    """Root mean square of values (n,) less their trends."""
+    return float(np.sqrt(np.mean((values - trends @ (trends.T @ values)) ** 2)))

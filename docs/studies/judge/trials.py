@@ -65,8 +65,11 @@ QUICK_COUNTS = {
 QUICK_RESOLUTION = 40
 WHOLE = 8
 """Field snapshots, which take most of the time, are judged for one scene in this many."""
-SHARES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+SHARES = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)
 """Sizes of a spoil that are tried, over the usual one."""
+MIDDLE = 2.0
+"""Effect, over the bar, about which the sizes of a spoil are chosen; the verdict has no part in it,
+so that what is caught decides nothing about what is tried."""
 QUICK_POWER = 2
 TRUTH = "none"
 """Name of the right answer among the spoils."""
@@ -255,8 +258,8 @@ def spoilt_rows(
     """Judge the right answer to a scene, all that can be made wrong of it, and the simulation with
     faults in it.
 
-    A spoil that has a size is made larger or smaller until the least that is caught is known
-    between two of `SHARES`, if `bisect`.
+    A spoil that has a size is made larger or smaller until two neighbours in `SHARES` have effects
+    on either side of `MIDDLE`, if `bisect`.
     """
     trial = _Trial.of(*simulated(power_scenes()[scene_name], resolution))
     tried: list[tuple[str, float, _Outcome]] = [(TRUTH, 0.0, trial.outcome(trial.right))]
@@ -352,7 +355,7 @@ class _Trial:
         return _Outcome(0.0, 0.0, max(over_bar, *laws), judgement.verdict, _differing(judgement))
 
     def searched(self, spoil: Spoil, shares: Sequence[float]) -> dict[float, _Outcome]:
-        """Outcomes by share, of the usual one and those that bisect for the least one caught."""
+        """Outcomes by share, of the usual one and those that bisect for an effect of `MIDDLE`."""
         outcomes: dict[float, _Outcome] = {}
         least, most, middle = 0, len(shares), shares.index(1.0)
         while least < most:
@@ -361,7 +364,7 @@ class _Trial:
                 most = middle
             else:
                 outcomes[shares[middle]] = outcome = self.outcome(answer)
-                if outcome.verdict == DIFFERS:
+                if outcome.over_bar > MIDDLE:
                     most = middle
                 else:
                     least = middle + 1

@@ -375,7 +375,7 @@ def test_verdict_of_a_judgement(fair):
 
 @pytest.mark.slow
 def test_beyond_the_bar_by_little_is_unresolved_and_a_finer_mesh_is_named(solution):
-    """Between one and one and a half bars: neither agreement nor a difference.
+    """Between one and `ALARM` bars: neither agreement nor a difference.
 
     Changes of 3 % and 6 % allow 3.75 % for first order, where 5 % are missing.
     """

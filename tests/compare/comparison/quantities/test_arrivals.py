@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from compare.comparison.quantities.arrivals import Window, aligned_speed, front_window, roughness
+from compare.comparison.quantities.arrivals import (
+    Window,
+    aligned_speed,
+    alignment_bar,
+    front_window,
+    roughness,
+)
 
 VELOCITY = np.linspace(0.005, 2.0, 400)
 WINDOW = Window(0.8, 1.0, 1.2)
@@ -42,6 +48,28 @@ def test_a_record_without_the_front_gives_no_speed():
 
 def test_too_few_samples_give_no_speed():
     assert aligned_speed(VELOCITY[::40], kink(VELOCITY[::40]), kink, WINDOW) is None
+
+
+@pytest.mark.parametrize("strength", [1.0, 0.1])
+def test_what_is_left_moves_a_weak_front_farther_than_a_strong_one(strength):
+    """Ripples beside a kink of slope 1 or 0.1; without them nothing is left."""
+
+    def front(velocity):
+        return strength * kink(velocity)
+
+    def left(moved):
+        return roughness(record - front(seen / moved), seen)
+
+    record = front(VELOCITY) + 1e-4 * np.sin(200 * VELOCITY)
+    speed = aligned_speed(VELOCITY, record, front, WINDOW)
+    bar = alignment_bar(VELOCITY, record, front, WINDOW, speed)
+    record, seen = record[159:240], VELOCITY[159:240]
+    assert [left(speed + bar), left(speed - bar)] == pytest.approx(2 * [2**0.5 * left(speed)], 0.1)
+    # how much the kink changes per part by which its speed does
+    slope = roughness(np.where(seen < 1, seen, 0.0), seen)
+    assert bar == pytest.approx(1e-4 / 2**0.5 / (strength * slope), rel=0.1)
+    clean = front(VELOCITY)
+    assert alignment_bar(VELOCITY, clean, front, WINDOW, 1.0) < 1e-9
 
 
 def test_window_ends_half_way_to_the_neighbours():
