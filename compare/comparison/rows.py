@@ -10,8 +10,8 @@ AGREES, DIFFERS, UNRESOLVED = "agrees", "differs", "unresolved"
 TELLING = 0.5
 """Largest bar, as a part of the value compared, with which a row can agree."""
 ALARM = 1.4
-"""Number of error bars beyond which a row differs.  Of 11,857 rows of right answers to 500 scenes,
-none lay between 1.31 and 1.83 bars; the one beyond and the outer edge of `auxetic`, at 1.42, had
+"""Number of error bars beyond which a row differs.  Of the rows of right answers to 500 scenes that
+meshes can decide, none lay between 1.31 and 1.83 bars; the one beyond and `auxetic`, at 1.42, had
 bars that were too narrow and are mended (docs/judge.md).  Half of this value would condemn right
 answers; with twice its value a mistake of 2.5 bars would be missed more often than not."""
 
