@@ -22,6 +22,7 @@ from compare.comparison.quantities.arrivals import (
     aligned_speed,
     alignment_bar,
     front_window,
+    left_over,
     roughness,
     smeared,
     tabulated,
@@ -134,17 +135,21 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
     if strength[strongest] < LEAST_ROUGHNESS:
         return None
     field = fields[strongest]
-    velocity, recorded = _recorded(case.simulation, field, window)
+    velocity, _ = _recorded(case.simulation, field, window)
     template = templates[strongest]
     exact = aligned_speed(velocity, template(velocity), template, window)
     speeds: list[float | None] = []
+    left: list[tuple[Array, Array]] = []
     for run in (case.simulation, *case.coarser):
         if not _late(run, field, window):
             speeds.append(None)
             continue
         smooth = _template(run, field, sharp[strongest], window)
         misfit = LARGEST_MISFIT if run is case.simulation else COARSE_MISFIT
-        speeds.append(aligned_speed(*_recorded(run, field, window), smooth, window, misfit))
+        recorded = _recorded(run, field, window)
+        speeds.append(aligned_speed(*recorded, smooth, window, misfit))
+        if speeds[-1] is not None:
+            left.append(left_over(*recorded, smooth, window, speeds[-1]))
     values = [None if speed is None else speed / shear_speed for speed in (exact, *speeds)]
     at_nodes, simulated, changes = values[0], values[1], mesh_changes(values[1:])
     row = Row(
@@ -165,8 +170,11 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         return replace(row, obstacle=reason, resolution=finer)
     floor = ARRIVAL_FLOOR * _cell(case.simulation, field, window)
     error = error_bar(changes, floor) if changes else None
-    speed = simulated * shear_speed
-    added = alignment_bar(velocity, recorded, template, window, speed) / shear_speed
+    at, unexplained = left[0]
+    if len(left) > 1:
+        # What two meshes leave alike is the mistake of the prediction, which is no error of theirs.
+        unexplained = unexplained - np.interp(at, *left[1])
+    added = alignment_bar(at, unexplained, template, window, simulated * shear_speed) / shear_speed
     return judged(case, row, Comparison(error, added=added))
 
 

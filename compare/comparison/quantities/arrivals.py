@@ -139,15 +139,10 @@ def aligned_speed(
     return float(found.x) * window.front
 
 
-def alignment_bar(
+def left_over(
     velocity: Array, values: Array, prediction: Waveform, window: Window, speed: float
-) -> float:
-    """How far an aligned front [length / time] moves until the sum of the squares of what the
-    alignment leaves unexplained has doubled.
-
-    What is left is the error of the record itself.  Its part that looks like a shift of the front
-    is in the speed, and about as large as what is left.  It moves a weak signal farther than a
-    strong one.
+) -> tuple[Array, Array]:
+    """Velocities in the window [length / time] and what an aligned prediction leaves there, (n,).
 
     Parameters
     ----------
@@ -157,12 +152,32 @@ def alignment_bar(
         Speed that the alignment found [length / time].
     """
     inside = within(velocity, window.lower, window.upper)
-    seen_at, stretch = velocity[inside], speed / window.front
-    left = roughness(values[inside] - prediction(seen_at / stretch), seen_at)
+    seen_at = velocity[inside]
+    return seen_at, values[inside] - prediction(seen_at * window.front / speed)
+
+
+def alignment_bar(
+    velocity: Array, left: Array, prediction: Waveform, window: Window, speed: float
+) -> float:
+    """How far an aligned front moves [length / time] until it changes the record by its error.
+
+    The part of the error that looks like a shift of the front is in the speed, and about as large
+    as the whole.  It moves a weak signal farther than a strong one.
+
+    Parameters
+    ----------
+    velocity, left : (n,) arrays
+        Velocities in the window [length / time], and the error of the record there.
+    prediction, window
+        As for `aligned_speed`.
+    speed : float
+        Speed that the alignment found [length / time].
+    """
+    stretch = speed / window.front
     step = (window.upper - window.lower) / window.front / TRIALS
-    moved = prediction(seen_at / (stretch + step)) - prediction(seen_at / (stretch - step))
-    per_stretch = roughness(moved, seen_at) / (2 * step)
-    return left / per_stretch * window.front if per_stretch else np.inf
+    moved = prediction(velocity / (stretch + step)) - prediction(velocity / (stretch - step))
+    per_stretch = roughness(moved, velocity) / (2 * step)
+    return roughness(left, velocity) / per_stretch * window.front if per_stretch else np.inf
 
 
 def _trends(velocity: Array) -> Array:

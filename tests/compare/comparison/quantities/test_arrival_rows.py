@@ -1,5 +1,7 @@
 """Rows of fronts: which there are, how far off they are, and what cannot be read."""
 
+from dataclasses import replace
+
 import pytest
 from compare_cases import sampled_run
 
@@ -66,6 +68,15 @@ def test_arrivals_off_by_what_coarser_meshes_are_off_agree(solution):
     assert len(agreeing) >= 2
     for row in agreeing:
         assert row.bar > 0.01 * row.exact
+
+
+def test_a_mistake_of_the_prediction_does_not_widen_its_bars(solution):
+    run = sampled_run(solution)
+    wrong = solve(replace(solution.scene, friction=1.2 * solution.scene.friction))
+    bars = {row.name: row.bar for row in rows_of(solution, run)}
+    widened = {row.name: row.bar / bars[row.name] for row in rows_of(wrong, run)}
+    assert len(widened) == 3
+    assert max(widened.values()) < 1.1
 
 
 @pytest.mark.slow

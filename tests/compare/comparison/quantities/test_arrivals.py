@@ -8,6 +8,7 @@ from compare.comparison.quantities.arrivals import (
     aligned_speed,
     alignment_bar,
     front_window,
+    left_over,
     roughness,
 )
 
@@ -57,19 +58,17 @@ def test_what_is_left_moves_a_weak_front_farther_than_a_strong_one(strength):
     def front(velocity):
         return strength * kink(velocity)
 
-    def left(moved):
-        return roughness(record - front(seen / moved), seen)
-
     record = front(VELOCITY) + 1e-4 * np.sin(200 * VELOCITY)
     speed = aligned_speed(VELOCITY, record, front, WINDOW)
-    bar = alignment_bar(VELOCITY, record, front, WINDOW, speed)
-    record, seen = record[159:240], VELOCITY[159:240]
-    assert [left(speed + bar), left(speed - bar)] == pytest.approx(2 * [2**0.5 * left(speed)], 0.1)
+    seen, left = left_over(VELOCITY, record, front, WINDOW, speed)
+    bar = alignment_bar(seen, left, front, WINDOW, speed)
+    off = [roughness(front(seen / (speed + by)) - front(seen / speed), seen) for by in (bar, -bar)]
+    assert off == pytest.approx(2 * [roughness(left, seen)], 0.1)
     # how much the kink changes per part by which its speed does
     slope = roughness(np.where(seen < 1, seen, 0.0), seen)
     assert bar == pytest.approx(1e-4 / 2**0.5 / (strength * slope), rel=0.1)
-    clean = front(VELOCITY)
-    assert alignment_bar(VELOCITY, clean, front, WINDOW, 1.0) < 1e-9
+    clean = left_over(VELOCITY, front(VELOCITY), front, WINDOW, 1.0)[1]
+    assert alignment_bar(seen, clean, front, WINDOW, 1.0) < 1e-9
 
 
 def test_window_ends_half_way_to_the_neighbours():
