@@ -13,7 +13,7 @@ import pytest
 import fem
 import semianalytic
 import slipfront
-from compare import validation
+from compare import interfaces, validation
 from semianalytic import MissingLibraryError
 from semianalytic.scene.extras import (
     BAYES,
@@ -55,7 +55,7 @@ for line in {lines}:
         code = main(line.split())
     print(json.dumps([code, out.getvalue(), err.getvalue()]))
 """
-SOURCES = (fem, validation, fits, surveys, semianalytic)
+SOURCES = (fem, interfaces, validation, fits, surveys, semianalytic)
 """Of the public names of slipfront."""
 ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES, *UNITS)
 FINE = [

@@ -425,6 +425,10 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         },
     ),
     "init": ({"scene": _SCENE_KEY, "text": Key("text of the TOML file", TEXT)},),
+    "docs": (
+        {"pages": Key("titles of the installed pages, by name", _of(TEXT))},
+        {"page": Key("name of the page", TEXT), "text": Key("the page, in Markdown", TEXT)},
+    ),
     "benchmark": (
         {"sheets": Key("all problem sheets", _list(_row(Sheet, marched=TRUTH, scene=_PROBLEM)))},
     ),

@@ -15,6 +15,8 @@ from rich.table import Table
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from slipfront.cli.options import AsJson
+from slipfront.cli.terminal import print_json
 
 _HOUSE = Path(__file__).parents[1]
 FOLDERS = (_HOUSE / "docs", _HOUSE.parent / "docs")
@@ -32,16 +34,24 @@ def docs(
             autocompletion=lambda: sorted(pages()),
         ),
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Print a page of the documentation, such as docs/limits.md, which a message has named."""
     if page is None:
+        titles = {name: _title(path) for name, path in sorted(pages().items())}
+        if as_json:
+            print_json("docs", {"pages": titles})
+            return
         table = Table("page", "title", title="Pages of the documentation")
-        for name, path in sorted(pages().items()):
-            table.add_row(name, escape(_title(path)))
+        for name, title in titles.items():
+            table.add_row(name, escape(title))
         Console().print(table)
         return
-    text = _text(found_page(page))
-    if sys.stdout.isatty():
+    path = found_page(page)
+    text = _text(path)
+    if as_json:
+        print_json("docs", {"page": path.stem, "text": text})
+    elif sys.stdout.isatty():
         Console(width=min(Console().width, WIDEST)).print(Markdown(text, hyperlinks=False))
     else:
         print(text, end="")

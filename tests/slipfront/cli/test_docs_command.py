@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from json_checks import checked
 
 from slipfront.cli import docs_command
 from slipfront.cli.commands import main
@@ -37,6 +38,15 @@ def test_a_page_is_printed_by_the_name_that_messages_give(name, capsys):
 def test_pages_are_listed_with_their_titles(capsys):
     assert main(["docs"]) == 0
     assert re.search(r"limits +│ Assumptions and limits", capsys.readouterr().out)
+
+
+def test_pages_and_titles_are_data_too(capsys):
+    assert main(["docs", "--json"]) == 0
+    pages = checked(capsys.readouterr().out)["pages"]
+    assert main(["docs", "docs/limits.md", "--json"]) == 0
+    page = checked(capsys.readouterr().out)
+    assert page["page"] == "limits"
+    assert page["text"].startswith(f"# {pages['limits']}\n")
 
 
 @pytest.mark.parametrize(
