@@ -63,6 +63,11 @@ def test_changes_that_are_small_by_chance_are_no_smaller_than_the_nodes_leave_op
     assert bar.size == pytest.approx(SAFETY * floor / (2**LEAST_ORDER - 1) + floor)
 
 
+def test_changes_by_rounding_are_none():
+    """The slip of a contact that sticks, which some mesh has exactly and others to 1e-17."""
+    assert error_bar([2e-17, 1e-17], floor=1e-6).size == pytest.approx(1e-6)
+
+
 def test_small_changes_that_fall_are_believed():
     assert error_bar([0.1, 0.2], floor=0.3).size == pytest.approx(SAFETY * 0.1 + 0.3)
     assert error_bar([0.0, 0.0], floor=0.3).size == 0.3
