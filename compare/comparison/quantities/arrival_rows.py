@@ -144,8 +144,9 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         if not _late(run, field, window):
             speeds.append(None)
             continue
-        smooth = _template(run, field, sharp[strongest], window)
-        misfit = LARGEST_MISFIT if run is case.simulation else COARSE_MISFIT
+        smooth, misfit = template, LARGEST_MISFIT
+        if run is not case.simulation:
+            smooth, misfit = _template(run, field, sharp[strongest], window), COARSE_MISFIT
         recorded = _recorded(run, field, window)
         speeds.append(aligned_speed(*recorded, smooth, window, misfit))
         if speeds[-1] is not None:
