@@ -229,17 +229,12 @@ def error_line(simulation: Simulation) -> str:
 def judgement_table(judgement: Judgement, label: str) -> Table:
     """Return the rows of a judgement with units; differences in red, norms' errors in per cent."""
     title = f"Semi-analytic against finite elements: {label}"
-    table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("quantity", min_width=14)  # the whole table fits into 80 columns
-    for heading in ("exact", "at nodes", "FEM", "differ by", "bar ±"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("verdict", no_wrap=True)
+    table = _rows_table(title, "exact", "at nodes", "FEM", "differ by", "bar ±")
     for row in judgement.rows:
         table.add_row(
             escape(row.label),
             *(shown_number(value, DIGITS) for value in (row.exact, row.at_nodes, row.simulated)),
-            row.shown_share(row.difference),
-            row.shown_share(row.bar),
+            *_differing(row),
             _verdict(row),
         )
     return table
@@ -252,17 +247,12 @@ def interface_table(judgement: InterfaceJudgement, label: str) -> Table:
         f"{label}: {judgement.run.nodes} nodes against finite elements, {finest.nodes} along the "
         f"interface, {finest.steps} steps"
     )
-    table = Table(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("quantity", min_width=14)
-    for heading in ("run", "FEM", "differ by", "bar ±", "order"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("verdict", no_wrap=True)
+    table = _rows_table(escape(title), "run", "FEM", "differ by", "bar ±", "order")
     for row in judgement.rows:
         table.add_row(
             escape(f"{row.name} [{row.unit}]"),
             *(shown_number(value, DIGITS) for value in (row.at_nodes, row.simulated)),
-            row.shown_share(row.difference),
-            row.shown_share(row.bar),
+            *_differing(row),
             "" if row.order is None else f"{row.order:.1f}",
             _verdict(row),
         )
@@ -272,21 +262,31 @@ def interface_table(judgement: InterfaceJudgement, label: str) -> Table:
 def validation_table(validation: Validation, label: str) -> Table:
     """Return the rows of a validation; differences in red, errors of norms in per cent."""
     title = f"{label}: {validation.source or 'records'} against the exact answer"
-    table = Table(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("quantity", min_width=14)
-    for heading in ("exact", "recorded", "differ by", "bar ±", "order"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("verdict", no_wrap=True)
+    table = _rows_table(escape(title), "exact", "recorded", "differ by", "bar ±", "order")
     for row in validation.rows:
         table.add_row(
             escape(row.name if row.unit == "exact" else f"{row.name} [{row.unit}]"),
             *(shown_number(value, DIGITS) for value in (row.exact, row.simulated)),
-            row.shown_share(row.difference),
-            row.shown_share(row.bar),
+            *_differing(row),
             "" if row.order is None else f"{row.order:.1f}",
             _verdict(row),
         )
     return table
+
+
+def _rows_table(title: str, *numbers: str) -> Table:
+    """Return an empty table of judged rows, with the headings of its columns of numbers."""
+    table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("quantity", min_width=14)  # the whole table fits into 80 columns
+    for heading in numbers:
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    return table
+
+
+def _differing(row: Row) -> tuple[str, str]:
+    """Return the cells of the difference of a row and of its bar."""
+    return row.shown_share(row.difference), row.shown_share(row.bar)
 
 
 def norms_table(validation: Validation) -> Table:
