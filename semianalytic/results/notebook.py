@@ -1,4 +1,4 @@
-"""What a notebook shows of an answer: one table in HTML."""
+"""Tables in HTML, by which notebooks show answers."""
 
 from __future__ import annotations
 

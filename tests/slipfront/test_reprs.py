@@ -1,4 +1,4 @@
-"""What a notebook shows of an answer is one line that says what it is."""
+"""Answers are shown on one line in a terminal, and as tables in a notebook."""
 
 import re
 from dataclasses import replace
