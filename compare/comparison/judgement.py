@@ -29,7 +29,7 @@ from compare.comparison.quantities.profile_rows import (
     wear_rows,
 )
 from compare.comparison.quantities.slot_rows import slot_rows
-from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall, shown_number
+from compare.comparison.rows import DIFFERS, UNRESOLVED, HasRows, Row, overall, shown_number
 from semianalytic.results.answer import Answer
 from semianalytic.results.notebook import html_table
 from semianalytic.scene.errors import SceneError
@@ -46,7 +46,7 @@ compare."""
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement:
+class Judgement(HasRows[Row]):
     """All rows of one comparison.
 
     Attributes
@@ -73,8 +73,8 @@ class Judgement:
             )
             for row in self.rows
         ]
-        counts = ", ".join(f"{verdict}: {count}" for verdict, count in self.counts.items())
-        return html_table(f"Judgement: {self.verdict} (rows {counts})", columns, rows)
+        caption = f"Judgement: {self.verdict} (rows {self.shown_counts})"
+        return html_table(caption, columns, rows)
 
     @property
     def prediction(self) -> Answer:
@@ -105,15 +105,6 @@ class Judgement:
         if not all(row.converges for row in (*deciding, *pressed)):
             return UNRESOLVED
         return overall(row.verdict for row in deciding if row.size)
-
-    def having(self, verdict: str) -> tuple[Row, ...]:
-        """Return the rows with a given verdict."""
-        return tuple(row for row in self.rows if row.verdict == verdict)
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """Number of rows with each verdict."""
-        return {verdict: len(self.having(verdict)) for verdict in (AGREES, DIFFERS, UNRESOLVED)}
 
     def remedy(self, row: Row) -> str:
         """Return the mesh that would resolve a row, and its cost; "" where none is known."""

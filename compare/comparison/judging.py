@@ -36,6 +36,10 @@ meshes change; with half this value none was beyond 1.5 bars."""
 USUAL = 0.9
 """Part of the slipping nodes and times whose mesh differences are at most the usual one."""
 
+BEYOND = f"it is beyond its error bar, but by less than {ALARM:g} times"
+WIDE = f"its error bar is more than {TELLING:g} of what is compared"
+"""Obstacles of rows whose meshes converge and still do not decide."""
+
 Reading = Callable[[InterfaceHistory], float | None]
 """Function that reads a number off a history; None where the history does not have it."""
 Expected = Callable[[Answer, InterfaceHistory], Array]
@@ -287,21 +291,32 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
     if not error.converges:
         return _diverging(row, error, comparison, finer)
     if row.verdict == UNRESOLVED:
-        reason = f"it is beyond its error bar, but by less than {ALARM:g} times"
-        return replace(row, obstacle=reason, resolution=finer)
+        return replace(row, obstacle=BEYOND, resolution=finer)
     # what is nothing at the nodes has no size that a bar could be held against
     if row.verdict == AGREES and row.size > NOTHING and row.bar > TELLING * row.size:
         growth = row.bar / (TELLING * row.size)
         return replace(
             row,
-            obstacle=f"its error bar is more than {TELLING:g} of what is compared",
+            obstacle=WIDE,
             resolution=math.ceil(growth * case.simulation.resolution),
         )
     return row
 
 
 def _diverging(row: Row, error: ErrorBar, comparison: Comparison, finer: int) -> Row:
-    """Judge a row whose meshes do not converge, which never agrees.
+    """Judge a row whose meshes do not converge, which never agrees."""
+    limited = beyond_limit(row, error, comparison)
+    if limited is not None:
+        return limited
+    reason = (
+        f"the meshes do not converge: it changes from 2h to h by more than {2**-LEAST_ORDER:.2g} "
+        "of what it does from 4h to 2h"
+    )
+    return replace(row, obstacle=reason, resolution=finer)
+
+
+def beyond_limit(row: Row, error: ErrorBar, comparison: Comparison) -> Row | None:
+    """Return a row whose meshes do not converge as one that differs; None if it does not.
 
     It differs where the finest mesh is off by more than the coarser ones allow any finer mesh to
     be, and by more than the next coarser mesh itself.  Then the finest run or the prediction is at
@@ -309,13 +324,7 @@ def _diverging(row: Row, error: ErrorBar, comparison: Comparison, finer: int) ->
     """
     limited = replace(row, bar=min(error.size, error.limit) + comparison.added)
     off = math.inf if row.difference is None else abs(row.difference)
-    if limited.verdict == DIFFERS and off > comparison.before():
-        return limited
-    reason = (
-        f"the meshes do not converge: it changes from 2h to h by more than {2**-LEAST_ORDER:.2g} "
-        "of what it does from 4h to 2h"
-    )
-    return replace(row, obstacle=reason, resolution=finer)
+    return limited if limited.verdict == DIFFERS and off > comparison.before() else None
 
 
 def mesh_changes(values: Sequence[float | None], reach: float = math.inf) -> list[float]:

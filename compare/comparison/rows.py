@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 AGREES, DIFFERS, UNRESOLVED = "agrees", "differs", "unresolved"
 
@@ -113,11 +114,43 @@ class Row:
         return f"{shown_number(100 * value, DIFFERENCE_DIGITS)} %"
 
     @property
+    def alarm(self) -> float:
+        """Number of error bars beyond which the row differs."""
+        return ALARM
+
+    @property
     def verdict(self) -> str:
-        """Verdict: "agrees" within the bar, "differs" beyond `ALARM` bars, "unresolved" in between
-        and where the mesh cannot decide."""
+        """Verdict: "agrees" within the bar, "differs" beyond `alarm` bars, "unresolved" in between
+        and where nothing can decide."""
         if self.obstacle or self.bar is None:
             return UNRESOLVED
-        if self.difference is None or abs(self.difference) > ALARM * self.bar:
+        if self.difference is None or abs(self.difference) > self.alarm * self.bar:
             return DIFFERS
         return AGREES if abs(self.difference) <= self.bar else UNRESOLVED
+
+
+AnyRow = TypeVar("AnyRow", bound=Row)
+
+
+class HasRows(Generic[AnyRow]):
+    """The rows of a judgement by their verdicts."""
+
+    rows: tuple[AnyRow, ...]
+
+    def having(self, verdict: str) -> tuple[AnyRow, ...]:
+        """Return the rows with a given verdict."""
+        return tuple(row for row in self.rows if row.verdict == verdict)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of rows with each verdict."""
+        return {verdict: len(self.having(verdict)) for verdict in (AGREES, DIFFERS, UNRESOLVED)}
+
+    @property
+    def shown_counts(self) -> str:
+        """Number of rows with each verdict, on one line."""
+        return ", ".join(f"{verdict}: {count}" for verdict, count in self.counts.items())
+
+    def remedy(self, row: Row) -> str:
+        """Return what would resolve a row; "" where its obstacle already says it."""
+        return ""

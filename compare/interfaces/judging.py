@@ -11,7 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
-from compare.comparison.rows import AGREES, ALARM, DIFFERS, TELLING, UNRESOLVED, Row, overall
+from compare.comparison.judgement import MOTION
+from compare.comparison.judging import BEYOND, LEAST_ERROR, WIDE, Comparison, beyond_limit
+from compare.comparison.rows import (
+    AGREES,
+    DIFFERS,
+    TELLING,
+    UNRESOLVED,
+    HasRows,
+    Row,
+    overall,
+)
 from compare.interfaces.lines import line_of
 from fem.lines import LineSimulation, simulate_line
 from fem.lines.march import planned_work, sample_times
@@ -30,9 +40,6 @@ it halves the meshes of `steel-on-rubber` and `supershear`, twice of it doubles 
 `cattaneo`."""
 COARSEST = 64
 """Fewest nodes of the finest mesh, so that the coarsest of the three has 16."""
-FLOOR = 2e-4
-"""Relative difference below which changes from mesh to mesh are not believed; see
-`compare.comparison.judging.LEAST_ERROR`."""
 LARGEST_ORDER = 1.0
 """Highest order of convergence that is believed.  Faces that are loaded suddenly start a part of a
 step late, which is an error of first order in all slip that follows, however fast the rest of it
@@ -41,12 +48,10 @@ with half of this value bars are twice as long."""
 NOTHING = 1e-9
 """Part of the slip, or of the strength, below which a gap or a traction counts as none."""
 MESHES = 3
-DECIDING = ("slip", "slip rate", "gap")
-"""Kinds of rows that decide the verdict, as in `compare.comparison.judgement`."""
 
 
 @dataclass(frozen=True, eq=False)
-class InterfaceJudgement:
+class InterfaceJudgement(HasRows[Row]):
     """A run of an interface held against finite elements on three meshes.
 
     Attributes
@@ -66,25 +71,12 @@ class InterfaceJudgement:
     @property
     def verdict(self) -> str:
         """Verdict: "differs" if a row does; "agrees" if slip, slip rate or gap do and converge."""
-        if any(row.verdict == DIFFERS for row in self.rows):
+        if self.having(DIFFERS):
             return DIFFERS
-        deciding = [row for row in self.rows if row.kind in DECIDING]
+        deciding = [row for row in self.rows if row.kind in MOTION]
         if not all(row.converges for row in deciding):
             return UNRESOLVED
         return overall(row.verdict for row in deciding)
-
-    def having(self, verdict: str) -> tuple[Row, ...]:
-        """Return the rows with a given verdict."""
-        return tuple(row for row in self.rows if row.verdict == verdict)
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """Number of rows with each verdict."""
-        return {verdict: len(self.having(verdict)) for verdict in (AGREES, DIFFERS, UNRESOLVED)}
-
-    def remedy(self, row: Row) -> str:
-        """Return "": what would resolve a row is part of its obstacle."""
-        return ""
 
 
 def compare_interface(
@@ -203,7 +195,7 @@ def _rows(done: Run, simulations: list[LineSimulation]) -> Iterator[Row]:
         "shear_traction": sampled("interface: shear", interface.shear, done.x),
         "pressure": at_nodes("interface: pressure", interface.pressure, done.x, done.touching),
     }
-    scales = _scales(done)
+    least = _least_sizes(done)
     for name, (kind, unit) in KINDS.items():
         own = getattr(done, name) - base.get(name, 0.0)
         start = _whole(np.broadcast_to(base.get(name, 0.0), done.x.shape)[None], done)
@@ -213,7 +205,7 @@ def _rows(done: Run, simulations: list[LineSimulation]) -> Iterator[Row]:
             for one in simulations
         ]
         size = float(np.abs(ran).mean())
-        if max(size, float(np.abs(meshed[0]).mean())) <= NOTHING * scales[name]:
+        if max(size, float(np.abs(meshed[0]).mean())) <= least[name]:
             continue
         # the estimate of pressure is relative to all of it, that of traction to its change
         whole = own + base[name] if name == "pressure" else own
@@ -222,21 +214,22 @@ def _rows(done: Run, simulations: list[LineSimulation]) -> Iterator[Row]:
         yield _row(kind, unit, ran, meshed, doubt, done.status)
 
 
-def _scales(done: Run) -> dict[str, float]:
-    """Return what each quantity may be compared with: the motion of the faces, and all tractions.
+def _least_sizes(done: Run) -> dict[str, float]:
+    """Return the mean of each quantity up to which it is not compared.
 
-    Rounding moves faces that rest by far less than that; a small gap decides nothing.
+    They are parts of the motion of the faces and of all tractions: rounding moves faces that rest,
+    and a small gap decides nothing.
     """
     # slots are wider than contacts open
     fields = {name: np.abs(getattr(done, name)[:, done.touching]) for name in KINDS}
     motion = max(float(fields[name].mean()) for name in ("slip", "gap"))
     stress = max(float(fields[name].mean()) for name in ("shear_traction", "pressure"))
     return {
-        "slip": motion,
-        "gap": LEAST_GAP * motion / NOTHING,
-        "slip_rate": motion / done.end_time,
-        "shear_traction": stress,
-        "pressure": stress,
+        "slip": NOTHING * motion,
+        "gap": LEAST_GAP * motion,
+        "slip_rate": NOTHING * motion / done.end_time,
+        "shear_traction": NOTHING * stress,
+        "pressure": NOTHING * stress,
     }
 
 
@@ -249,7 +242,7 @@ def _row(kind: str, unit: str, ran: Array, meshed: list[Array], doubt: float, st
         return float(np.abs(one - other).mean()) / per
 
     error = error_bar(
-        [apart(one, other) for one, other in pairwise(meshed)], FLOOR, most=LARGEST_ORDER
+        [apart(one, other) for one, other in pairwise(meshed)], LEAST_ERROR, most=LARGEST_ORDER
     )
     row = Row(
         f"{kind}, L1",
@@ -267,17 +260,15 @@ def _row(kind: str, unit: str, ran: Array, meshed: list[Array], doubt: float, st
     if status != "done":
         return replace(row, obstacle=f"the run is {status}", converges=False)
     if not error.converges:
-        limited = replace(row, bar=min(error.size, error.limit) + doubt / per)
-        # no finer mesh could come as near as the coarser ones promise: one of the two is wrong
-        if limited.verdict == DIFFERS and apart(meshed[0], ran) > apart(meshed[1], ran):
+        comparison = Comparison(error, lambda: apart(meshed[1], ran), doubt / per)
+        limited = beyond_limit(row, error, comparison)
+        if limited is not None:
             return limited
         return replace(row, obstacle="the meshes do not converge; raise `mesh_nodes`")
     if row.verdict == UNRESOLVED:
-        reason = f"it is beyond its error bar, but by less than {ALARM:g} times"
-        return replace(row, obstacle=reason)
+        return replace(row, obstacle=BEYOND)
     if row.verdict == AGREES and row.bar is not None and row.bar > TELLING:
-        reason = f"its error bar is more than {TELLING:g} of what is compared"
-        return replace(row, obstacle=f"{reason}; raise `mesh_nodes`")
+        return replace(row, obstacle=f"{WIDE}; raise `mesh_nodes`")
     return row
 
 

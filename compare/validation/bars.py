@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
+from compare.comparison.rows import Row
 from compare.records.record import Record
 from compare.validation.exact import Exact
 from compare.validation.grids import Grids, changes, grid_bar, spacing_bar, unseen_part
@@ -67,14 +67,9 @@ class JudgedRow(Row):
     answer_bar: float = 0.0
 
     @property
-    def verdict(self) -> str:
-        """ "agrees" within the bar, "differs" beyond one and a half, "unresolved" in between and
-        where nothing can be told."""
-        if self.obstacle or self.bar is None:
-            return UNRESOLVED
-        if self.difference is None or abs(self.difference) > ALARM * self.bar:
-            return DIFFERS
-        return AGREES if abs(self.difference) <= self.bar else UNRESOLVED
+    def alarm(self) -> float:
+        """Number of error bars beyond which the row differs."""
+        return ALARM
 
 
 def station_bar(grids: Grids, record: Record, name: str, exact: Exact, everywhere: float) -> Bar:

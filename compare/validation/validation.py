@@ -10,7 +10,7 @@ from os import PathLike
 import numpy as np
 
 from compare.comparison.judgement import MOTION
-from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall
+from compare.comparison.rows import AGREES, DIFFERS, HasRows, overall
 from compare.records.record import BEFORE, QUANTITIES, Record, Records
 from compare.validation.bars import JudgedRow
 from compare.validation.conventions import Conventions
@@ -37,7 +37,7 @@ MOST_SAMPLES = 4000
 
 
 @dataclass(frozen=True, eq=False)
-class Validation:
+class Validation(HasRows[JudgedRow]):
     """Records against the exact answer, quantity by quantity.
 
     Attributes
@@ -63,8 +63,7 @@ class Validation:
     norms: tuple[Norm, ...]
 
     def __repr__(self) -> str:
-        counts = ", ".join(f"{verdict}: {count}" for verdict, count in self.counts.items())
-        return f"<Validation: {self.verdict} (rows {counts})>"
+        return f"<Validation: {self.verdict} (rows {self.shown_counts})>"
 
     @property
     def exact(self) -> Exact:
@@ -94,19 +93,6 @@ class Validation:
         if self.detection.left >= LITTLE:  # units were inferred that do not explain everything
             return DIFFERS
         return CONVERTED if verdict == AGREES else verdict
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """How many rows have each verdict."""
-        return {verdict: len(self.having(verdict)) for verdict in (AGREES, DIFFERS, UNRESOLVED)}
-
-    def having(self, verdict: str) -> tuple[JudgedRow, ...]:
-        """The rows with a verdict."""
-        return tuple(row for row in self.rows if row.verdict == verdict)
-
-    def remedy(self, row: Row) -> str:
-        """Return "": the obstacle of a row already says what would resolve it."""
-        return ""
 
     @property
     def source(self) -> str:
