@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.line import Grid, LineMemory
-from semianalytic.engine.tuning import AREA
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 
@@ -79,35 +78,6 @@ class Contact:
         """Return whether the bodies touch at positions x, (n,)."""
         x = np.asarray(x, dtype=float)
         return np.any([(begin < x) & (x < end) for begin, end in self.intervals], axis=0)
-
-
-def area_mean(excess: Array, inner: NDArray[np.bool_], mirror: int | None = None) -> Array:
-    """Return the mean of the positive part of the excess of traction over strength around nodes.
-
-    A node stands for a stretch of the line on which the excess is linear.  Without the mean, the
-    end of a slip zone crosses nodes one by one and radiates waves three nodes long.
-
-    Parameters
-    ----------
-    excess : (n,) array
-        Traction of nodes at rest, less their strength [stress].
-    inner : (n,) array of bool
-        Whether a node has neighbours of the same contact on both sides.
-    mirror : int, optional
-        Node that is the image of the one before the first, on half of an even line.
-    """
-    left, right = np.roll(excess, 1), np.roll(excess, -1)
-    if mirror is not None and len(excess) > mirror:
-        left[0], right[-1] = excess[mirror], excess[-1 - mirror]
-    # Where strength or load jumps, the two one-sided slopes differ: the smaller one counts.
-    even = np.minimum(np.abs(right - excess), np.abs(excess - left))
-    reach = AREA * np.minimum(np.abs(right - left) / 4, even)
-    # Beside a stuck edge the excess is singular but of one sign: there the mean must not slip.
-    ends = np.minimum(np.minimum(left, right), excess) < 0
-    ends &= np.maximum(np.maximum(left, right), excess) > 0
-    mixed = inner & ends & (np.abs(excess) < reach)
-    safe = np.where(mixed, reach, 1.0)
-    return np.where(mixed, (excess + reach) ** 2 / (4 * safe), excess)
 
 
 @dataclass(frozen=True, eq=False)

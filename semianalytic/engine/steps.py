@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.contact import Faces, Parting, Unilateral, area_mean
+from semianalytic.engine.contact import Faces, Parting, Unilateral
 from semianalytic.engine.fields import required, sampled
 from semianalytic.engine.interface import ActingLoads, Interface
 from semianalytic.engine.law import check_law
@@ -28,6 +28,7 @@ from semianalytic.engine.tuning import (
 from semianalytic.engine.window import check_window
 from semianalytic.scene.errors import ComputationError
 from semianalytic.spacetime.exponentials import Antiplane, InPlane, Opening, fit_memory, fit_shared
+from semianalytic.spacetime.line import area_means
 
 Array = NDArray[np.float64]
 
@@ -338,7 +339,7 @@ class Stepper:
             rest = self.law.strength(pressure, np.zeros(len(on)), state)
             if freed is not None:
                 rest = np.where(freed, 0.0, rest)
-            size = rest + area_mean(size - rest, self._inner, self._mirror)
+            size = area_means(size, rest, self._inner, self._mirror)
         if freed is not None:
             # Open nodes need some positive pressure here; their slip rate is replaced below.
             pressure = np.where(freed, 1.0, pressure)

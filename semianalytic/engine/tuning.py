@@ -43,10 +43,6 @@ ERROR_SAFETY = 1.25
 order and three times at second."""
 LARGEST_ERROR = 0.5
 """Estimate of slip above which a run is called unresolved unless an `rtol` is given."""
-AREA = 1.5
-"""Stretch of the line over which a node takes the mean of what slips, in node distances: with 0,
-1.5 and 2 the slip rate beside two edges is off by 2.2e-3, 1.5e-3 and 1.4e-3 (2,048 nodes); 2 is
-worse where ends of slip run faster than shear waves (`pressure-drop`)."""
 LEAST_GAP = 0.01
 """Part of the slip, in L1, below which a gap decides nothing: beside a slot of different bodies
 some nodes open, by 2e-4 of the slip, and differ from grid to grid.  With a tenth of this value the

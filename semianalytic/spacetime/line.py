@@ -11,9 +11,60 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.scene.friction import CoulombFriction, RateFriction
 from semianalytic.scene.scene import Scene
+from semianalytic.spacetime.tuning import AREA
 
 Array = NDArray[np.float64]
+
+
+def area_means(
+    stopping: Array, strength: Array, inner: NDArray[np.bool_], mirror: int | None = None
+) -> Array:
+    """Return tractions by which nodes slip at the mean over the stretch of the line around them.
+
+    A node stands for a stretch of `AREA` node distances on which the traction in excess of the
+    strength is linear; it slips by the mean of the positive part of the excess.  Without this, the
+    end of a slip zone crosses nodes one by one and radiates waves three nodes long.
+
+    Parameters
+    ----------
+    stopping : (n,) array
+        Absolute value of the traction that would stop each node [stress].
+    strength : (n,) array
+        Strength of a node that does not slip [stress].
+    inner : (n,) array of bool
+        Whether a node has neighbours of the same contact on both sides.
+    mirror : int, optional
+        Node that is the image of the one before the first, on half of an even line.  Otherwise the
+        line is periodic, which matters where its first and last nodes are `inner`.
+    """
+    excess = stopping - strength
+    below, count = excess < 0, len(excess)
+    # Beside a stuck edge the excess is singular but of one sign: there the mean must not slip.
+    # Elsewhere the mean differs from the value only beside a change of sign, which the ends of the
+    # line may have beyond them.
+    beside = np.zeros(count, dtype=bool)
+    beside[0] = beside[-1] = True
+    changes = below[1:] != below[:-1]
+    beside[1:] |= changes
+    beside[:-1] |= changes
+    beside &= inner
+    (near,) = beside.nonzero()
+    left, right = near - 1, (near + 1) % count
+    if mirror is not None and count > mirror:
+        left[near == 0], right[near == count - 1] = mirror, count - 1 - mirror
+    here, before, after = excess[near], excess[left], excess[right]
+    # Where strength or load jumps, the two one-sided slopes differ: the smaller one counts.
+    even = np.minimum(np.abs(after - here), np.abs(here - before))
+    reach = AREA * np.minimum(np.abs(after - before) / 4, even)
+    lowest = np.minimum(np.minimum(before, after), here)
+    highest = np.maximum(np.maximum(before, after), here)
+    mixed = (lowest < 0) & (highest > 0) & (np.abs(here) < reach)
+    near, here, reach = near[mixed], here[mixed], reach[mixed]
+    means = stopping.copy()
+    means[near] += (here + reach) ** 2 / (4 * reach) - here
+    return means
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +110,16 @@ class Line:
         # rho c_t / 2: half of it because V is the relative rate of two bodies
         self.impedance = scene.material.shear_impedance / 2
         self._law, self._friction, self._slot = scene.friction_law, scene.friction, slot
-        self._pressed = self._dry = np.zeros(0)
+        # only these laws are known to have one strength at rest for one pressure
+        self._by_path = not isinstance(self._law, CoulombFriction | RateFriction)
+        self._pressed = self._dry = self._at_rest = np.zeros(0)
+        self._inner = np.zeros(0, dtype=bool)
 
     def slip_rate(self, stopping: Array, level: Level, path: Array, rate: Array) -> None:
         """Find the relative slip rate of all nodes (size,) [length / time], written to `rate`.
 
         On the slot the shear traction is prescribed; on the contact tau = tau_stop - (rho c_t/2) V
-        must satisfy the friction law.
+        must satisfy the friction law, on the mean over the stretch of a node (`area_means`).
 
         Parameters
         ----------
@@ -81,8 +135,15 @@ class Line:
         slot, on_contact, moving = self._slot, stopping[self._slot :], rate[self._slot :]
         if level.pressure is not self._pressed:
             self._pressed, self._dry = level.pressure, self._friction * level.pressure
-        np.abs(on_contact, out=moving)
-        speed = self._law.slip_speed(moving, self._dry, self.impedance, path)
+            self._at_rest = self._law.strength(self._dry, 0.0, 0.0)
+        if len(self._inner) != len(on_contact):
+            # the edge has no neighbour that obeys friction, and the last node none at all
+            self._inner = np.ones(len(on_contact), dtype=bool)
+            self._inner[[0, -1]] = False
+        if self._by_path:
+            self._at_rest = self._law.strength(self._dry, 0.0, path)
+        stopped = area_means(np.abs(on_contact), self._at_rest, self._inner)
+        speed = self._law.slip_speed(stopped, self._dry, self.impedance, path)
         # Slip has the sense of the traction that it reduces: V tau >= 0.  Adding 0.0 keeps the rate
         # of nodes that stick at +0.0.
         np.copysign(speed, on_contact, out=moving)

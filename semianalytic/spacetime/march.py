@@ -329,19 +329,19 @@ class _Plan:
 
         See docs/spacetime.md, "Error of a march".
         """
+        # Until two marches are known, first order is assumed, that of slip rate at edges.
         nodes, order, coarser = self.enough_nodes(None, FIRST_NODES, memory), 1.0, None
         while True:
             marched = self.run(nodes, memory, progress)
+            if coarser is not None:
+                seen = _order_seen(coarser, marched)
+                marched, order = replace(marched, order=seen), seen or 1.0
             estimate = marched.error_estimate
             stopped = marched.end_time < self.end_time
             if stopped or nodes >= MOST_NODES or estimate <= rtol:
                 return marched
-            if coarser is not None and math.isfinite(coarser.error_estimate):
-                ratio = math.log(nodes / coarser.grid.observed)
-                # Until two estimates are known, first order is assumed, that of slip rate at edges.
-                order = math.log(coarser.error_estimate / estimate) / ratio
             # error ~ nodes^-order: the nodes that bring the estimate to rtol / GROWTH_MARGIN
-            growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / np.clip(order, *ORDERS))
+            growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / order)
             growth = float(np.clip(growth, LEAST_GROWTH, LARGEST_GROWTH))
             nodes, coarser = min(MOST_NODES, math.ceil(growth * nodes)), marched
 
@@ -458,7 +458,20 @@ def march_on(
             f"march: this run can go on to {marched.latest:.6g}; for more, start again with a "
             "later `latest`."
         )
-    return advance(marched, end_time, memory, 0.0, progress)
+    # the order was seen until the time that the march had reached, under its loads alone
+    return advance(replace(marched, order=None), end_time, memory, 0.0, progress)
+
+
+def _order_seen(coarse: Marched, fine: Marched) -> float | None:
+    """Return the order at which marches of one scene approach their companions, or None.
+
+    It is None where a march saw no slip, or stopped early.
+    """
+    before, now = coarse.departure.share, fine.departure.share
+    if not (before > 0 and now > 0) or coarse.end_time != fine.end_time:
+        return None
+    growth = math.log(fine.grid.observed / coarse.grid.observed)
+    return float(np.clip(math.log(before / now) / growth, *ORDERS))
 
 
 def _checked_entry(scene: Scene, latest: float, length: float, entry: float | None) -> float:

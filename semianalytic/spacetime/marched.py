@@ -34,8 +34,10 @@ from semianalytic.spacetime.tuning import (
     ERROR_SAFETY,
     FIELD_POINTS,
     FIELD_SMOOTHING,
+    HIGHEST_ORDER,
     LARGEST_ERROR,
     MEMORY_SAFETY,
+    ORDER_SAFETY,
     READING_SAFETY,
 )
 
@@ -212,6 +214,11 @@ class Departure:
     difference: float = 0.0
     slip_rate: float = 0.0
 
+    @property
+    def share(self) -> float:
+        """Difference relative to the slip rate, nan where nothing slips."""
+        return self.difference / self.slip_rate if self.slip_rate else math.nan
+
 
 @dataclass(frozen=True)
 class MarchStatistics:
@@ -272,6 +279,8 @@ class Marched(SampledAnswer):
         Difference from the companion.
     rtol : float or None
         The error that was asked for.
+    order : float or None
+        Order of convergence seen between this march and a coarser one, if `rtol` asked for both.
     entry : float
         Distance from the tip at which a load that comes along the slot begins [length], else 0.
 
@@ -308,6 +317,7 @@ class Marched(SampledAnswer):
     departure: Departure = Departure()
     rtol: float | None = None
     entry: float = 0.0
+    order: float | None = None
 
     @property
     def begins(self) -> float:
@@ -329,9 +339,10 @@ class Marched(SampledAnswer):
         """Estimate of the relative L1 error of the slip rate, meant as a bound.
 
         It estimates the integral of |error| over the observed contact and all time until the end,
-        divided by that of |slip rate|.  It is nan without a companion, and inf where nothing slips
-        though the edge must.  Under rate weakening no grid is fine enough, and it is no bound
-        (docs/spacetime.md, "Friction laws").
+        divided by that of |slip rate|, as 1.25 times the difference of march and companion, or
+        less if a higher than the first `order` was seen.  It is nan without a companion, and inf
+        where nothing slips though the edge must.  Under rate weakening no grid is fine enough, and
+        it is no bound (docs/spacetime.md, "Friction laws").
         """
         if self.companion is None:
             return math.nan
@@ -341,8 +352,11 @@ class Marched(SampledAnswer):
             return math.inf if self.departure.difference or self._missed_zone else 0.0
         # Both marches share the error of the memory's transform, which their difference does not
         # show.
-        share = self.departure.difference / self.departure.slip_rate
-        return ERROR_SAFETY * share + MEMORY_SAFETY * self.memory.error
+        safety = ERROR_SAFETY
+        if self.order is not None:
+            # difference = (2^order - 1) error, if errors fall as nodes^-order
+            safety = min(safety, ORDER_SAFETY / (2 ** min(self.order, HIGHEST_ORDER) - 1))
+        return safety * self.departure.share + MEMORY_SAFETY * self.memory.error
 
     def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
         """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
@@ -565,8 +579,9 @@ class Marched(SampledAnswer):
         """Write everything but scene and companion into an HDF5 group."""
         for name in _OPTIONS:
             group.attrs[name] = getattr(self, name)
-        if self.rtol is not None:
-            group.attrs["rtol"] = self.rtol
+        for name in ("rtol", "order"):
+            if getattr(self, name) is not None:
+                group.attrs[name] = getattr(self, name)
         if self.entry:
             group.attrs["entry"] = self.entry
         group.attrs["statistics"] = json.dumps(asdict(self.statistics))
@@ -621,10 +636,15 @@ class Marched(SampledAnswer):
             **{name: kind(group.attrs[name]) for name, kind in _OPTIONS.items()},
             statistics=MarchStatistics(**json.loads(group.attrs["statistics"])),
             departure=Departure(**json.loads(group.attrs["departure"])),
-            rtol=float(group.attrs["rtol"]) if "rtol" in group.attrs else None,
+            rtol=_number_or_none(group, "rtol"),
+            order=_number_or_none(group, "order"),
             entry=float(group.attrs.get("entry", 0.0)),
             **parts,
         )
+
+
+def _number_or_none(group: Any, name: str) -> float | None:
+    return float(group.attrs[name]) if name in group.attrs else None
 
 
 _OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}

@@ -1,9 +1,9 @@
 """The time steps of a march, in segments between jumps of the loads.
 
 A step takes the loads at its end, computes the traction that would stop each node under the memory
-of past slip, from it and the friction law the slip rate (`line.Line.slip_rate`), and adds the new slip
-to the memory (`Recursion`).  Steps are summed up and recorded in blocks.  See docs/spacetime.md,
-"Method".
+of past slip, from it and the friction law the slip rate (`line.Line.slip_rate`), and adds the new
+slip to the memory (`Recursion`).  Steps are summed up and recorded in blocks.
+See docs/spacetime.md, "Method".
 """
 
 from __future__ import annotations

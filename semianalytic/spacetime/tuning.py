@@ -21,6 +21,11 @@ SWEEPS = 2
 """Iterations of a step, an even number: with one or three, marches grow without bounds.  With two
 and four the slip rate is off by 0.047 and 0.062 % (`preloaded`), 0.161 and 0.159 %
 (`remote-shock`), 0.381 and 0.380 % (`auxetic`), 400 nodes."""
+AREA = 1.5
+"""Stretch of the line over which a node takes the mean of what slips, in node distances.  With 0,
+1.5 and 2 the slip rate of `antiplane` is off by 2.6e-4, 0.9e-4 and 0.3e-4 (1,024 nodes), that of
+`preloaded` by 1.4e-4, 0.9e-4 and 0.8e-4, and that of `pressure-drop`, where an end of slip is
+faster than shear waves, by 3.3e-3, 3.3e-3 and (with steeper slopes) 4.0e-3."""
 DAMPING = 0.7
 """Default least feedback of the shortest wave: without any, small steps leave an odd-even mode."""
 TOLERANCE = 1e-6
@@ -56,6 +61,14 @@ ERROR_SAFETY = 1.25
 """Estimate of the L1 error of the slip rate over the difference from the companion at half the
 nodes: the true error is 0.35 to 1.05 of that difference in 100 scenes (`march-error`), whatever the
 loads."""
+ORDER_SAFETY = 1.3
+"""The same times 2^p - 1, where an order p was seen between two marches.  In the marches of 1,000
+nodes of the scenes of `march-error`, with orders from 250 nodes on, estimates were 1.17 to 3 times
+the true errors; with 1.1 one estimate in thirty falls short (`remote-shock`), and with 2.6 orders
+above 1.6 alone would gain anything."""
+HIGHEST_ORDER = 1.6
+"""Order beyond which one that was seen is not believed: with 1.8 an estimate may be half of the
+difference, which true errors are at orders of 1.3 to 1.6; without, `ERROR_SAFETY` alone is left."""
 LARGEST_ERROR = 0.5
 """Estimate above which a march is called unresolved unless an `rtol` is given: away from the edge,
 strips of slip narrower than the grid have no other sign.  The true errors of 420 random marches on

@@ -310,7 +310,14 @@ def test_friction_laws_hold_at_every_point(law, least_gain, most_gain):
     path[1:] = np.cumsum(step / 2 * (np.abs(rate[1:]) + np.abs(rate[:-1])), axis=0)
     strength = law.strength(0.3, rate, path)
     assert (np.abs(fields.shear_traction) <= strength + 2e-3).all()
-    slips = np.abs(rate) > 1e-3
+    # Where the traction at rest exceeds the strength on one side only, the zone ends within the
+    # stretch of the node, which slips by the mean there (`area_means`).
+    impedance = marched.scene.material.shear_impedance / 2
+    at_rest = np.abs(fields.shear_traction) + impedance * np.abs(rate)
+    exceeds = at_rest > law.strength(0.3, 0.0, path)
+    slips = (np.abs(rate) > 1e-3) & exceeds
+    slips[:, 1:-1] &= exceeds[:, :-2] & exceeds[:, 2:]
+    assert slips.sum() > 0.9 * (np.abs(rate) > 1e-3).sum()
     np.testing.assert_allclose(np.abs(fields.shear_traction[slips]), strength[slips], atol=2e-3)
     constant = march(preloaded(friction_law=CoulombFriction()), nodes=300)
     gain = marched.final_path.sum() / constant.final_path.sum()
