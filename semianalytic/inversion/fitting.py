@@ -77,7 +77,7 @@ class Fit:
         Relative error of the derivatives by differences that gauges in the bodies need; 0 without
         any.
     solutions : int
-        Number of solutions that were computed.
+        Number of solutions that were computed one by one, without those of sweeps.
     trials : Trials
         Misfits of any values.
 

@@ -10,10 +10,12 @@ from functools import cached_property
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.inversion.gauges import INTERFACE
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.unknowns import MATERIAL, SOLVED, Setup, Unknowns, has_similarity
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivative import PARAMETERS
 from semianalytic.selfsimilar.solution import Solution
@@ -39,7 +41,7 @@ class Trials:
     rtol : float
         Of solutions.
     count : int
-        Solutions that were computed.
+        Solutions that were computed one by one; those of sweeps do not count.
     progress : callable, optional
         Called as ``progress(done, total)`` with the numbers of looks at the gauges: one per misfit,
         two per derivative.  The total is what the rest of the search takes at most, so it may
@@ -140,7 +142,10 @@ class Trials:
     def misfits(self, points: Sequence[Array]) -> Array:
         """Return the misfits (m, n) of many values, computed by a sweep where possible."""
         of_scene = set(self.unknowns.names).intersection(SOLVED)
-        if not of_scene or of_scene - {"friction", "poisson_ratio"}:
+        swept = {"friction", "poisson_ratio"}
+        if self._pressure_is_strength:
+            swept.add("base_pressure")
+        if not of_scene or of_scene - swept:
             return np.array([self.misfit(point) for point in points])
         from semianalytic.sweeps.sweep import sweep  # here, for a quick import
 
@@ -150,11 +155,26 @@ class Trials:
             with suppress(SceneError):
                 ready.append((number, *self.at(point)))
         frictions = [scene.friction for _, scene, _ in ready]
+        if "base_pressure" in of_scene:
+            pressure = self.unknowns.scene.base.pressure
+            frictions = [scene.friction * scene.base.pressure / pressure for _, scene, _ in ready]
         ratios = [scene.material.poisson_ratio for _, scene, _ in ready]
         answers = sweep(self.unknowns.scene, frictions, SWEPT, poisson_ratio=ratios)
         for (number, _, setup), answer in zip(ready, answers, strict=True):
             rows[number] = self.misfit_of(answer, setup, points[number])
         return rows
+
+    @cached_property
+    def _pressure_is_strength(self) -> bool:
+        """Whether the base pressure changes what the gauges saw through f p alone.
+
+        If no load changes the pressure, friction and base pressure have an effect only by their
+        product.  The pressure itself is what gauges of pressure record, and part of stress in the
+        bodies.
+        """
+        scene, seen = self.unknowns.scene, {gauge.quantity for gauge in self.samples.gauges}
+        steady = isinstance(scene.load, Tractions) and scene.load.pressure == 0
+        return steady and scene.base.pressure > 0 and seen <= set(INTERFACE) - {"pressure"}
 
     def misfit_of(self, solution: Solution, setup: Setup, scaled: Array) -> Array:
         """Return the misfits (n,) of a solution that is known."""

@@ -195,3 +195,21 @@ def test_every_unknown_has_a_start_bounds_and_a_range():
     scene, setup = trial.at(trial.start)
     assert scene == PRELOADED
     assert setup == Setup()
+
+
+@pytest.mark.parametrize("quantity", ["slip", "slip_rate", "shear_traction"])
+def test_misfits_over_base_pressure_come_from_a_sweep_over_friction(quantity):
+    """Friction and base pressure act by their product, unless a load changes the pressure."""
+    trial = trials([silent(quantity)], ("friction", "base_pressure", "t0"))
+    points = trial.start * np.array([[1.0, 1.0, 1.0], [1.2, 1.1, 0.5], [0.7, 1.4, 2.0]])
+    found = trial.misfits(points)
+    assert trial.count == 0
+    np.testing.assert_allclose(found, [trial.misfit(one) for one in points], atol=1e-3)
+
+
+@pytest.mark.parametrize(("quantity", "load"), [("pressure", 0.0), ("slip", -0.2)])
+def test_misfits_over_base_pressure_are_solved_one_by_one_where_it_matters_itself(quantity, load):
+    scene = unit_scene(0.4, (1.0, 0.1), (load, 0.8))
+    trial = trials([silent(quantity)], ("base_pressure",), scene)
+    trial.misfits(trial.start * np.array([[1.0], [1.2]]))
+    assert trial.count == 2
