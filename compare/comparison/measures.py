@@ -18,6 +18,11 @@ ROUNDING = 1e-9
 """Relative amount by which a position or time may miss a limit on which it lies.  Rounding is
 about 1e-16, and the distance of nodes and levels is at least 1e-5 of the largest."""
 
+SENSE_THRESHOLD = 0.01
+"""Part of the largest slip rate above which slip has a sense."""
+PROBES = (0.04, 0.25, 0.5, 0.75)
+"""Places at which histories are read, over c_t T."""
+
 
 def in_profile(velocity: Array) -> NDArray[np.bool_]:
     """Mask of the x/(c_t T) at which profiles are compared: not at the edge, nor at the P front."""

@@ -4,6 +4,10 @@
 thread, and writes speed-goals.csv.  Rows that ``--rows`` does not name are kept as they were.
 Ratios within a row survive other load on the machine; seconds and the survey on two processes need
 a quiet one.
+
+The goals in seconds were set on another machine.  ``--pace COMMIT`` takes jobs whose seconds there
+are known from the same time, runs them here with the code of that commit, and writes
+speed-pace.csv; goals are met or missed after multiplication by the median of these ratios.
 """
 
 from __future__ import annotations
@@ -30,9 +34,17 @@ from compare.output.tables import write_rows
 from compare.studies.chart.benchmark import batch_points
 from compare.studies.chart.costs import OPENINGS, measure_costs
 from docs.studies import ratios
+from docs.studies.accuracy.march_error import rate_error
 from docs.studies.pages import DATA, read_data
 
-FILE = "speed-goals"
+FILE, PACE = "speed-goals", "speed-pace"
+SECONDS_THEN: Mapping[str, float] = {
+    "`solve` of `preloaded` to 1e-9": 0.0066,
+    "`solve` of `viscous` to 1e-10": 0.056,
+    "`march` with 256 nodes": 0.049,
+    "`march` with 1,024 nodes": 0.42,
+}
+"""Seconds of jobs of `ratios` on the machine on which the goals were set, with the code of then."""
 Found = ratios.Found
 
 FIRST = """import numpy, slipfront as sf; from time import process_time as now
@@ -78,16 +90,29 @@ def _marched(nodes: int) -> Found:
 
 def _cheapest() -> Found:
     """Return the cheapest march of a step whose true error is below 1e-4."""
-    for nodes in (1152, 1280, 1408, 1536, 2048):
+    for nodes in (768, 896, 1024, 1152, 1280, 1408, 1536, 2048):
         if ratios.STEP("march", nodes=nodes)[1] <= 1e-4:
             return _marched(nodes)
     raise AssertionError("2,048 nodes miss 1e-4")
 
 
+def _whole_error(marched: sf.Marched) -> float:
+    """Return the L1 error of the slip rate over all time and the contact, as `rtol` means it."""
+    return rate_error(marched, sf.solve(marched.scene, rtol=1e-10))
+
+
 def _by_tolerance() -> Found:
-    """Return the time of a march to 1e-4 over that of the cheapest one by nodes."""
-    took, error = ratios.STEP("march", rtol=1e-4)
-    return took / _cheapest()[0], error
+    """Return the time of a march to 1e-4 over that of the cheapest one by nodes, and its error.
+
+    Both errors are those of the whole history, which the estimate bounds.
+    """
+    scene = sf.find_scene("preloaded")
+    for nodes in (1664, 1920, 2176, 2432, 2816):
+        if _whole_error(sf.march(scene, nodes=nodes)) <= 1e-4:
+            cheapest = _least(partial(ratios.STEP, "march", nodes=nodes), 2)[0]
+            took, error = ratios.timed(lambda _: sf.march(scene, rtol=1e-4), _whole_error)
+            return took / cheapest, error
+    raise AssertionError("2,816 nodes miss 1e-4")
 
 
 def _kinked(scene: sf.Scene) -> Found:
@@ -186,6 +211,12 @@ class Goal:
     run: Callable[[], Found]
     more: bool = False
 
+    def here(self, pace: float) -> float:
+        """Return the goal on a machine that takes `pace` times as long for the same work."""
+        if self.unit == "points/s":
+            return self.goal / pace
+        return self.goal * pace if self.unit in ("s", "ms", "ms/scene") else self.goal
+
 
 GOALS: Mapping[str, Goal] = {
     "first `solve` of a process, without imports": Goal(
@@ -234,34 +265,67 @@ GOALS: Mapping[str, Goal] = {
 
 @dataclass(frozen=True)
 class GoalRow:
-    """A goal, where it stands now with the error reached, and whether it is met."""
+    """A goal, where it stands now with the error reached, and whether it is met.
+
+    `here` is the goal on this machine.
+    """
 
     job: str
     unit: str
     then: float
     goal: float
+    here: float
     now: float
     error: float
     met: str
 
 
-def measured(process: subprocess.Popen[str], job: str) -> GoalRow:
-    """Have a row measured by a process that serves."""
-    (now, error), goal = ratios.run_job(process, job), GOALS[job]
-    met = now >= goal.goal if goal.more else now <= goal.goal
-    return GoalRow(job, goal.unit, goal.then, goal.goal, now, error, "yes" if met else "no")
+@dataclass(frozen=True)
+class PaceRow:
+    """Seconds of a job with the code of then, on the machine of then and on this one."""
+
+    job: str
+    then: float
+    here: float
+    ratio: float
 
 
-def kept(folder: Path) -> dict[str, GoalRow]:
+def paced(commit: str, times: int = 6) -> list[PaceRow]:
+    """Run the jobs of `SECONDS_THEN` with the code of a commit."""
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        ratios.unpacked(commit, Path(folder))
+        with ratios.serving(Path(folder)) as process:
+            for job, then in SECONDS_THEN.items():
+                here = min(ratios.run_job(process, job)[0] for _ in range(times))
+                rows.append(PaceRow(job, then, here, here / then))
+    return rows
+
+
+def pace_of(folder: Path) -> float:
+    """Return the median ratio of speed-pace.csv of a folder, or 1 without one."""
+    if not (folder / f"{PACE}.csv").exists():
+        return 1.0
+    return float(np.median([float(row["ratio"]) for row in read_data(PACE, folder)[1]]))
+
+
+def judged(job: str, now: float, error: float, pace: float) -> GoalRow:
+    """Return the row of a job that was measured."""
+    goal = GOALS[job]
+    here = goal.here(pace)
+    met = "yes" if (now >= here if goal.more else now <= here) else "no"
+    return GoalRow(job, goal.unit, goal.then, goal.goal, here, now, error, met)
+
+
+def kept(folder: Path, pace: float) -> dict[str, GoalRow]:
     """Return the rows that are in a folder already."""
     if not (folder / f"{FILE}.csv").exists():
         return {}
-    rows = {}
-    for text in read_data(FILE, folder)[1]:
-        then, goal, now, error = (float(text[name]) for name in ("then", "goal", "now", "error"))
-        row = GoalRow(text["job"], text["unit"], then, goal, now, error, text["met"])
-        rows[row.job] = row
-    return rows
+    known = [row for row in read_data(FILE, folder)[1] if row["job"] in GOALS]
+    return {
+        row["job"]: judged(row["job"], float(row["now"]), float(row["error"]), pace)
+        for row in known
+    }
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -270,20 +334,32 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--rows", nargs="+", choices=GOALS, default=list(GOALS), metavar="JOB")
     parser.add_argument("--csv", type=Path, metavar="FOLDER", default=DATA, help="docs/data")
+    parser.add_argument("--pace", metavar="COMMIT", help="measure the pace of this machine alone")
     options = parser.parse_args(arguments)
     if options.serve:
         for line in sys.stdin:
             print(json.dumps(GOALS[line.rstrip("\n")].run()), flush=True)
         return
-    rows, made = kept(options.csv), "python -m docs.studies.goals --csv docs/data"
+    if options.pace is not None:
+        made = f"python -m docs.studies.goals --pace {options.pace} --csv docs/data"
+        write_rows(options.csv / f"{PACE}.csv", paced(options.pace), command=made)
+        options.rows = []
+    pace, made = pace_of(options.csv), "python -m docs.studies.goals --csv docs/data"
+    rows = kept(options.csv, pace)
     command = [sys.executable, "-m", "docs.studies.goals", "--serve"]
     environment = os.environ | dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     with subprocess.Popen(command, stdin=-1, stdout=-1, text=True, env=environment) as process:
         for job in options.rows:
-            rows[job] = row = measured(process, job)
-            print(f"{job:60} {row.now:9.4g} {row.unit}, goal {row.goal:g}", file=sys.stderr)
-            there = [rows[one] for one in GOALS if one in rows]
-            write_rows(options.csv / f"{FILE}.csv", there, command=made)
+            now, error = ratios.run_job(process, job)
+            rows[job] = row = judged(job, now, error, pace)
+            print(f"{job:60} {row.now:9.4g} {row.unit}, goal {row.here:.2g}", file=sys.stderr)
+            _write(options.csv, rows, made)
+    _write(options.csv, rows, made)
+
+
+def _write(folder: Path, rows: Mapping[str, GoalRow], made: str) -> None:
+    there = [rows[one] for one in GOALS if one in rows]
+    write_rows(folder / f"{FILE}.csv", there, command=made)
 
 
 if __name__ == "__main__":

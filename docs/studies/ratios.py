@@ -142,7 +142,7 @@ class RatioRow:
     error_now: float
 
 
-def _serving(folder: Path) -> subprocess.Popen[str]:
+def serving(folder: Path) -> subprocess.Popen[str]:
     """Return a process that runs jobs with the packages of a folder."""
     environment = {**os.environ, "PYTHONPATH": str(folder)}
     environment |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
@@ -164,7 +164,7 @@ def run_job(checkout: subprocess.Popen[str], job: str) -> list[float]:
 def compared(jobs: Sequence[str], before: Path, now: Path, times: float = 1.0) -> list[RatioRow]:
     """Run jobs in two checkouts in turn, as often as `JOBS` says, times a factor."""
     rows = []
-    with _serving(before) as one, _serving(now) as other:
+    with serving(before) as one, serving(now) as other:
         for job in jobs:
             turns = range(max(1, round(times * JOBS[job][0])))
             runs = [(run_job(one, job), run_job(other, job)) for _ in turns]

@@ -23,7 +23,6 @@ from semianalytic.scene.named import (
     scene_label,
 )
 from slipfront.cli import terminal
-from slipfront.cli.marching import march_command
 from slipfront.cli.options import (
     MARCH_OPTIONS,
     SCENE_OPTIONS,
@@ -136,6 +135,8 @@ def solve_command(
     draw = _drawing(plot, figure)
     end_time, points = asked(scene, "end_time", end_time, "time"), points_of(scene, x, t)
     if chosen_method(scene, method) == "space-time":
+        from slipfront.cli.marching import march_command  # most scenes need no march
+
         march_command(
             scene,
             label,

@@ -24,7 +24,7 @@ from compare.comparison.documents import (
 )
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
-from semianalytic import Marched, Scene, Solution
+from semianalytic import Scene
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import Step, Tabulated
@@ -39,6 +39,7 @@ if TYPE_CHECKING:  # most commands print an answer, and judge none
     from compare.interfaces.judging import InterfaceJudgement
     from compare.validation.validation import Validation
     from fem import Simulation
+    from semianalytic import Marched, Solution
 
 TOTALS = ("accumulated_slip", "frictional_work")
 DIGITS = 4

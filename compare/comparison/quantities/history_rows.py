@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 from compare.comparison.bars import error_bar
 from compare.comparison.case import NARROW, Case, beyond_edge, too_narrow
 from compare.comparison.judging import Comparison, field_bar, judged, rate_bar, value_row
-from compare.comparison.measures import NOTHING, ROUNDING, nearest, norm, onset_time
+from compare.comparison.measures import (
+    NOTHING,
+    PROBES,
+    ROUNDING,
+    SENSE_THRESHOLD,
+    nearest,
+    norm,
+    onset_time,
+)
 from compare.comparison.rows import Row
 from semianalytic import Harmonic, InterfaceHistory
 from semianalytic.results.sampled import interpolated
@@ -23,11 +31,8 @@ Senses = NDArray[np.int8]
 
 APART = 2
 """Value in a map of senses where the contact is open."""
-SENSE_THRESHOLD = 0.01
 REVERSAL_THRESHOLD = 0.05
-"""Parts of the largest slip rate above which slip has a sense, and above which it counts as a
-reversal."""
-PROBES = (0.04, 0.25, 0.5, 0.75)
+"""Part of the largest slip rate above which slip of the other sense counts as a reversal."""
 EARLY = 0.2
 """Initial part of the run, over the end time, that is left out because little is resolved in it."""
 FRONT = 1

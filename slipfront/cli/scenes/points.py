@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.markup import escape
@@ -16,11 +16,14 @@ from compare.comparison.documents import (
     points_document,
     units_document,
 )
-from semianalytic import Marched, Scene, SceneError, Solution
+from semianalytic import Scene, SceneError
 from semianalytic.results.answer import FIELDS
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import InSI, unit
 from slipfront.cli.options import option_name, read_number
+
+if TYPE_CHECKING:
+    from semianalytic import Marched, Solution
 
 MOST = 1000
 """Largest number of pairs of a position and a time; more are a typing error."""
