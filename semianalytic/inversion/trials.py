@@ -156,8 +156,11 @@ class Trials:
                 ready.append((number, *self.at(point)))
         frictions = [scene.friction for _, scene, _ in ready]
         if "base_pressure" in of_scene:
-            pressure = self.unknowns.scene.base.pressure
-            frictions = [scene.friction * scene.base.pressure / pressure for _, scene, _ in ready]
+            before = self.unknowns.scene.superposition.in_place.pressure
+            frictions = [
+                scene.friction * scene.superposition.in_place.pressure / before
+                for _, scene, _ in ready
+            ]
         ratios = [scene.material.poisson_ratio for _, scene, _ in ready]
         answers = sweep(self.unknowns.scene, frictions, SWEPT, poisson_ratio=ratios)
         for (number, _, setup), answer in zip(ready, answers, strict=True):
@@ -174,7 +177,11 @@ class Trials:
         """
         scene, seen = self.unknowns.scene, {gauge.quantity for gauge in self.samples.gauges}
         steady = isinstance(scene.load, Tractions) and scene.load.pressure == 0
-        return steady and scene.base.pressure > 0 and seen <= set(INTERFACE) - {"pressure"}
+        return (
+            steady
+            and scene.superposition.in_place.pressure > 0
+            and seen <= set(INTERFACE) - {"pressure"}
+        )
 
     def misfit_of(self, solution: Solution, setup: Setup, scaled: Array) -> Array:
         """Return the misfits (n,) of a solution that is known."""
