@@ -19,7 +19,11 @@ Array = NDArray[np.float64]
 
 
 def area_means(
-    stopping: Array, strength: Array, inner: NDArray[np.bool_], mirror: int | None = None
+    stopping: Array,
+    strength: Array,
+    inner: NDArray[np.bool_],
+    before: Array | None = None,
+    mirror: int | None = None,
 ) -> Array:
     """Return tractions by which nodes slip at the mean over the stretch of the line around them.
 
@@ -35,6 +39,9 @@ def area_means(
         Strength of a node that does not slip [stress].
     inner : (n,) array of bool
         Whether a node has neighbours of the same contact on both sides.
+    before : (n,) array, optional
+        Excess at the time level before [stress]: nodes at which it falls do not take the mean,
+        which would prolong slip where a zone ends.
     mirror : int, optional
         Node that is the image of the one before the first, on half of an even line.  Otherwise the
         line is periodic, which matters where its first and last nodes are `inner`.
@@ -50,16 +57,20 @@ def area_means(
     beside[1:] |= changes
     beside[:-1] |= changes
     beside &= inner
+    if before is not None:
+        beside &= excess > before
     (near,) = beside.nonzero()
     left, right = near - 1, (near + 1) % count
     if mirror is not None and count > mirror:
         left[near == 0], right[near == count - 1] = mirror, count - 1 - mirror
-    here, before, after = excess[near], excess[left], excess[right]
+    here, earlier, later = excess[near], excess[left], excess[right]
     # Where strength or load jumps, the two one-sided slopes differ: the smaller one counts.
-    even = np.minimum(np.abs(after - here), np.abs(here - before))
-    reach = AREA * np.minimum(np.abs(after - before) / 4, even)
-    lowest = np.minimum(np.minimum(before, after), here)
-    highest = np.maximum(np.maximum(before, after), here)
+    even = np.minimum(np.abs(later - here), np.abs(here - earlier))
+    reach = AREA * np.minimum(np.abs(later - earlier) / 4, even)
+    # A traction of no size is the least there is: with more, slip would push against its sense.
+    reach = np.minimum(reach, stopping[near])
+    lowest = np.minimum(np.minimum(earlier, later), here)
+    highest = np.maximum(np.maximum(earlier, later), here)
     mixed = (lowest < 0) & (highest > 0) & (np.abs(here) < reach)
     near, here, reach = near[mixed], here[mixed], reach[mixed]
     means = stopping.copy()
@@ -114,6 +125,20 @@ class Line:
         self._by_path = not isinstance(self._law, CoulombFriction | RateFriction)
         self._pressed = self._dry = self._at_rest = np.zeros(0)
         self._inner = np.zeros(0, dtype=bool)
+        self._level: Level | None = None
+        self._excess: Array | None = None
+        self._before: Array | None = None
+
+    def forget(self) -> None:
+        """Forget the last level, as loads jump: where slip grows or ends is not known then."""
+        self._excess = None
+
+    def recall(self, level: Level, traction: Array, rate: Array, path: Array) -> None:
+        """Take up traction, slip rate and path of the contact (contact,) at a level."""
+        self._look(level, path)
+        if self._excess is None:
+            self._level = level
+            self._excess = np.abs(traction + self.impedance * rate) - self._at_rest
 
     def slip_rate(self, stopping: Array, level: Level, path: Array, rate: Array) -> None:
         """Find the relative slip rate of all nodes (size,) [length / time], written to `rate`.
@@ -133,16 +158,12 @@ class Line:
             Where the result is written.
         """
         slot, on_contact, moving = self._slot, stopping[self._slot :], rate[self._slot :]
-        if level.pressure is not self._pressed:
-            self._pressed, self._dry = level.pressure, self._friction * level.pressure
-            self._at_rest = self._law.strength(self._dry, 0.0, 0.0)
-        if len(self._inner) != len(on_contact):
-            # the edge has no neighbour that obeys friction, and the last node none at all
-            self._inner = np.ones(len(on_contact), dtype=bool)
-            self._inner[[0, -1]] = False
-        if self._by_path:
-            self._at_rest = self._law.strength(self._dry, 0.0, path)
-        stopped = area_means(np.abs(on_contact), self._at_rest, self._inner)
+        self._look(level, path)
+        if level is not self._level:
+            self._level, self._before = level, self._excess
+        size = np.abs(on_contact)
+        self._excess = size - self._at_rest
+        stopped = area_means(size, self._at_rest, self._inner, self._before)
         speed = self._law.slip_speed(stopped, self._dry, self.impedance, path)
         # Slip has the sense of the traction that it reduces: V tau >= 0.  Adding 0.0 keeps the rate
         # of nodes that stick at +0.0.
@@ -151,3 +172,28 @@ class Line:
         # on the slot tau_stop - (rho c_t/2) V is what its faces carry
         np.subtract(stopping[:slot], level.on_slot, out=rate[:slot])
         rate[:slot] /= self.impedance
+
+    def power(self, rate: Array, path: Array) -> Array:
+        """Return the frictional power (contact,) at the last level [stress length / time].
+
+        Where a zone ends within the stretch of a node, a part of it slips under its strength, and
+        the traction at the node is less: hence the strength.
+
+        Parameters
+        ----------
+        rate, path : (contact,) arrays
+            Slip rate [length / time] and accumulated |slip| [length] at the level.
+        """
+        return np.abs(rate) * self._law.strength(self._dry, rate, path)
+
+    def _look(self, level: Level, path: Array) -> None:
+        """Find the strength at rest under the pressure of a level and after a path (contact,)."""
+        if level.pressure is not self._pressed:
+            self._pressed, self._dry = level.pressure, self._friction * level.pressure
+            self._at_rest = self._law.strength(self._dry, 0.0, 0.0)
+        if self._by_path:
+            self._at_rest = self._law.strength(self._dry, 0.0, path)
+        if len(self._inner) != len(self._dry):
+            # the edge has no neighbour that obeys friction, and the last node none at all
+            self._inner = np.ones(len(self._dry), dtype=bool)
+            self._inner[[0, -1]] = False

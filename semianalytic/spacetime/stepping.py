@@ -181,6 +181,7 @@ class Walk:
         for field, value in zip(self._fields, values, strict=True):
             field[0] = value
         self._rates, self._tractions, self._slips, self._paths, self._works = self._fields
+        self._powers = np.zeros_like(self._tractions)
         self._last = 0
         self._transform, self._stopping = np.empty((2, size))
 
@@ -208,8 +209,13 @@ class Walk:
         # A segment that begins neither with the load nor at a jump continues an earlier march,
         # whose rate is the right one already.
         if segment.begin == marched.begins or segment.begin in _jumps(scene):
+            self._line.forget()
             self._jump(first)
             self.record.jump(self.time, self._rates[0], self._slips[0])
+        else:
+            contact = self._rates[0, grid.contact]
+            self._line.recall(first, self._tractions[0], contact, self._paths[0])
+        self._powers[0] = self._line.power(self._rates[0, grid.contact], self._paths[0])
         if segment.begin == marched.recorded_from:
             self.record.begin(self.state, first.pressure)
         cosines(self._rates[0], self._transform)
@@ -250,7 +256,7 @@ class Walk:
     def _turn_over(self) -> None:
         """Make the level that is reached the first of the next block."""
         if self._last:
-            for field in self._fields:
+            for field in (*self._fields, self._powers):
                 field[0] = field[self._last]
             self._last = 0
 
@@ -295,13 +301,14 @@ class Walk:
         # tau = tau_stop - (rho c_t/2) V
         np.multiply(rate[contact], -line.impedance, out=self._tractions[last + 1])
         self._tractions[last + 1] += stopping[contact]
+        self._powers[last + 1] = line.power(rate[contact], path)
 
     def _sum_up(self) -> None:
         """Add the steps of a block to slip, accumulated slip and work, one after the other."""
         block, half = slice(0, self._last + 1), self.time_step / 2
-        rates, tractions = self._rates[block, self.grid.contact], self._tractions[block]
+        rates = self._rates[block, self.grid.contact]
         # the rate is linear in time over a step: slip is exact, work by the trapezoidal rule
-        sums = [(self._slips[block], rates), (self._works[block], tractions * rates)]
+        sums = [(self._slips[block], rates), (self._works[block], self._powers[block])]
         if not self._by_slip:
             sums.append((self._paths[block], np.abs(rates)))
         for field, values in sums:

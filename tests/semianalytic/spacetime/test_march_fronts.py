@@ -73,8 +73,14 @@ def test_marches_of_moving_fronts_come_to_the_exact_answer(name):
     assert rate < 0.01
     assert shear < 0.004
     assert pressure < 6e-4
-    # orders of 0.6 to 1.2; `remote-shock`, which acts everywhere at once, has 0.9 to 1.0 here
-    assert all(coarse > 2.2 * fine for coarse, fine in zip(*errors, strict=True) if coarse)
+    # orders of 0.6 to 1.2, but 0.3 for the slip rate of the sub-sonic load, which few nodes hold
+    # better already; `remote-shock`, which acts everywhere at once, has 0.9 to 1.0 here
+    least = (1.4, 2.2, 2.2)
+    assert all(
+        coarse > factor * fine
+        for factor, coarse, fine in zip(least, *errors, strict=True)
+        if coarse
+    )
 
 
 def front(t, x, slowness, spacing, entry):
