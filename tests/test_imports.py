@@ -303,8 +303,10 @@ def test_meshes_know_nothing_of_the_solvers():
 
 
 _DERIVATIVES = (
-    "selfsimilar.borders",
+    "cut.node_fields",
+    "cut.rates",
     "selfsimilar.derivative",
+    "selfsimilar.parameters",
     "selfsimilar.variation",
     "selfsimilar.varied",
 )

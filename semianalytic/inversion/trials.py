@@ -15,7 +15,7 @@ from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.unknowns import MATERIAL, SOLVED, Setup, Unknowns, has_similarity
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.derivative import PARAMETERS
+from semianalytic.selfsimilar.parameters import PARAMETERS
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 
