@@ -57,8 +57,3 @@ def test_any_scene_can_be_turned(capsys):
     assert document["zones"][0]["outer"] == pytest.approx(1 / 1.3**2, rel=1e-8)
     assert document["zones"][0]["outer_regime"] == "sub-shear"
     assert set(document["edge"]["stress_intensity_at_unit_time"]) == {"K_I", "K_III"}
-
-
-def test_unknown_modes_are_refused_in_a_sentence(capsys):
-    assert main(["solve", "preloaded", "--mode", "sideways"]) == 2
-    assert "--mode must be in-plane or antiplane, got 'sideways'" in capsys.readouterr().err
