@@ -26,6 +26,7 @@ def report(folder):
     return json.loads((folder / "report.json").read_text())
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_compare_agrees_on_the_named_scene(tmp_path, capsys):
     options = ["--resolution", "50", "--output", str(tmp_path), "--quiet"]
     assert main(["compare", "antiplane", *options]) == 0

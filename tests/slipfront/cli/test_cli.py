@@ -392,6 +392,7 @@ def test_compare_from_a_damaged_or_absent_simulation_exits_with_three(tmp_path, 
     one_sentence(capsys.readouterr())
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys):
     code = main(["compare", "--resolution", "30", "--frames", "2", "--friction", "1"])
     folder = tmp_path / "results" / "preloaded-friction-1"
