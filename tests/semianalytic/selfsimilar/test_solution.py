@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED, REMOTE, SHOCK, STEEL, UNIT, unit_scene
+from catalogue import PRELOADED, REMOTE, SHOCK, UNIT, unit_scene
 from scipy.integrate import quad
 
-from semianalytic import Scene, SceneError, Tractions, solve
+from semianalytic import SceneError, solve
 from semianalytic.halfplane.stuck import stuck_traction
 
 
@@ -103,35 +103,12 @@ def test_edge_slip_rate_is_the_limit(preloaded, stuck):
     assert stuck.edge_slip_rate == 0
 
 
-def test_frictional_power_is_traction_times_slip_rate(preloaded, stuck, sliding):
-    zones = preloaded.zones
+def test_energy_leaves_through_friction_alone(shock, stuck, sliding):
+    """The fronts are free of singular energy flux: slip rate or stick margin vanishes beside one.
 
-    def density(x):
-        return float(preloaded.shear_traction(x, 1.0) * preloaded.slip_rate(x, 1.0))
-
-    power = quad(density, 0, zones[0].outer, epsabs=1e-10)[0]
-    power += quad(density, zones[1].inner, zones[1].outer, points=[1.0], epsabs=1e-10)[0]
-    assert preloaded.frictional_power(1.0) == pytest.approx(power, rel=1e-8)
-    assert preloaded.frictional_power(2.5) == pytest.approx(2.5 * power, rel=1e-8)
-    assert stuck.frictional_power(1.0) == 0
-    assert sliding.frictional_power(1.0) == np.inf
-    assert sliding.frictional_power(0.0) == 0
-
-
-def test_energy_leaves_through_friction_alone(shock, sliding):
-    """Traction times slip rate over the contact; the fronts are free of singular energy flux."""
+    That power is traction times slip rate over the contact is in test_totals.py.
+    """
     edges = shock.edge_speeds
-    power = sum(
-        quad(
-            lambda x: float(shock.shear_traction(x, 1.0) * shock.slip_rate(x, 1.0)),
-            inner,
-            outer,
-            points=[1.0] if inner < 1 < outer else None,
-            epsabs=1e-10,
-        )[0]
-        for inner, outer in edges
-    )
-    np.testing.assert_allclose(shock.frictional_power([1.0, 3.0]), [power, 3 * power], rtol=1e-7)
     for edge in edges[edges > 0]:
         distance = np.array([1e-4, 1e-6, 1e-8])
         for side in (-1, 1):
@@ -140,6 +117,7 @@ def test_energy_leaves_through_friction_alone(shock, sliding):
             assert np.all(product < 1e-9)  # one of them vanishes on either side
             concentration = np.abs(shock.shear_traction(x, 1.0)) * np.sqrt(distance)
             assert np.all(np.diff(concentration) < 0)
+    assert stuck.frictional_power(1.0) == sliding.frictional_power(0.0) == 0
     assert sliding.frictional_power(1.0) == np.inf
 
 
@@ -175,19 +153,3 @@ def test_bad_positions_are_refused(preloaded):
         preloaded.slot_velocity(0.1, 1.0)
     with pytest.raises(SceneError, match="finite"):
         preloaded.shear_traction(0.1, np.nan)
-
-
-def test_dimensional_fields():
-    solution = solve(Scene(STEEL, 1.25, *2 * [Tractions(5e6, 5e6)]))
-    unit = solve(SHOCK)
-    t, speed = 1e-4, STEEL.shear_speed
-    x = np.array([0.3, 0.9, 1.02]) * speed * t
-    np.testing.assert_allclose(
-        solution.shear_traction(x, t), 5e6 * unit.shear_traction(x / (speed * t), 1.0), rtol=1e-12
-    )
-    np.testing.assert_allclose(
-        solution.slip(x, t),
-        5e6 / STEEL.shear_impedance * t * unit.slip(x / (speed * t), 1.0),
-        rtol=1e-9,
-        atol=1e-22,
-    )

@@ -444,12 +444,6 @@ def test_damaged_file_is_refused(tmp_path):
         Marched.load(tmp_path / "missing.h5")
 
 
-def test_thinned_march_keeps_the_last_level():
-    full, thin = march(preloaded(), nodes=64), march(preloaded(), nodes=64, every=7)
-    assert thin.interface.t[-1] == full.interface.t[-1] == 1.0
-    np.testing.assert_array_equal(thin.interface.slip[1], full.interface.slip[7])
-
-
 # --- choice and errors ----------------------------------------------------------------------
 
 
