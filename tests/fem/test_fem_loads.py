@@ -288,12 +288,3 @@ def test_nothing_rubs_where_symmetry_forbids_slip():
     sim = run(dataclasses.replace(scene, pressure_history=Ramp(0.2)), 20)
     assert not sim.final_path.any()
     assert not sim.final_work_density.any()
-
-
-def test_energies_are_those_of_every_step():
-    whole, thinned = run(sheared(), 24), run(sheared(), 24, every=10**6)
-    for part in dataclasses.fields(whole.energy):
-        one, other = getattr(whole.energy, part.name), getattr(thinned.energy, part.name)
-        np.testing.assert_array_equal(one, other)
-    assert len(thinned.energy.t) == thinned.steps
-    assert len(thinned.interface.t) == 2
