@@ -57,6 +57,7 @@ for line in {lines}:
 """
 SOURCES = (fem, interfaces, validation, fits, surveys, semianalytic)
 """Of the public names of slipfront."""
+OTHERS = (*EXPLORE, *CLUSTER, *BAYES)
 ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES, *UNITS)
 FINE = [
     "--help",
@@ -83,10 +84,10 @@ REFUSED = [
     (FEM, "stability --fem", "fem"),
     (FEM, "evidence --quick", "fem"),
     (PLOT, "fit a.csv --scene preloaded --parameters friction --plot a.png", "plot"),
-    (EXPLORE, "explore", "explore"),
-    (BAYES, "fit a.csv --scene preloaded --parameters friction --posterior", "bayes"),
-    (CLUSTER, "survey preloaded --friction 0.1,0.2 --scheduler tcp://127.0.0.1:1", "cluster"),
-    (CLUSTER, "stability --space-time --scheduler tcp://127.0.0.1:1", "cluster"),
+    (OTHERS, "explore", "explore"),
+    (OTHERS, "fit a.csv --scene preloaded --parameters friction --posterior", "bayes"),
+    (OTHERS, "survey preloaded --friction 0.1,0.2 --scheduler tcp://127.0.0.1:1", "cluster"),
+    (OTHERS, "stability --space-time --scheduler tcp://127.0.0.1:1", "cluster"),
     (ALL, "survey preloaded --friction 0.1,0.2", "xarray"),
     (ALL, "regimes --scheduler tcp://127.0.0.1:1", "plot"),
     (ALL, "compare", "fem,plot"),
@@ -106,33 +107,37 @@ def run_without(blocked, code, folder):
     )
 
 
+def told_without(blocked, lines, folder):
+    """Exit code, output and errors of commands by their lines, in one process."""
+    run = run_without(blocked, COMMANDS.format(lines=lines), folder)
+    assert run.returncode == 0, run.stderr
+    assert list(folder.iterdir()) == []
+    return dict(zip(lines, map(json.loads, run.stdout.splitlines()), strict=True))
+
+
 @pytest.fixture(scope="module")
-def commands(tmp_path_factory):
-    """Exit code, output and errors of every command by (what is missing, its line)."""
-    found = {}
-    for blocked in (PLOT, FEM, EXPLORE, CLUSTER, BAYES, ALL):
-        lines = [line for missing, line, _ in REFUSED if missing == blocked]
-        lines += FINE if blocked == ALL else []
-        folder = tmp_path_factory.mktemp("empty")
-        run = run_without(blocked, COMMANDS.format(lines=lines), folder)
-        assert run.returncode == 0, run.stderr
-        assert list(folder.iterdir()) == []
-        for line, shown in zip(lines, run.stdout.splitlines(), strict=True):
-            found[blocked, line] = json.loads(shown)
-    return found
+def refused(tmp_path_factory):
+    """What every command of `REFUSED` tells, by what is missing."""
+    return {
+        blocked: told_without(
+            blocked,
+            [line for missing, line, _ in REFUSED if missing == blocked],
+            tmp_path_factory.mktemp("empty"),
+        )
+        for blocked in (PLOT, FEM, OTHERS, ALL)
+    }
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("line", FINE)
-def test_solver_and_help_need_no_extra(line, commands):
-    code, out, err = commands[ALL, line]
-    assert (code, err) == (0, "")
-    assert out
+def test_solver_and_help_need_no_extra(tmp_path):
+    for line, (code, out, err) in told_without(ALL, FINE, tmp_path).items():
+        assert (code, err) == (0, ""), line
+        assert out
 
 
 @pytest.mark.parametrize(("blocked", "line", "extras"), REFUSED)
-def test_missing_extra_is_one_sentence(blocked, line, extras, commands):
-    code, out, err = commands[blocked, line]
+def test_missing_extra_is_one_sentence(blocked, line, extras, refused):
+    code, out, err = refused[blocked][line]
     assert (code, out) == (5, "")
     assert err.count("\n") == 1
     assert err.endswith(

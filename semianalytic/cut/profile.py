@@ -107,6 +107,7 @@ class Profile:
         """Return the part of the traction that is unbounded at a stuck edge."""
         if self.panels.right[panel] is not None:
             return 0.0
+        # Counted from the left end of the last panel, like the integral that it is added to.
         gained = self._shear(v) - self._shear(self.panels.left[panel].v)
         return self.edge_intensity[..., None] * gained
 
@@ -118,9 +119,12 @@ class Profile:
         rate[0] = per_set(load.far_slip_rate)
         traction[0] = self.fields.base_traction
         for i in range(len(panels.left) - 1):
+            # Stick hands the traction on to the next panel. V stays 0 there: each zone begins at 0.
             if not panels.sense[i]:
                 traction[i + 1] = traction[i] + self.traction_integral.totals[i]
                 continue
+            # Within a zone V goes on from panel to panel; its end is no zero to rounding, and the
+            # zone behind does not inherit what is left there.
             if panels.sense[i + 1]:
                 rate[i + 1] = rate[i] + self.rate_integral.totals[i]
                 continue
@@ -297,6 +301,8 @@ class Profile:
         def inside(i: int, at: CutPoints) -> Array:
             if not self.panels.sense[i]:
                 return slip[i] / at.v
+            # (s_i + int V dw) / v by parts, as in `_slip_starts`, with V = V_i + gain and v times
+            # mean = int w dV from the left end v_i: V_i + gain - mean + (s_i - V_i v_i) / v.
             gain, mean = self.rate_integral.with_mean(i, at)
             start = slip[i] - rate[i] * self.panels.left[i].v
             return rate[i] + (gain - mean) + start / at.v

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,29 +11,13 @@ from numpy.typing import ArrayLike
 
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.scene.contact import superposed_by
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import ViscousFriction
-from semianalytic.scene.incident import OF_FRONT, IncidentWave, MovingLoad
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.borders import border, starts_at_front
 from semianalytic.selfsimilar.motion import over_slowness
-from semianalytic.selfsimilar.variation import Rates, Surroundings
+from semianalytic.selfsimilar.parameters import border, changes, parameter, starts_at_front
+from semianalytic.selfsimilar.variation import Surroundings
 from semianalytic.selfsimilar.varied import VariedProfile
-
-PARAMETERS = (
-    "friction",
-    "poisson_ratio",
-    "base_pressure",
-    "base_shear",
-    "load_pressure",
-    "load_shear",
-    "viscosity",
-    *OF_FRONT,
-)
-"""Parameters of a scene with respect to which there are derivatives."""
-
 
 _TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
 
@@ -322,7 +306,7 @@ def differentiated(
     known : Known
         Zones and status of the solution.
     name : str
-        One of `PARAMETERS`.
+        One of `parameters.PARAMETERS`.
 
     Raises
     ------
@@ -332,7 +316,7 @@ def differentiated(
         If zones on either side of these, however near, have other panels.
     """
     profile = surroundings.profile
-    rates = _rates(scene, profile, stress, name)
+    rates = changes(scene, profile, stress, name)
     varied = VariedProfile(profile, surroundings.variation(rates))
     status = known.status
     if status == "converged":
@@ -346,27 +330,6 @@ def differentiated(
         stress,
         surroundings,
     )
-
-
-def parameter(scene: Scene, name: str) -> float:
-    """Return the value of one of `PARAMETERS` in a scene."""
-    if name == "friction":
-        return scene.friction
-    if name == "poisson_ratio":
-        return scene.material.poisson_ratio
-    if name == "viscosity":
-        law = scene.friction_law
-        return law.viscosity if isinstance(law, ViscousFriction) else 0.0
-    load = scene.load
-    if isinstance(load, IncidentWave) and name in OF_FRONT:
-        return float(getattr(load, name.removeprefix("wave_"), None) or 0.0)
-    if isinstance(load, MovingLoad) and name == "load_speed":
-        return load.speed
-    if name in OF_FRONT:  # as the viscosity of friction that has none
-        return 0.0
-    part, kind = name.split("_")
-    held = scene.base if part == "base" else load.tractions(scene.material)
-    return float(getattr(held, kind))
 
 
 def _largest_share(fine: VariedProfile, coarse: VariedProfile, u: Array, size: float) -> float:
@@ -436,101 +399,6 @@ def _share(one: Array, other: Array, least: float) -> float:
     bound."""
     away, size = np.abs(one - other).max(initial=0.0), np.abs(one).max(initial=0.0)
     return float(away / max(size, least)) if away else 0.0
-
-
-def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
-    """Return the change of the load with a parameter, and refuse what has no derivative.
-
-    For a base at friction it is that on the side on which the base sticks.
-    """
-    load = profile.fields.load
-    if name not in PARAMETERS:
-        raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
-    if load.linearised is not None:
-        raise SceneError(
-            "derivative: there is one for constant and viscous friction only; difference two "
-            "solutions (docs/limits.md)."
-        )
-    if name == "friction" and scene.friction == 0:
-        raise SceneError(
-            "derivative: without friction the sense of slip is free, and friction of any size "
-            "opens stick gaps; take a small positive friction."
-        )
-    if name in ("base_pressure", "load_pressure") and load.frictionless and scene.friction:
-        raise SceneError(
-            "derivative: without pressure the sense of slip is free, and friction under any "
-            "pressure opens stick gaps; take a small positive base pressure."
-        )
-    if name == "viscosity" and load.resistance is None:
-        raise SceneError(
-            "derivative: with respect to viscosity the scene needs ViscousFriction of a positive "
-            "viscosity."
-        )
-    if name == "viscosity":
-        rates = Rates(resistance=2 / scene.material.shear_impedance)
-    elif (of_front := _of_front(scene, stress, name)) is not None:
-        rates = of_front
-    else:
-        plain = name in ("friction", "poisson_ratio")
-        moved = (name,) if plain else superposed_by(scene, name)
-        rates = Rates(**dict.fromkeys(moved, 1.0 if plain else 1 / stress))
-    free = load.frictionless and not load.far_slip_rate
-    if free or not starts_at_front(profile):
-        return rates
-    if rates.slowness:
-        raise SceneError(
-            "derivative: the base is at friction under the wave, where this derivative is not "
-            "known; difference two solutions (docs/limits.md)."
-        )
-    sense, far = profile.fields.zones[0].sense, load.far_slip_rate
-    strength = rates.friction * load.base_pressure + load.friction * rates.base_pressure
-    # How fast the base moves relative to the friction limit, E in docs/derivatives.md.
-    excess = float(rates.base_shear - sense * strength - rates.resistance * far)
-    # Slip far ahead balances it: excess = (1 + eta) dV(inf) in units of rho c_t.
-    if far:
-        return replace(rates, far_slip_rate=float(excess / (1 + (load.resistance or 0.0))))
-    if excess and profile.fields.factors.mode == "III" and not load.load_pressure:
-        raise SceneError(
-            "derivative: the base is at friction, and out of the plane this solver does not know "
-            "how slip lets go of the shear front; lower the base shear a little (docs/limits.md)."
-        )
-    return replace(rates, front_excess=excess)
-
-
-def _of_front(scene: Scene, stress: float, name: str) -> Rates | None:
-    """Return the change of an incident wave or a moving load; None if the parameter leaves it.
-
-    Raises
-    ------
-    SceneError
-        If the load has no such parameter.
-    """
-    load, material = scene.load, scene.material
-    if isinstance(load, IncidentWave):
-        own = "wave_stress" if load.velocity is None else "wave_velocity"
-        if name in ("load_pressure", "load_shear", *OF_FRONT) and name not in ("angle", own):
-            raise SceneError(
-                f"derivative: the load is an incident wave, with angle and {own}; ask for one of "
-                "these."
-            )
-        if name not in ("angle", own, "poisson_ratio"):
-            return None
-        slope, slowness = load.derivatives(material, name)
-        pressure, shear = slope.pressure / stress, slope.shear / stress
-        return Rates(
-            base_pressure=pressure,
-            base_shear=shear,
-            load_pressure=pressure,
-            load_shear=shear,
-            poisson_ratio=float(name == "poisson_ratio"),
-            slowness=slowness * material.shear_speed,
-        )
-    if name in OF_FRONT and not (isinstance(load, MovingLoad) and name == "load_speed"):
-        raise SceneError(f"derivative: the load of the scene has no {name}.")
-    if name == "load_speed":
-        assert isinstance(load, MovingLoad)
-        return Rates(slowness=material.shear_speed / load.speed**2)
-    return None
 
 
 def _zones(

@@ -547,7 +547,7 @@ class Solution:
     @cached_property
     def _surroundings(self) -> Surroundings:
         """Neighbouring sets of zones, which all derivatives share."""
-        from semianalytic.selfsimilar.borders import at_the_front
+        from semianalytic.selfsimilar.parameters import at_the_front
         from semianalytic.selfsimilar.variation import Surroundings
 
         return Surroundings(at_the_front(self.profile))

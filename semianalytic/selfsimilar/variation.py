@@ -10,14 +10,21 @@ docs/derivatives.md, "Fields".
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from semianalytic.cut.load import Load
+from semianalytic.cut.node_fields import (
+    FOURTH_ORDER,
+    SECOND_ORDER,
+    NodeFields,
+    Stencil,
+    stencils,
+)
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.rates import Rates
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
@@ -47,196 +54,6 @@ _OF_LOAD = (
 """Numbers of a load that a parameter may change."""
 
 
-@dataclass(frozen=True)
-class Rates:
-    """Derivatives of the load and the material with respect to a parameter.
-
-    Attributes
-    ----------
-    friction : float
-        Derivative of the coefficient.
-    base_pressure, base_shear, load_pressure, load_shear : float
-        Derivatives of tractions [stress unit].
-    far_slip_rate : float
-        Derivative of V(inf) [stress unit / (mu b)].
-    resistance : float
-        Derivative of eta [mu b].
-    poisson_ratio : float
-        1 for the Poisson ratio itself.
-    slowness : float
-        Derivative of the slowness p of the front of the load [b].
-    front_excess : float
-        Derivative of the base shear less friction, where slip starts at the longitudinal front of
-        a base at friction; the base ahead of it then sticks [stress unit].
-    """
-
-    friction: float = 0.0
-    base_pressure: float = 0.0
-    base_shear: float = 0.0
-    load_pressure: float = 0.0
-    load_shear: float = 0.0
-    far_slip_rate: float = 0.0
-    resistance: float = 0.0
-    poisson_ratio: float = 0.0
-    slowness: float = 0.0
-    front_excess: float = 0.0
-
-    @property
-    def nonlinear(self) -> bool:
-        """Whether fields are not linear in what changes, for fixed zones."""
-        return bool(self.poisson_ratio or self.resistance or self.slowness)
-
-    @property
-    def of_pressure(self) -> bool:
-        """Whether a pressure of the base or the load changes."""
-        return bool(self.base_pressure or self.load_pressure)
-
-    def of_load(self, load: Load) -> Load | None:
-        """Return the load whose fields are the derivatives of those of a load, for fixed zones.
-
-        All fields are linear in shear tractions and in friction times pressure. The result is None
-        if anything else changes: impedances, or the open part of the contact.
-        """
-        # A change of pressure moves the ends of the opening, and fields are not linear in these.
-        if self.nonlinear or (load.opened and self.of_pressure):
-            return None
-        friction, pressures = load.friction, (self.base_pressure, self.load_pressure)
-        # d(f p) = df p + f dp, of which one part is zero.
-        if self.friction or load.opened:  # whose pressure stays
-            friction, pressures = self.friction, (load.base_pressure, load.load_pressure)
-        return replace(
-            load,
-            friction=friction,
-            base_pressure=pressures[0],
-            base_shear=self.base_shear,
-            load_pressure=pressures[1],
-            load_shear=self.load_shear,
-            far_slip_rate=self.far_slip_rate,
-        )
-
-
-@dataclass(frozen=True)
-class Stencil:
-    """Finite difference: offsets of its points in steps, their weights, and the step."""
-
-    offsets: Array
-    weights: Array
-    step: float
-
-    @property
-    def points(self) -> Array:
-        """Differences of the parameter from its own value."""
-        return self.offsets * self.step
-
-    def difference(self, values: Array, axis: int) -> Array:
-        """Return the derivative from values at all points, which lie along an axis."""
-        return np.tensordot(values, self.weights / self.step, ([axis], [0]))
-
-
-# Weights of f' from f at the offsets: central of order 2 and 4, and one-sided of order 4.
-_SECOND_ORDER = np.array([-1.0, 1.0]), np.array([-0.5, 0.5])
-_FOURTH_ORDER = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
-_TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
-
-
-def _stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
-    """Yield central differences, and one-sided ones for neighbours with other panels on one
-    side."""
-    # Beside a change of the set of zones a tenth of the step may still stay on this side.
-    for size in (step, step / 10):
-        yield Stencil(*central, size)
-        yield Stencil(*_TO_ONE_SIDE, size)
-        yield Stencil(*_TO_ONE_SIDE, -size)
-
-
-@dataclass(frozen=True)
-class NodeFields:
-    """Fields at the nodes of panels, times dv/dy, and the positions of the panels; or derivatives.
-
-    Attributes
-    ----------
-    rate, traction : (p, n) arrays
-        Slopes of slip rate, and of traction less the part unbounded at a stuck contact edge,
-        times dv/dy.
-    rate_starts, traction_starts : (p,) arrays
-        Slip rate and traction at the left of each panel.
-    ends, skew : (4, m, 1) and (p, 1) arrays
-        Ends and rho of the panels.
-    amounts, exponents : (q, 1) arrays
-        Powers that the slope of slip rate has beside borders of an opening; not part of `rate`.
-    tail : () array
-        Limit of v^2 dV/dv, as of `Profile`.
-    intensity : () array
-        Intensity of the traction at a stuck contact edge.
-    """
-
-    rate: Array
-    traction: Array
-    rate_starts: Array
-    traction_starts: Array
-    ends: Array
-    skew: Array
-    amounts: Array
-    exponents: Array
-    tail: Array
-    intensity: Array
-
-    @classmethod
-    def of(cls, profile: Profile) -> NodeFields:
-        """Return the fields of a profile; for k sets of zones, with an axis of k where `_SETS`
-        says."""
-        panels, (rate, traction) = profile.panels, profile.starts
-        return cls(
-            profile.rate_integral.density * panels.jacobian,
-            profile.traction_integral.density * panels.jacobian,
-            rate,
-            traction,
-            panels.ends.parts,
-            panels.skew,
-            *_of_powers(profile),
-            profile.tail,
-            np.asarray(profile.edge_intensity),
-        )
-
-    @classmethod
-    def zero(cls, profile: Profile) -> NodeFields:
-        """Return the derivatives of a profile that does not change."""
-        return cls(*(np.zeros_like(part) for part in NodeFields.of(profile)._parts))
-
-    @property
-    def _parts(self) -> list[Array]:
-        return [getattr(self, one.name) for one in fields(self)]
-
-    @classmethod
-    def difference(cls, beside: list[NodeFields], stencil: Stencil) -> NodeFields:
-        """Return derivatives from neighbours on a stencil: one by one, or all as sets of one."""
-        parts, count = [], len(stencil.weights)
-        for every, axis in zip(
-            zip(*(one._parts for one in beside), strict=True), _SETS, strict=True
-        ):
-            values = np.stack(every, axis) if len(beside) > 1 else every[0]
-            # Numbers that all sets share have no axis of sets, and their difference is 0.
-            if axis == 0:
-                values = np.broadcast_to(values, (count,))
-            parts.append(stencil.difference(values, axis))
-        return cls(*parts)
-
-    def plus(self, other: NodeFields) -> NodeFields:
-        """Return the sum of two derivatives."""
-        return NodeFields(*(a + b for a, b in zip(self._parts, other._parts, strict=True)))
-
-    @property
-    def of_resting_panels(self) -> NodeFields:
-        """The part of the derivatives that is left if panels and the exponents of X are held."""
-        resting = {
-            name: np.zeros_like(getattr(self, name)) for name in ("ends", "skew", "exponents")
-        }
-        return replace(self, **resting)
-
-
-_SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0, 0)
-
-
 def _widths(fields: ZoneFields) -> Array:
     """Return the widths (r, ...) of what lies between the ends of panels, without hidden roots.
 
@@ -251,15 +68,6 @@ def _widths(fields: ZoneFields) -> Array:
             kept.append(before)
             before = np.zeros(1)
     return np.reshape(kept, (len(kept), *panels.widths.shape[1:-1]))
-
-
-def _of_powers(profile: Profile) -> tuple[Array, Array]:
-    """Return amounts and exponents (q, ..., 1) of the powers of a profile's slope of slip rate."""
-    powers, shape = profile.rate_integral.powers, (*profile.panels.jacobian.shape[1:-1], 1)
-    amounts, exponents = np.empty((2, len(powers), *shape))
-    for i, power in enumerate(powers):
-        amounts[i], exponents[i] = power.amount, power.exponent
-    return amounts, exponents
 
 
 @dataclass(frozen=True)
@@ -506,14 +314,14 @@ class Surroundings:
         return tuning.VARIED_STEP * shorter
 
     def _stencil(
-        self, rates: Rates, moved: Array, central: tuple[Array, Array] = _FOURTH_ORDER
+        self, rates: Rates, moved: Array, central: tuple[Array, Array] = FOURTH_ORDER
     ) -> Stencil | None:
         """Return a stencil whose neighbours in a direction have the same panels; None if none
         moves."""
         step = self._step(rates, moved)
         if step == np.inf:
             return None
-        for stencil in _stencils(step, central):
+        for stencil in stencils(step, central):
             ends = (stencil.points[[0, 0]], stencil.points[[-1, -1]])
             outer = [one for end in ends for one in self._neighbours(rates, moved, end)]
             if all(one.layout == self._fields.layout for one in outer):
@@ -550,7 +358,7 @@ class Surroundings:
         along = unfulfilled
         if differenced and len(resting):
             # A second-order difference on a loose rule suffices to find the direction de/dp.
-            first = Stencil(*_SECOND_ORDER, self._step(rates, resting))
+            first = Stencil(*SECOND_ORDER, self._step(rates, resting))
             beside = self._neighbours(rates, resting, first.points, self._loose_rule)
             along = unfulfilled + self._unfulfilled(beside, first)
         # The mismatch F(e, p) stays 0: de/dp = -(dF/de)^-1 dF/dp.
@@ -596,7 +404,7 @@ class Surroundings:
             more = -self._inverse @ unfulfilled
             if np.abs(more).max() <= tuning.NEGLIGIBLE_CHANGE * largest:
                 break
-            stencil = self._stencil(Rates(), more, _SECOND_ORDER)
+            stencil = self._stencil(Rates(), more, SECOND_ORDER)
             assert stencil is not None
             beside = self._neighbours(Rates(), more, stencil.points)
             change = change.plus(_Change.of(beside, stencil))

@@ -19,12 +19,13 @@ from functools import cached_property
 
 import numpy as np
 
+from semianalytic.cut.node_fields import NodeFields
 from semianalytic.cut.panels import Panels
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.running import Power, RunningIntegral
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.selfsimilar.variation import NodeFields, Variation
+from semianalytic.selfsimilar.variation import Variation
 
 _CLOSE = 12.0
 """Distance in y from the middle of a panel, and from where its middle is: further out a slope is

@@ -130,8 +130,10 @@ class Session:
             self._asked,
             self._told,
         )
-        for root in roots:
-            document.add_root(root)
+        # One search for all models in place of eight, each through all roots so far.
+        with document.models.freeze():
+            for root in roots:
+                document.add_root(root)
         document.template = template()
         document.template_variables.update(
             scripts=_bokeh_scripts(),

@@ -70,7 +70,7 @@ def text_of(notebook):
     return [cell.source for cell in notebook.cells if cell.cell_type == "markdown"]
 
 
-@pytest.mark.thinned(8)
+@pytest.mark.thinned(20)
 @pytest.mark.parametrize("name", LESSONS)
 def test_tutorial_runs_and_draws(name, tmp_path):
     done = run(read(name), tmp_path)

@@ -89,9 +89,12 @@ def test_units_do_not_matter(problem):
     x = np.linspace(0.02, 1.95, 50)
     clear = np.abs(x[:, None] - np.append(solution.edge_speeds, 9.0)).min(axis=1) > 0.01
     x = x[clear]
-    rate = solution.slip_rate(x, 1.0)
-    in_units = other.slip_rate(x * speed * time, time) * material.shear_impedance / stress
-    np.testing.assert_allclose(in_units, rate, atol=1e-7 * np.abs(rate).max(initial=1e-300))
+    rate = stress / material.shear_impedance
+    for name, unit in (("slip_rate", rate), ("slip", rate * time), ("shear_traction", stress)):
+        expected = getattr(solution, name)(x, 1.0)
+        in_units = getattr(other, name)(x * speed * time, time) / unit
+        size = np.abs(expected).max(initial=1e-300)
+        np.testing.assert_allclose(in_units, expected, atol=1e-7 * size, err_msg=name)
 
 
 @pytest.mark.thinned(6)

@@ -21,9 +21,13 @@ from matplotlib.text import Text
 import compare
 from compare.figures import style
 
-SCORES = "compare.benchmarks.figures.score_figure"
-SLOW = {name for name in CATALOGUE if name.startswith("docs.examples.") or name == SCORES}
-"""Figures that take seconds to make: nearly half of the time of this file in the default run."""
+SLOW = {
+    "compare.benchmarks.figures.score_figure",
+    "compare.studies.regimes.figures.regimes_figure/remote",
+    "slipfront.fits.figures.fit_figure",
+    *(name for name in CATALOGUE if name.startswith("docs.examples.")),
+}
+"""Figures that take seconds to make: more than half of the time of this file."""
 EACH = pytest.mark.parametrize(
     "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW)) for one in CATALOGUE]
 )
@@ -43,6 +47,7 @@ FACTS = {
 @cache
 def drawn(name):
     figure = CATALOGUE[name]()
+    figure.set_layout_engine("none")  # draws several times; nothing here depends on places
     figure.draw_without_rendering()
     return figure
 

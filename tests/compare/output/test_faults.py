@@ -32,6 +32,7 @@ from fem import simulate
 from semianalytic import InterfaceHistory
 from semianalytic.results.files import check_seal, new_file, whole_hdf5
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.named import find_scene
 
 NAMES = (
     "history",
@@ -232,22 +233,6 @@ def test_a_folder_that_vanishes_is_made_again_or_named(tmp_path):
         append_text(folder / "part", "text")
 
 
-def test_checkpoints_go_on_when_their_folder_vanishes(tmp_path, kinds):
-    from semianalytic.scene.named import NAMED_SCENES
-
-    path = tmp_path / "run" / "checkpoint.h5"
-
-    def vanish(step, steps):
-        if step == 10:
-            shutil.rmtree(path.parent)
-
-    scene = NAMED_SCENES["preloaded"].scene
-    simulate(scene, resolution=16, checkpoint=path, checkpoint_every=4, progress=vanish)
-    resumed = simulate(scene, resolution=16, checkpoint=path, resume=True)
-    whole = simulate(scene, resolution=16)
-    assert identity_of(resumed.interface) == identity_of(whole.interface)
-
-
 def test_a_vanished_working_directory_is_one_sentence(tmp_path):
     gone = tmp_path / "gone"
     gone.mkdir()
@@ -263,25 +248,24 @@ def test_a_vanished_working_directory_is_one_sentence(tmp_path):
     assert "Cannot write a.h5" in errors
 
 
-def clocks_that_go_back(monkeypatch):
+def test_checkpoints_go_on_when_their_folder_vanishes_and_the_clock_goes_back(
+    tmp_path, monkeypatch
+):
     """The time of day runs backwards by an hour with every look."""
-    now = [2e9]
+    scene, path, now = find_scene("preloaded"), tmp_path / "run" / "checkpoint.h5", [2e9]
+    whole = simulate(scene, resolution=16)
 
     def earlier(*_):
         now[0] -= 3600.0
         return now[0]
 
+    def vanish(step, steps):
+        if step == 10:
+            shutil.rmtree(path.parent)
+
     monkeypatch.setattr("time.time", earlier)
     monkeypatch.setattr("time.time_ns", lambda: int(1e9 * earlier()))
-
-
-def test_a_clock_that_goes_back_changes_nothing(tmp_path, monkeypatch, kinds):
-    from semianalytic.scene.named import NAMED_SCENES
-
-    scene, path = NAMED_SCENES["preloaded"].scene, tmp_path / "checkpoint.h5"
-    whole = simulate(scene, resolution=16)
-    clocks_that_go_back(monkeypatch)
-    simulate(scene, resolution=16, checkpoint=path, checkpoint_seconds=1e-9)
+    simulate(scene, resolution=16, checkpoint=path, checkpoint_seconds=1e-9, progress=vanish)
     assert path.exists()
     resumed = simulate(scene, resolution=16, checkpoint=path, resume=True)
     assert identity_of(resumed.interface) == identity_of(whole.interface)

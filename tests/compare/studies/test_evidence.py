@@ -82,7 +82,6 @@ def picture_of(source):
     return np.asarray(Image.open(BytesIO(data)).convert("RGB")).astype(int)
 
 
-@pytest.mark.slow
 def test_frames_of_the_film_are_those_of_its_times(film, text):
     assert film["captions"] == [
         "t = 0.333 T = 0.3333 [time]",
@@ -233,7 +232,6 @@ def test_methods_are_those_that_apply(found):
         pulse.published_rate()
 
 
-@pytest.mark.slow
 def test_a_step_that_opens_the_contact_is_judged_without_a_march():
     """An opening 0.19 c_t T wide: a resolution of 40 has fewer than 8 elements for it."""
     verdicts = {}
@@ -244,7 +242,6 @@ def test_a_step_that_opens_the_contact_is_judged_without_a_march():
     assert verdicts == {40: "unresolved", 60: "agrees"}
 
 
-@pytest.mark.slow
 def test_a_scene_from_a_file_that_slips_everywhere(tmp_path):
     path = tmp_path / "all & more.toml"
     path.write_text(
@@ -422,7 +419,6 @@ def test_interruption_leaves_nothing_half_written(stage, found, tmp_path, monkey
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pressure-drop", "auxetic"])
 def test_all_of_the_contact_takes_more_than_a_part_of_it(name):
     scene = collect_scene(name, resolution=20)

@@ -14,7 +14,6 @@ from semianalytic import (
     Answer,
     Harmonic,
     InterfaceHistory,
-    Marched,
     OpenInterval,
     Pulse,
     SceneError,
@@ -22,7 +21,6 @@ from semianalytic import (
     SlipWeakening,
     Solution,
     march,
-    march_on,
     predict,
     solve,
 )
@@ -207,19 +205,6 @@ def test_totals_of_a_march_are_sums_over_every_step(history):
     assert len(thin.interface.t) < len(t) / 10
     for total in TOTALS:
         np.testing.assert_array_equal(getattr(thin, total)(t), getattr(whole, total)(t))
-
-
-def test_totals_are_saved_and_go_on(tmp_path):
-    scene = sheared(Pulse(0.371))
-    whole = march(scene, 1.0, 100, length=1.0)
-    part = march(scene, 0.371, 100, length=1.0, latest=1.0, every=5)
-    part.save(tmp_path / "march.h5")
-    continued = march_on(Marched.load(tmp_path / "march.h5"), 1.0)
-    t = np.linspace(0, 1, 41)
-    for total in TOTALS:
-        np.testing.assert_allclose(
-            getattr(continued, total)(t), getattr(whole, total)(t), rtol=1e-9, atol=1e-12
-        )
 
 
 def test_weakening_leaves_totals_that_grow():

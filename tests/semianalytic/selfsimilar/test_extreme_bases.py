@@ -134,6 +134,7 @@ def test_tractions_under_a_base_that_dwarfs_the_load(
         assert [zone.sense for zone in solution.zones] == [zone.sense for zone in truth.zones]
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("lacking", [1e-12, 1e-11, 1e-9])
 @pytest.mark.parametrize("pressure", [4.8e4, 4.8e5])
 @pytest.mark.parametrize("nu", [0.25, -0.1136])
@@ -170,6 +171,7 @@ NARROW_OPENINGS = [
 ]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("nu", "friction", "share", "load", "parts"), NARROW_OPENINGS)
 def test_slip_around_openings_that_no_grid_resolves(
     nu: float, friction: float, share: float, load: tuple[float, float], parts: dict[str, Any]

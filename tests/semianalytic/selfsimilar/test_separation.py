@@ -105,6 +105,7 @@ def test_friction_decides_whether_slip_goes_on_behind_a_closing_edge():
     assert rate[1] / rate[0] == pytest.approx(2.0, rel=0.01)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("nu", "friction", "base", "load_shear"),
     [

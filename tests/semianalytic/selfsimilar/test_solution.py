@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED, REMOTE, SHOCK, STEEL, UNIT, unit_scene
+from catalogue import PRELOADED, REMOTE, SHOCK, UNIT, unit_scene
 from scipy.integrate import quad
 
-from semianalytic import Scene, SceneError, Tractions, solve
+from semianalytic import SceneError, solve
 from semianalytic.halfplane.stuck import stuck_traction
 
 
@@ -56,13 +56,6 @@ def test_fields_broadcast_and_depend_on_the_ratio_only(preloaded):
     np.testing.assert_allclose(preloaded.slip(x * t, t)[1], 3 * preloaded.slip(x, 1.0), rtol=1e-12)
 
 
-def test_before_the_load_all_is_at_rest(preloaded):
-    assert preloaded.slip_rate(0.5, -1.0) == 0
-    assert preloaded.slip(0.5, 0.0) == 0
-    assert preloaded.shear_traction(0.5, -1.0) == 0
-    assert preloaded.pressure(0.5, -1.0) == 1
-
-
 @pytest.mark.parametrize("name", ["preloaded", "shock"])
 def test_traction_is_continuous_and_bounded_by_friction(name, request):
     solution = request.getfixturevalue(name)
@@ -103,35 +96,12 @@ def test_edge_slip_rate_is_the_limit(preloaded, stuck):
     assert stuck.edge_slip_rate == 0
 
 
-def test_frictional_power_is_traction_times_slip_rate(preloaded, stuck, sliding):
-    zones = preloaded.zones
+def test_energy_leaves_through_friction_alone(shock, stuck, sliding):
+    """The fronts are free of singular energy flux: slip rate or stick margin vanishes beside one.
 
-    def density(x):
-        return float(preloaded.shear_traction(x, 1.0) * preloaded.slip_rate(x, 1.0))
-
-    power = quad(density, 0, zones[0].outer, epsabs=1e-10)[0]
-    power += quad(density, zones[1].inner, zones[1].outer, points=[1.0], epsabs=1e-10)[0]
-    assert preloaded.frictional_power(1.0) == pytest.approx(power, rel=1e-8)
-    assert preloaded.frictional_power(2.5) == pytest.approx(2.5 * power, rel=1e-8)
-    assert stuck.frictional_power(1.0) == 0
-    assert sliding.frictional_power(1.0) == np.inf
-    assert sliding.frictional_power(0.0) == 0
-
-
-def test_energy_leaves_through_friction_alone(shock, sliding):
-    """Traction times slip rate over the contact; the fronts are free of singular energy flux."""
+    That power is traction times slip rate over the contact is in test_totals.py.
+    """
     edges = shock.edge_speeds
-    power = sum(
-        quad(
-            lambda x: float(shock.shear_traction(x, 1.0) * shock.slip_rate(x, 1.0)),
-            inner,
-            outer,
-            points=[1.0] if inner < 1 < outer else None,
-            epsabs=1e-10,
-        )[0]
-        for inner, outer in edges
-    )
-    np.testing.assert_allclose(shock.frictional_power([1.0, 3.0]), [power, 3 * power], rtol=1e-7)
     for edge in edges[edges > 0]:
         distance = np.array([1e-4, 1e-6, 1e-8])
         for side in (-1, 1):
@@ -140,6 +110,7 @@ def test_energy_leaves_through_friction_alone(shock, sliding):
             assert np.all(product < 1e-9)  # one of them vanishes on either side
             concentration = np.abs(shock.shear_traction(x, 1.0)) * np.sqrt(distance)
             assert np.all(np.diff(concentration) < 0)
+    assert stuck.frictional_power(1.0) == sliding.frictional_power(0.0) == 0
     assert sliding.frictional_power(1.0) == np.inf
 
 
@@ -168,26 +139,6 @@ def test_history_samples_every_field(preloaded):
     np.testing.assert_array_equal(history.pressure, 1.0)
 
 
-def test_bad_positions_are_refused(preloaded):
-    with pytest.raises(SceneError, match="x > 0"):
-        preloaded.slip_rate(np.array([0.1, 0.0]), 1.0)
+def test_positions_off_the_slot_are_refused(preloaded):
     with pytest.raises(SceneError, match="x < 0"):
         preloaded.slot_velocity(0.1, 1.0)
-    with pytest.raises(SceneError, match="finite"):
-        preloaded.shear_traction(0.1, np.nan)
-
-
-def test_dimensional_fields():
-    solution = solve(Scene(STEEL, 1.25, *2 * [Tractions(5e6, 5e6)]))
-    unit = solve(SHOCK)
-    t, speed = 1e-4, STEEL.shear_speed
-    x = np.array([0.3, 0.9, 1.02]) * speed * t
-    np.testing.assert_allclose(
-        solution.shear_traction(x, t), 5e6 * unit.shear_traction(x / (speed * t), 1.0), rtol=1e-12
-    )
-    np.testing.assert_allclose(
-        solution.slip(x, t),
-        5e6 / STEEL.shear_impedance * t * unit.slip(x / (speed * t), 1.0),
-        rtol=1e-9,
-        atol=1e-22,
-    )

@@ -19,7 +19,6 @@ from docs.studies.accuracy.march_error import (
 from semianalytic import (
     ComputationError,
     Harmonic,
-    Marched,
     Material,
     Pulse,
     Ramp,
@@ -183,27 +182,6 @@ def test_companion_is_the_march_at_half_the_nodes(nodes):
     assert marched.companion.end_time == marched.end_time
     found, wanted = (one.slip(alone.grid.x, 1.0) for one in (marched.companion, alone))
     np.testing.assert_allclose(found, wanted, rtol=1e-3, atol=1e-4)
-
-
-@pytest.mark.thinned(3)
-@pytest.mark.parametrize("history", [Ramp(0.4), Harmonic(1.3), Pulse(0.5)])
-def test_continued_companion_equals_one_run(history, tmp_path):
-    scene = unit_scene(0.2, shear_history=history)
-    whole = march(scene, 1.0, 200, length=1.0)
-    part = march(scene, 0.5, 200, length=1.0, latest=1.0)
-    part.save(tmp_path / "march.h5")
-    loaded = Marched.load(tmp_path / "march.h5")
-    assert loaded.error_estimate == part.error_estimate
-    assert loaded.companion.companion is None
-    np.testing.assert_array_equal(loaded.companion.interface.slip, part.companion.interface.slip)
-    continued = march_on(loaded, 1.0)
-    assert continued.error_estimate == pytest.approx(whole.error_estimate, rel=1e-9)
-    np.testing.assert_allclose(
-        continued.companion.interface.slip[-1], whole.companion.interface.slip[-1], atol=1e-12
-    )
-    alone = march(scene, 0.5, 200, length=1.0, latest=1.0, companion=False)
-    alone.save(tmp_path / "alone.h5")
-    assert math.isnan(march_on(Marched.load(tmp_path / "alone.h5"), 1.0).error_estimate)
 
 
 @pytest.mark.thinned(2)

@@ -106,6 +106,20 @@ def alone(monkeypatch):
     monkeypatch.setattr(Worker, "start", lambda *_: None)
 
 
+@pytest.fixture(scope="module")
+def opened():
+    """A page of steel, which takes most of a second."""
+    return Session(Document(), STEEL, "")
+
+
+@pytest.fixture
+def steel(opened, alone):
+    """The same page, told to show that scene at its end time."""
+    opened._moment = Moment()
+    opened._show(controls.defaults(STEEL), True, 0.0)
+    return opened
+
+
 def given_to(session):
     """What the program of the page starts from."""
     return session._document.template_variables["given"]
@@ -167,9 +181,7 @@ def test_a_moment_that_is_none_is_a_message():
     assert given_to(session)["moment"] == Moment()._asdict()
 
 
-def test_what_axes_are_over_is_told(alone):
-    session = Session(Document(), STEEL, "")
-    session._show(controls.defaults(STEEL), True, 0.0)
+def test_what_axes_are_over_is_told(steel):
     solid = STEEL.material
     expected = {
         "c_t T": (1.0, "m"),
@@ -177,7 +189,7 @@ def test_what_axes_are_over_is_told(alone):
         "τ₀": (5e6, "Pa"),
         "V₀": (1e7 / (solid.density * solid.shear_speed), "m/s"),
     }
-    told = {symbol: text.split() for symbol, text in told_by(session)["scales"]}
+    told = {symbol: text.split() for symbol, text in told_by(steel)["scales"]}
     assert told.keys() == expected.keys()
     for symbol, (value, name) in expected.items():
         assert float(told[symbol][0]) == pytest.approx(value, rel=5e-4)
@@ -195,9 +207,8 @@ def refused_by(session):
     return told["message"]
 
 
-def test_nothing_of_an_answer_stays_beside_a_refusal(alone, monkeypatch):
-    session, values = Session(Document(), STEEL, ""), controls.defaults(STEEL)
-    session._show(values, True, 0.0)
+def test_nothing_of_an_answer_stays_beside_a_refusal(steel, monkeypatch):
+    session, values = steel, controls.defaults(STEEL)
     assert told_by(session)["status"] == "converged"
     session._show(values | {"base_shear": -4e6}, True, 0.0)
     assert "already slide" in refused_by(session)
@@ -216,12 +227,10 @@ def test_nothing_of_an_answer_stays_beside_a_refusal(alone, monkeypatch):
     assert "ValueError: shapes do not match" in refused_by(session)
 
 
-def test_a_field_that_cannot_be_drawn_is_said(alone):
-    session = Session(Document(), STEEL, "")
-    session._show(controls.defaults(STEEL), True, 0.0)
-    session._asked_field = None
-    session._field_news("refusal", "The process that computes it has ended; move a slider.")
-    assert "has ended" in told_by(session)["message"]
+def test_a_field_that_cannot_be_drawn_is_said(steel):
+    steel._asked_field = None
+    steel._field_news("refusal", "The process that computes it has ended; move a slider.")
+    assert "has ended" in told_by(steel)["message"]
 
 
 def test_that_there_is_no_map_is_said_of_the_first_scene_too(alone):

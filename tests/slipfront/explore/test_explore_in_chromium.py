@@ -9,6 +9,8 @@ from urllib.parse import urlencode
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 RATE = """
 Bokeh.documents[0].get_model_by_name('rate').renderers.map((one) => one.data_source.data.rate)
   .filter(Boolean).flatMap((column) => [...column]).reduce((sum, one) => sum + one, 0)
@@ -69,7 +71,6 @@ def _errors(browser, address):
     return bad
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("width", [1280, 400])
 def test_it_loads_without_errors_and_fits(browser, address, width):
     browser.open(address, width)
@@ -82,7 +83,7 @@ def test_it_loads_without_errors_and_fits(browser, address, width):
     assert _errors(browser, address) == []
 
 
-def test_every_control_has_a_label(page):
+def test_labels_are_filled(page):
     assert page.value(
         "[...document.querySelectorAll('form input, form select')]"
         ".every((one) => one.labels.length && one.labels[0].textContent.trim())"
@@ -103,7 +104,6 @@ document.body.append(one, two);
 """
 
 
-@pytest.mark.slow
 def test_no_program_from_an_address_runs(browser, address):
     """What is in the address is shown as it stands; and were something to get into the page, the
     policy would not let it run."""
@@ -123,7 +123,6 @@ def test_no_program_from_an_address_runs(browser, address):
     assert len(refused) >= 2
 
 
-@pytest.mark.slow
 def test_a_link_in_si_has_its_units_and_ranges_on_a_page_without_units(browser, address):
     steel = {"shear_modulus": 80e9, "density": 7800.0, "poisson_ratio": 0.29, "friction": 0.25}
     loads = {"base_pressure": 5e6, "base_shear": 0, "load_pressure": 0, "load_shear": 5e6}
@@ -146,7 +145,6 @@ def test_a_link_in_si_has_its_units_and_ranges_on_a_page_without_units(browser, 
     assert _errors(browser, address) == []
 
 
-@pytest.mark.slow
 def test_a_slider_moved_by_keys_changes_the_pictures_and_the_address(page):
     _until(page, THERE)
     before, speed, address = (page.value(one) for one in (RATE, SPEED, "location.search"))
@@ -168,7 +166,6 @@ def test_a_slider_moved_by_keys_changes_the_pictures_and_the_address(page):
     _until(page, "document.getElementById('friction').value == '0.35'")
 
 
-@pytest.mark.slow
 def test_a_law_shows_its_own_controls_and_is_marched_with_a_bar(page):
     hidden = "document.querySelector('[data-name=distance]').hasAttribute('data-hidden')"
     assert page.value(hidden)
@@ -183,7 +180,6 @@ def test_a_law_shows_its_own_controls_and_is_marched_with_a_bar(page):
     assert "sf.march" in page.value("document.getElementById('program').textContent")
 
 
-@pytest.mark.slow
 def test_what_is_refused_is_said_and_the_last_picture_greyed(page):
     page.value(
         "one = document.getElementById('base_shear'); one.value = -0.9;"
@@ -201,7 +197,6 @@ def test_what_is_refused_is_said_and_the_last_picture_greyed(page):
     assert "c_t" in page.value(TEXT % "readings")
 
 
-@pytest.mark.slow
 def test_a_bad_address_is_a_message_and_the_default_scene(browser, address):
     browser.open(f"{address}?friction=-1", 1280)
     _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
@@ -209,7 +204,6 @@ def test_a_bad_address_is_a_message_and_the_default_scene(browser, address):
     assert browser.value("document.getElementById('friction').value") == "0.3"
 
 
-@pytest.mark.slow
 def test_a_scene_in_the_address_is_shown(browser, address):
     browser.open(f"{address}?friction=0.6&law=viscous&viscosity=0.2", 1280)
     _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
@@ -230,7 +224,6 @@ time.value = 0.5; time.dispatchEvent(new Event('input', {bubbles: true}));
 SHOWN = "document.getElementById('scenes').selectedOptions[0].text"
 
 
-@pytest.mark.slow
 def test_a_box_takes_what_no_slider_reaches_and_the_menu_names_the_scene(page):
     _until(page, f"{SHOWN} === 'preloaded'")
     page.value(CONTROLS)
@@ -252,7 +245,6 @@ def test_a_box_takes_what_no_slider_reaches_and_the_menu_names_the_scene(page):
     assert page.value("document.querySelector('a[href=\"help.html\"]').textContent") == "Help"
 
 
-@pytest.mark.slow
 def test_buttons_bring_files(page):
     page.value(
         "names = []; HTMLAnchorElement.prototype.click = function () { names.push(this.download); }"

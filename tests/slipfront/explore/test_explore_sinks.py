@@ -80,6 +80,12 @@ def ask():
     server.stop()
 
 
+@pytest.fixture(scope="module")
+def front(ask):
+    """The page itself, whose session takes a second."""
+    return ask("/", "localhost:{port}")
+
+
 def given(body):
     """What the page hands to its program."""
     found = re.search(r'<script id="given" type="application/json">(.*?)</script>', body, re.DOTALL)
@@ -156,8 +162,8 @@ def test_the_program_of_the_page_writes_text_only():
 
 
 @pytest.mark.parametrize("path", ["/", "/page.js", "/page.css", "/static/js/bokeh.min.js", "/none"])
-def test_every_answer_carries_the_policy(path, ask):
-    response = ask(path)
+def test_every_answer_carries_the_policy(path, ask, front):
+    response = front if path == "/" else ask(path)
     assert response.code == (404 if path == "/none" else 200)
     policy = response.headers["Content-Security-Policy"]
     assert policy == content_policy(ask.server.port)
@@ -182,8 +188,18 @@ def test_other_hosts_are_refused(path, host, ask):
 
 
 @pytest.mark.parametrize("host", ["localhost:{port}", "127.0.0.1:{port}", "LOCALHOST:{port}"])
-def test_this_machine_is_answered_by_its_names(host, ask):
-    assert ask("/", host).code == 200
+def test_this_machine_is_answered_by_its_names(host, ask, front):
+    assert front.code == ask("/page.css", host).code == 200
+
+
+def test_every_control_has_a_label(front):
+    """Whose text the program of the page writes: `test_labels_are_filled`, in Chromium."""
+    tags = Pieces(front.body.decode()).tags
+    named = {attributes.get("for") for tag, attributes in tags if tag == "label"}
+    controls = [one for one in enumerate(tags) if one[1][0] in ("input", "select")]
+    assert len(controls) > 20
+    for index, (tag, attributes) in controls:
+        assert attributes["id"] in named or (tag, tags[index - 1][0]) == ("select", "label")
 
 
 def connected(server, origin, token):
@@ -205,10 +221,10 @@ def connected(server, origin, token):
     return server.io_loop.run_sync(attempt)
 
 
-def test_a_session_is_for_the_page_it_was_given_to(ask):
+def test_a_session_is_for_the_page_it_was_given_to(ask, front):
     """Not for pages of others, nor for whoever makes up a token."""
     server = ask.server
-    body = ask().body.decode()
+    body = front.body.decode()
     (documents,) = (text for _, text in Pieces(body).texts if text.startswith('[{"'))
     token = json.loads(documents)[0]["token"]
     own = f"http://localhost:{server.port}"

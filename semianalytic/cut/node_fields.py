@@ -1,0 +1,147 @@
+"""Fields at the nodes of panels, and their differences between neighbouring sets of zones.
+
+Nodes move with the edges of the zones. At a node fields are analytic in a parameter, whatever their
+powers at the edges, and can be differenced there (docs/derivatives.md, "Fields").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from semianalytic.cut.profile import Profile
+from semianalytic.halfplane.rayleigh import Array
+
+
+@dataclass(frozen=True)
+class Stencil:
+    """Finite difference: offsets of its points in steps, their weights, and the step."""
+
+    offsets: Array
+    weights: Array
+    step: float
+
+    @property
+    def points(self) -> Array:
+        """Differences of the parameter from its own value."""
+        return self.offsets * self.step
+
+    def difference(self, values: Array, axis: int) -> Array:
+        """Return the derivative from values at all points, which lie along an axis."""
+        return np.tensordot(values, self.weights / self.step, ([axis], [0]))
+
+
+# Weights of f' from f at the offsets: central of order 2 and 4, and one-sided of order 4.
+SECOND_ORDER = np.array([-1.0, 1.0]), np.array([-0.5, 0.5])
+FOURTH_ORDER = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
+_TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
+
+
+def stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
+    """Yield central differences, and one-sided ones for neighbours with other panels on one
+    side."""
+    # Beside a change of the set of zones a tenth of the step may still stay on this side.
+    for size in (step, step / 10):
+        yield Stencil(*central, size)
+        yield Stencil(*_TO_ONE_SIDE, size)
+        yield Stencil(*_TO_ONE_SIDE, -size)
+
+
+_SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0, 0)
+"""Axes of the neighbouring sets, by the parts of `NodeFields`."""
+
+
+@dataclass(frozen=True)
+class NodeFields:
+    """Fields at the nodes of panels, times dv/dy, and the positions of the panels; or derivatives.
+
+    Attributes
+    ----------
+    rate, traction : (p, n) arrays
+        Slopes of slip rate, and of traction less the part unbounded at a stuck contact edge,
+        times dv/dy.
+    rate_starts, traction_starts : (p,) arrays
+        Slip rate and traction at the left of each panel.
+    ends, skew : (4, m, 1) and (p, 1) arrays
+        Ends and rho of the panels.
+    amounts, exponents : (q, 1) arrays
+        Powers that the slope of slip rate has beside borders of an opening; not part of `rate`.
+    tail : () array
+        Limit of v^2 dV/dv, as of `Profile`.
+    intensity : () array
+        Intensity of the traction at a stuck contact edge.
+    """
+
+    rate: Array
+    traction: Array
+    rate_starts: Array
+    traction_starts: Array
+    ends: Array
+    skew: Array
+    amounts: Array
+    exponents: Array
+    tail: Array
+    intensity: Array
+
+    @classmethod
+    def of(cls, profile: Profile) -> NodeFields:
+        """Return the fields of a profile; for k sets of zones, with an axis of k where `_SETS`
+        says."""
+        panels, (rate, traction) = profile.panels, profile.starts
+        return cls(
+            profile.rate_integral.density * panels.jacobian,
+            profile.traction_integral.density * panels.jacobian,
+            rate,
+            traction,
+            panels.ends.parts,
+            panels.skew,
+            *_of_powers(profile),
+            profile.tail,
+            np.asarray(profile.edge_intensity),
+        )
+
+    @classmethod
+    def zero(cls, profile: Profile) -> NodeFields:
+        """Return the derivatives of a profile that does not change."""
+        return cls(*(np.zeros_like(part) for part in NodeFields.of(profile)._parts))
+
+    @property
+    def _parts(self) -> list[Array]:
+        return [getattr(self, one.name) for one in fields(self)]
+
+    @classmethod
+    def difference(cls, beside: list[NodeFields], stencil: Stencil) -> NodeFields:
+        """Return derivatives from neighbours on a stencil: one by one, or all as sets of one."""
+        parts, count = [], len(stencil.weights)
+        for every, axis in zip(
+            zip(*(one._parts for one in beside), strict=True), _SETS, strict=True
+        ):
+            values = np.stack(every, axis) if len(beside) > 1 else every[0]
+            # Numbers that all sets share have no axis of sets, and their difference is 0.
+            if axis == 0:
+                values = np.broadcast_to(values, (count,))
+            parts.append(stencil.difference(values, axis))
+        return cls(*parts)
+
+    def plus(self, other: NodeFields) -> NodeFields:
+        """Return the sum of two derivatives."""
+        return NodeFields(*(a + b for a, b in zip(self._parts, other._parts, strict=True)))
+
+    @property
+    def of_resting_panels(self) -> NodeFields:
+        """The part of the derivatives that is left if panels and the exponents of X are held."""
+        resting = {
+            name: np.zeros_like(getattr(self, name)) for name in ("ends", "skew", "exponents")
+        }
+        return replace(self, **resting)
+
+
+def _of_powers(profile: Profile) -> tuple[Array, Array]:
+    """Return amounts and exponents (q, ..., 1) of the powers of a profile's slope of slip rate."""
+    powers, shape = profile.rate_integral.powers, (*profile.panels.jacobian.shape[1:-1], 1)
+    amounts, exponents = np.empty((2, len(powers), *shape))
+    for i, power in enumerate(powers):
+        amounts[i], exponents[i] = power.amount, power.exponent
+    return amounts, exponents

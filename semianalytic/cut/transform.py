@@ -1,0 +1,252 @@
+"""Form the transform of the shear traction of given zones (section 4).
+
+On the cut k = -v + i0 the transform T satisfies Im T = known where the interface slips and
+Im (T / M_+) = 0 where it sticks. With a canonical function X that is real on slip and has the phase
+of M_+ on stick,
+
+    T = s f P + X (C + R),   P = P_0 M_+^I / M_+^I(0),
+
+where C is a Cauchy integral over the parts of the cut on which s f P does not satisfy its
+condition, and R is a constant that follows from T(0).  Of a load whose front moves over the slot
+with slowness p, the part of R that its amplitude makes, and P, have the factor k / (k + p), and the
+residue at k = -p takes the place of T(0) (docs/theory.md, "Loads whose front moves").  Where slip
+meets the resistance eta V, Im (1 + eta / M) T is known instead, and X has the phase of
+M / (M + eta) there.
+
+The normal problem is the same in mode I, with opening for slip, no friction, and minus the pressure
+for traction. A gap closes smoothly behind its opening, which requires one more term for each
+closing edge e, T = X (C + R + r / (k + e)) (docs/separation.md, "The normal problem").
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.cut.given_zones import GivenZones
+from semianalytic.cut.load import normal_load, per_set
+from semianalytic.cut.strength import PressurePart
+from semianalytic.halfplane.lazily import cached_property
+from semianalytic.halfplane.rayleigh import Array, CutPoints, rayleigh_factors
+
+
+class ZoneTransform(GivenZones):
+    """The transform T of the shear traction, with the terms in `_terms`."""
+
+    @property
+    def _terms(self) -> tuple[tuple[CutPoints, float | Array], ...]:
+        """Terms (edge, r) of T beside C + R: those given."""
+        return self.closing
+
+    @cached_property
+    def normal(self) -> Self | None:
+        """The normal problem on these panels, minus pressure for traction; None if all is
+        closed."""
+        opened = self.load.opened
+        if opened is None:
+            return None
+        factors, seen = (
+            rayleigh_factors(self.factors.poisson_ratio, "I"),
+            self.factors.seen_in_plane,
+        )
+        panels = self.panels
+        if not self.factors.has_rayleigh_wave:
+            panels = panels.seen_by(seen)
+        return replace(
+            self,
+            factors=factors,
+            load=normal_load(opened.base, opened.step, opened.slowness),
+            zones=(opened.zone.seen_by(seen),),
+            closing=tuple((seen(edge), amount) for edge, amount in opened.closing),
+            shared=panels,
+        )
+
+    @cached_property
+    def _pressure(self) -> PressurePart:
+        sense = self.zones[-1].last_sense if self.zones else 0
+        canonical, count = self.canonical, len(self.panels.sense)
+        if self.normal is None:
+            return PressurePart(self._resolved, canonical, sense, None, np.zeros(count, dtype=bool))
+        normal = self.normal
+        # The normal problem has minus the pressure for traction, hence the signs.
+        opened, at_edge = -normal.stick_transform, -normal.constant
+        return PressurePart(
+            self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge
+        )
+
+    @cached_property
+    def _cauchy(self) -> Array:
+        """Re C(-v + i0) at the nodes, (p, ..., n)."""
+        panels, (sources, imag) = self.panels, self._pressure.sources
+        if not len(sources):
+            return imag
+        pairs, weights = self.layout.pairs_from(tuple(sources.tolist())), panels.jacobian * imag
+        total = pairs.collect(panels.cauchy(pairs, weights[pairs.source]))
+        # A principal value where source and target are the same panel.
+        total[sources] += panels.principal_values(sources, weights[sources])
+        return total / -np.pi
+
+    @cached_property
+    def amplitude(self) -> Array:
+        """Part of R that has the factor k / (k + p), (1,) or (k, 1).
+
+        It follows from the residue of T at k = -p, or from T(0) = Q_0 - mu b V(inf) for p = 0.
+        """
+        load = self.load
+        at_load = load.load_shear - load.far_slip_rate
+        # P(0) = P_0: the part s f P of T(0) is subtracted before the division by X(0).
+        at_load -= self._pressure.sense * load.friction * load.load_pressure
+        return np.asarray(at_load / self.canonical.off_cut(-load.slowness))
+
+    @cached_property
+    def _driven(self) -> Array:
+        """R without the terms of closing edges, with its factor, at the nodes; (1,) if it is 1."""
+        factor = self.load.front_factor(self.panels.at)
+        if self.load.slowness:
+            return np.asarray(self._first_constant + self.amplitude * (factor - 1.0))
+        return self._first_constant
+
+    @cached_property
+    def _first_constant(self) -> Array:
+        """R without the terms of closing edges and far in, where its factor is 1, (1,) or (k,
+        1)."""
+        panels, value = self.panels, self.amplitude
+        sources, imag = self._pressure.sources
+        if len(sources):
+            integrals = panels.integrals(imag / panels.at.v)
+            # C(0) = -(1 / pi) int Im C / w dw is subtracted.
+            value = value + integrals[sources].sum(axis=0)[..., None] / np.pi
+        return value
+
+    @cached_property
+    def constant(self) -> Array:
+        """R with the terms of closing edges, (1,) or (k, 1)."""
+        # Terms are formed as r (1 / (k + e) - 1 / e), which leaves T(0) unchanged.
+        return self._first_constant - sum(amount / edge.v for edge, amount in self._terms)
+
+    def _share(self, edge: CutPoints) -> Array:
+        """Return 1 / (k + e) - 1 / e at k = -v, (p, ..., n), for a closing edge e that ends a
+        panel."""
+        return self.panels.at.v / edge.v * self._pole(edge)
+
+    def _pole(self, edge: CutPoints) -> Array:
+        """Return 1 / (k + e) at k = -v, (p, ..., n)."""
+        ends = (*self.panels.left, self.panels.right[-1])
+        index = next(i for i, end in enumerate(ends) if end and end.first == edge.first)
+        # k + e = e - v, whose digits are exact in the panels that end at e.
+        return -1 / self.panels.from_ends[index]
+
+    @cached_property
+    def _reduced(self) -> Array:
+        """X (Re C + R) at the nodes, (p, ..., n); divided by M_+ on panels that stick."""
+        driven = self._cauchy + self._driven
+        for edge, amount in self._terms:
+            driven = driven + amount * self._share(edge)
+        return self.canonical.values * driven
+
+    @cached_property
+    def stick_transform(self) -> Array:
+        """T / M_+ where the interface sticks, T itself where it slips freely, (p, ..., n)."""
+        result, pressure = self._reduced.copy(), self._pressure
+        if pressure.analytic:
+            # In mode II M_+^I / M_+ is imaginary ahead of the shear front, so that s f P has no
+            # real part to add there.
+            first = self.layout.ahead if self.factors.mode == "II" else 0
+            result[first:] += pressure.on_stick(slice(first, None))
+        return result
+
+    @cached_property
+    def transform(self) -> NDArray[np.complex128]:
+        """T(-v + i0) itself at the nodes of all panels, (p, ..., n)."""
+        canonical, panels = self.canonical, self.panels
+        own = self.factors.impedance_on_cut(panels.at) / (self.factors.kappa * canonical.m_plus)
+        result = own * self.stick_transform
+        slip, pressure = self.layout.slip, self._pressure
+        if not len(slip):
+            return result
+        _, missed = pressure.sources
+        parts = self._reduced[slip] + 1j * (canonical.values * missed)[slip]
+        # `values` leave out the phase of M / (M + eta), which is restored here.
+        if canonical.resistance is not None:
+            parts = parts * np.exp(-1j * canonical.excess_impedance[1])
+        result[slip] = parts + pressure.on_slip
+        return result
+
+    @cached_property
+    def transform_at_edge(self) -> Array:
+        """Limit of T at a contact edge that slips, (1,) or (k, 1).
+
+        The pressure contributes only where the contact is open there.
+        """
+        value = np.sign(self.canonical.values[-1, ..., -1:]) * self.constant
+        if self.normal is not None and self.layout.open[-1]:
+            weight = self._pressure.sense * self.load.friction
+            value = value - weight * self.normal.transform_at_edge
+        return np.asarray(value)
+
+    def stick_transform_off_cut(self, k: Array) -> Array:
+        """Return T / M_+ at k > 0, any shape, which drives the slot faces (one set of zones).
+
+        It has a pole at k = -p if the front of the load moves away from the edge.
+        """
+        panels, flat, slowness = self.panels, np.ravel(k), self.load.slowness
+        cauchy = np.full_like(flat, self.constant[0])
+        factor = flat / (flat + slowness) if slowness else 1.0
+        if slowness:
+            cauchy += self.amplitude[0] * (factor - 1.0)
+        sources, imag = self._pressure.sources
+        for source in sources:
+            kernel = 1 / (panels.at.v[source] + flat[:, None])
+            weights = panels.rule.weights * panels.jacobian[source] * imag[source]
+            cauchy -= kernel @ weights / np.pi
+        for edge, amount in self._terms:
+            cauchy += np.ravel(amount) / (edge.v + flat)
+        result = self.canonical.reciprocal_off_cut(flat) * cauchy
+        if self._pressure.analytic:
+            ratio = self.factors.m_plus(flat, "I") / self.factors.m_plus(flat)
+            amount = self._pressure.amount_at_edge * factor
+            if self.normal is not None:
+                weight = self._pressure.sense * self.load.friction
+                amount = -weight * self.normal.stick_transform_off_cut(flat)
+            result = result + ratio * amount
+        return np.asarray(result).reshape(np.shape(k))
+
+    @cached_property
+    def stick_transform_at_edge(self) -> Array:
+        """Limit of T / M_+ at a stuck contact edge: K_II / (M_+(0) K_II of Q_0 = 1), () or (k,)."""
+        return np.asarray((self.constant + self._pressure.amount_at_edge)[..., 0])
+
+    @property
+    def held_at_edge(self) -> float | Array:
+        """Part of `stick_transform_at_edge` that friction holds, a number or (k,)."""
+        return per_set(self._pressure.amount_at_edge)
+
+    @cached_property
+    def stick_transform_excess(self) -> Array:
+        """T / M_+ less its limit at a stuck contact edge on the last panel, (..., n), without
+        loss."""
+        cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
+        for edge, amount in self._terms:
+            cauchy = cauchy + amount * self._pole(edge)[-1]
+        beyond = self._beyond_factor
+        if self.load.slowness:
+            cauchy = cauchy + self.amplitude * beyond
+        # (1 + growth)(R + C) - R, rearranged so that no digits cancel.
+        excess = growth * (cauchy + self.constant) + cauchy
+        pressure = self._pressure
+        if not pressure.analytic:
+            return excess
+        ratio = pressure.ratio_less_edge
+        if self.normal is None:
+            return excess + pressure.amount_at_edge * (ratio + beyond * (1 + ratio))
+        gained = -pressure.sense * self.load.friction * self.normal.stick_transform_excess
+        return excess + pressure.amount_on(-1) * ratio + gained
+
+    @property
+    def _beyond_factor(self) -> float | Array:
+        """v / (v - p) - 1 on the last panel, (..., n), without loss; 0 for p = 0."""
+        slowness = self.load.slowness
+        return slowness / (self.panels.at.v[-1] - slowness) if slowness else 0.0
