@@ -47,6 +47,7 @@ __all__ = [
     "CoulombFriction",
     "DataFileError",
     "Derivative",
+    "EdgeReading",
     "Fit",
     "FrictionLaw",
     "Gauge",
@@ -131,6 +132,7 @@ __all__ = [
 ]
 
 _LATER = {
+    "semianalytic.dissimilar.grid_edge": ("EdgeReading",),
     "semianalytic.dissimilar.pair": ("Pair",),
     "semianalytic.dissimilar.stability": (
         "SlidingStability",
@@ -168,6 +170,7 @@ _LATER = {
 """Modules that a plain solution does not need, with the public names they define."""
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
+    from semianalytic.dissimilar.grid_edge import EdgeReading
     from semianalytic.dissimilar.pair import Pair
     from semianalytic.dissimilar.stability import (
         SlidingStability,

@@ -26,6 +26,7 @@ _NAMES = {
         "CoulombFriction",
         "DataFileError",
         "Derivative",
+        "EdgeReading",
         "Fit",
         "FrictionLaw",
         "Gauge",
