@@ -113,6 +113,7 @@ __all__ = [
     "find_interface",
     "find_line",
     "find_material",
+    "find_pair",
     "find_scene",
     "fit",
     "fringe_order",
@@ -132,6 +133,7 @@ __all__ = [
 ]
 
 _LATER = {
+    "semianalytic.dissimilar.described": ("find_pair",),
     "semianalytic.dissimilar.grid_edge": ("EdgeReading",),
     "semianalytic.dissimilar.pair": ("Pair",),
     "semianalytic.dissimilar.stability": (
@@ -170,6 +172,7 @@ _LATER = {
 """Modules that a plain solution does not need, with the public names they define."""
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
+    from semianalytic.dissimilar.described import find_pair
     from semianalytic.dissimilar.grid_edge import EdgeReading
     from semianalytic.dissimilar.pair import Pair
     from semianalytic.dissimilar.stability import (

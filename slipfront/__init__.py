@@ -91,6 +91,7 @@ _NAMES = {
         "ZoneDerivative",
         "find_line",
         "find_material",
+        "find_pair",
         "critical_wavelength",
         "find_interface",
         "find_scene",

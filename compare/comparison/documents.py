@@ -18,6 +18,7 @@ from compare.comparison.measures import nearest
 from compare.comparison.quantities.history_rows import PROBES, SENSE_THRESHOLD
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Measured, Reading, Scene, Solution
+from semianalytic.dissimilar.pair import Pair
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
@@ -102,7 +103,7 @@ MARCH_DIMENSIONS: Dimensions = {
 }
 
 
-def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
+def units_document(document: Any, dimensions: Any, scene: Scene | Pair) -> Any:
     """Return the unit of each number of a document, under the same names; counts have none.
 
     Parameters
@@ -110,8 +111,8 @@ def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
     document : dict, list or number
     dimensions : Dimensions, str or callable
         A callable returns them for the scene.
-    scene : Scene
-        Scene whose units are used.
+    scene : Scene or Pair
+        Scene or pair whose units are used.
     """
     if callable(dimensions):
         dimensions = dimensions(scene)

@@ -6,9 +6,10 @@ import inspect
 import math
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
@@ -17,6 +18,7 @@ from compare.records.units import si_size
 from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.material import Material
 from semianalytic.scene.quantities import in_units_of
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import PARAMETERS, SI, measure
@@ -28,6 +30,9 @@ from slipfront.cli.scenes.completion import (
     one_of,
     scene_names,
 )
+
+if TYPE_CHECKING:
+    from semianalytic.dissimilar.pair import Pair
 
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
 """Units of time on the command line, in seconds."""
@@ -111,7 +116,7 @@ def measured_option(dimension: str, text: str, panel: str | None = None, **given
     )
 
 
-def asked(scene: Scene, name: str, value: float | None, dimension: str) -> float | None:
+def asked(scene: Scene | Pair, name: str, value: float | None, dimension: str) -> float | None:
     """Return the value of an option in the units of a scene.
 
     Raises
@@ -123,7 +128,30 @@ def asked(scene: Scene, name: str, value: float | None, dimension: str) -> float
     return number
 
 
-def read_number(scene: Scene, name: str, text: str, dimension: str) -> float:
+def lower_body(scene: Scene, known: Material | None, given: Mapping[str, float]) -> Material | None:
+    """Return the material of the lower body, or None where nobody describes one.
+
+    Parameters
+    ----------
+    scene : Scene
+    known : Material, optional
+        Lower body of the scene's file.
+    given : mapping of `LOWER_OPTIONS` to number
+
+    Raises
+    ------
+    SceneError
+        If a number is out of range, or was given with a unit and the scene does not say its own.
+    """
+    if known is None and not given:
+        return None
+    for name, value in given.items():
+        asked(scene, name, value, option_dimension(name))
+    changes = {name.removeprefix("lower_"): value for name, value in given.items()}
+    return replace(known or scene.material, **changes)
+
+
+def read_number(scene: Scene | Pair, name: str, text: str, dimension: str) -> float:
     """Return the number of an option's text, which a unit may follow, in the units of a scene.
 
     Raises

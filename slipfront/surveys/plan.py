@@ -20,14 +20,21 @@ from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import checked_scene
-from semianalytic.scene.scene import Scene, scene_document
-from slipfront.surveys.parameters import Array, checked_values, parameter_name
+from semianalytic.scene.scene import Scene
+from slipfront.surveys.parameters import (
+    Array,
+    Surveyed,
+    checked_subject,
+    checked_values,
+    parameter_name,
+    subject_document,
+)
 
 Region = tuple[slice, ...]
 
-SWEPT, SOLVED, MARCHED = 2500, 100, 4
-"""Default points per chunk for scenes that are swept together, solved one by one, or marched.
+SWEPT, SOLVED, PAIRS, MARCHED = 2500, 100, 20, 4
+"""Default points per chunk for scenes that are swept together, solved one by one, of two bodies,
+or marched.
 
 Each kind of chunk takes seconds on one core."""
 _SWEPT_TOGETHER = {"poisson_ratio": 100, "friction": 25}
@@ -99,7 +106,7 @@ class Plan:
 
     Attributes
     ----------
-    scene : Scene
+    scene : Scene or Pair
     values : mapping of parameter to (n,) array
     fixed : mapping of parameter to number
         Parameters that replace those of the scene by one value at all points.
@@ -110,7 +117,7 @@ class Plan:
         Largest number of points in a chunk.
     """
 
-    scene: Scene
+    scene: Surveyed
     values: Mapping[str, Array]
     fixed: Mapping[str, float]
     together: bool
@@ -181,7 +188,7 @@ class Plan:
         """Properties that distinguish this survey from others, ready for JSON."""
         return {
             "slipfront": version("slipfront"),
-            "scene": scene_document(self.scene),
+            "scene": subject_document(self.scene),
             "fixed": dict(self.fixed),
             "together": self.together,
             "parameters": {
@@ -247,7 +254,7 @@ def _row(values: Array) -> str:
 
 
 def planned(
-    scene: Scene | str | PathLike[str],
+    scene: Surveyed | str | PathLike[str],
     parameters: Mapping[str, ArrayLike],
     question: Question,
     *,
@@ -262,7 +269,7 @@ def planned(
         If there is no such parameter, no parameter has several values, lists that go together
         differ in length, or an option is out of range.
     """
-    scene = checked_scene("survey", scene)
+    scene = checked_subject(scene)
     values: dict[str, Array] = {}
     fixed: dict[str, float] = {}
     for given, row in parameters.items():
@@ -283,7 +290,13 @@ def planned(
         raise SceneError(f"survey: rows of values that go together are as long, got {listed}.")
     points = _usual_chunk(scene, list(values)) if chunk is None else chunk
     points = checked_count("survey: chunk", points, 1, "a whole number from")
-    plan = Plan(scene, values, fixed, together, question.checked(), points)
+    question = question.checked()
+    if not isinstance(scene, Scene) and (question.nodes or question.length):
+        raise SceneError(
+            "survey: nodes and length are for marches, and two different bodies are solved "
+            "exactly; leave them out."
+        )
+    plan = Plan(scene, values, fixed, together, question, points)
     _check_count("points", plan.count, MOST_POINTS)
     if plan.chunks > MOST_CHUNKS:
         raise SceneError(
@@ -299,7 +312,9 @@ def _check_count(what: str, count: int, most: int) -> None:
         raise SceneError(f"survey: {count:.3g} {what} are too many; take at most {most:.0e}.")
 
 
-def _usual_chunk(scene: Scene, names: Sequence[str]) -> int:
+def _usual_chunk(scene: Surveyed, names: Sequence[str]) -> int:
+    if not isinstance(scene, Scene):
+        return PAIRS
     if not scene.is_self_similar or scene.friction_law.fall_with_rate:
         return MARCHED
     return SWEPT if set(_SWEPT_TOGETHER) & set(names) else SOLVED

@@ -20,7 +20,7 @@ from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import require
-from semianalytic.scene.scene import Scene
+from slipfront.surveys.parameters import Surveyed
 from slipfront.surveys.plan import Plan, Question, planned
 from slipfront.surveys.points import solved_chunk
 from slipfront.surveys.store import Store, check_folder, opened_store, seal_folder
@@ -31,7 +31,7 @@ FIELDS = ("slip_rate", "shear_traction", "pressure")
 
 
 def survey(
-    scene: Scene | str | os.PathLike[str],
+    scene: Surveyed | str | os.PathLike[str],
     *,
     together: bool = False,
     rtol: float | None = None,
@@ -48,16 +48,17 @@ def survey(
     progress: Progress | None = None,
     **parameters: ArrayLike,
 ) -> Any:
-    """Solve a scene at many values of its parameters.
+    """Solve a scene, or a pair of different bodies, at many values of its parameters.
 
     Scenes that differ in friction and Poisson ratio are swept together.  Others are solved one by
-    one, or marched if they are not self-similar, like `predict` does.
+    one, or marched if they are not self-similar, like `predict` does.  Pairs are solved one by one
+    with `solve_pair`.
 
     Parameters
     ----------
-    scene : Scene, str or path
-        Values that no parameter replaces are those of this scene, or of that of this name or file,
-        as for `find_scene`.
+    scene : Scene, Pair, str or path
+        Values that no parameter replaces are those of this scene or pair, or of that of this name
+        or file, as for `find_scene` and `find_pair`.
     together : bool
         Whether the parameters are lists of equal length that form one list of points, along the
         dimension "point"; otherwise they span a grid, one dimension each.
@@ -87,8 +88,9 @@ def survey(
     **parameters : numbers or (n,) arrays
         Any numbers of the scene: friction, poisson_ratio, shear_modulus, density, base_pressure,
         base_shear, load_pressure, load_shear, viscosity; numbers of histories and friction laws
-        as shear_history_rise_time or, dotted, ``**{"friction_law.reduction": ...}``.  Units are
-        those of the scene.  Single numbers are the same at all points.
+        as shear_history_rise_time or, dotted, ``**{"friction_law.reduction": ...}``; the lower
+        body of a pair as lower_shear_modulus, lower_density, lower_poisson_ratio.  Units are those
+        of the scene.  Single numbers are the same at all points.
 
     Returns
     -------

@@ -8,7 +8,7 @@ import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -19,10 +19,10 @@ from rich.table import Table
 from compare.output.progress import progress_bar
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import find_scene, override_scene, scene_label
-from semianalytic.scene.scene import Scene
+from semianalytic.scene.named import find_blocks, override_scene, scene_label
 from semianalytic.scene.units import ARGUMENTS, PARAMETERS, InSI, unit
 from slipfront.cli.options import (
+    LOWER_OPTIONS,
     SCENE_OPTIONS,
     AsJson,
     Quiet,
@@ -36,6 +36,9 @@ from slipfront.cli.options import (
 )
 from slipfront.cli.studies.study_commands import Scheduler, on_scheduler
 from slipfront.cli.terminal import print_json
+
+if TYPE_CHECKING:
+    from slipfront.surveys.parameters import Surveyed
 
 _VALUES = (
     "Values: a number, a list 0.1,0.2,0.5, or start:stop:count, with :log for equal ratios; "
@@ -51,7 +54,7 @@ VALUE_OPTIONS: Mapping[str, Any] = {
     ]
     for name, _help in (
         (name, hint.__metadata__[0].help.replace("\\[", "["))
-        for name, hint in SCENE_OPTIONS.items()
+        for name, hint in {**SCENE_OPTIONS, **LOWER_OPTIONS}.items()
         if name not in ("mode", "load_on", "wave", "wave_from", "units")
     )
 }
@@ -123,13 +126,20 @@ def survey_command(
 ) -> None:
     """Solve a scene at many values of its parameters, and write the results as NetCDF or Zarr.
 
+    Two different bodies with a slot are solved exactly: the lower one is that of the file's
+    [lower_material], or is like the upper one but for the numbers that are given.
+
     An interrupted survey resumes when it is started again with the same values.  Scenes that are
     refused have nan as their values and the reason as their status; the exit code is still 0.
     """
+    from semianalytic.dissimilar.described import pair_of
     from slipfront.surveys.plan import Question, planned
     from slipfront.surveys.run import FIELDS, run_survey
 
-    scene = override_scene(find_scene(scene_name), **overrides)
+    scene, lower = find_blocks(scene_name)
+    scene = override_scene(scene, **overrides)
+    different = lower not in (None, scene.material) or values.keys() & LOWER_OPTIONS.keys()
+    surveyed = pair_of(scene, lower or scene.material) if different else scene
     path = output or Path("results", f"{scene_label(scene_name)}-survey.nc")
     if workers is not None and workers < 1:
         raise SceneError(f"{option_name('workers')} must be a whole number from 1, got {workers}.")
@@ -144,8 +154,8 @@ def survey_command(
         name: typed_values(scene, name, text, option_dimension(name))
         for name, text in values.items()
     }
-    given |= _others(scene, vary or ())
-    plan = planned(scene, given, Question(**wanted), together=together, chunk=chunk)
+    given |= _others(surveyed, vary or ())
+    plan = planned(surveyed, given, Question(**wanted), together=together, chunk=chunk)
     command = shlex.join(["slipfront", *sys.argv[1:]])
     bar = progress_bar(Console(stderr=True), quiet or as_json, "surveying")
     with on_scheduler(scheduler) as client, bar as progress:
@@ -158,7 +168,7 @@ def survey_command(
         Console().print(f"Written to {path}", highlight=False, markup=False)
 
 
-def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:
+def typed_values(scene: Surveyed, name: str, text: str, dimension: str) -> Any:
     """Parse values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
 
     Numbers of a dimension may have units, all of one text or none; they are returned in the units
@@ -191,7 +201,7 @@ def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:
     raise SceneError(f"{option_name(name)} must be at most {MOST_VALUES:.0e} values, got {text!r}.")
 
 
-def _read(scene: Scene, name: str, texts: Sequence[str], dimension: str) -> list[float]:
+def _read(scene: Surveyed, name: str, texts: Sequence[str], dimension: str) -> list[float]:
     numbers = [read_number(scene, name, text, dimension) for text in texts]
     bare = [one for one in numbers if one and not isinstance(one, InSI)]
     if 0 < len(bare) < len(numbers) and any(isinstance(one, InSI) for one in numbers):
@@ -209,7 +219,7 @@ def _no_values(name: str, text: str) -> SceneError:
     )
 
 
-def _others(scene: Scene, vary: Sequence[str]) -> dict[str, Any]:
+def _others(scene: Surveyed, vary: Sequence[str]) -> dict[str, Any]:
     """Return the values of parameters that have no option of their own."""
     from slipfront.surveys.parameters import parameter_name, parameters_of
 
