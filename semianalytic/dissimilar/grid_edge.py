@@ -34,7 +34,7 @@ MOST_NODES = 512
 """Largest number of nodes that are read: the factor of the next one is 1 to 2e-3 for beta = 0.3."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EdgeReading:
     """Fields beside the edge of a stuck contact, as far as a grid knows them.
 

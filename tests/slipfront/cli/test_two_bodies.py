@@ -58,6 +58,7 @@ REFUSED = [
     ("solve whole-line-patch --lower-density 2", "march two bodies without a slot with slipfront"),
     ("solve preloaded --lower-poisson-ratio 0.5", "poisson-ratio must lie"),
     ("solve preloaded --lower-density 0", "density must be positive"),
+    ("solve preloaded --lower-shear-modulus 0", "shear-modulus must be positive"),
     ("solve preloaded --lower-density 1e6", "must not differ by more than a factor of 100000"),
     pytest.param(
         "solve two.toml --friction 0.95", "and nothing has an answer", marks=pytest.mark.slow
