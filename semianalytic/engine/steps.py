@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.contact import Faces, Parting, Unilateral, area_mean
 from semianalytic.engine.fields import required, sampled
-from semianalytic.engine.interface import ActingLoads, Interface
+from semianalytic.engine.interface import Interface
 from semianalytic.engine.law import check_law
 from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
+from semianalytic.engine.loads import ActingLoads
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
     CROSSINGS,

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from os import PathLike, fspath
 from pathlib import Path
 
-from semianalytic.engine.files import InterfaceFile, parsed, read_interface
+from semianalytic.engine.described.files import InterfaceFile, parsed, read_interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 

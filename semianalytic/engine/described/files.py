@@ -12,9 +12,10 @@ from typing import Any
 
 from semianalytic.engine.contact import Contact
 from semianalytic.engine.fields import Expression, Table
-from semianalytic.engine.interface import Interface, InterfaceLoad
+from semianalytic.engine.interface import Interface
 from semianalytic.engine.law import InterfaceLaw
 from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
+from semianalytic.engine.loads import InterfaceLoad
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
