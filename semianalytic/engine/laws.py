@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,15 @@ Array = NDArray[np.float64]
 BALANCE = 60
 """Most Newton steps for the local balance of rate-and-state friction, which takes 4 to 8: half as
 many or twice as many change nothing."""
+
+DIMENSIONS: Mapping[str, str] = {
+    **dict.fromkeys(("friction", "static", "dynamic", "a", "b", "f0", "weakened"), "1"),
+    **{"cohesion": "stress", "viscosity": "stress time / length"},
+    **dict.fromkeys(("delay", "theta"), "time"),
+    **dict.fromkeys(("distance", "delay_slip"), "length"),
+    **dict.fromkeys(("rate", "v0", "weakening_rate"), "length / time"),
+}
+"""Dimensions of the parameters of laws by name; those of other laws may go by the same names."""
 
 
 @dataclass(frozen=True, eq=False)

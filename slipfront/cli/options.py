@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol
 
 import typer
 from rich.markup import escape
@@ -18,7 +18,6 @@ from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import in_units_of
-from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import PARAMETERS, SI, measure
 from slipfront.cli.scenes.completion import (
     LOADED,
@@ -88,6 +87,14 @@ Method = Annotated[
 ]
 
 
+class HasUnits(Protocol):
+    """A scene or interface, of which only the units matter."""
+
+    @property
+    def units(self) -> str:
+        """System of units of its numbers, or "" for none."""
+
+
 def measured(dimension: str) -> Callable[[str], float]:
     """Return a parser of numbers that a unit of a dimension may follow, as 5cm, for typer."""
 
@@ -111,7 +118,7 @@ def measured_option(dimension: str, text: str, panel: str | None = None, **given
     )
 
 
-def asked(scene: Scene, name: str, value: float | None, dimension: str) -> float | None:
+def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> float | None:
     """Return the value of an option in the units of a scene.
 
     Raises
@@ -123,7 +130,7 @@ def asked(scene: Scene, name: str, value: float | None, dimension: str) -> float
     return number
 
 
-def read_number(scene: Scene, name: str, text: str, dimension: str) -> float:
+def read_number(scene: HasUnits, name: str, text: str, dimension: str) -> float:
     """Return the number of an option's text, which a unit may follow, in the units of a scene.
 
     Raises

@@ -14,13 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.documents import SCENE_DIMENSIONS
 from semianalytic.halfplane.families import rayleigh_family
-from semianalytic.scene.friction import ViscousFriction
-from semianalytic.scene.given.parameters import part_parameters
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
-from slipfront.surveys.parameters import MATERIAL, Array, parameters_of
+from slipfront.surveys.parameters import MATERIAL, Array, dimension_of, parameters_of
 from slipfront.surveys.plan import Plan
 from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
 from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
@@ -116,21 +113,19 @@ def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], di
             attrs = {"units": unit(dimension, plan.scene.units), "long_name": meaning}
             result[name] = (name,), np.array(samples), attrs
     result["edge"] = ("edge",), np.array(["inner", "outer"]), {}
-    result["mode"] = ("mode",), np.array(["I", plan.scene.shear_mode]), {}
+    if isinstance(plan.scene, Scene):
+        result["mode"] = ("mode",), np.array(["I", plan.scene.shear_mode]), {}
     return result
 
 
 def _parameter_attrs(plan: Plan, name: str) -> dict[str, str]:
     """Return the unit and meaning of a parameter as attributes of its coordinate."""
-    part, field = parameters_of(plan.scene)[name]
-    if part in ("friction_law", "pressure_history", "shear_history"):
-        viscous = field == "viscosity"  # a viscosity turns constant friction into viscous friction
-        kind = ViscousFriction if viscous else type(getattr(plan.scene, part))
-        dimension = part_parameters(kind)[field].dimension
-    else:
-        dimension = SCENE_DIMENSIONS[part][field] if part else SCENE_DIMENSIONS[field]
+    part, field = "", name
+    if isinstance(plan.scene, Scene):
+        part, field = parameters_of(plan.scene)[name]
     words = field if part in ("", "material") else f"{part} {field}"
-    return {"units": unit(dimension, plan.scene.units), "long_name": words.replace("_", " ")}
+    units = unit(dimension_of(plan.scene, name), plan.scene.units)
+    return {"units": units, "long_name": words.replace("_", " ")}
 
 
 def attributes(plan: Plan, command: str) -> dict[str, Any]:
@@ -138,8 +133,8 @@ def attributes(plan: Plan, command: str) -> dict[str, Any]:
     return {
         "title": f"slipfront survey of {plan.count} points",
         "source": f"slipfront {version('slipfront')}",
-        "scene": json.dumps(scene_document(plan.scene)),
-        "rtol": plan.question.rtol or DEFAULT_RTOL,
+        "scene": json.dumps(plan.document),
+        "rtol": plan.question.rtol or (DEFAULT_RTOL if isinstance(plan.scene, Scene) else 0.0),
         "command": command,
         "survey": plan.digest,
     }

@@ -1,4 +1,4 @@
-"""The numbers of a scene by name, which are the parameters that a survey may vary."""
+"""The numbers of a scene or an interface by name, which a survey may vary."""
 
 from __future__ import annotations
 
@@ -10,13 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.comparison.documents import SCENE_DIMENSIONS
+from semianalytic.engine.described.files import InterfaceFile
+from semianalytic.engine.described.named import described_interface
+from semianalytic.engine.described.parameters import interface_at, interface_parameters
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.given.parameters import part_parameters
 from semianalytic.scene.incident import IncidentWave
+from semianalytic.scene.named import checked_scene
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
+Subject = Scene | InterfaceFile
+"""What a survey is of."""
 
 _PARTS = ("material", "base", "load", "pressure_history", "shear_history", "friction_law")
 MATERIAL = ("shear_modulus", "density", "poisson_ratio")
@@ -43,21 +51,49 @@ def parameters_of(scene: Scene) -> dict[str, tuple[str, str]]:
     return names
 
 
-def parameter_name(scene: Scene, given: str) -> str:
+def checked_subject(given: object) -> Subject:
+    """Return the scene or interface that a survey was given, itself or by its name or file.
+
+    Raises
+    ------
+    SceneError
+        If it is neither.
+    """
+    return described_interface(given) or checked_scene("survey", given)
+
+
+def dimension_of(subject: Subject, name: str) -> str:
+    """Return the dimension of a parameter."""
+    if isinstance(subject, InterfaceFile):
+        return interface_parameters(subject.interface)[name].dimension
+    part, field = parameters_of(subject)[name]
+    if part in ("friction_law", "pressure_history", "shear_history"):
+        viscous = field == "viscosity"  # a viscosity turns constant friction into viscous friction
+        kind = ViscousFriction if viscous else type(getattr(subject, part))
+        return part_parameters(kind)[field].dimension
+    dimension: str = SCENE_DIMENSIONS[part][field] if part else SCENE_DIMENSIONS[field]
+    return dimension
+
+
+def parameter_name(subject: Subject, given: str) -> str:
     """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
 
     Raises
     ------
     SceneError
-        If the scene has no such number.
+        If the scene or interface has no such number.
     """
-    known = parameters_of(scene)
+    known: Mapping[str, object]
+    if isinstance(subject, InterfaceFile):
+        known, what = interface_parameters(subject.interface), "interface"
+    else:
+        known, what = parameters_of(subject), "scene"
     name = given.replace(".", "_").replace("-", "_").removeprefix("material_")
     name = "viscosity" if name == "friction_law_viscosity" and "viscosity" in known else name
     if name not in known:
         close = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
-        raise SceneError(f"survey: this scene has no parameter {shown(given)}; {hint}")
+        raise SceneError(f"survey: this {what} has no parameter {shown(given)}; {hint}")
     return name
 
 
@@ -80,6 +116,11 @@ def checked_values(name: str, given: Any) -> Array:
     if not np.all(np.isfinite(values)):
         raise SceneError(f"survey: {name} must hold finite numbers only, got {shown(given)}.")
     return values.astype(float)
+
+
+def interface_with(described: InterfaceFile, values: Mapping[str, float]) -> InterfaceFile:
+    """Return an interface with other values of some parameters; errors are those of `Interface`."""
+    return replace(described, interface=interface_at(described.interface, values))
 
 
 def scene_at(scene: Scene, values: Mapping[str, float]) -> Scene:

@@ -18,9 +18,10 @@ from semianalytic.selfsimilar.solution import Solution
 from semianalytic.spacetime.marched import Marched
 from semianalytic.sweeps.contact_edge import at_contact_edge
 from semianalytic.sweeps.sweep import sweep
-from slipfront.surveys.parameters import Array, scene_at
+from slipfront.surveys.parameters import Array, Subject, interface_with, scene_at
 from slipfront.surveys.plan import Question
 from slipfront.surveys.quantities import QUANTITIES, TEXT
+from slipfront.surveys.runs import interface_row
 
 Values = dict[str, Any]
 Columns = dict[str, NDArray[Any]]
@@ -34,13 +35,13 @@ _REFUSED = {"method": "none", "origin": "refused"}
 
 
 def solved_chunk(
-    scene: Scene, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
+    scene: Subject, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
 ) -> bytes:
     """Compute all quantities at the points of a chunk and pack them into bytes.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or InterfaceFile
     values : mapping of parameter to (m,) array
     fixed : mapping of parameter to number
     question : Question
@@ -49,8 +50,14 @@ def solved_chunk(
     rows: list[Values] = [{} for _ in range(count)]
     scenes: dict[int, Scene] = {}
     for i, numbers in enumerate(zip(*(row.tolist() for row in values.values()), strict=True)):
+        given = {**fixed, **dict(zip(values, numbers, strict=True))}
+        start = process_time()
         try:
-            scenes[i] = scene_at(scene, {**fixed, **dict(zip(values, numbers, strict=True))})
+            if isinstance(scene, Scene):
+                scenes[i] = scene_at(scene, given)
+            else:
+                rows[i] = interface_row(interface_with(scene, given), question)
+                rows[i]["seconds"] = process_time() - start
         except SlipfrontError as error:
             rows[i] = _refused(error)
     for group in _groups(scenes, values):
