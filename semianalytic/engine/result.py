@@ -152,6 +152,8 @@ class Run:
         reach = _FRONT_NODES // 2
         at = np.arange(-reach, reach + 1)
         speeds = np.full(len(self.x), np.nan)
+        if len(self.x) < _FRONT_NODES:
+            return speeds
         onset = np.lib.stride_tricks.sliding_window_view(self.onset, _FRONT_NODES)
         slope = onset @ at / (at @ at) / (self.interface.length / self.nodes)
         with np.errstate(divide="ignore"):

@@ -18,7 +18,7 @@ from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import in_units_of
-from semianalytic.scene.units import PARAMETERS, SI, measure
+from semianalytic.scene.units import PARAMETERS, SI, InSI, measure
 from slipfront.cli.scenes.completion import (
     LOADED,
     MESH_NAMES,
@@ -126,6 +126,11 @@ def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> fl
     SceneError
         If it was given with a unit, and the scene does not say its own.
     """
+    if isinstance(value, InSI) and hasattr(scene, "interface") and dimension != "1":
+        raise SceneError(
+            f"{option_name(name)} has a unit, but interfaces do not say which units their numbers "
+            "have; give a number alone."
+        )
     number: float | None = in_units_of(scene.units, option_name(name), value, dimension)
     return number
 

@@ -91,7 +91,7 @@ class Question:
             raise SceneError(
                 f"survey: fields must be some of {', '.join(FIELDS)}, got {shown(unknown[0])}."
             )
-        if self.t and self.end_time is None and max(self.t) > 0:
+        if self.t and self.end_time is None and max(self.t) > 0 and not of_interface:
             changes["end_time"] = max(self.t)
         return replace(self, **changes)
 

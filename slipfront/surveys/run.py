@@ -75,8 +75,8 @@ def survey(
     fields : sequence of str
         Fields to store there: slip, slip_rate, shear_traction, pressure, gap.
     end_time : float, optional
-        Time until which totals are taken, and marches and interfaces run [time]; the last of `t` by
-        default, or the end time of `predict` or of the interface's file.
+        Time until which totals are taken, and marches and interfaces run [time]; by default that of
+        an interface's file, or the last of `t`, or the end time of `predict`.
     nodes, length : optional
         Number of nodes and length [length] of marches, see `predict`; nodes and period of
         interfaces.

@@ -30,6 +30,8 @@ def interface_row(described: InterfaceFile, question: Question) -> dict[str, Any
         if getattr(question, name) is not None:
             options[name] = getattr(question, name)
     end = described.end_time if question.end_time is None else question.end_time
+    if question.t and not math.isfinite(end):
+        end = max(question.t)
     if not math.isfinite(end):
         raise SceneError("survey: end_time is missing; say until when the interface is computed.")
     if question.t:
