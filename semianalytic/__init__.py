@@ -49,6 +49,7 @@ __all__ = [
     "Derivative",
     "Fit",
     "FrictionLaw",
+    "FrontLoad",
     "Gauge",
     "GrowingSlot",
     "GrowingSolution",
@@ -142,7 +143,7 @@ _LATER = {
     "semianalytic.engine.contact": ("Contact",),
     "semianalytic.engine.fields": ("Table",),
     "semianalytic.engine.interface": ("Interface",),
-    "semianalytic.engine.loads": ("InterfaceLoad",),
+    "semianalytic.engine.loads": ("FrontLoad", "InterfaceLoad"),
     "semianalytic.engine.law": ("InterfaceLaw",),
     "semianalytic.engine.laws": ("Coulomb", "RateAndState", "RateDependent", "SlipDependent"),
     "semianalytic.engine.described.files": ("InterfaceFile",),
@@ -184,7 +185,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.engine.interface import Interface
     from semianalytic.engine.law import InterfaceLaw
     from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
-    from semianalytic.engine.loads import InterfaceLoad
+    from semianalytic.engine.loads import FrontLoad, InterfaceLoad
     from semianalytic.engine.result import Run
     from semianalytic.engine.run import run
     from semianalytic.engine.stability import critical_wavelength, supershear_strength

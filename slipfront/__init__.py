@@ -28,6 +28,7 @@ _NAMES = {
         "Derivative",
         "Fit",
         "FrictionLaw",
+        "FrontLoad",
         "Gauge",
         "GrowingSlot",
         "GrowingSolution",

@@ -33,7 +33,19 @@ WEAKEST = 0.004  # V / L; half of it would need marches of 1,250 L / V
 def main() -> None:
     """Compute all rows, then write the table."""
     rows = []
-    for part in (exact, patches, statics, edges, openings, events, benchmark, dispersion):
+    parts = (
+        exact,
+        patches,
+        fronts,
+        cracks,
+        statics,
+        edges,
+        openings,
+        events,
+        benchmark,
+        dispersion,
+    )
+    for part in parts:
         for row in part():
             print(*row, sep=" | ", flush=True)
             rows.append(row)
@@ -169,6 +181,30 @@ def patches() -> Iterator[Row]:
                 yield compared(
                     f"over-stressed patch, {mode}, {nodes} nodes", "edge", edge, found, 6
                 )
+
+
+def fronts() -> Iterator[Row]:
+    """Yield slip rate and traction under waves at an angle and moving loads beside a slot."""
+    solid = sf.Material(1.0, 1.0, 1 / 3)
+    for name, front, mode, at, length in (
+        ("SV wave, -20 degrees", sf.IncidentWave("SV", -20.0, stress=0.3), "in-plane", 0.0, 12.0),
+        ("SH wave, -40 degrees", sf.IncidentWave("SH", -40.0, stress=0.3), "antiplane", 0.0, 12.0),
+        ("load that leaves at 4 c_t", sf.MovingLoad(4.0, 0.0, 1.0), "in-plane", 0.0, 12.0),
+        # it enters the slot 10 before the tip, from where waves arrive too late
+        ("load that comes at 4 c_t", sf.MovingLoad(-4.0, 0.0, 1.0), "in-plane", -10.0, 20.0),
+    ):
+        scene = sf.Scene(solid, friction=0.3, base=sf.Tractions(1.0, 0.0), load=front, mode=mode)
+        answer, end = sf.solve(scene), 1.0 - front.slowness(solid) * at
+        loads, half = [sf.FrontLoad(front, at=at)], sf.Contact.half_line()
+        face = sf.Interface(solid, sf.Coulomb(0.3), length, 1.0, 0.0, loads, half, mode)
+        for nodes in (512, 1024, 2048):
+            done = sf.run(face, end, nodes, times=[end], estimate=False)
+            near = (done.x > 0.02) & (done.x < 1.9)
+            for field in ("slip_rate", "shear_traction"):
+                yield profile(
+                    f"{name}, {nodes} nodes", field.replace("_", " "),
+                    getattr(answer, field)(done.x[near], 1.0), getattr(done, field)[0][near],
+                )  # fmt: skip
 
 
 def statics() -> Iterator[Row]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,9 +11,10 @@ from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
 from semianalytic.engine.contact import Contact
 from semianalytic.engine.fields import check_field
 from semianalytic.engine.law import InterfaceLaw
-from semianalytic.engine.loads import InterfaceLoad
+from semianalytic.engine.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.material import Material
 
 MODES = ("in-plane", "antiplane")
@@ -40,8 +40,9 @@ class Interface:
         Contact pressure [stress], 0 or more.
     shear : field
         Shear traction before slip, in place at t = 0 [stress].
-    loads : sequence of InterfaceLoad
-        Shear and pressure that are added from t = 0 on.
+    loads : sequence of InterfaceLoad, IncidentWave, MovingLoad or FrontLoad
+        Shear and pressure that are added from t = 0 on.  A wave or moving load given itself is a
+        `FrontLoad` whose front is at x = 0 at t = 0.
     contact : Contact
         Where the bodies touch; everywhere by default.
     mode : str
@@ -77,7 +78,7 @@ class Interface:
     length: float
     pressure: Any = 1.0
     shear: Any = 0.0
-    loads: Sequence[InterfaceLoad] = ()
+    loads: Any = ()
     contact: Contact = Contact()  # noqa: RUF009
     mode: str = "in-plane"
     rate: Any = 0.0
@@ -97,10 +98,7 @@ class Interface:
         object.__setattr__(self, "length", checked_size("interface: length", self.length))
         for name in ("pressure", "shear", "rate"):
             check_field(f"interface: {name}", getattr(self, name))
-        loads = [self.loads] if isinstance(self.loads, InterfaceLoad) else list(self.loads)
-        if not all(isinstance(load, InterfaceLoad) for load in loads):
-            raise SceneError(f"interface: loads must be InterfaceLoads, got {shown(self.loads)}.")
-        object.__setattr__(self, "loads", tuple(loads))
+        object.__setattr__(self, "loads", self._bound_loads())
         if not isinstance(self.contact, Contact):
             raise SceneError(f"interface: contact must be a Contact, got {shown(self.contact)}.")
         if self.mode not in MODES:
@@ -109,6 +107,9 @@ class Interface:
             raise SceneError(f"interface: even must be true or false, got {shown(self.even)}.")
         if self.lower_material is not None:
             self._check_lower(self.lower_material)
+        for load in self.loads:
+            if isinstance(load, FrontLoad):
+                self._check_front(load)
         if self.mode == "antiplane" and self.may_open:
             raise SceneError(
                 "interface: loads of an antiplane interface have no pressure; leave it out or set "
@@ -118,6 +119,41 @@ class Interface:
         object.__setattr__(self, "plate_rate", plate)
         if self.held != math.inf:
             object.__setattr__(self, "held", checked_size("interface: held", self.held))
+
+    def _bound_loads(self) -> tuple[InterfaceLoad | FrontLoad, ...]:
+        """Return the loads, fronts of them with the material of the upper body."""
+        given: Any = self.loads
+        single = isinstance(given, InterfaceLoad | FrontLoad | IncidentWave | MovingLoad)
+        loads: list[InterfaceLoad | FrontLoad] = []
+        for load in [given] if single else list(given):
+            if isinstance(load, IncidentWave | MovingLoad):
+                load = FrontLoad(load)
+            if not isinstance(load, InterfaceLoad | FrontLoad):
+                raise SceneError(
+                    "interface: loads must be InterfaceLoads, incident waves or moving loads, got "
+                    f"{shown(load)}."
+                )
+            loads.append(load.of(self.material) if isinstance(load, FrontLoad) else load)
+        return tuple(loads)
+
+    def _check_front(self, load: FrontLoad) -> None:
+        front = load.front
+        if isinstance(front, IncidentWave):
+            known = ("SH",) if self.mode == "antiplane" else ("P", "SV")
+            if front.kind not in known:
+                raise SceneError(
+                    f"interface: a wave that arrives {self.mode} must be of kind "
+                    f"{' or '.join(known)}, got {front.kind}."
+                )
+            if self.pair is not None:
+                raise SceneError(
+                    "interface: a plane wave is partly reflected where the bodies differ, which is "
+                    "not computed; give its tractions on the bonded line as an InterfaceLoad."
+                )
+        if self.even and load.front.slowness(self.material):
+            raise SceneError(
+                "interface: a front that runs along x is not even in x; set even = false."
+            )
 
     def _check_lower(self, lower: Material) -> None:
         if not isinstance(lower, Material):

@@ -16,9 +16,11 @@ from semianalytic.engine.fields import RESERVED, Expression, Table
 from semianalytic.engine.interface import Interface
 from semianalytic.engine.law import InterfaceLaw
 from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
-from semianalytic.engine.loads import InterfaceLoad
+from semianalytic.engine.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import load_from_document
+from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import HISTORY_KINDS
 
@@ -181,7 +183,29 @@ def _law(table: dict[str, Any], around: _Around) -> InterfaceLaw:
     return _made("law", law, values)
 
 
-def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad:
+def _front_load(table: dict[str, Any]) -> FrontLoad:
+    """Return the wave or moving load that a table with a `kind` describes."""
+    given = {name: table[name] for name in ("at",) if name in table}
+    if "history" in table:
+        given["history"] = _history(table["history"])
+    front = load_from_document(
+        {key: value for key, value in table.items() if key not in ("at", "history")}
+    )
+    assert not isinstance(front, Tractions)
+    return FrontLoad(front, **given)
+
+
+def _history(given: Any) -> Any:
+    """Return the history that a table with a `kind` describes."""
+    table = _table("load.history", given)
+    kind = _kind("load.history", table, HISTORY_KINDS)
+    rest = {key: value for key, value in table.items() if key != "kind"}
+    return _made("load.history", kind, rest)
+
+
+def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad | FrontLoad:
+    if "kind" in table:
+        return _front_load(table)
     _known("load.", table, (*_TRACTIONS, "history", "on"))
     values = dict(table)
     given = [name for name in _TRACTIONS if name in table]
@@ -199,10 +223,7 @@ def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad:
     if isinstance(history, str):
         values["history"] = Expression(history, ("t",), around.numbers)
     elif history is not None:
-        history = _table("load.history", history)
-        kind = _kind("load.history", history, HISTORY_KINDS)
-        rest = {key: value for key, value in history.items() if key != "kind"}
-        values["history"] = _made("load.history", kind, rest)
+        values["history"] = _history(history)
     return InterfaceLoad(**values)
 
 
