@@ -48,6 +48,7 @@ __all__ = [
     "DataFileError",
     "Derivative",
     "Fit",
+    "ForcedFront",
     "FrictionLaw",
     "FrontLoad",
     "Gauge",
@@ -145,7 +146,13 @@ _LATER = {
     "semianalytic.engine.interface": ("Interface",),
     "semianalytic.engine.loads": ("FrontLoad", "InterfaceLoad"),
     "semianalytic.engine.law": ("InterfaceLaw",),
-    "semianalytic.engine.laws": ("Coulomb", "RateAndState", "RateDependent", "SlipDependent"),
+    "semianalytic.engine.laws": (
+        "Coulomb",
+        "ForcedFront",
+        "RateAndState",
+        "RateDependent",
+        "SlipDependent",
+    ),
     "semianalytic.engine.described.files": ("InterfaceFile",),
     "semianalytic.engine.described.named": ("find_interface",),
     "semianalytic.engine.result": ("Run",),
@@ -184,7 +191,13 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.engine.fields import Table
     from semianalytic.engine.interface import Interface
     from semianalytic.engine.law import InterfaceLaw
-    from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
+    from semianalytic.engine.laws import (
+        Coulomb,
+        ForcedFront,
+        RateAndState,
+        RateDependent,
+        SlipDependent,
+    )
     from semianalytic.engine.loads import FrontLoad, InterfaceLoad
     from semianalytic.engine.result import Run
     from semianalytic.engine.run import run

@@ -27,6 +27,7 @@ _NAMES = {
         "DataFileError",
         "Derivative",
         "Fit",
+        "ForcedFront",
         "FrictionLaw",
         "FrontLoad",
         "Gauge",

@@ -15,7 +15,13 @@ from semianalytic.engine.described.parameters import interface_document, interfa
 from semianalytic.engine.fields import RESERVED, Expression, Table
 from semianalytic.engine.interface import Interface
 from semianalytic.engine.law import InterfaceLaw
-from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
+from semianalytic.engine.laws import (
+    Coulomb,
+    ForcedFront,
+    RateAndState,
+    RateDependent,
+    SlipDependent,
+)
 from semianalytic.engine.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
@@ -29,6 +35,7 @@ LAWS: Mapping[str, type[InterfaceLaw]] = {
     "slip-dependent": SlipDependent,
     "rate-dependent": RateDependent,
     "rate-and-state": RateAndState,
+    "forced-front": ForcedFront,
 }
 _WORDS = ("shape", "evolution")
 """Parameters of laws that are words."""
