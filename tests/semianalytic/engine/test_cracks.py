@@ -58,8 +58,9 @@ def test_a_front_that_is_forced_goes_on_and_may_fall_slowly(tmp_path):
     done = sf.run(fault, 2.0, estimate=False, go_on=part)
     assert part.slip.max() > 0
     assert np.array_equal(done.slip[-1], whole.slip[-1])
-    # no wave is faster: slip begins where strength has fallen to the shear, half-way
-    at = (whole.x > 0.5) & (whole.x < 1.5)
-    assert whole.onset[at] == pytest.approx(whole.x[at] + 0.25, abs=0.06)
+    # slip begins before the strength has fallen to the end, and not before the front can be felt
+    at, h = whole.x < 1.5, 8.0 / 64
+    assert (whole.onset[at] <= whole.x[at] + 0.5).all()
+    assert (whole.onset[at] >= whole.x[at] - 2 * h).all()
     with pytest.raises(sf.SceneError, match="fall must be 0 or more"):
         sf.ForcedFront(0.6, 0.2, arrival=1.0, fall=-1.0)
