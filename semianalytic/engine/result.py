@@ -20,7 +20,7 @@ from semianalytic.scene.extras import needing
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront interface run 2"
+FORMAT = "slipfront interface run 3"
 _UNITS = {
     "slip": ("length", "relative slip, upper minus lower side"),
     "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
@@ -53,6 +53,9 @@ class Run:
     pressure, gap : (m, n) arrays
         Contact pressure [stress], 0 where the contact is open and on slots; gap [length], 0 or more
         on the contact, and the change of their width on slots.
+    onset : (n,) array
+        Time at which slip began [time]: when |slip rate| first exceeded the `slipping` of `run`;
+        nan where it never did, and on slots.
     step_times, peak_rates : (steps + 1,) arrays
         Time and largest |slip rate| of the contact after every step.
     error_estimates : mapping
@@ -85,6 +88,7 @@ class Run:
     state: Array
     pressure: Array
     gap: Array
+    onset: Array
     step_times: Array
     peak_rates: Array
     status: str
@@ -111,13 +115,72 @@ class Run:
         "friction" is the work of slip; "closing" is the work of the pressure on faces that meet,
         which is not negative and tends to 0 as the grid is refined.
         """
+        weights = self._weights
+        kept = {"friction": self.checkpoint["work"], "closing": self.checkpoint["closing"]}
+        return {name: float(weights @ value) for name, value in kept.items()}
+
+    @property
+    def _weights(self) -> Array:
+        """Length of the line for which each node stands, (n,) [length]."""
         weights = np.full(len(self.x), self.interface.length / self.nodes)
         if self.interface.even:
             # Nodes at x = 0 and length / 2 are their own mirror images.
             weights[self.x > 0] *= 2
             weights[self.x >= self.interface.length / 2] /= 2
-        kept = {"friction": self.checkpoint["work"], "closing": self.checkpoint["closing"]}
-        return {name: float(weights @ value) for name, value in kept.items()}
+        return weights
+
+    @property
+    def slipped_length(self) -> float:
+        """Length of the contact on which slip has begun [length]."""
+        return float(self._weights @ np.isfinite(self.onset))
+
+    @property
+    def rupture_speed(self) -> float:
+        """Mean speed of the rupture [length / time], from where slip begins first to where last.
+
+        It is nan where nothing slips, and where slip begins everywhere at once.
+        """
+        begun = np.flatnonzero(np.isfinite(self.onset))
+        if not len(begun):
+            return np.nan
+        first, last = (begun[find(self.onset[begun])] for find in (np.argmin, np.argmax))
+        time = float(self.onset[last] - self.onset[first])
+        return float(abs(self.x[last] - self.x[first])) / time if time > 0 else np.nan
+
+    def front_speed(self) -> Array:
+        """Return the speed of the rupture front at the nodes, (n,) [length / time].
+
+        It is the inverse slope of `onset` over x, by least squares over 17 nodes; nan where slip
+        has not begun at all of them, and inf where it begins at once.
+        """
+        reach = _FRONT_NODES // 2
+        at = np.arange(-reach, reach + 1)
+        speeds = np.full(len(self.x), np.nan)
+        if len(self.x) < _FRONT_NODES:
+            return speeds
+        onset = np.lib.stride_tricks.sliding_window_view(self.onset, _FRONT_NODES)
+        slope = onset @ at / (at @ at) / (self.interface.length / self.nodes)
+        with np.errstate(divide="ignore"):
+            speeds[reach : len(self.x) - reach] = 1 / np.abs(slope)
+        return speeds
+
+    def at(self, values: Array, x: Any) -> Array:
+        """Return a field of the nodes (..., n) at positions x (k,) of the contact, (..., k).
+
+        It is linear between nodes that touch, and nan where the bodies do not touch.
+        """
+        given = np.asarray(x, dtype=float)
+        place = np.abs(given) if self.interface.even else given
+        right = np.clip(np.searchsorted(self.x, place), 1, len(self.x) - 1)
+        left = right - 1
+        share = np.clip((place - self.x[left]) / (self.x[right] - self.x[left]), 0.0, 1.0)
+        # beside the end of a contact one of the two nodes is of the slot
+        share = np.where(self.touching[left], share, 1.0)
+        share = np.where(self.touching[right], share, 0.0)
+        found = values[..., left] * (1 - share) + values[..., right] * share
+        alone = np.where(share == 0, values[..., left], values[..., right])
+        found = np.where((share == 0) | (share == 1), alone, found)
+        return np.where(self.interface.contact.touches(place), found, np.nan)
 
     @property
     def steps(self) -> int:
@@ -188,6 +251,7 @@ class Run:
         )
         for name, (unit, meaning) in _UNITS.items():
             data[name].attrs.update(units=unit, long_name=meaning)
+        data["onset"] = ("x", self.onset, {"units": "time", "long_name": "time of first slip"})
         data["x"].attrs.update(units="length", long_name="position along the interface")
         data["t"].attrs.update(units="time", long_name="time")
         data.attrs.update(status=self.status, nodes=self.nodes, steps=self.steps)
@@ -284,7 +348,11 @@ def _unbroken(nodes: NDArray[np.intp]) -> int:
 
 _LEAST_READ = 4
 """Nodes on either side of an edge that must stick, or be free, for its tractions to be read."""
-_ARRAYS = ("x", "touching", "t", *_UNITS, "step_times", "peak_rates")
+_FRONT_NODES = 17
+"""Nodes over which the speed of a front is taken.  Onsets are those of steps under laws that stick:
+from node to node the speed of `supershear` (1,536 nodes) jumps by 13, 5, 1.4 and 0.6 % at most with
+5, 9, 17 and 33 nodes."""
+_ARRAYS = ("x", "touching", "t", *_UNITS, "onset", "step_times", "peak_rates")
 
 
 def _beginning(file: Any, prefix: str) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, Protocol
 
 import typer
 from rich.markup import escape
@@ -21,7 +21,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
 from semianalytic.scene.quantities import in_units_of
 from semianalytic.scene.scene import Scene
-from semianalytic.scene.units import PARAMETERS, SI, measure
+from semianalytic.scene.units import PARAMETERS, SI, InSI, measure
 from slipfront.cli.scenes.completion import (
     LOADED,
     MESH_NAMES,
@@ -30,9 +30,6 @@ from slipfront.cli.scenes.completion import (
     one_of,
     scene_names,
 )
-
-if TYPE_CHECKING:
-    from semianalytic.dissimilar.pair import Pair
 
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
 """Units of time on the command line, in seconds."""
@@ -93,6 +90,14 @@ Method = Annotated[
 ]
 
 
+class HasUnits(Protocol):
+    """A scene or interface, of which only the units matter."""
+
+    @property
+    def units(self) -> str:
+        """System of units of its numbers, or "" for none."""
+
+
 def measured(dimension: str) -> Callable[[str], float]:
     """Return a parser of numbers that a unit of a dimension may follow, as 5cm, for typer."""
 
@@ -116,7 +121,7 @@ def measured_option(dimension: str, text: str, panel: str | None = None, **given
     )
 
 
-def asked(scene: Scene | Pair, name: str, value: float | None, dimension: str) -> float | None:
+def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> float | None:
     """Return the value of an option in the units of a scene.
 
     Raises
@@ -124,6 +129,11 @@ def asked(scene: Scene | Pair, name: str, value: float | None, dimension: str) -
     SceneError
         If it was given with a unit, and the scene does not say its own.
     """
+    if isinstance(value, InSI) and hasattr(scene, "interface") and dimension != "1":
+        raise SceneError(
+            f"{option_name(name)} has a unit, but interfaces do not say which units their numbers "
+            "have; give a number alone."
+        )
     number: float | None = in_units_of(scene.units, option_name(name), value, dimension)
     return number
 
@@ -151,7 +161,7 @@ def lower_body(scene: Scene, known: Material | None, given: Mapping[str, float])
     return replace(known or scene.material, **changes)
 
 
-def read_number(scene: Scene | Pair, name: str, text: str, dimension: str) -> float:
+def read_number(scene: HasUnits, name: str, text: str, dimension: str) -> float:
     """Return the number of an option's text, which a unit may follow, in the units of a scene.
 
     Raises

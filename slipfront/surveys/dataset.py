@@ -14,14 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.documents import SCENE_DIMENSIONS
+from semianalytic.dissimilar.pair import Pair
+from semianalytic.engine.described.files import InterfaceFile
 from semianalytic.halfplane.families import rayleigh_family
-from semianalytic.scene.friction import ViscousFriction
-from semianalytic.scene.given.parameters import part_parameters
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
-from slipfront.surveys.parameters import MATERIAL, Array, parameters_of, subject_document
+from slipfront.surveys.parameters import MATERIAL, Array, dimension_of, parameters_of
 from slipfront.surveys.plan import Plan
 from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
 from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
@@ -69,9 +68,9 @@ def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
 
 def _bodies(plan: Plan) -> dict[str, Material]:
     """Return the bodies whose wave speeds are told, by the prefix of their names."""
-    if isinstance(plan.scene, Scene):
-        return {"": plan.scene.material}
-    return {"": plan.scene.upper, "lower_": plan.scene.lower}
+    if isinstance(plan.scene, Pair):
+        return {"": plan.scene.upper, "lower_": plan.scene.lower}
+    return {"": plan.scene.material}
 
 
 def _material_of(prefix: str) -> tuple[str, ...]:
@@ -154,16 +153,12 @@ def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], di
 
 def _parameter_attrs(plan: Plan, name: str) -> dict[str, str]:
     """Return the unit and meaning of a parameter as attributes of its coordinate."""
-    part, field = parameters_of(plan.scene)[name]
-    if part in ("friction_law", "pressure_history", "shear_history"):
-        viscous = field == "viscosity"  # a viscosity turns constant friction into viscous friction
-        kind = ViscousFriction if viscous else type(getattr(plan.scene, part))
-        dimension = part_parameters(kind)[field].dimension
-    else:
-        known = SCENE_DIMENSIONS["material" if part in ("upper", "lower") else part] if part else {}
-        dimension = known[field] if part else SCENE_DIMENSIONS[field]
+    part, field = "", name
+    if not isinstance(plan.scene, InterfaceFile):
+        part, field = parameters_of(plan.scene)[name]
     words = field if part in ("", "material", "upper") else f"{part} {field}"
-    return {"units": unit(dimension, plan.scene.units), "long_name": words.replace("_", " ")}
+    units = unit(dimension_of(plan.scene, name), plan.scene.units)
+    return {"units": units, "long_name": words.replace("_", " ")}
 
 
 def attributes(plan: Plan, command: str) -> dict[str, Any]:
@@ -171,8 +166,9 @@ def attributes(plan: Plan, command: str) -> dict[str, Any]:
     return {
         "title": f"slipfront survey of {plan.count} points",
         "source": f"slipfront {version('slipfront')}",
-        "scene": json.dumps(subject_document(plan.scene)),
-        "rtol": plan.question.rtol or DEFAULT_RTOL,
+        "scene": json.dumps(plan.document),
+        "rtol": plan.question.rtol
+        or (0.0 if isinstance(plan.scene, InterfaceFile) else DEFAULT_RTOL),
         "command": command,
         "survey": plan.digest,
     }

@@ -1,4 +1,4 @@
-"""The numbers of a scene by name, which are the parameters that a survey may vary."""
+"""The numbers of a scene or an interface by name, which a survey may vary."""
 
 from __future__ import annotations
 
@@ -11,20 +11,24 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.dissimilar.described import find_pair, pair_document
+from compare.comparison.documents import SCENE_DIMENSIONS
+from semianalytic.dissimilar.described import find_pair
 from semianalytic.dissimilar.pair import Pair
+from semianalytic.engine.described.files import InterfaceFile
+from semianalytic.engine.described.named import described_interface
+from semianalytic.engine.described.parameters import interface_at, interface_parameters
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.given.parameters import part_parameters
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.named import checked_scene, find_blocks
-from semianalytic.scene.scene import Scene, scene_document
-
-Surveyed = Scene | Pair
-"""What a survey takes: a scene, or two different bodies with a slot."""
-Described = TypeVar("Described", Scene, Pair)
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
+Subject = Scene | Pair | InterfaceFile
+"""What a survey is of."""
+Described = TypeVar("Described", Scene, Pair)
 
 _PARTS = (
     "material",
@@ -40,28 +44,7 @@ MATERIAL = ("shear_modulus", "density", "poisson_ratio")
 _VISCOSITY = ("friction_law", "viscosity")
 
 
-def checked_subject(given: Surveyed | str | PathLike[str]) -> Surveyed:
-    """Return what a survey was given: a scene or a pair, or the one of a name or file.
-
-    Raises
-    ------
-    SceneError
-        For the reasons given at `find_scene` and `find_pair`.
-    """
-    if isinstance(given, Pair):
-        return given
-    if isinstance(given, str | PathLike):
-        scene, lower = find_blocks(fspath(given))
-        return scene if lower in (None, scene.material) else find_pair(given)
-    return checked_scene("survey", given)
-
-
-def subject_document(subject: Surveyed) -> dict[str, Any]:
-    """Return a scene or a pair as plain dictionaries; a pair as in its file."""
-    return scene_document(subject) if isinstance(subject, Scene) else pair_document(subject)
-
-
-def parameters_of(scene: Surveyed) -> dict[str, tuple[str, str]]:
+def parameters_of(scene: Scene | Pair) -> dict[str, tuple[str, str]]:
     """Return part and field of every number of a scene, by its name.
 
     Friction belongs to no part; its part is "".
@@ -83,22 +66,59 @@ def parameters_of(scene: Surveyed) -> dict[str, tuple[str, str]]:
     return names
 
 
-def parameter_name(scene: Surveyed, given: str) -> str:
+def checked_subject(given: object) -> Subject:
+    """Return the scene, pair or interface that a survey was given, itself or by its name or file.
+
+    Raises
+    ------
+    SceneError
+        If it is none of them.
+    """
+    if isinstance(given, Pair):
+        return given
+    described = described_interface(given)
+    if described is not None:
+        return described
+    if isinstance(given, str | PathLike):
+        scene, lower = find_blocks(fspath(given))
+        return scene if lower in (None, scene.material) else find_pair(given)
+    return checked_scene("survey", given)
+
+
+def dimension_of(subject: Subject, name: str) -> str:
+    """Return the dimension of a parameter."""
+    if isinstance(subject, InterfaceFile):
+        return interface_parameters(subject.interface)[name].dimension
+    part, field = parameters_of(subject)[name]
+    if part in ("friction_law", "pressure_history", "shear_history"):
+        viscous = field == "viscosity"  # a viscosity turns constant friction into viscous friction
+        kind = ViscousFriction if viscous else type(getattr(subject, part))
+        return part_parameters(kind)[field].dimension
+    part = "material" if part in ("upper", "lower") else part
+    dimension: str = SCENE_DIMENSIONS[part][field] if part else SCENE_DIMENSIONS[field]
+    return dimension
+
+
+def parameter_name(subject: Subject, given: str) -> str:
     """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
 
     Raises
     ------
     SceneError
-        If the scene has no such number.
+        If the scene or interface has no such number.
     """
-    known = parameters_of(scene)
+    known: Mapping[str, object]
+    if isinstance(subject, InterfaceFile):
+        known, what = interface_parameters(subject.interface), "interface"
+    else:
+        known, what = parameters_of(subject), "scene"
     name = given.replace(".", "_").replace("-", "_").removeprefix("material_")
     name = name.replace("lower_material_", "lower_")
     name = "viscosity" if name == "friction_law_viscosity" and "viscosity" in known else name
     if name not in known:
         close = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
-        raise SceneError(f"survey: this scene has no parameter {shown(given)}; {hint}")
+        raise SceneError(f"survey: this {what} has no parameter {shown(given)}; {hint}")
     return name
 
 
@@ -121,6 +141,11 @@ def checked_values(name: str, given: Any) -> Array:
     if not np.all(np.isfinite(values)):
         raise SceneError(f"survey: {name} must hold finite numbers only, got {shown(given)}.")
     return values.astype(float)
+
+
+def interface_with(described: InterfaceFile, values: Mapping[str, float]) -> InterfaceFile:
+    """Return an interface with other values of some parameters; errors are those of `Interface`."""
+    return replace(described, interface=interface_at(described.interface, values))
 
 
 def scene_at(scene: Described, values: Mapping[str, float]) -> Described:

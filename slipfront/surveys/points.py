@@ -21,9 +21,10 @@ from semianalytic.selfsimilar.solution import Solution
 from semianalytic.spacetime.marched import Marched
 from semianalytic.sweeps.contact_edge import at_contact_edge
 from semianalytic.sweeps.sweep import sweep
-from slipfront.surveys.parameters import Array, Surveyed, scene_at
+from slipfront.surveys.parameters import Array, Subject, interface_with, scene_at
 from slipfront.surveys.plan import Question
 from slipfront.surveys.quantities import QUANTITIES, TEXT
+from slipfront.surveys.runs import interface_row
 
 Values = dict[str, Any]
 Columns = dict[str, NDArray[Any]]
@@ -37,13 +38,13 @@ _REFUSED = {"method": "none", "origin": "refused"}
 
 
 def solved_chunk(
-    scene: Surveyed, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
+    scene: Subject, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
 ) -> bytes:
     """Compute all quantities at the points of a chunk and pack them into bytes.
 
     Parameters
     ----------
-    scene : Scene or Pair
+    scene : Scene, Pair or InterfaceFile
     values : mapping of parameter to (m,) array
     fixed : mapping of parameter to number
     question : Question
@@ -53,12 +54,16 @@ def solved_chunk(
     scenes: dict[int, Scene] = {}
     pairs: dict[int, Pair] = {}
     for i, numbers in enumerate(zip(*(row.tolist() for row in values.values()), strict=True)):
-        here = {**fixed, **dict(zip(values, numbers, strict=True))}
+        given = {**fixed, **dict(zip(values, numbers, strict=True))}
+        start = process_time()
         try:
-            if isinstance(scene, Pair):
-                pairs[i] = scene_at(scene, here)
+            if isinstance(scene, Scene):
+                scenes[i] = scene_at(scene, given)
+            elif isinstance(scene, Pair):
+                pairs[i] = scene_at(scene, given)
             else:
-                scenes[i] = scene_at(scene, here)
+                rows[i] = interface_row(interface_with(scene, given), question)
+                rows[i]["seconds"] = process_time() - start
         except SlipfrontError as error:
             rows[i] = _refused(error)
     for i, pair in pairs.items():
@@ -123,7 +128,7 @@ def _swept(scenes: Sequence[Scene], question: Question, start: float) -> list[Va
     return [{**row, "seconds": seconds} for row in rows]
 
 
-def _alone(scene: Surveyed, question: Question) -> Values:
+def _alone(scene: Scene | Pair, question: Question) -> Values:
     """Return the row of one scene, or of one pair."""
     start = process_time()
     try:
@@ -140,7 +145,7 @@ def _alone(scene: Surveyed, question: Question) -> Values:
     return {**row, "seconds": process_time() - start}
 
 
-def _asked(scene: Surveyed, question: Question) -> Solution | PairSolution | Marched:
+def _asked(scene: Scene | Pair, question: Question) -> Solution | PairSolution | Marched:
     if isinstance(scene, Pair):
         return solve_pair(scene, rtol=question.rtol or DEFAULT_RTOL)
     if chosen_method(scene) == SOLVED:
