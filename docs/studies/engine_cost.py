@@ -11,6 +11,7 @@ import math
 import tracemalloc
 from pathlib import Path
 from time import process_time
+from typing import Any
 
 import semianalytic as sf
 from semianalytic.engine.described.files import InterfaceFile
@@ -50,7 +51,7 @@ def main() -> None:
         writer.writerows(rows)
 
 
-def ratio(found: InterfaceFile) -> dict[str, float]:
+def ratio(found: InterfaceFile) -> dict[str, Any]:
     """Return the shortest step of an interface as an option of `run`."""
     return {"step_ratio": found.options.get("step_ratio", STEP_RATIO)}
 
@@ -60,8 +61,10 @@ def cost_of_step(found: InterfaceFile, nodes: int) -> tuple[float, float]:
 
     The time is the least of some batches of steps of the lowest rung, in which ruptures run.
     """
+    options: dict[str, Any] = {**ratio(found), "end_time": found.end_time}
+    Stepper(found.interface, nodes, **options)  # fits the memory, which later runs find in a cache
     tracemalloc.start()
-    stepper = Stepper(found.interface, nodes, **ratio(found), end_time=found.end_time)
+    stepper = Stepper(found.interface, nodes, **options)
     now = stepper.begin()
     for _ in range(3):
         now = stepper.step(now, stepper.shortest, 0)

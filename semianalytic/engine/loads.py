@@ -134,8 +134,8 @@ class FrontLoad:
     >>> from semianalytic import FrontLoad, IncidentWave, Material
     >>> wave = FrontLoad(IncidentWave("SH", angle=-30.0, stress=2.0), at=4.0)
     >>> wave = wave.of(Material(1.0, 1.0, 0.25))  # the front is at 4 - 2 t
-    >>> wave.traction([1.0, 3.0], 1.0).round(6).tolist()
-    [0.0, -1.732051]
+    >>> wave.traction([1.0, 3.0], 1.0).round(6) + 0.0
+    array([ 0.      , -1.732051])
     """
 
     front: IncidentWave | MovingLoad
