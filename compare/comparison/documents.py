@@ -9,7 +9,7 @@ from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from types import NoneType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,6 @@ from compare.comparison.measures import nearest
 from compare.comparison.quantities.history_rows import PROBES, SENSE_THRESHOLD
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Measured, Reading, Scene, Solution
-from semianalytic.dissimilar.pair import Pair
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
@@ -26,6 +25,9 @@ from semianalytic.results.answer import FIELDS
 from semianalytic.scene.given.parameters import EVERY_LOAD, MATERIAL, TRACTIONS, part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
+
+if TYPE_CHECKING:
+    from semianalytic.dissimilar.pair import Pair
 
 _WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 

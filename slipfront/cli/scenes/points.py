@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.markup import escape
@@ -16,13 +16,16 @@ from compare.comparison.documents import (
     points_document,
     units_document,
 )
-from semianalytic import Marched, Pair, PairSolution, Scene, SceneError, Solution
+from semianalytic import Scene, SceneError
 from semianalytic.results.answer import FIELDS
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import InSI, unit
 from slipfront.cli.options import option_name, read_number
 
-Answered = Solution | PairSolution | Marched
+if TYPE_CHECKING:  # printing one answer takes none of the others
+    from semianalytic import Marched, Pair, PairSolution, Solution
+
+    Answered = Solution | PairSolution | Marched
 
 MOST = 1000
 """Largest number of pairs of a position and a time; more are a typing error."""
@@ -38,7 +41,7 @@ _DIGITS = 12
 
 def problem_of(answer: Answered) -> Scene | Pair:
     """Return the scene or the pair that an answer is of."""
-    return answer.pair if isinstance(answer, PairSolution) else answer.scene
+    return answer.pair if hasattr(answer, "pair") else answer.scene
 
 
 @dataclass(frozen=True)
