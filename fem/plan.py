@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import product
-from os import PathLike
+from os import PathLike, fspath
 from typing import Any
 
 import numpy as np
@@ -34,7 +34,7 @@ from semianalytic.scene.checks import checked_count, checked_number, checked_siz
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
-from semianalytic.scene.named import checked_scene
+from semianalytic.scene.named import checked_scene, find_blocks
 from semianalytic.scene.scene import Material, Scene
 
 LEAST_RESOLUTION = 8
@@ -450,7 +450,6 @@ def make_plan(
     SceneError
         If a setting is out of range, or for the reasons given at `Plan`.
     """
-    scene = checked_scene("simulate", scene)
     if settings is None:
         settings = Settings()
     if not isinstance(settings, Settings):
@@ -458,5 +457,11 @@ def make_plan(
             f"simulate: settings must be fem.Settings, got {shown(settings)}; "
             "give single options by name, as in resolution=50."
         )
+    settings = replace(settings, **options)
+    if isinstance(scene, str | PathLike):
+        scene, lower = find_blocks(fspath(scene))
+        if settings.lower_material is None and lower is not None:
+            settings = replace(settings, lower_material=lower)
+    scene = checked_scene("simulate", scene)
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
-    return Plan(scene, end_time, replace(settings, **options), full)
+    return Plan(scene, end_time, settings, full)

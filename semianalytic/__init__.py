@@ -47,8 +47,11 @@ __all__ = [
     "CoulombFriction",
     "DataFileError",
     "Derivative",
+    "EdgeReading",
     "Fit",
+    "ForcedFront",
     "FrictionLaw",
+    "FrontLoad",
     "Gauge",
     "GrowingSlot",
     "GrowingSolution",
@@ -112,6 +115,7 @@ __all__ = [
     "find_interface",
     "find_line",
     "find_material",
+    "find_pair",
     "find_scene",
     "fit",
     "fringe_order",
@@ -131,6 +135,8 @@ __all__ = [
 ]
 
 _LATER = {
+    "semianalytic.dissimilar.described": ("find_pair",),
+    "semianalytic.dissimilar.grid_edge": ("EdgeReading",),
     "semianalytic.dissimilar.pair": ("Pair",),
     "semianalytic.dissimilar.stability": (
         "SlidingStability",
@@ -141,11 +147,18 @@ _LATER = {
     "semianalytic.dissimilar_slot.solver": ("solve_pair",),
     "semianalytic.engine.contact": ("Contact",),
     "semianalytic.engine.fields": ("Table",),
-    "semianalytic.engine.interface": ("Interface", "InterfaceLoad"),
+    "semianalytic.engine.interface": ("Interface",),
+    "semianalytic.engine.loads": ("FrontLoad", "InterfaceLoad"),
     "semianalytic.engine.law": ("InterfaceLaw",),
-    "semianalytic.engine.laws": ("Coulomb", "RateAndState", "RateDependent", "SlipDependent"),
-    "semianalytic.engine.files": ("InterfaceFile",),
-    "semianalytic.engine.named": ("find_interface",),
+    "semianalytic.engine.laws": (
+        "Coulomb",
+        "ForcedFront",
+        "RateAndState",
+        "RateDependent",
+        "SlipDependent",
+    ),
+    "semianalytic.engine.described.files": ("InterfaceFile",),
+    "semianalytic.engine.described.named": ("find_interface",),
     "semianalytic.engine.result": ("Run",),
     "semianalytic.engine.run": ("run",),
     "semianalytic.engine.stability": ("critical_wavelength", "supershear_strength"),
@@ -168,6 +181,8 @@ _LATER = {
 """Modules that a plain solution does not need, with the public names they define."""
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
+    from semianalytic.dissimilar.described import find_pair
+    from semianalytic.dissimilar.grid_edge import EdgeReading
     from semianalytic.dissimilar.pair import Pair
     from semianalytic.dissimilar.stability import (
         SlidingStability,
@@ -177,12 +192,19 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics
     from semianalytic.dissimilar_slot.solver import solve_pair
     from semianalytic.engine.contact import Contact
+    from semianalytic.engine.described.files import InterfaceFile
+    from semianalytic.engine.described.named import find_interface
     from semianalytic.engine.fields import Table
-    from semianalytic.engine.files import InterfaceFile
-    from semianalytic.engine.interface import Interface, InterfaceLoad
+    from semianalytic.engine.interface import Interface
     from semianalytic.engine.law import InterfaceLaw
-    from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
-    from semianalytic.engine.named import find_interface
+    from semianalytic.engine.laws import (
+        Coulomb,
+        ForcedFront,
+        RateAndState,
+        RateDependent,
+        SlipDependent,
+    )
+    from semianalytic.engine.loads import FrontLoad, InterfaceLoad
     from semianalytic.engine.result import Run
     from semianalytic.engine.run import run
     from semianalytic.engine.stability import critical_wavelength, supershear_strength

@@ -29,7 +29,7 @@ ARROWS = {
         "reference": "scene halfplane dissimilar",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",
-        "inversion": "scene results halfplane field selfsimilar sweeps",
+        "inversion": "scene results halfplane field selfsimilar sweeps engine",
     },
     "compare": {
         "output": "",

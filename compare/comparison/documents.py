@@ -27,6 +27,7 @@ from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
     from semianalytic import Marched, Measured, Reading, Solution
+    from semianalytic.dissimilar.pair import Pair
 
 _WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
@@ -104,7 +105,7 @@ MARCH_DIMENSIONS: Dimensions = {
 }
 
 
-def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
+def units_document(document: Any, dimensions: Any, scene: Scene | Pair) -> Any:
     """Return the unit of each number of a document, under the same names; counts have none.
 
     Parameters
@@ -112,8 +113,8 @@ def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
     document : dict, list or number
     dimensions : Dimensions, str or callable
         A callable returns them for the scene.
-    scene : Scene
-        Scene whose units are used.
+    scene : Scene or Pair
+        Scene or pair whose units are used.
     """
     if callable(dimensions):
         dimensions = dimensions(scene)

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from fem.lines import Line
 from semianalytic.engine.fields import at_nodes, sampled
-from semianalytic.engine.interface import ActingLoads, Interface
+from semianalytic.engine.interface import Interface
 from semianalytic.engine.line import Grid
+from semianalytic.engine.loads import ActingLoads
 from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]

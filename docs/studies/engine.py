@@ -14,15 +14,18 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid, quad
 
 import semianalytic as sf
 from semianalytic.engine.stability import critical_wavenumber, growth
 from semianalytic.engine.steps import Stepper
+from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
 from semianalytic.spacetime.exponentials import Antiplane, Impedance, InPlane
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "engine-checks.csv"
 COMMAND = "python -m docs.studies.engine"
 Row = tuple[str, str, str, str, str]
+Array = NDArray[np.float64]
 MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 UNIT = sf.Material(1.0, 1.0, 0.25)
 RATIOS, INERTIAS = (1.1, 1.4, 2.0), (0.01, 0.1, 0.3, 1.0, 3.0)
@@ -33,7 +36,19 @@ WEAKEST = 0.004  # V / L; half of it would need marches of 1,250 L / V
 def main() -> None:
     """Compute all rows, then write the table."""
     rows = []
-    for part in (exact, patches, statics, edges, openings, events, benchmark, dispersion):
+    parts = (
+        exact,
+        patches,
+        fronts,
+        cracks,
+        statics,
+        edges,
+        openings,
+        events,
+        benchmark,
+        dispersion,
+    )
+    for part in parts:
         for row in part():
             print(*row, sep=" | ", flush=True)
             rows.append(row)
@@ -169,6 +184,98 @@ def patches() -> Iterator[Row]:
                 yield compared(
                     f"over-stressed patch, {mode}, {nodes} nodes", "edge", edge, found, 6
                 )
+
+
+def fronts() -> Iterator[Row]:
+    """Yield slip rate and traction under waves at an angle and moving loads beside a slot."""
+    solid = sf.Material(1.0, 1.0, 1 / 3)
+    for name, front, mode, at, length in (
+        ("SV wave, -20 degrees", sf.IncidentWave("SV", -20.0, stress=0.3), "in-plane", 0.0, 12.0),
+        ("SH wave, -40 degrees", sf.IncidentWave("SH", -40.0, stress=0.3), "antiplane", 0.0, 12.0),
+        ("load that leaves at 4 c_t", sf.MovingLoad(4.0, 0.0, 1.0), "in-plane", 0.0, 12.0),
+        # it enters the slot 10 before the tip, from where waves arrive too late
+        ("load that comes at 4 c_t", sf.MovingLoad(-4.0, 0.0, 1.0), "in-plane", -10.0, 20.0),
+    ):
+        scene = sf.Scene(solid, friction=0.3, base=sf.Tractions(1.0, 0.0), load=front, mode=mode)
+        answer, end = sf.solve(scene), 1.0 - front.slowness(solid) * at
+        loads, half = [sf.FrontLoad(front, at=at)], sf.Contact.half_line()
+        face = sf.Interface(solid, sf.Coulomb(0.3), length, 1.0, 0.0, loads, half, mode)
+        for nodes in (512, 1024, 2048):
+            done = sf.run(face, end, nodes, times=[end], estimate=False)
+            near = (done.x > 0.02) & (done.x < 1.9)
+            for field in ("slip_rate", "shear_traction"):
+                yield profile(
+                    f"{name}, {nodes} nodes", field.replace("_", " "),
+                    getattr(answer, field)(done.x[near], 1.0), getattr(done, field)[0][near],
+                )  # fmt: skip
+
+
+def kostrov_slip(x: Array, speed: float, impedance: Impedance) -> Array:
+    """Return the slip (n,) of a crack |x| < v t at unit time, with unit modulus, c_t and drop.
+
+    It is 2 A sqrt(v^2 - x^2), with the stress drop (A / v) int_0^inf G(1/y) / (1/v^2 + y^2)^(3/2)
+    dy of the impedance G.
+    """
+    drop = quad(
+        lambda y: float(impedance(np.array([1 / y + 0j]))[0].real) / (speed**-2 + y * y) ** 1.5,
+        0.0,
+        np.inf,
+        epsabs=1e-13,
+        epsrel=1e-10,
+    )[0]
+    return 2 * speed / drop * np.sqrt(np.maximum(speed**2 - x * x, 0.0))
+
+
+def freund_slip(x: Array, speed: float, factors: RayleighFactors, mode: Mode) -> Array:
+    """Return the slip (n,) at 0 < x < v of a half-plane crack that runs since t = 0, at unit time.
+
+    Slot x < 0 and crack 0 < x < v t lose the shear 1 that all of the line carries before.  With the
+    slowness u = 1/v of the tip the traction is M_+(k)/M_+(0) (1 + k/u)^(-3/2), so that the slip
+    rate falls behind the tip by g(s) (s/u - 1)^(-3/2) per slowness s = t/x,
+    g = 1 / (pi s kappa M_+(0) M_+(s)); the tip's singularity is Freund's K(v) = k(v) K(0).
+    """
+    u = 1 / speed
+    w = np.linspace(0.0, math.sqrt(max(1 / x.min() / u - 1, 0.0)), 40001)
+    s = u * (1 + w * w)
+    start = factors.m_plus_at_zero[mode]
+    g = 1 / (math.pi * s * factors.kappa * start * factors.m_plus(s, mode))
+    steep = np.empty_like(w)
+    steep[1:] = (g[1:] - g[0]) / w[1:] ** 2
+    steep[0] = steep[1]
+    # the finite part of the integral, and slip over x: both with w as the variable
+    rate = 2 * u * (g[0] - w * cumulative_trapezoid(steep, w, initial=0))
+    slip = cumulative_trapezoid(2 * u * rate, w, initial=0)
+    behind = np.sqrt(np.maximum(1 / x / u - 1, 0.0))
+    return np.asarray(2 * x * np.interp(behind, w, slip))
+
+
+def cracks() -> Iterator[Row]:
+    """Yield slip of cracks of prescribed speed c_t / 2, on a whole line and beside a slot.
+
+    Kostrov's crack grows from a point, Freund's from the edge of a slot that is freed at t = 0.
+    """
+    solid, speed = sf.Material(1.0, 1.0, 1 / 3), 0.5
+    in_plane = InPlane(solid.shear_speed / solid.longitudinal_speed)
+    law = sf.ForcedFront(static=100.0, dynamic=0.0, arrival=lambda x: np.abs(x) / speed)
+    off, beside = sf.InterfaceLoad(1.0, on="slot"), sf.Contact.half_line()
+    sides: tuple[tuple[str, Mode, Impedance], ...] = (
+        ("in-plane", "II", in_plane),
+        ("antiplane", "III", Antiplane()),
+    )
+    for side, mode, impedance in sides:
+        for nodes in (512, 1024, 2048, 4096):
+            whole = sf.Interface(solid, law, 5.0, shear=1.0, mode=side, even=True)
+            half = sf.Interface(solid, law, 10.0, shear=1.0, loads=[off], contact=beside, mode=side)
+            for name, line in (("Kostrov", whole), ("Freund", half)):
+                done = sf.run(line, 1.0, nodes, times=[1.0], estimate=False)
+                near = (done.x > 0) & (done.x < speed)
+                x = done.x[near]
+                if name == "Kostrov":
+                    known = kostrov_slip(x, speed, impedance)
+                else:
+                    known = freund_slip(x, speed, rayleigh_factors(solid.poisson_ratio, mode), mode)
+                case = f"{name}'s crack, {side}, {nodes} nodes"
+                yield profile(case, "slip", known, done.slip[0][near])
 
 
 def statics() -> Iterator[Row]:

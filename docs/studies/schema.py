@@ -138,6 +138,16 @@ _LINE = _object(
     mode=TEXT,
     units=TEXT,
 )
+_PAIR = _object(
+    ("friction_law", "units"),
+    friction=NUMBER,
+    material=_MATERIAL,
+    lower_material=_MATERIAL,
+    base=_TRACTIONS,
+    load=_TRACTIONS,
+    friction_law=_KIND,
+    units=TEXT,
+)
 _PROBLEM: Schema = {"anyOf": [SCENE, _LINE]}
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
 _COUNTS = Key("rows by verdict", _of(WHOLE))
@@ -238,6 +248,21 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "until_end_time": Key(
                 "zones, slip and work until --end-time, if given", {"type": "object"}, False
             ),
+        },
+        {
+            "pair": Key("two different bodies, as their TOML file has them", _PAIR),
+            "wave_speeds": Key("speeds of the waves of both bodies", _of(_of(NUMBER))),
+            "zones": Key("velocities of the edges of slip zones", _list(_PART)),
+            "openings": Key(
+                "velocities of the edges of openings", _list(_object(inner=NUMBER, outer=NUMBER))
+            ),
+            "edge_slip_rate": Key("slip rate of two different bodies at x = 0+", NUMBER),
+            "error_estimate": _ESTIMATE,
+            "statistics": Key("cost of the computation", {"type": "object"}),
+            "until_end_time": Key(
+                "zones, slip and work until --end-time, if given", {"type": "object"}, False
+            ),
+            "points": _POINTS,
         },
     ),
     "fit": (

@@ -8,8 +8,9 @@ from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
-from semianalytic.scene.quantities import with_quantities
+from semianalytic.scene.quantities import made_in_si, with_quantities
 from semianalytic.scene.scene import Material, Tractions
+from semianalytic.scene.units import SI
 
 LARGEST_CONTRAST = 1e5
 """Largest ratio of moduli or densities.  At 1e4 the canonical matrix keeps nine digits, and it
@@ -37,6 +38,8 @@ class Pair:
         Step (P_0, Q_0): at t = 0 the slot faces receive the traction change (-P_0, -Q_0).
     friction_law : CoulombFriction or ViscousFriction
         Strength f p, or f p + viscosity |V|.
+    units : str
+        "SI" if all numbers are in m, s, kg and Pa, or "" for any consistent set.
 
     Raises
     ------
@@ -59,8 +62,13 @@ class Pair:
     base: Tractions
     load: Tractions
     friction_law: FrictionLaw = field(default_factory=CoulombFriction)
+    units: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
+        if made_in_si(self) and not self.units:
+            object.__setattr__(self, "units", SI)
+        if self.units not in ("", SI):
+            raise SceneError(f'pair: units must be "SI" or left out, got {shown(self.units)}.')
         for name, kind in (
             ("upper", Material),
             ("lower", Material),
@@ -102,7 +110,9 @@ class Pair:
     def exchanged(self) -> Pair:
         """The same pair described from below: bodies change places, and y and shear change sign."""
         base, load = (Tractions(one.pressure, -one.shear) for one in (self.base, self.load))
-        return Pair(self.lower, self.upper, self.friction, base, load, self.friction_law)
+        return Pair(
+            self.lower, self.upper, self.friction, base, load, self.friction_law, self.units
+        )
 
 
 def check_contrast(upper: Material, lower: Material, largest: float) -> None:

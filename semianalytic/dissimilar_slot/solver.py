@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from time import perf_counter
 
 import numpy as np
 
 from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.delay import fastest_delayed_growth
+from semianalytic.dissimilar.described import find_pair
 from semianalytic.dissimilar.growth import growing_waves
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar.thresholds import LEAST_FRICTION, growth_threshold, stoneley_speed
@@ -55,12 +57,13 @@ _LEAST_SINGULAR_VALUE = 1e-4
 an edge next to a wave front."""
 
 
-def solve_pair(pair: Pair, *, rtol: float = 1e-8) -> PairSolution:
+def solve_pair(pair: Pair | str | PathLike[str], *, rtol: float = 1e-8) -> PairSolution:
     """Solve a pair for slip, stick and opening on its interface.
 
     Parameters
     ----------
-    pair : Pair
+    pair : Pair, str or path
+        Two bodies, or a name or file as for `find_pair`.
     rtol : float
         Wanted accuracy, between 1e-10 and 1e-2, of all that `PairSolution.error_estimate` is said
         to bound.
@@ -89,10 +92,12 @@ def solve_pair(pair: Pair, *, rtol: float = 1e-8) -> PairSolution:
     >>> answer.edge_speeds.round(1)  # of slip, in m/s; nearer to the slot the contact is open
     array([[  5.1, 903.6]])
     """
+    if isinstance(pair, str | PathLike):
+        pair = find_pair(pair)
     if not isinstance(pair, Pair):
         raise SceneError(
-            "solve_pair: pair must be a Pair of two materials with friction and tractions, got "
-            f"{shown(pair)}."
+            "solve_pair: pair must be a Pair of two materials with friction and tractions, or the "
+            f"name or file of one, got {shown(pair)}."
         )
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-10 and 1e-2", lambda given: 1e-10 <= given <= 1e-2

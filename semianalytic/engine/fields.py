@@ -42,6 +42,8 @@ _OPERATORS: Mapping[type, Callable[..., Any]] = {
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
 }
+RESERVED = ("x", "t", "pi", "factor", *_FUNCTIONS)
+"""Names that have a meaning in expressions."""
 LONGEST = 2000
 """Characters of an expression; longer ones belong in a table or a script."""
 
@@ -125,6 +127,26 @@ class Table:
         return cls(x, values)
 
 
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """A field, or a function of time, times a factor.
+
+    Parameters
+    ----------
+    field : function or Table
+        What is multiplied.
+    factor : float
+        The factor.
+    """
+
+    field: Any
+    factor: float
+
+    def __call__(self, *values: Any) -> Any:
+        """Return the product at arguments, as the field itself would take them."""
+        return self.factor * np.asarray(self.field(*values), dtype=float)
+
+
 Field = float | Callable[[Array], Any] | Table
 """A number, a function of x (n,) that returns (n,), or a `Table`."""
 
@@ -203,6 +225,8 @@ class Expression:
         The expression, such as "where(abs(x) < 1, 0.6, 0.2)".
     variables : tuple of str
         Names of the arguments, in order.
+    numbers : mapping of name to number, optional
+        Numbers that the expression may name; of these it keeps those that it does.
 
     Raises
     ------
@@ -210,8 +234,14 @@ class Expression:
         If it contains anything else.
     """
 
-    def __init__(self, text: str, variables: tuple[str, ...]) -> None:
+    def __init__(
+        self,
+        text: str,
+        variables: tuple[str, ...],
+        numbers: Mapping[str, float] | None = None,
+    ) -> None:
         self.text, self.variables = text, variables
+        self.numbers: dict[str, float] = {}
         try:
             tree = ast.parse(" ".join(text.split()), mode="eval") if len(text) <= LONGEST else None
         except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -219,12 +249,19 @@ class Expression:
         if tree is None:
             raise SceneError(f"{shown(text)} is not an expression such as 1 + 0.1 * exp(-x**2).")
         self._body = tree.body
+        names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+        self.numbers = {name: one for name, one in (numbers or {}).items() if name in names}
         with np.errstate(all="ignore"):
             self(*(np.array([0.5]) for _ in variables))
 
     def __call__(self, *values: Any) -> Any:
         """Return the value at arguments, which broadcast."""
-        return self._value(self._body, dict(zip(self.variables, values, strict=True)))
+        given = zip(self.variables, values, strict=True)
+        return self._value(self._body, {**self.numbers, **dict(given)})
+
+    def with_numbers(self, numbers: Mapping[str, float]) -> Expression:
+        """Return the expression with other values of some of the numbers that it names."""
+        return Expression(self.text, self.variables, {**self.numbers, **numbers})
 
     def __repr__(self) -> str:
         return self.text
@@ -253,5 +290,6 @@ class Expression:
                     ) from error
         raise SceneError(
             f"{shown(self.text)}: {ast.unparse(node)} is not known here; use "
-            f"{', '.join(self.variables)}, pi, + - * / **, < > <= >=, {', '.join(_FUNCTIONS)}."
+            f"{', '.join((*self.variables, *self.numbers))}, pi, + - * / **, < > <= >=, "
+            f"{', '.join(_FUNCTIONS)}."
         )

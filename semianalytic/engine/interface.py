@@ -3,163 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.dissimilar.kernels import BodyPair
 from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
 from semianalytic.engine.contact import Contact
-from semianalytic.engine.fields import at_nodes, check_field
+from semianalytic.engine.fields import check_field
 from semianalytic.engine.law import InterfaceLaw
+from semianalytic.engine.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loads import LoadHistory, Step
+from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.material import Material
 
-Array = NDArray[np.float64]
-
 MODES = ("in-plane", "antiplane")
-
-
-@dataclass(frozen=True, eq=False)
-class InterfaceLoad:
-    """Tractions that act from t = 0 on: fields along x times a history of time.
-
-    Parameters
-    ----------
-    shear : field or function of x and t
-        Shear traction [stress]; a number, a function of x or a `Table`.  With ``history=None`` it
-        is a function of x (n,) and t that returns the traction itself.
-    history : LoadHistory, function of t, or None
-        Factor over time, a step at t = 0 by default.
-    on : str
-        "line": the tractions that an interface without slots, slip and gap would carry, such as
-        those of an over-stressed patch or of a wave.  "slot": taken off the faces of slots.
-    pressure : field or function of x and t
-        Pressure [stress], positive in compression, given like `shear`.  The contact opens where the
-        total pressure would be negative.
-
-    Raises
-    ------
-    SceneError
-        If a parameter is of the wrong kind.
-
-    Examples
-    --------
-    >>> from semianalytic import InterfaceLoad
-    >>> load = InterfaceLoad(lambda x: 2.0 * (abs(x) < 1), history=lambda t: min(t, 1.0))
-    >>> load.traction([0.0, 3.0], 0.5).tolist()
-    [1.0, 0.0]
-    >>> lifted = InterfaceLoad(pressure=-3.0)
-    >>> lifted.traction([0.0], 1.0, of="pressure").tolist(), lifted.acts("shear")
-    ([-3.0], False)
-    """
-
-    shear: Any = 0.0
-    history: LoadHistory | Callable[[float], float] | None = Step()  # noqa: RUF009
-    on: str = "line"
-    pressure: Any = 0.0
-
-    def __post_init__(self) -> None:
-        history = self.history
-        if not (history is None or isinstance(history, LoadHistory) or callable(history)):
-            raise SceneError(
-                f"load: history must be a LoadHistory or a function of t, got {shown(history)}."
-            )
-        if self.on not in ("line", "slot"):
-            raise SceneError(f'load: on must be "line" or "slot", got {shown(self.on)}.')
-        for name in ("shear", "pressure"):
-            field = getattr(self, name)
-            check_field(f"load: {name}", field)
-            if history is None and self.acts(name) and not callable(field):
-                raise SceneError(f"load: without a history `{name}` must be a function of x and t.")
-
-    def acts(self, name: str) -> bool:
-        """Return whether the load has "shear" or "pressure": anything but the number 0."""
-        field = getattr(self, name)
-        return callable(field) or float(field) != 0
-
-    def traction(self, x: Any, t: float, after: bool = False, of: str = "shear") -> Array:
-        """Return the shear, or the pressure, at positions x (n,) at a time, (n,) [stress].
-
-        At a jump of the history this is the value before it, or the one `after` it.
-        """
-        x, field = np.asarray(x, dtype=float), getattr(self, of)
-        if self.history is None:
-            return np.asarray(field(x, t) if callable(field) else 0 * x, dtype=float)
-        shape = field(x) if callable(field) else field
-        return np.broadcast_to(np.asarray(shape, dtype=float) * self.factor(t, after), x.shape)
-
-    def factor(self, t: float, after: bool = False) -> float:
-        """Return the factor at a time; at a jump, the value before it or the one `after` it."""
-        if isinstance(self.history, LoadHistory):
-            return float(self.history.value(math.nextafter(t, math.inf) if after else t))
-        return float(self.history(t)) if self.history is not None else 1.0
-
-    @property
-    def jumps(self) -> list[float]:
-        """Times at which the load jumps."""
-        if isinstance(self.history, LoadHistory):
-            return [float(at) for at, _ in self.history.pieces.jumps]
-        return []
-
-
-class ActingLoads:
-    """Shear or pressure at the nodes of a grid over time: the base traction and the loads.
-
-    Parameters
-    ----------
-    of : str
-        "shear" or "pressure".
-    base : (n,) array
-        Traction before t = 0 [stress].
-    loads : sequence of InterfaceLoad
-        Loads, of which those that have this traction are added.
-    x : (n,) array
-        Positions of the nodes [length].
-    touching : (n,) array of bool
-        Whether the bodies touch there.
-    """
-
-    def __init__(
-        self,
-        of: str,
-        base: Array,
-        loads: Sequence[InterfaceLoad],
-        x: Array,
-        touching: NDArray[np.bool_],
-    ) -> None:
-        self._of, self._base, self._x = of, base, x
-        # The field of a load that is a product of space and time is sampled only once.
-        self._parts: list[tuple[Array | None, InterfaceLoad]] = []
-        for load in loads:
-            if load.acts(of):
-                field = None
-                if load.history is not None:
-                    where = touching | True if load.on == "line" else ~touching
-                    field = at_nodes(f"load: {of}", getattr(load, of), x, where)
-                self._parts.append((field, load))
-
-    def __call__(self, time: float, after: bool = False) -> tuple[Array, Array]:
-        """Return the traction that an uncut line carries, and that of slot faces, (n,) each.
-
-        At a jump of a load these are the values before it, or those `after` it.
-        """
-        line, slot = self._base.copy(), self._base.copy()
-        for field, load in self._parts:
-            if field is None:
-                value = load.traction(self._x, time, of=self._of)
-            else:
-                value = field * load.factor(time, after)
-            if load.on == "line":
-                line += value
-            else:
-                slot -= value
-        return line, slot
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,8 +40,9 @@ class Interface:
         Contact pressure [stress], 0 or more.
     shear : field
         Shear traction before slip, in place at t = 0 [stress].
-    loads : sequence of InterfaceLoad
-        Shear and pressure that are added from t = 0 on.
+    loads : sequence of InterfaceLoad, IncidentWave, MovingLoad or FrontLoad
+        Shear and pressure that are added from t = 0 on.  A wave or moving load given itself is a
+        `FrontLoad` whose front is at x = 0 at t = 0.
     contact : Contact
         Where the bodies touch; everywhere by default.
     mode : str
@@ -219,7 +78,7 @@ class Interface:
     length: float
     pressure: Any = 1.0
     shear: Any = 0.0
-    loads: Sequence[InterfaceLoad] = ()
+    loads: Any = ()
     contact: Contact = Contact()  # noqa: RUF009
     mode: str = "in-plane"
     rate: Any = 0.0
@@ -239,10 +98,7 @@ class Interface:
         object.__setattr__(self, "length", checked_size("interface: length", self.length))
         for name in ("pressure", "shear", "rate"):
             check_field(f"interface: {name}", getattr(self, name))
-        loads = [self.loads] if isinstance(self.loads, InterfaceLoad) else list(self.loads)
-        if not all(isinstance(load, InterfaceLoad) for load in loads):
-            raise SceneError(f"interface: loads must be InterfaceLoads, got {shown(self.loads)}.")
-        object.__setattr__(self, "loads", tuple(loads))
+        object.__setattr__(self, "loads", self._bound_loads())
         if not isinstance(self.contact, Contact):
             raise SceneError(f"interface: contact must be a Contact, got {shown(self.contact)}.")
         if self.mode not in MODES:
@@ -251,6 +107,9 @@ class Interface:
             raise SceneError(f"interface: even must be true or false, got {shown(self.even)}.")
         if self.lower_material is not None:
             self._check_lower(self.lower_material)
+        for load in self.loads:
+            if isinstance(load, FrontLoad):
+                self._check_front(load)
         if self.mode == "antiplane" and self.may_open:
             raise SceneError(
                 "interface: loads of an antiplane interface have no pressure; leave it out or set "
@@ -260,6 +119,41 @@ class Interface:
         object.__setattr__(self, "plate_rate", plate)
         if self.held != math.inf:
             object.__setattr__(self, "held", checked_size("interface: held", self.held))
+
+    def _bound_loads(self) -> tuple[InterfaceLoad | FrontLoad, ...]:
+        """Return the loads, fronts of them with the material of the upper body."""
+        given: Any = self.loads
+        single = isinstance(given, InterfaceLoad | FrontLoad | IncidentWave | MovingLoad)
+        loads: list[InterfaceLoad | FrontLoad] = []
+        for load in [given] if single else list(given):
+            if isinstance(load, IncidentWave | MovingLoad):
+                load = FrontLoad(load)
+            if not isinstance(load, InterfaceLoad | FrontLoad):
+                raise SceneError(
+                    "interface: loads must be InterfaceLoads, incident waves or moving loads, got "
+                    f"{shown(load)}."
+                )
+            loads.append(load.of(self.material) if isinstance(load, FrontLoad) else load)
+        return tuple(loads)
+
+    def _check_front(self, load: FrontLoad) -> None:
+        front = load.front
+        if isinstance(front, IncidentWave):
+            known = ("SH",) if self.mode == "antiplane" else ("P", "SV")
+            if front.kind not in known:
+                raise SceneError(
+                    f"interface: a wave that arrives {self.mode} must be of kind "
+                    f"{' or '.join(known)}, got {front.kind}."
+                )
+            if self.pair is not None:
+                raise SceneError(
+                    "interface: a plane wave is partly reflected where the bodies differ, which is "
+                    "not computed; give its tractions on the bonded line as an InterfaceLoad."
+                )
+        if self.even and load.front.slowness(self.material):
+            raise SceneError(
+                "interface: a front that runs along x is not even in x; set even = false."
+            )
 
     def _check_lower(self, lower: Material) -> None:
         if not isinstance(lower, Material):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,15 @@ Array = NDArray[np.float64]
 BALANCE = 60
 """Most Newton steps for the local balance of rate-and-state friction, which takes 4 to 8: half as
 many or twice as many change nothing."""
+
+DIMENSIONS: Mapping[str, str] = {
+    **dict.fromkeys(("friction", "static", "dynamic", "a", "b", "f0", "weakened"), "1"),
+    **{"cohesion": "stress", "viscosity": "stress time / length"},
+    **dict.fromkeys(("delay", "theta", "arrival", "fall"), "time"),
+    **dict.fromkeys(("distance", "delay_slip"), "length"),
+    **dict.fromkeys(("rate", "v0", "weakening_rate"), "length / time"),
+}
+"""Dimensions of the parameters of laws by name; those of other laws may go by the same names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,6 +205,66 @@ class SlipDependent(InterfaceLaw):
         """Return the steepest fall [stress / length]; see `InterfaceLaw.weakening`."""
         fall = (self.static - self.dynamic) * pressure + self.cohesion
         return float(np.max(fall / self.distance))
+
+
+@dataclass(frozen=True, eq=False)
+class ForcedFront(InterfaceLaw):
+    """Friction that falls from static to dynamic when a front arrives, whatever the slip.
+
+    The state is the time since t = 0.  With a static friction that is never reached the front is
+    that of a rupture of prescribed speed (Kostrov 1964).
+
+    Parameters
+    ----------
+    static, dynamic : field
+        Coefficients before and after the front.
+    arrival : field
+        Time at which the front arrives [time], such as ``lambda x: abs(x) / speed``.
+    fall : field
+        Time over which friction falls from then on [time]; 0 for at once.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from semianalytic import ForcedFront
+    >>> law = ForcedFront(static=0.6, dynamic=0.2, arrival=1.0, fall=2.0)
+    >>> law.strength(1.0, 0.0, np.array([0.5, 2.0, 4.0])).round(6).tolist()
+    [0.6, 0.4, 0.2]
+    """
+
+    static: Any
+    dynamic: Any
+    arrival: Any
+    fall: Any = 0.0
+
+    def __post_init__(self) -> None:
+        owner = "ForcedFront"
+        not_negative(owner, static=self.static, dynamic=self.dynamic, fall=self.fall)
+
+    def evolved(self, state: Array, speed: Array, time: float) -> Array:
+        """Return the time since t = 0; see `InterfaceLaw.evolved`."""
+        return state + time
+
+    def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
+        """Return the strength at a time; see `InterfaceLaw.strength`."""
+        since, fall = state - self.arrival, np.asarray(self.fall, dtype=float)
+        gone = np.where(fall > 0, np.clip(since / np.where(fall > 0, fall, 1.0), 0, 1), since >= 0)
+        friction = self.static + (self.dynamic - self.static) * gone
+        return np.asarray(friction * pressure + 0 * speed)
+
+    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
+        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
+        strength = self.strength(pressure, np.zeros(len(pressure)), state)
+        return np.asarray(np.maximum(stopping - strength, 0.0) / impedance)
+
+    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
+        """Return 0; see `InterfaceLaw.rate_slope`."""
+        return np.zeros(len(pressure))
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,10 +33,17 @@ class Record:
         Largest number of frames.
     times : sequence of float, optional
         Times [time], in increasing order, at which fields are recorded instead.
+    slipping : float
+        |slip rate| beyond which slip has begun at a node [length / time].
     """
 
     def __init__(
-        self, stepper: Stepper, every: int, frames: int, times: Sequence[float] | None = None
+        self,
+        stepper: Stepper,
+        every: int,
+        frames: int,
+        times: Sequence[float] | None = None,
+        slipping: float = 0.0,
     ) -> None:
         self.every, self.frames, self.count = every, frames, 0
         self.times = None if times is None else list(times)
@@ -45,10 +52,12 @@ class Record:
         self.step_times: list[float] = []
         self.peak_rates: list[float] = []
         self._touching = stepper.touching
+        self.slipping, self.onset = slipping, np.full(len(stepper.grid.x), np.nan)
 
     def begin(self, now: State) -> None:
         """Record the state at the beginning of the run."""
         self._peak(now)
+        self._begun(now, now)
         if self.times is None:
             self._write(now.time, self._shown(now))
         else:
@@ -59,6 +68,7 @@ class Record:
         """Record a step: fields if they are due, and its time and largest slip rate always."""
         self.count += 1
         self._peak(now)
+        self._begun(before, now)
         if self.times is None:
             if self.count % self.every == 0:
                 self._write(now.time, self._shown(now))
@@ -78,6 +88,15 @@ class Record:
         self.step_times.append(now.time)
         on = now.rate[self._touching]
         self.peak_rates.append(float(np.abs(on).max()) if len(on) else 0.0)
+
+    def _begun(self, before: State, now: State) -> None:
+        """Note when slip begins: the slip rate is linear over a step."""
+        old, new = np.abs(before.rate), np.abs(now.rate)
+        first = self._touching & np.isnan(self.onset) & (new > self.slipping)
+        if first.any():
+            rise = np.maximum(new - old, 1e-300)[first]
+            share = np.clip((self.slipping - old[first]) / rise, 0.0, 1.0)
+            self.onset[first] = before.time + share * (now.time - before.time)
 
     def _write(self, time: float, shown: Sequence[Array]) -> None:
         self.t.append(time)
@@ -125,6 +144,7 @@ def checkpoint(stepper: Stepper, record: Record, now: State, print_of: str) -> d
         "fingerprint": print_of,
         "every": record.every,
         "count": record.count,
+        "slipping": record.slipping,
     }
 
 
@@ -182,6 +202,7 @@ def resumed(
             record.fields[name].pop()
     elif record.times is not None:
         record.times = [one for one in record.times if one > earlier.end_time]
+    record.slipping, record.onset = float(kept["slipping"]), earlier.onset.copy()
     record.step_times, record.peak_rates = list(earlier.step_times), list(earlier.peak_rates)
     scalars: dict[str, Any] = {"time": float(kept["time"]), "rung": int(kept["rung"])}
     arrays: dict[str, Any] = {

@@ -21,12 +21,13 @@ from semianalytic.engine.tuning import (
     LEAST_NODES,
     MOST_NODES,
     NODES,
+    SLIPPING_SHARE,
     STEP_RATIO,
     ZONE_NODES,
 )
 from semianalytic.engine.window import doubt_of
 from semianalytic.results.interruption import deferred_interrupt
-from semianalytic.scene.checks import checked_count, checked_size, shown
+from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
@@ -43,6 +44,7 @@ def run(
     every: int = 1,
     frames: int = 400,
     times: Sequence[float] | None = None,
+    slipping: float | None = None,
     estimate: bool = True,
     go_on: Run | None = None,
     progress: Progress | None = None,
@@ -72,6 +74,10 @@ def run(
         second one is dropped and `every` doubles.
     times : sequence of float, optional
         Times at which fields are stored instead [time].
+    slipping : float, optional
+        |slip rate| beyond which slip has begun, for `Run.onset` [length / time].  By default it is
+        0 for laws that stick, and a thousandth of the largest pressure over the impedance for
+        rate-and-state friction, which always slips.
     estimate : bool
         Whether to compute the second run, on which the error estimates rest.
     go_on : Run, optional
@@ -120,7 +126,10 @@ def run(
         times = sorted(float(one) for one in times)
         if not times or times[0] < 0 or times[-1] > end_time:
             raise SceneError("run: times must lie between 0 and the end time.")
+    if slipping is not None:
+        slipping = checked_number("run: slipping", slipping, "be 0 or more", lambda one: one >= 0)
     options = {"step_ratio": step_ratio, "every": every, "frames": frames, "times": times}
+    options["slipping"] = slipping
     if go_on is not None:
         nodes = go_on.nodes if nodes is None else nodes
     count = _checked_nodes(NODES if nodes is None else nodes)
@@ -165,7 +174,8 @@ def _one(
     stepper = Stepper(interface, nodes, options["step_ratio"], end_time=end_time, **settings)
     if check:
         stepper.check_sliding()
-    record = Record(stepper, options["every"], options["frames"], options["times"])
+    begun = _slipping(stepper) if options["slipping"] is None else options["slipping"]
+    record = Record(stepper, options["every"], options["frames"], options["times"], begun)
     print_of = fingerprint(stepper)
     if go_on is None:
         now = stepper.begin()
@@ -205,11 +215,19 @@ def _one(
         state=np.array(record.fields["state"]),
         pressure=np.array(record.fields["pressure"]),
         gap=np.array(record.fields["gap"]),
+        onset=record.onset,
         step_times=np.array(record.step_times),
         peak_rates=np.array(record.peak_rates),
         status=status,
         checkpoint=checkpoint(stepper, record, now, print_of),
     )
+
+
+def _slipping(stepper: Stepper) -> float:
+    """Return the slip rate beyond which slip has begun, by default [length / time]."""
+    if stepper.law.has_threshold:
+        return 0.0
+    return SLIPPING_SHARE * float(stepper.pressure.max(initial=0.0)) / stepper.impedance
 
 
 def _estimated(

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.contact import Faces, Parting, Unilateral
 from semianalytic.engine.fields import required, sampled
-from semianalytic.engine.interface import ActingLoads, Interface
+from semianalytic.engine.interface import Interface
 from semianalytic.engine.law import check_law
 from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
+from semianalytic.engine.loads import ActingLoads
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
     CROSSINGS,
@@ -108,11 +109,12 @@ class Stepper:
         )
         # a slot carries base shear before the load, as if it were closed
         self.shear = sampled("interface: shear", interface.shear, x)
-        self.loads = ActingLoads("shear", self.shear, interface.loads, x, self.touching)
         self.pair, self.impedance = interface.pair, interface.impedance
         self._speed = material.shear_speed if self.pair is None else self.pair.speed
         fastest = material.shear_speed if self.pair is None else self.pair.fastest
         self.shortest = step_ratio * self.grid.spacing / fastest
+        loads = interface.loads
+        self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
         q = math.pi / self.grid.spacing
         reach = q * min(self._speed * end_time, CROSSINGS * interface.length)
         horizon = min(max(reach, LEAST_HORIZON), LARGEST_HORIZON)
@@ -121,9 +123,10 @@ class Stepper:
         self.memory, opening, stiffness = self._memories(horizon, tolerance)
         self.unilateral = None
         if opening is not None:
-            loads = ActingLoads("pressure", self._base(), interface.loads, x, self.touching)
+            base, step = self._base(), self.shortest
+            pressed = ActingLoads("pressure", base, loads, x, self.touching, step)
             stiff = interface.opening_impedance
-            self.unilateral = Unilateral(stiff, opening, self.grid, loads, self.touching)
+            self.unilateral = Unilateral(stiff, opening, self.grid, pressed, self.touching)
         self._bound = bound_share * 2 / (stiffness * q)
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)

@@ -47,3 +47,6 @@ LEAST_GAP = 0.01
 """Part of the slip, in L1, below which a gap decides nothing: beside a slot of different bodies
 some nodes open, by 2e-4 of the slip, and differ from grid to grid.  With a tenth of this value the
 same runs are resolved; with ten times, the opening of `lift-off-shear`, 6 %, would not count."""
+SLIPPING_SHARE = 1e-3
+"""Slip rate over pressure / impedance beyond which slip under rate-and-state friction has begun:
+26 mm/s for TPV101."""

@@ -22,6 +22,27 @@ _NODES = 512
 
 
 @lru_cache(maxsize=1)
+def log_factor() -> Array:
+    """Return the coefficients of z, z^2, ... in ln P_+(z)."""
+    angle = 2 * np.pi * np.arange(_CIRCLE) / _CIRCLE
+    angle = np.minimum(angle, 2 * np.pi - angle)
+    ratio = np.ones(_CIRCLE)
+    ratio[1:] = angle[1:] / (2 * np.sin(angle[1:] / 2))
+    # The series of ln P(theta) in cos(n theta): its coefficients n > 0 are those of ln P_+(z).
+    return np.asarray(np.fft.ifft(np.log(ratio)).real[1 : _CIRCLE // 2])
+
+
+def exponential(series: NDArray[np.inexact]) -> NDArray[np.inexact]:
+    """Return the coefficients of exp(sum_k c_k z^k), (m + 1,), given c_k for k = 1 ... m."""
+    values = np.zeros(len(series) + 1, dtype=series.dtype)
+    values[0] = 1.0
+    moments = np.arange(1, len(values)) * series
+    for n in range(1, len(values)):  # n p_n = sum k c_k p_(n - k)
+        values[n] = moments[:n] @ values[n - 1 :: -1][:n] / n
+    return values
+
+
+@lru_cache(maxsize=1)
 def edge_offset_and_factors() -> tuple[float, Array]:
     """Return the offset of the grid's own edge, and the factors of the first nodal values.
 
@@ -31,22 +52,12 @@ def edge_offset_and_factors() -> tuple[float, Array]:
     """
     from scipy.special import gammaln
 
-    # The series of ln P(theta) in cos(n theta): its coefficients n > 0 are those of ln P_+(z).
-    angle = 2 * np.pi * np.arange(_CIRCLE) / _CIRCLE
-    angle = np.minimum(angle, 2 * np.pi - angle)
-    ratio = np.ones(_CIRCLE)
-    ratio[1:] = angle[1:] / (2 * np.sin(angle[1:] / 2))
-    cepstrum = np.fft.ifft(np.log(ratio)).real[1 : _CIRCLE // 2]
+    cepstrum = log_factor()
     moments = np.cumsum(np.arange(1, _CIRCLE // 2) * cepstrum)
     # The slope of ln P_+ at z = 1 moves the edge: offset = 1/4 - sum n c_n.  The kink of |theta| at
     # pi makes the sum alternate; its last two partial sums bracket it.
     offset = 0.25 - float(np.mean(moments[-2:]))
-    smooth = np.zeros(_NODES)
-    smooth[0] = 1.0
-    # coefficients of exp(sum c_n z^n) by the recursion n p_n = sum k c_k p_(n - k)
-    for n in range(1, _NODES):
-        k = np.arange(1, n + 1)
-        smooth[n] = (k * cepstrum[:n]) @ smooth[n - 1 :: -1][:n] / n
+    smooth = exponential(cepstrum[: _NODES - 1])
     node = np.arange(_NODES)
     # coefficients of sqrt(pi) / sqrt(1 - z)
     root = np.exp(gammaln(node + 0.5) - gammaln(node + 1))

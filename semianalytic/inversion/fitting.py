@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.gauges import Gauge, check_quantity
+from semianalytic.inversion.gauges import Gauge, check_gauge
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.search import Minimum, minima
@@ -18,9 +19,13 @@ from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
 from semianalytic.results.notebook import html_table
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.named import checked_scene
+from semianalytic.scene.named import NAMED_SCENES, checked_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
+
+if TYPE_CHECKING:
+    from semianalytic.engine.described.files import InterfaceFile
+    from semianalytic.engine.interface import Interface
 
 UNCONSTRAINED = 1.0
 """Standard error over the size of a parameter from which data are said not to constrain it."""
@@ -35,6 +40,9 @@ SILENT = 1e-6
 rounding leaves 1e-14 of it."""
 ROUGH = 0.2
 """Relative error of derivatives in the bodies from which on the status says so."""
+COARSE = 1.0
+"""Change of what gauges see by the grid, over the noise, from which on the status says so: values
+are off by up to a standard error."""
 TOO_RARE = 1e-6
 """Probability of the misfits, if noise and priors are right, below which the status says that they
 are not.  For 100 samples it is reached when the noise is 1.35 times as large as stated; 1e-3 is
@@ -64,7 +72,7 @@ class Fit:
         "converged", or a sentence saying what to distrust.  It also says so if the misfits, or the
         distances of estimates from their priors, would occur in only one fit in a million.
     solution : Solution
-        Solution of the scene with these parameters.
+        Solution of the scene with these parameters; of an interface its `run`, as `solution.run`.
     setup : Setup
         Set-up of the gauges with these parameters.
     gauges : tuple of Gauge
@@ -160,15 +168,16 @@ class Fit:
 
 def fit(
     gauges: Sequence[Gauge],
-    scene: Scene | str | PathLike[str],
+    scene: Scene | Interface | InterfaceFile | str | PathLike[str],
     parameters: str | Sequence[str],
     *,
     priors: Mapping[str, Prior] | None = None,
     setup: Setup | None = None,
     rtol: float = 1e-8,
+    nodes: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Fit:
-    """Fit parameters of a scene, and of the set-up, to gauge records by least squares.
+    """Fit parameters of a scene or interface, and of the set-up, to records by least squares.
 
     docs/inversion.md describes the method.
 
@@ -176,19 +185,22 @@ def fit(
     ----------
     gauges : sequence of Gauge
         Records, each with its noise.
-    scene : Scene, str or path
+    scene : Scene, Interface, InterfaceFile, str or path
         Values of all parameters that are not fitted, and a first guess of those that are; or the
-        name or file of a scene as for `find_scene`.
+        name or file of a scene or an interface as for `find_scene` and `find_interface`.
     parameters : str, or sequence of str
         Any of "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
         "load_shear", "viscosity", "shear_modulus", "density" of the scene; "t0", "x0" and "gain"
-        of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.
+        of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.  Those of an interface
+        go by their places in a file, such as "law.distance" (docs/engine.md).
     priors : mapping from names to Normal, LogNormal or Uniform, optional
         Prior knowledge of parameters; it also tells the search where to look.
     setup : Setup, optional
         Set-up of the gauges, for its parameters that are not fitted.
     rtol : float
-        Accuracy of the solutions, as in `solve`.
+        Accuracy of the solutions, as in `solve`; interfaces have `nodes`.
+    nodes : int, optional
+        Nodes of an interface, those of its file, or 512, by default.
     progress : callable, optional
         Called as ``progress(done, total)`` with the number of times that the gauges were computed
         and how often the search will compute them at most, which is revised on the way.
@@ -219,12 +231,9 @@ def fit(
     gauges = tuple(gauges) if isinstance(gauges, Iterable) else ()
     names = (parameters,) if isinstance(parameters, str) else tuple(parameters)
     _check_kinds(priors, setup)
-    scene = checked_scene("fit", scene)
-    priors = dict(priors or {})
-    _check(gauges, scene, names, priors)
-    samples = Samples(gauges)
-    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
-    trials = Trials(samples, Unknowns(names, scene, setup or Setup(), duration), priors, rtol)
+    priors, setup = dict(priors or {}), setup or Setup()
+    trials = _trials(gauges, scene, names, priors, setup, rtol, nodes)
+    names = trials.unknowns.names
     trials.progress = progress
     trials.jacobian(trials.start)  # refuses what has no solution or derivative
     ends = minima(trials)
@@ -236,12 +245,15 @@ def fit(
     derivative_error = trials.difference_error(best.scaled)
     trials.progress = None  # a posterior goes on with these trials and reports its own steps
     scene, fitted = trials.at(best.scaled)
-    solution = trials.solution(best.scaled)
+    solution = trials.final(best.scaled)
     status = _status(ends, solution, unconstrained, covariance, trials)
     if status == "converged" and derivative_error > ROUGH:
         status = (
-            f"derivatives in the bodies are off by {derivative_error:.0%}, and the errors as much"
+            f"derivatives by differences are off by {derivative_error:.0%}, and the errors as much"
         )
+    off = trials.grid_error(best.scaled, solution)
+    if status == "converged" and off > COARSE:
+        status = f"the grid changes what gauges see by {off:.2g} times the noise; raise `nodes`"
     return Fit(
         parameters=names,
         values=best.scaled * size,
@@ -259,6 +271,37 @@ def fit(
         solutions=trials.count,
         trials=trials,
     )
+
+
+def _trials(
+    gauges: tuple[Gauge, ...],
+    given: object,
+    names: tuple[str, ...],
+    priors: Mapping[str, Prior],
+    setup: Setup,
+    rtol: float,
+    nodes: int | None,
+) -> Trials:
+    """Return the trials of a fit, after checking what was asked."""
+    if not gauges or not all(isinstance(one, Gauge) for one in gauges):
+        raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
+    if not isinstance(given, Scene) and given not in NAMED_SCENES:
+        # here, for fits of scenes are to be quick to import
+        from semianalytic.engine.described.named import described_interface
+
+        if (described := described_interface(given)) is not None:
+            from semianalytic.inversion.interfaces import interface_name, interface_trials
+
+            names = tuple(interface_name(described.interface, name) for name in names)
+            _check_priors(gauges, names, priors)
+            return interface_trials(gauges, described, names, priors, setup, nodes)
+    if nodes is not None:
+        raise SceneError("fit: nodes have no effect on a scene, which has rtol; leave them out.")
+    scene = checked_scene("fit", given)
+    _check(gauges, scene, names, priors)
+    samples = Samples(gauges)
+    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
+    return Trials(samples, Unknowns(names, scene, setup, duration), priors, rtol)
 
 
 def _check_kinds(priors: object, setup: object) -> None:
@@ -279,11 +322,16 @@ def _check(
     priors: Mapping[str, Prior],
 ) -> None:
     """Raise SceneError if the records cannot be fitted with these parameters."""
-    if not gauges or not all(isinstance(one, Gauge) for one in gauges):
-        raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
     for gauge in gauges:
-        check_quantity(gauge.quantity, scene)
+        check_gauge(gauge, scene)
     check_names(names, gauges, scene)
+    _check_priors(gauges, names, priors)
+
+
+def _check_priors(
+    gauges: tuple[Gauge, ...], names: tuple[str, ...], priors: Mapping[str, Prior]
+) -> None:
+    """Raise SceneError for priors of no unknown, and for fewer samples than unknowns."""
     for name, prior in priors.items():
         if name not in names:
             raise SceneError(f"fit: there is a prior of {shown(name)}, which is not fitted.")

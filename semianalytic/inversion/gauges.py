@@ -50,7 +50,7 @@ class Gauge:
     Parameters
     ----------
     x : float
-        Position along the contact [length]; positive for quantities of the interface.
+        Position along the contact [length]; in scenes positive for quantities of the interface.
     t : (n,) array
         Times of the samples [time], ascending.
     values : (n,) array
@@ -95,7 +95,7 @@ class Gauge:
             known = ", ".join(QUANTITIES)
             raise SceneError(f"gauge: quantity must be among {known}, got {shown(self.quantity)}.")
         if self.on_interface:
-            object.__setattr__(self, "x", checked_size("gauge: x", self.x))
+            object.__setattr__(self, "x", checked_number("gauge: x", self.x))
             if self.y is not None:
                 raise SceneError(f"gauge: {self.quantity} is of the interface; leave y out.")
         else:
@@ -168,8 +168,11 @@ def checked_noise(given: ArrayLike, values: Array) -> float | Array:
     return noise if noise.ndim else float(noise)
 
 
-def check_quantity(quantity: str, scene: Scene) -> None:
-    """Raise SceneError if a scene has no such quantity."""
+def check_gauge(gauge: Gauge, scene: Scene) -> None:
+    """Raise SceneError if a scene has no such quantity, or none at this place."""
+    quantity = gauge.quantity
+    if gauge.on_interface:
+        checked_size(f"gauge {gauge.label}: x", gauge.x)
     if quantity in FIELDS and _ALONG in quantity and not scene.antiplane:
         raise SceneError(
             f'gauge: {quantity} is zero in this scene; it takes one with mode="antiplane".'

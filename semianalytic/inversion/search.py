@@ -14,12 +14,13 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.trials import Trials
-from semianalytic.inversion.unknowns import SOLVED
+from semianalytic.inversion.unknowns import is_of_setup
 
 SCENES = (1, 32, 96, 144)
 """Scenes of a scan for no, one, two and more unknowns that take a solution."""
 FIELD_SHARE = 3
-"""Factor by which there are fewer scenes if gauges are in the bodies, whose fields cost more."""
+"""Factor by which there are fewer scenes if gauges are in the bodies, whose fields cost more, or if
+an interface is fitted, whose runs do."""
 SETUPS = (1, 7, 16)
 """Trial values of the other unknowns in each of these scenes, by their number."""
 STARTS, NEAR_STARTS = 3, 2
@@ -132,7 +133,7 @@ def scan(trials: Trials) -> list[Array]:
     if count * setups == 1:
         return [trials.start]
     points = low + (high - low) * spread(count * setups, len(low))
-    is_setup = np.array([name not in SOLVED for name in trials.unknowns.names])
+    is_setup = np.array([is_of_setup(name) for name in trials.unknowns.names])
     for first in range(0, count * setups, setups):
         points[first : first + setups, ~is_setup] = points[first, ~is_setup]
     return _best(trials, [trials.start, *points], STARTS)
@@ -140,7 +141,7 @@ def scan(trials: Trials) -> list[Array]:
 
 def _counts(trials: Trials) -> tuple[int, int]:
     """Return the number of scenes of a scan, and of trial values of other unknowns in each."""
-    solved = sum(name in SOLVED for name in trials.unknowns.names)
+    solved = sum(not is_of_setup(name) for name in trials.unknowns.names)
     other = len(trials.unknowns.names) - solved
     count = SCENES[min(solved, len(SCENES) - 1)]
     return max(count // _share(trials), 1), SETUPS[min(other, len(SETUPS) - 1)]
@@ -148,7 +149,7 @@ def _counts(trials: Trials) -> tuple[int, int]:
 
 def _share(trials: Trials) -> int:
     """Return the factor by which scans have fewer scenes."""
-    return 1 if trials.samples.on_interface.all() else FIELD_SHARE
+    return FIELD_SHARE if trials.is_slow else 1
 
 
 def _nearby(trials: Trials) -> int:

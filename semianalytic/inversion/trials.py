@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -60,6 +61,14 @@ class Trials:
     _ahead: int = field(default=0, repr=False)
     _known: dict[Scene, Solution] = field(default_factory=dict, repr=False)
 
+    half_line: ClassVar[bool] = True
+    """Whether there is a contact at x > 0 alone, so that no gauge may come to lie at x < 0."""
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether each trial costs so much that there should be fewer of them."""
+        return not self.samples.on_interface.all()
+
     def expect(self, ahead: int) -> None:
         """Set how many looks the search still takes, at most."""
         self._ahead = ahead
@@ -96,7 +105,7 @@ class Trials:
         pairs = []
         for name in self.unknowns.names:
             low, high = self.unknowns.bounds(name)
-            if name == "x0" and self.samples.on_interface.any():
+            if name == "x0" and self.half_line and self.samples.on_interface.any():
                 high = float(self.samples.places[0][self.samples.on_interface].min()) * (1 - 1e-9)
             prior = self.priors.get(name)
             if isinstance(prior, Uniform):
@@ -125,10 +134,13 @@ class Trials:
         solution = self._known.get(scene)
         if solution is None:
             self.count += 1
-            solution = self._known[scene] = solve(scene, rtol=self.rtol)
+            solution = self._known[scene] = self._solve(scene)
             for oldest in list(self._known)[:-_KEPT]:
                 self._known.pop(oldest, None)  # unless another thread has
         return solution
+
+    def _solve(self, scene: Scene) -> Solution:
+        return solve(scene, rtol=self.rtol)
 
     def misfit(self, scaled: Array) -> Array:
         """Return misfits (n,) of samples and priors, in deviations; infinite without a scene."""
@@ -269,7 +281,7 @@ class Trials:
         """
         size = float(self.sizes[self.unknowns.names.index(name)])
         step = longer * size * float(np.clip(np.cbrt(solution.error_estimate), *STEPS))
-        alone = Unknowns((name,), solution.scene, setup, self.unknowns.duration)
+        alone = self.unknowns.alone(name, solution.scene, setup)
         value, ends = alone.value(name), []
         for moved in (value + step, value - step):
             try:
@@ -281,20 +293,32 @@ class Trials:
         return np.asarray((seen[0] - seen[1]) / (above - below))
 
     def difference_error(self, scaled: Array) -> float:
-        """Return the relative error of derivatives in the bodies, from those with twice the step.
+        """Return the relative error of derivatives by differences, from those with twice the step.
 
         It is the norm of a third of the difference (Richardson) over that of the derivatives, the
-        largest of all parameters; 0 without gauges in the bodies.
+        largest of all parameters; 0 where all derivatives are exact.
         """
         scene, setup = self.at(scaled)
-        lacking = ~self.samples.on_interface
         solution, worst = self._solved(scene), 0.0
         t = self.samples.clear(solution, setup)
         for name in self.unknowns.names:
-            if name in PARAMETERS and lacking.any():
+            lacking = self._differenced(name)
+            if lacking.any():
                 fine, coarse = (
                     self.difference(name, solution, setup, t, longer)[lacking] for longer in (1, 2)
                 )
                 away, size = np.linalg.norm(fine - coarse) / 3, np.linalg.norm(fine)
                 worst = max(worst, float(away / size) if size else 0.0)
         return worst
+
+    def _differenced(self, name: str) -> np.ndarray:
+        """Return which samples have derivatives by differences with respect to an unknown, (n,)."""
+        return ~self.samples.on_interface & (name in PARAMETERS)
+
+    def final(self, scaled: Array) -> Solution:
+        """Return the solution of the result."""
+        return self.solution(scaled)
+
+    def grid_error(self, scaled: Array, fine: Solution) -> float:
+        """Return by how much a grid changes records, over their noise: solutions have none."""
+        return 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 from semianalytic.inversion.gauges import Gauge
 from semianalytic.scene.checks import shown
@@ -103,7 +103,7 @@ class Unknowns:
 
     def at(self, values: Sequence[float]) -> tuple[Scene, Setup]:
         """Return scene and set-up with these values; errors are those of `Scene`."""
-        scene, setup = self.scene, self.setup
+        scene, of_setup = self.scene, {}
         tractions: dict[str, dict[str, float]] = {"base": {}, "load": {}}
         for name, value in zip(self.names, map(float, values), strict=True):
             part, _, kind = name.partition("_")
@@ -111,13 +111,25 @@ class Unknowns:
                 tractions[part][kind] = value
             elif name in SOLVED:
                 scene = with_parameter(scene, name, value)
-            elif name in SETUP:
+            else:
+                of_setup[name] = value
+        changed = {part: replace(getattr(scene, part), **new) for part, new in tractions.items()}
+        return replace(scene, **changed), self.setup_with(of_setup)
+
+    def setup_with(self, values: Mapping[str, float]) -> Setup:
+        """Return the set-up with other values of some of its parameters."""
+        setup = self.setup
+        for name, value in values.items():
+            if name in SETUP:
                 setup = _with_setup(setup, name, value)
             else:
                 gains = {**setup.gains, name.removeprefix(_LONE_GAIN): value}
                 setup = replace(setup, gains=gains)
-        changed = {part: replace(getattr(scene, part), **new) for part, new in tractions.items()}
-        return replace(scene, **changed), setup
+        return setup
+
+    def alone(self, name: str, scene: Any, setup: Setup) -> Self:
+        """Return one of the unknowns, with another scene and set-up that hold all others."""
+        return replace(self, names=(name,), scene=scene, setup=setup)
 
     def size(self, name: str) -> float:
         """Return the size by which an unknown is divided: its value, or one that would matter."""
@@ -223,6 +235,11 @@ def has_similarity(scene: Scene) -> bool:
     return type(scene.friction_law) is CoulombFriction
 
 
+def is_of_setup(name: object) -> bool:
+    """Return whether a name is that of a parameter of the set-up, which needs no new solution."""
+    return name in SETUP or _is_lone_gain(name)
+
+
 def _is_lone_gain(name: object) -> bool:
     """Return whether a name is that of the gain of one gauge."""
     return isinstance(name, str) and name.startswith(_LONE_GAIN)
@@ -238,14 +255,19 @@ def check_known(names: tuple[str, ...]) -> None:
             )
 
 
-def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene) -> None:
-    """Raise SceneError for names that cannot be fitted."""
-    check_known(names)
+def check_gains(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
+    """Raise SceneError for gains of no gauge."""
     called = {one.name for one in gauges} - {""}
     for name in names:
         if _is_lone_gain(name) and name.removeprefix(_LONE_GAIN) not in called:
             known = ", ".join(sorted(called)) or "none of them has a name"
             raise SceneError(f"fit: {shown(name)} is of no gauge; their names: {known}.")
+
+
+def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene) -> None:
+    """Raise SceneError for names that cannot be fitted."""
+    check_known(names)
+    check_gains(names, gauges)
     for name in names:
         if name in OF_FRONT and name not in _of_front(scene):
             known = ", ".join(_of_front(scene)) or "none"

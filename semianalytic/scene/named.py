@@ -191,8 +191,11 @@ def checked_scene(function: str, given: object) -> Scene:
         return given
     if isinstance(given, str | PathLike):
         return find_scene(given)
+    # pairs and interfaces of two bodies are described elsewhere, and not imported here
+    two = " (two bodies are for solve_pair, survey, run and simulate)"
+    other = two if hasattr(given, "lower") or hasattr(given, "lower_material") else ""
     raise SceneError(
-        f"{function}: scene must be a Scene, or the name or file of one, got {shown(given)}."
+        f"{function}: scene must be a Scene, or the name or file of one{other}, got {shown(given)}."
     )
 
 
@@ -312,9 +315,9 @@ def _identical(source: str | Path, scene: Scene, lower: Material | None) -> Scen
     """Return the scene; raise SceneError if its lower block is of another material."""
     if lower not in (None, scene.material):
         raise SceneError(
-            f"{source}: solve, march and compare know identical bodies only, so take out "
-            f"[{LOWER_MATERIAL}], simulate the scene with finite elements, slipfront simulate, or "
-            "solve a step on the slot exactly with solve_pair in Python (docs/dissimilar.md)."
+            f"{source}: this knows identical bodies only, so take out [{LOWER_MATERIAL}], solve a "
+            "step on the slot exactly, slipfront solve or survey or solve_pair in Python, or "
+            "simulate the scene with finite elements, slipfront simulate (docs/dissimilar.md)."
         )
     return scene
 

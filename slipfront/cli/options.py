@@ -6,9 +6,10 @@ import inspect
 import math
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol
 
 import typer
 from rich.markup import escape
@@ -17,9 +18,10 @@ from compare.records.units import si_size
 from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.material import Material
 from semianalytic.scene.quantities import in_units_of
 from semianalytic.scene.scene import Scene
-from semianalytic.scene.units import PARAMETERS, SI, measure
+from semianalytic.scene.units import PARAMETERS, SI, InSI, measure
 from slipfront.cli.scenes.completion import (
     LOADED,
     MESH_NAMES,
@@ -88,6 +90,14 @@ Method = Annotated[
 ]
 
 
+class HasUnits(Protocol):
+    """A scene or interface, of which only the units matter."""
+
+    @property
+    def units(self) -> str:
+        """System of units of its numbers, or "" for none."""
+
+
 def measured(dimension: str) -> Callable[[str], float]:
     """Return a parser of numbers that a unit of a dimension may follow, as 5cm, for typer."""
 
@@ -111,7 +121,7 @@ def measured_option(dimension: str, text: str, panel: str | None = None, **given
     )
 
 
-def asked(scene: Scene, name: str, value: float | None, dimension: str) -> float | None:
+def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> float | None:
     """Return the value of an option in the units of a scene.
 
     Raises
@@ -119,11 +129,39 @@ def asked(scene: Scene, name: str, value: float | None, dimension: str) -> float
     SceneError
         If it was given with a unit, and the scene does not say its own.
     """
+    if isinstance(value, InSI) and hasattr(scene, "interface") and dimension != "1":
+        raise SceneError(
+            f"{option_name(name)} has a unit, but interfaces do not say which units their numbers "
+            "have; give a number alone."
+        )
     number: float | None = in_units_of(scene.units, option_name(name), value, dimension)
     return number
 
 
-def read_number(scene: Scene, name: str, text: str, dimension: str) -> float:
+def lower_body(scene: Scene, known: Material | None, given: Mapping[str, float]) -> Material | None:
+    """Return the material of the lower body, or None where nobody describes one.
+
+    Parameters
+    ----------
+    scene : Scene
+    known : Material, optional
+        Lower body of the scene's file.
+    given : mapping of `LOWER_OPTIONS` to number
+
+    Raises
+    ------
+    SceneError
+        If a number is out of range, or was given with a unit and the scene does not say its own.
+    """
+    if known is None and not given:
+        return None
+    for name, value in given.items():
+        asked(scene, name, value, option_dimension(name))
+    changes = {name.removeprefix("lower_"): value for name, value in given.items()}
+    return replace(known or scene.material, **changes)
+
+
+def read_number(scene: HasUnits, name: str, text: str, dimension: str) -> float:
     """Return the number of an option's text, which a unit may follow, in the units of a scene.
 
     Raises

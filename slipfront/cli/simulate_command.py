@@ -20,7 +20,6 @@ from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.extras import FEM, require
 from semianalytic.scene.named import find_blocks, override_scene, scene_folder, scene_label
-from semianalytic.scene.units import PARAMETERS
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     CHECKPOINT_OPTIONS,
@@ -35,6 +34,7 @@ from slipfront.cli.options import (
     SceneArgument,
     asked,
     in_bytes,
+    lower_body,
     with_options,
 )
 
@@ -89,14 +89,9 @@ def simulate_command(
     scene, lower_material = find_blocks(scene_name)
     scene = override_scene(scene, **overrides)
     asked(scene, "end_time", settings.get("end_time"), "time")
-    for name, value in lower.items():
-        asked(scene, name, value, PARAMETERS[name.removeprefix("lower_")])
-    if lower or lower_material:
-        changes = {name.removeprefix("lower_"): value for name, value in lower.items()}
-        settings = {
-            **settings,
-            "lower_material": replace(lower_material or scene.material, **changes),
-        }
+    body = lower_body(scene, lower_material, lower)
+    if body is not None:
+        settings = {**settings, "lower_material": body}
     with working_folder(directory) as files:
         simulation = simulate_into(
             directory,

@@ -18,12 +18,13 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.named import (
     describes_line,
-    find_scene,
+    find_blocks,
     override_scene,
     scene_label,
 )
 from slipfront.cli import terminal
 from slipfront.cli.options import (
+    LOWER_OPTIONS,
     MARCH_OPTIONS,
     SCENE_OPTIONS,
     AsJson,
@@ -31,6 +32,7 @@ from slipfront.cli.options import (
     Quiet,
     SceneArgument,
     asked,
+    lower_body,
     measured_option,
     option_name,
     with_options,
@@ -63,9 +65,10 @@ _Times = Annotated[
 ]
 
 
-@with_options(overrides=SCENE_OPTIONS, march_options=MARCH_OPTIONS)
+@with_options(overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS, march_options=MARCH_OPTIONS)
 def solve_command(
     overrides: Mapping[str, Any],
+    lower: Mapping[str, Any],
     march_options: Mapping[str, Any],
     scene_name: SceneArgument,
     method: Method = "auto",
@@ -98,14 +101,21 @@ def solve_command(
     each with the bar of its error; numbers may have units if the scene is in those of the SI.
 
     Step loads are self-similar and solved exactly; other load histories are marched in time.  Whole
-    lines without a slot, and loads that grow as a power of time, are solved exactly as well.  The
-    exit code is 4 if the solution has not converged, or if the error estimate of a march exceeds
-    --rtol; the best answer is printed all the same.
+    lines without a slot, and loads that grow as a power of time, are solved exactly as well, and so
+    are step loads between different bodies: the lower one is that of the file's [lower_material],
+    or is like the upper one but for the numbers that are given.  The exit code is 4 if the solution
+    has not converged, or if the error estimate of a march exceeds --rtol; the best answer is
+    printed all the same.
     """
     label = scene_label(scene_name)
     if describes_line(scene_name):
         from slipfront.cli.scenes.lines import line_command, slot_scene_of  # which need scipy
 
+        if lower:
+            raise SceneError(
+                f"{option_name(next(iter(lower)))} is for scenes with a slot; leave it out for "
+                f"{label}, or march two bodies without a slot with slipfront run (docs/engine.md)."
+            )
         alike = slot_scene_of(scene_name, overrides)
         if alike is None:
             if march_options:
@@ -131,7 +141,19 @@ def solve_command(
             return
         scene = alike
     else:
-        scene = override_scene(find_scene(scene_name), **overrides)
+        scene, other = find_blocks(scene_name)
+        scene = override_scene(scene, **overrides)
+        body = lower_body(scene, other, lower)
+        if body not in (None, scene.material):
+            from semianalytic.dissimilar.described import pair_of
+            from slipfront.cli.scenes.pairs import check_pair_options, pair_command
+
+            check_pair_options(method, march_options, plot, figure)
+            assert body is not None
+            pair = pair_of(scene, body)
+            end_time = asked(scene, "end_time", end_time, "time")
+            pair_command(pair, label, end_time, points_of(scene, x, t), as_json=as_json)
+            return
     draw = _drawing(plot, figure)
     end_time, points = asked(scene, "end_time", end_time, "time"), points_of(scene, x, t)
     if chosen_method(scene, method) == "space-time":

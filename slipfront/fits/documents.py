@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
+from semianalytic.engine.described.parameters import interface_parameters
 from semianalytic.inversion.fitting import Fit
 from semianalytic.inversion.priors import Normal
-from semianalytic.inversion.unknowns import DIMENSIONS
-from semianalytic.scene.scene import scene_document
+from semianalytic.inversion.unknowns import DIMENSIONS, is_of_setup
+from semianalytic.scene.scene import Scene, scene_document
 from slipfront.fits.posterior import Posterior
 
 WELL = 3.0
@@ -20,8 +21,12 @@ BY_PRIOR = 0.9
 """Ratio of the standard error to that of the prior above which the data add nothing."""
 
 
-def dimension(name: str) -> str:
-    """Return the physical dimension of an unknown."""
+def dimension(name: str, scene: object = None) -> str:
+    """Return the physical dimension of an unknown, of an interface if one is given."""
+    interface = getattr(scene, "interface", None)
+    if interface is not None and not is_of_setup(name):
+        known = interface_parameters(interface)
+        return known[name].dimension if name in known else "1"
     return DIMENSIONS.get(name.partition(":")[0], "1")
 
 
@@ -29,7 +34,7 @@ def fit_document(fit: Fit, posterior: Posterior | None = None) -> dict[str, Any]
     """Return a fit, and its posterior if there is one, as dictionaries, lists, text and numbers."""
     errors = fit.standard_errors
     document: dict[str, Any] = {
-        "scene": scene_document(fit.scene),
+        "scene": _subject(fit.scene),
         "parameters": {
             name: {"value": float(value), "standard_error": float(error)}
             for name, value, error in zip(fit.parameters, fit.values, errors, strict=True)
@@ -60,9 +65,9 @@ def fit_document(fit: Fit, posterior: Posterior | None = None) -> dict[str, Any]
         "status": fit.status,
         "misfit": misfit_sentence(fit),
     }
-    units = {name: dimension(name) for name in fit.parameters}
+    units = {name: dimension(name, fit.scene) for name in fit.parameters}
     dimensions = {
-        "scene": SCENE_DIMENSIONS,
+        "scene": SCENE_DIMENSIONS if isinstance(fit.scene, Scene) else {"end_time": "time"},
         "parameters": units,
         "chi2": "1",
         "gauges": {"x": "length", "y": "length", "chi2": "1"},
@@ -73,6 +78,11 @@ def fit_document(fit: Fit, posterior: Posterior | None = None) -> dict[str, Any]
         dimensions["posterior"] = {"parameters": units, "autocorrelation_time": "steps"}
     document["units"] = units_document(document, dimensions, fit.scene)
     return document
+
+
+def _subject(scene: Any) -> dict[str, Any]:
+    """Return a scene or an interface as text and numbers."""
+    return scene_document(scene) if isinstance(scene, Scene) else dict(scene.document())
 
 
 def _posterior_document(posterior: Posterior) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from compare.figures.style import (
 from compare.records.record import Array
 from semianalytic.inversion.fitting import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
+from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 from slipfront.fits.documents import dimension
 from slipfront.fits.posterior import Posterior
@@ -79,7 +80,8 @@ def fit_figure(fit: Fit, posterior: Posterior | None = None) -> Figure:
     """
     panels = list(_panels(fit))
     height = max(1.9 * len(panels) + 0.8, 2.0 * len(fit.parameters) + 1.2, 3.6)
-    figure = describe(new_figure(12.5, height), fit.scene)
+    what = fit.scene if isinstance(fit.scene, Scene) else "fit of an interface"
+    figure = describe(new_figure(12.5, height), what)
     left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(6.5, 6), squeeze=False))
     _draw_records(left, fit, panels)
     _draw_parameters(right, fit, posterior)
@@ -200,7 +202,7 @@ def _draw_parameters(figure: SubFigure, fit: Fit, posterior: Posterior | None) -
 
 def _axis(fit: Fit, number: int) -> str:
     name = fit.parameters[number]
-    return f"{name.replace('_', ' ')} [{unit(dimension(name), fit.scene.units)}]"
+    return f"{name.replace('_', ' ')} [{unit(dimension(name, fit.scene), fit.scene.units)}]"
 
 
 def _range(fit: Fit, posterior: Posterior | None, number: int, error: float) -> tuple[float, float]:
@@ -233,7 +235,7 @@ def _draw_density(
     else:
         panel.text(0.5, 0.5, "free", transform=panel.transAxes, ha="center", fontsize=SMALL)
     panel.set(xlim=limits, yticks=[])
-    name = dimension(fit.parameters[number])
+    name = dimension(fit.parameters[number], fit.scene)
     has_unit = name != "1" and fit.scene.units
     words = f"{fit.values[number]:.4g} ± {error:.2g}"
     words += f" {unit(name, fit.scene.units)}" if has_unit else ""

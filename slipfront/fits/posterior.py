@@ -144,7 +144,8 @@ def posterior(
             f"posterior: the data do not constrain {' and '.join(fit.unconstrained)}; give "
             f"{'it' if len(fit.unconstrained) == 1 else 'them'} a prior, or fit fewer parameters."
         )
-    density = _Density(Trials(fit.trials.samples, fit.trials.unknowns, fit.trials.priors, RTOL))
+    known = fit.trials
+    density = _Density(type(known)(known.samples, known.unknowns, known.priors, RTOL))
     moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
     sampler = emcee.EnsembleSampler(walkers, p, density, moves=moves, pool=pool)
     random = np.random.RandomState(seed)

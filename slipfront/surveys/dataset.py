@@ -6,7 +6,7 @@ import json
 import shutil
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.documents import SCENE_DIMENSIONS
+from semianalytic.dissimilar.pair import Pair
+from semianalytic.engine.described.files import InterfaceFile
 from semianalytic.halfplane.families import rayleigh_family
-from semianalytic.scene.friction import ViscousFriction
-from semianalytic.scene.given.parameters import part_parameters
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.material import Material
+from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
-from slipfront.surveys.parameters import MATERIAL, Array, parameters_of
+from slipfront.surveys.parameters import MATERIAL, Array, dimension_of, parameters_of
 from slipfront.surveys.plan import Plan
 from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
 from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
@@ -58,8 +58,29 @@ def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
 
     points = tuple(plan.sizes)
     result = {name: variable(q, points) for name, q in QUANTITIES.items() if name in names}
-    varied = points if plan.together else tuple(name for name in points if name in MATERIAL)
-    return result | {name: variable(quantity, varied) for name, quantity in SPEEDS.items()}
+    for prefix in _bodies(plan):
+        own = tuple(name for name in points if name in _material_of(prefix))
+        varied = points if plan.together else own
+        for name, quantity in SPEEDS.items():
+            result[f"{prefix}{name}"] = variable(_of_body(prefix, quantity), varied)
+    return result
+
+
+def _bodies(plan: Plan) -> dict[str, Material]:
+    """Return the bodies whose wave speeds are told, by the prefix of their names."""
+    if isinstance(plan.scene, Pair):
+        return {"": plan.scene.upper, "lower_": plan.scene.lower}
+    return {"": plan.scene.material}
+
+
+def _material_of(prefix: str) -> tuple[str, ...]:
+    return tuple(f"{prefix}{name}" for name in MATERIAL)
+
+
+def _of_body(prefix: str, quantity: Quantity) -> Quantity:
+    return (
+        replace(quantity, meaning=f"{quantity.meaning} of the lower body") if prefix else quantity
+    )
 
 
 def filled(arrays: Mapping[str, Any], plan: Plan, chunks: Chunks) -> None:
@@ -78,15 +99,24 @@ def filled(arrays: Mapping[str, Any], plan: Plan, chunks: Chunks) -> None:
 
 def wave_speeds(plan: Plan) -> dict[str, Array]:
     """Return the speeds of all waves [length / time] along dimensions that change the material."""
-    known = {name: getattr(plan.scene.material, name) for name in MATERIAL} | dict(plan.fixed)
-    varied = [name for name in plan.values if name in MATERIAL]
+    result: dict[str, Array] = {}
+    for prefix, body in _bodies(plan).items():
+        result |= {f"{prefix}{name}": row for name, row in _speeds_of(plan, prefix, body).items()}
+    return result
+
+
+def _speeds_of(plan: Plan, prefix: str, body: Material) -> dict[str, Array]:
+    """Return the speeds of the waves of one body."""
+    names = _material_of(prefix)
+    known = {name: getattr(body, name.removeprefix(prefix)) for name in names} | dict(plan.fixed)
+    varied = [name for name in plan.values if name in names]
     rows = [plan.values[name] for name in varied]
     meshes = rows if plan.together else np.meshgrid(*rows, indexing="ij")
     shape = plan.shape if plan.together else tuple(map(len, rows))
     values = known | dict(zip(varied, meshes, strict=True))
+    modulus, density, poisson_ratio = (values[name] for name in names)
     shear, ratio = np.broadcast_arrays(
-        np.sqrt(np.divide(values["shear_modulus"], values["density"])),
-        np.broadcast_to(values["poisson_ratio"], shape),
+        np.sqrt(np.divide(modulus, density)), np.broadcast_to(poisson_ratio, shape)
     )
     sound = (ratio > -1) & (ratio < 0.5)
     family = rayleigh_family(np.where(sound, ratio, 0.0).ravel())
@@ -116,21 +146,19 @@ def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], di
             attrs = {"units": unit(dimension, plan.scene.units), "long_name": meaning}
             result[name] = (name,), np.array(samples), attrs
     result["edge"] = ("edge",), np.array(["inner", "outer"]), {}
-    result["mode"] = ("mode",), np.array(["I", plan.scene.shear_mode]), {}
+    if isinstance(plan.scene, Scene):
+        result["mode"] = ("mode",), np.array(["I", plan.scene.shear_mode]), {}
     return result
 
 
 def _parameter_attrs(plan: Plan, name: str) -> dict[str, str]:
     """Return the unit and meaning of a parameter as attributes of its coordinate."""
-    part, field = parameters_of(plan.scene)[name]
-    if part in ("friction_law", "pressure_history", "shear_history"):
-        viscous = field == "viscosity"  # a viscosity turns constant friction into viscous friction
-        kind = ViscousFriction if viscous else type(getattr(plan.scene, part))
-        dimension = part_parameters(kind)[field].dimension
-    else:
-        dimension = SCENE_DIMENSIONS[part][field] if part else SCENE_DIMENSIONS[field]
-    words = field if part in ("", "material") else f"{part} {field}"
-    return {"units": unit(dimension, plan.scene.units), "long_name": words.replace("_", " ")}
+    part, field = "", name
+    if not isinstance(plan.scene, InterfaceFile):
+        part, field = parameters_of(plan.scene)[name]
+    words = field if part in ("", "material", "upper") else f"{part} {field}"
+    units = unit(dimension_of(plan.scene, name), plan.scene.units)
+    return {"units": units, "long_name": words.replace("_", " ")}
 
 
 def attributes(plan: Plan, command: str) -> dict[str, Any]:
@@ -138,8 +166,9 @@ def attributes(plan: Plan, command: str) -> dict[str, Any]:
     return {
         "title": f"slipfront survey of {plan.count} points",
         "source": f"slipfront {version('slipfront')}",
-        "scene": json.dumps(scene_document(plan.scene)),
-        "rtol": plan.question.rtol or DEFAULT_RTOL,
+        "scene": json.dumps(plan.document),
+        "rtol": plan.question.rtol
+        or (0.0 if isinstance(plan.scene, InterfaceFile) else DEFAULT_RTOL),
         "command": command,
         "survey": plan.digest,
     }

@@ -16,20 +16,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.dissimilar.described import pair_document
+from semianalytic.dissimilar.pair import Pair
+from semianalytic.engine.described.files import InterfaceFile
+from semianalytic.engine.interface import Interface
 from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import checked_scene
-from semianalytic.scene.scene import Scene, scene_document
-from slipfront.surveys.parameters import Array, checked_values, parameter_name
+from semianalytic.scene.scene import scene_document
+from slipfront.surveys.parameters import (
+    Array,
+    Subject,
+    checked_subject,
+    checked_values,
+    parameter_name,
+)
 
 Region = tuple[slice, ...]
 
-SWEPT, SOLVED, MARCHED = 2500, 100, 4
-"""Default points per chunk for scenes that are swept together, solved one by one, or marched.
-
-Each kind of chunk takes seconds on one core."""
+SWEPT, SOLVED, PAIRS, MARCHED, RUN = 2500, 100, 20, 4, 1
+"""Default points per chunk for scenes that are swept together, solved one by one, of two bodies, or
+marched, and for interfaces.  Each kind of chunk takes seconds on one core."""
 _SWEPT_TOGETHER = {"poisson_ratio": 100, "friction": 25}
 """Shape of a chunk in the plane of Poisson ratio and friction.
 
@@ -63,8 +71,10 @@ class Question:
     t: tuple[float, ...] = ()
     fields: tuple[str, ...] = ()
 
-    def checked(self) -> Question:
+    def checked(self, of_interface: bool = False) -> Question:
         """Check all options and return them in their final form.
+
+        An interface has positions of either sign, and onsets and speeds at x without times.
 
         Raises
         ------
@@ -77,29 +87,34 @@ class Question:
                 changes[name] = checked_size(f"survey: {name}", getattr(self, name))
         if self.nodes is not None:
             changes["nodes"] = checked_count("survey: nodes", self.nodes, 1, "a whole number from")
-        if bool(self.x) != bool(self.t):
-            raise SceneError("survey: fields are given at positions and times; give x and t.")
-        if not (all(0 < x < math.inf for x in self.x) and all(map(math.isfinite, self.t))):
-            raise SceneError(
-                "survey: x must be positions on the contact, x > 0, and t times, all finite."
-            )
+        self._check_places(of_interface)
         unknown = [name for name in self.fields if name not in FIELDS]
         if unknown:
             raise SceneError(
                 f"survey: fields must be some of {', '.join(FIELDS)}, got {shown(unknown[0])}."
             )
-        if self.t and self.end_time is None and max(self.t) > 0:
+        if self.t and self.end_time is None and max(self.t) > 0 and not of_interface:
             changes["end_time"] = max(self.t)
         return replace(self, **changes)
+
+    def _check_places(self, of_interface: bool) -> None:
+        if of_interface and not self.x and self.t:
+            raise SceneError("survey: t are times of fields at positions; give x as well.")
+        if not of_interface and bool(self.x) != bool(self.t):
+            raise SceneError("survey: fields are given at positions and times; give x and t.")
+        if not all(map(math.isfinite, (*self.x, *self.t))):
+            raise SceneError("survey: x and t must be finite numbers.")
+        if not of_interface and not all(x > 0 for x in self.x):
+            raise SceneError("survey: x must be positions on the contact, x > 0.")
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A survey: a scene, the values of its parameters, and its options.
+    """A survey: a scene or interface, the values of its parameters, and its options.
 
     Attributes
     ----------
-    scene : Scene
+    scene : Scene, Pair or InterfaceFile
     values : mapping of parameter to (n,) array
     fixed : mapping of parameter to number
         Parameters that replace those of the scene by one value at all points.
@@ -110,7 +125,7 @@ class Plan:
         Largest number of points in a chunk.
     """
 
-    scene: Scene
+    scene: Subject
     values: Mapping[str, Array]
     fixed: Mapping[str, float]
     together: bool
@@ -177,11 +192,20 @@ class Plan:
         return {name: mesh.ravel() for name, mesh in zip(self.values, meshes, strict=True)}
 
     @cached_property
+    def document(self) -> dict[str, Any]:
+        """The scene, pair or interface as text and numbers."""
+        if isinstance(self.scene, InterfaceFile):
+            return self.scene.document()
+        if isinstance(self.scene, Pair):
+            return pair_document(self.scene)
+        return scene_document(self.scene)
+
+    @cached_property
     def identity(self) -> dict[str, Any]:
         """Properties that distinguish this survey from others, ready for JSON."""
         return {
             "slipfront": version("slipfront"),
-            "scene": scene_document(self.scene),
+            "scene": self.document,
             "fixed": dict(self.fixed),
             "together": self.together,
             "parameters": {
@@ -247,7 +271,7 @@ def _row(values: Array) -> str:
 
 
 def planned(
-    scene: Scene | str | PathLike[str],
+    scene: Subject | Interface | str | PathLike[str],
     parameters: Mapping[str, ArrayLike],
     question: Question,
     *,
@@ -262,7 +286,11 @@ def planned(
         If there is no such parameter, no parameter has several values, lists that go together
         differ in length, or an option is out of range.
     """
-    scene = checked_scene("survey", scene)
+    scene = checked_subject(scene)
+    of_interface = isinstance(scene, InterfaceFile)
+    if of_interface and question.length is not None:  # a number of the interface itself
+        parameters = {**parameters, "length": question.length}
+        question = replace(question, length=None)
     values: dict[str, Array] = {}
     fixed: dict[str, float] = {}
     for given, row in parameters.items():
@@ -283,7 +311,13 @@ def planned(
         raise SceneError(f"survey: rows of values that go together are as long, got {listed}.")
     points = _usual_chunk(scene, list(values)) if chunk is None else chunk
     points = checked_count("survey: chunk", points, 1, "a whole number from")
-    plan = Plan(scene, values, fixed, together, question.checked(), points)
+    question = question.checked(of_interface)
+    if isinstance(scene, Pair) and (question.nodes or question.length):
+        raise SceneError(
+            "survey: nodes and length are for marches, and two different bodies are solved "
+            "exactly; leave them out."
+        )
+    plan = Plan(scene, values, fixed, together, question, points)
     _check_count("points", plan.count, MOST_POINTS)
     if plan.chunks > MOST_CHUNKS:
         raise SceneError(
@@ -299,7 +333,11 @@ def _check_count(what: str, count: int, most: int) -> None:
         raise SceneError(f"survey: {count:.3g} {what} are too many; take at most {most:.0e}.")
 
 
-def _usual_chunk(scene: Scene, names: Sequence[str]) -> int:
+def _usual_chunk(scene: Subject, names: Sequence[str]) -> int:
+    if isinstance(scene, InterfaceFile):
+        return RUN
+    if isinstance(scene, Pair):
+        return PAIRS
     if not scene.is_self_similar or scene.friction_law.fall_with_rate:
         return MARCHED
     return SWEPT if set(_SWEPT_TOGETHER) & set(names) else SOLVED

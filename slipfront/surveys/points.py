@@ -10,6 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.dissimilar.pair import Pair
+from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.dissimilar_slot.solver import solve_pair
 from semianalytic.prediction import chosen_method, predict
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SlipfrontError
@@ -18,9 +21,10 @@ from semianalytic.selfsimilar.solution import Solution
 from semianalytic.spacetime.marched import Marched
 from semianalytic.sweeps.contact_edge import at_contact_edge
 from semianalytic.sweeps.sweep import sweep
-from slipfront.surveys.parameters import Array, scene_at
+from slipfront.surveys.parameters import Array, Subject, interface_with, scene_at
 from slipfront.surveys.plan import Question
 from slipfront.surveys.quantities import QUANTITIES, TEXT
+from slipfront.surveys.runs import interface_row
 
 Values = dict[str, Any]
 Columns = dict[str, NDArray[Any]]
@@ -34,13 +38,13 @@ _REFUSED = {"method": "none", "origin": "refused"}
 
 
 def solved_chunk(
-    scene: Scene, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
+    scene: Subject, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
 ) -> bytes:
     """Compute all quantities at the points of a chunk and pack them into bytes.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, Pair or InterfaceFile
     values : mapping of parameter to (m,) array
     fixed : mapping of parameter to number
     question : Question
@@ -48,11 +52,22 @@ def solved_chunk(
     count = len(next(iter(values.values())))
     rows: list[Values] = [{} for _ in range(count)]
     scenes: dict[int, Scene] = {}
+    pairs: dict[int, Pair] = {}
     for i, numbers in enumerate(zip(*(row.tolist() for row in values.values()), strict=True)):
+        given = {**fixed, **dict(zip(values, numbers, strict=True))}
+        start = process_time()
         try:
-            scenes[i] = scene_at(scene, {**fixed, **dict(zip(values, numbers, strict=True))})
+            if isinstance(scene, Scene):
+                scenes[i] = scene_at(scene, given)
+            elif isinstance(scene, Pair):
+                pairs[i] = scene_at(scene, given)
+            else:
+                rows[i] = interface_row(interface_with(scene, given), question)
+                rows[i]["seconds"] = process_time() - start
         except SlipfrontError as error:
             rows[i] = _refused(error)
+    for i, pair in pairs.items():
+        rows[i] = _alone(pair, question)
     for group in _groups(scenes, values):
         for places, found in _answered([(i, scenes[i]) for i in group], question):
             for i, row in zip(places, found, strict=True):
@@ -113,14 +128,16 @@ def _swept(scenes: Sequence[Scene], question: Question, start: float) -> list[Va
     return [{**row, "seconds": seconds} for row in rows]
 
 
-def _alone(scene: Scene, question: Question) -> Values:
-    """Return the row of one scene."""
+def _alone(scene: Scene | Pair, question: Question) -> Values:
+    """Return the row of one scene, or of one pair."""
     start = process_time()
     try:
         answer = _asked(scene, question)
         if isinstance(answer, Solution):
             rate, intensity = answer.edge_slip_rate, np.stack(answer.stress_intensity(1.0))
             row = _of_solution(answer, "from scratch", rate, intensity, question)
+        elif isinstance(answer, PairSolution):
+            row = _of_solution(answer, "from scratch", answer.edge_slip_rate, None, question)
         else:
             row = _of_march(answer, question)
     except SlipfrontError as error:
@@ -128,7 +145,9 @@ def _alone(scene: Scene, question: Question) -> Values:
     return {**row, "seconds": process_time() - start}
 
 
-def _asked(scene: Scene, question: Question) -> Solution | Marched:
+def _asked(scene: Scene | Pair, question: Question) -> Solution | PairSolution | Marched:
+    if isinstance(scene, Pair):
+        return solve_pair(scene, rtol=question.rtol or DEFAULT_RTOL)
     if chosen_method(scene) == SOLVED:
         return predict(scene, rtol=question.rtol or DEFAULT_RTOL)
     options = {name: getattr(question, name) for name in ("nodes", "length", "rtol")}
@@ -141,19 +160,25 @@ def _refused(error: SlipfrontError) -> Values:
 
 
 def _of_solution(
-    solution: Solution, origin: str, rate: float, intensity: Array, question: Question
+    solution: Solution | PairSolution,
+    origin: str,
+    rate: float,
+    intensity: Array | None,
+    question: Question,
 ) -> Values:
+    """Return the row of a solution; between different bodies intensity has no two modes."""
     end = question.end_time
     row: Values = {
         "edges": solution.edge_speeds,
         "sense": [zone.sense for zone in solution.zones],
         "edge_slip_rate": rate,
-        "stress_intensity": intensity,
         "error_estimate": solution.error_estimate,
         "status": solution.status,
         "origin": origin,
         "method": SOLVED,
     }
+    if intensity is not None:
+        row["stress_intensity"] = intensity
     for part in solution.openings:
         row["opening"] = part.inner, part.outer
     if end is not None:
@@ -180,13 +205,13 @@ def _of_march(marched: Marched, question: Question) -> Values:
     }
 
 
-def _totals(answer: Answer, end: float) -> Values:
+def _totals(answer: Answer | PairSolution, end: float) -> Values:
     return {
         name: float(getattr(answer, name)(end)) for name in ("accumulated_slip", "frictional_work")
     }
 
 
-def _fields(answer: Answer, question: Question) -> Values:
+def _fields(answer: Answer | PairSolution, question: Question) -> Values:
     """Return the requested fields at all positions and times, each (t, x)."""
     x, t = np.array(question.x), np.array(question.t)
     return {name: getattr(answer, name)(x, t[:, None]) for name in question.fields if len(x)}

@@ -62,6 +62,12 @@ QUANTITIES: Mapping[str, Quantity] = {
     "largest_slip": Quantity("length", "largest |slip| at the end, so far in a march"),
     "onset": Quantity("time", "when slip begins, nan where nothing slips"),
     "reach_of_slip": Quantity("length", "farthest position that has slipped until the end"),
+    "time_of_largest_slip_rate": Quantity("time", "when |slip rate| is largest"),
+    "rupture_speed": Quantity("length / time", "mean speed from where slip begins first to last"),
+    "slipped_length": Quantity("length", "length of the contact on which slip has begun"),
+    "largest_gap": Quantity("length", "largest gap at the times that a run keeps"),
+    "arrival": Quantity("time", "when slip begins at a position", ("x",)),
+    "front_speed": Quantity("length / time", "speed of the rupture front at a position", ("x",)),
     "accumulated_slip": Quantity("length^2", "integral of accumulated |slip| until the end"),
     "frictional_work": Quantity("stress length^2", "energy turned to heat per unit depth"),
     **{
@@ -69,6 +75,7 @@ QUANTITIES: Mapping[str, Quantity] = {
         for name in ("slip", "slip_rate", "shear_traction", "pressure", "gap")
     },
     "error_estimate": Quantity("1", "error estimate of the answer, nan without one"),
+    "slip_rate_error": Quantity("1", "error estimate of the slip rate of a run"),
     "status": Quantity("1", "converged, resolved, or a sentence on what to distrust", (), TEXT),
     "origin": Quantity("1", "how the answer was found", (), TEXT),
     "method": Quantity("1", "solver", (), TEXT),

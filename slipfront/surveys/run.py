@@ -1,4 +1,4 @@
-"""One scene at many values of its parameters, solved chunk by chunk on many processes or machines.
+"""One scene or interface at many values of its parameters, chunk by chunk on many processes.
 
 The chunks depend only on the survey, not on who solves them.  Results are therefore identical to
 the last bit on one process, on many, and on a cluster, with or without interruptions.
@@ -16,11 +16,14 @@ from numpy.typing import ArrayLike
 
 from compare.output.places import check_file
 from compare.tasks.workers import Progress, Task, run_tasks
+from semianalytic.engine.described.files import InterfaceFile
+from semianalytic.engine.described.parameters import can_travel
+from semianalytic.engine.interface import Interface
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import require
-from semianalytic.scene.scene import Scene
+from slipfront.surveys.parameters import Subject
 from slipfront.surveys.plan import Plan, Question, planned
 from slipfront.surveys.points import solved_chunk
 from slipfront.surveys.store import Store, check_folder, opened_store, seal_folder
@@ -31,7 +34,7 @@ FIELDS = ("slip_rate", "shear_traction", "pressure")
 
 
 def survey(
-    scene: Scene | str | os.PathLike[str],
+    scene: Subject | Interface | str | os.PathLike[str],
     *,
     together: bool = False,
     rtol: float | None = None,
@@ -48,30 +51,36 @@ def survey(
     progress: Progress | None = None,
     **parameters: ArrayLike,
 ) -> Any:
-    """Solve a scene at many values of its parameters.
+    """Solve a scene or two different bodies, or run an interface, at many values of its parameters.
 
     Scenes that differ in friction and Poisson ratio are swept together.  Others are solved one by
-    one, or marched if they are not self-similar, like `predict` does.
+    one, or marched if they are not self-similar, like `predict` does.  Pairs of different bodies
+    are solved one by one with `solve_pair`, and interfaces are run one by one.
 
     Parameters
     ----------
-    scene : Scene, str or path
-        Values that no parameter replaces are those of this scene, or of that of this name or file,
-        as for `find_scene`.
+    scene : Scene, Pair, Interface, InterfaceFile, str or path
+        Values that no parameter replaces are those of this scene, pair or interface, or of that of
+        this name or file, as for `find_scene`, `find_pair` and `find_interface`.  If a function of
+        an interface, or its law, was defined in a notebook or the running program, one process
+        does all.
     together : bool
         Whether the parameters are lists of equal length that form one list of points, along the
         dimension "point"; otherwise they span a grid, one dimension each.
     rtol : float, optional
-        Requested relative accuracy; 1e-6 for solutions by default, for marches see `march`.
+        Requested relative accuracy; 1e-6 for solutions by default, for marches see `march`, for
+        interfaces `run`.
     x, t : arrays, optional
-        Positions (n,) [length] and times (m,) [time] at which fields are stored.
+        Positions (n,) [length] and times (m,) [time] at which fields are stored.  For interfaces,
+        onset and speed of the front are stored at positions x, with or without t.
     fields : sequence of str
         Fields to store there: slip, slip_rate, shear_traction, pressure, gap.
     end_time : float, optional
-        Time until which totals are taken and marches run [time]; the last of `t` by default, or
-        the end time of `predict`.
+        Time until which totals are taken, and marches and interfaces run [time]; by default that of
+        an interface's file, or the last of `t`, or the end time of `predict`.
     nodes, length : optional
-        Number of nodes and length [length] of marches, see `predict`.
+        Number of nodes and length [length] of marches, see `predict`; nodes and period of
+        interfaces.
     path : path, optional
         File to write, .nc (NetCDF) or .zarr.  Until it is complete, finished chunks are kept in a
         hidden folder beside it, from which an interrupted survey resumes.
@@ -87,8 +96,11 @@ def survey(
     **parameters : numbers or (n,) arrays
         Any numbers of the scene: friction, poisson_ratio, shear_modulus, density, base_pressure,
         base_shear, load_pressure, load_shear, viscosity; numbers of histories and friction laws
-        as shear_history_rise_time or, dotted, ``**{"friction_law.reduction": ...}``.  Units are
-        those of the scene.  Single numbers are the same at all points.
+        as shear_history_rise_time or, dotted, ``**{"friction_law.reduction": ...}``; the lower
+        body of a pair as lower_shear_modulus, lower_density, lower_poisson_ratio.  Units are those
+        of the scene.  Single numbers are the same at all points.  Those of interfaces go by their
+        places in a file, such as law_distance, load_shear, contact_end or pressure; a field that
+        varies is multiplied by a parameter such as pressure_factor (docs/engine.md).
 
     Returns
     -------
@@ -108,7 +120,7 @@ def survey(
         If xarray, or a library that writes the file, is not installed.
     """
     samples = {name: _samples(name, given) for name, given in (("x", x), ("t", t))}
-    asked = tuple(fields) if samples["x"] else ()
+    asked = tuple(fields) if samples["t"] else ()
     question = Question(rtol, end_time, nodes, length, **samples, fields=asked)
     plan = planned(scene, parameters, question, together=together, chunk=chunk)
     return run_survey(
@@ -138,6 +150,8 @@ def run_survey(
     command : str
         Call or command line that asked for the survey, stored in the dataset.
     """
+    if isinstance(plan.scene, InterfaceFile) and client is None:
+        workers = workers if can_travel(plan.scene.interface) else 1
     plan.check_memory(whole=path is None or path.suffix == ".nc")
     if path is None:
         require("A survey", "xarray")

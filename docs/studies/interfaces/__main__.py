@@ -2,7 +2,8 @@
 
 ``python -m docs.studies.interfaces`` writes docs/data/interfaces-named.csv and
 docs/data/interfaces-pairs.csv in about a quarter of an hour; ``named`` or ``pairs`` alone writes
-one of them.
+one of them.  Each pair is written to docs/data/interfaces-drawn.csv when it is judged, and a run
+that was stopped goes on after the last one.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import semianalytic as sf
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
 from compare.interfaces import InterfaceJudgement, compare_interface
 from compare.interfaces.judging import judge_interface
-from compare.output.tables import write_rows
+from compare.output.tables import read_rows, write_rows
 from semianalytic.dissimilar.kernels import BodyPair
 from semianalytic.engine.window import least_delay, threshold_of
 from semianalytic.scene.errors import SceneError
@@ -28,7 +29,8 @@ from semianalytic.scene.errors import SceneError
 DATA = Path(__file__).resolve().parents[2] / "data"
 COMMAND = "python -m docs.studies.interfaces"
 NODES, MESH, END = 512, 256, 2.0
-INSIDE, OUTSIDE = 20, 10
+WINDOWS = (("no wave grows", 20, True), ("waves grow, with a delay", 10, False))
+"""What is drawn, how many pairs, and whether friction is in the window."""
 JUDGED = (
     "rock-on-gouge",
     "steel-on-rubber",
@@ -146,53 +148,81 @@ SPOILS: dict[str, Callable[[sf.Interface], sf.Interface]] = {
 """Wrong answers: runs of another interface than the one that is simulated."""
 
 
-def summary(pairs: str, answer: str, judged: list[InterfaceJudgement]) -> Pairs:
-    """Return the verdicts on some comparisons, and how far slip is off."""
-    verdicts = [one.verdict for one in judged]
-    slips = [row for one in judged for row in one.rows if row.kind == "slip"]
-    rows: list[Row] = [row for one in judged for row in one.rows if row.converges]
-    return Pairs(
+@dataclass(frozen=True)
+class Judged:
+    """The verdict on one answer about one random pair."""
+
+    pairs: str
+    number: int
+    answer: str
+    verdict: str
+    farthest: float
+    slip: float
+    slip_bar: float
+
+
+def judged_row(pairs: str, number: int, answer: str, judged: InterfaceJudgement) -> Judged:
+    """Return the verdict on an answer, its farthest row in bars, and how far its slip is off."""
+    slip = next(row for row in judged.rows if row.kind == "slip")
+    rows: list[Row] = [row for row in judged.rows if row.converges]
+    return Judged(
         pairs,
+        number,
         answer,
-        len(judged),
-        verdicts.count(AGREES),
-        verdicts.count(UNRESOLVED),
-        verdicts.count(DIFFERS),
+        judged.verdict,
         max((row.over_bar for row in rows), default=0.0),
-        median(abs(row.difference or 0.0) for row in slips),
-        median(row.bar or 0.0 for row in slips),
+        abs(slip.difference or 0.0),
+        slip.bar or 0.0,
     )
+
+
+def answers(label: str, number: int, interface: sf.Interface) -> Iterator[Judged]:
+    """Simulate a pair once; yield the verdicts on its run, and on those of other interfaces."""
+    judged = compare_interface(interface, END, NODES, mesh_nodes=MESH)
+    yield judged_row(label, number, "right", judged)
+    for name, spoil in SPOILS.items():
+        try:
+            other = sf.run(spoil(interface), END, NODES, times=list(judged.run.t))
+        except SceneError:  # the other interface may be ill-posed
+            continue
+        yield judged_row(label, number, name, judge_interface(other, list(judged.simulations)))
+
+
+def all_judged() -> list[Judged]:
+    """Judge the pairs that the table of single verdicts lacks, and return all verdicts."""
+    path = DATA / "interfaces-drawn.csv"
+    command = f"{COMMAND} pairs"
+    rows = read_rows(path, Judged, "verdicts on pairs", command)
+    for label, count, inside in WINDOWS:
+        rng = np.random.default_rng(31 if inside else 13)
+        for number, interface in enumerate([drawn(rng, inside) for _ in range(count)]):
+            if any((row.pairs, row.number) == (label, number) for row in rows):
+                continue
+            found = list(answers(label, number, interface))
+            print(*found, sep="\n", flush=True)
+            rows += found
+            write_rows(path, rows, checked=True, command=command)
+    return rows
 
 
 def pairs() -> Iterator[Pairs]:
     """Yield the verdicts inside and outside of the window, on right answers and on wrong ones."""
-    for label, count, inside in (
-        ("no wave grows", INSIDE, True),
-        ("waves grow, with a delay", OUTSIDE, False),
-    ):
-        rng = np.random.default_rng(31 if inside else 13)
-        right: list[InterfaceJudgement] = []
-        wrong: dict[str, list[InterfaceJudgement]] = {name: [] for name in SPOILS}
-        for _ in range(count):
-            interface = drawn(rng, inside)
-            judged = compare_interface(interface, END, NODES, mesh_nodes=MESH)
-            print(
+    rows = all_judged()
+    for label, _, _ in WINDOWS:
+        for answer in ("right", *SPOILS):
+            of = [row for row in rows if (row.pairs, row.answer) == (label, answer)]
+            verdicts = [row.verdict for row in of]
+            yield Pairs(
                 label,
-                judged.verdict,
-                [(r.kind, r.difference, r.bar) for r in judged.rows],
-                flush=True,
+                answer,
+                len(of),
+                verdicts.count(AGREES),
+                verdicts.count(UNRESOLVED),
+                verdicts.count(DIFFERS),
+                max(row.farthest for row in of),
+                median(row.slip for row in of),
+                median(row.slip_bar for row in of),
             )
-            right.append(judged)
-            times = list(judged.run.t)
-            for name, spoil in SPOILS.items():
-                try:
-                    other = sf.run(spoil(interface), END, NODES, times=times)
-                except SceneError:  # the other interface may be ill-posed
-                    continue
-                wrong[name].append(judge_interface(other, list(judged.simulations)))
-        yield summary(label, "right", right)
-        for name, those in wrong.items():
-            yield summary(label, name, those)
 
 
 def main(parts: list[str]) -> None:

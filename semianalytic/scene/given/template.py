@@ -186,7 +186,7 @@ def _lines(scene: Scene, origin: str, remark: str) -> Iterator[str]:
     yield from _part(scene, scene.shear_history, _HISTORIES)
     yield "\n[friction_law]  # strength of what slips at V under the pressure p"
     yield from _part(scene, scene.friction_law, _LAWS)
-    yield "\n# [lower_material]  # where it is another solid: for slipfront simulate alone"
+    yield "\n# [lower_material]  # where it is another solid: for solve, survey and simulate"
     for line in _values(document["material"], MATERIAL, scene.units):
         yield f"# {line}"
 

@@ -67,6 +67,11 @@ def sentence(error: Any) -> str:
     param: Any = getattr(error, "param", None)
     name = "" if param is None else _typed(param)
     if hasattr(error, "possibilities"):
+        if str(error.option_name).startswith("--lower-"):
+            return (
+                f"{called} has no option {error.option_name}, for it knows identical bodies only; "
+                "slipfront solve, survey and simulate take different ones (docs/dissimilar.md)."
+            )
         guesses = " or ".join(sorted(error.possibilities or ()))
         more = f"did you mean {guesses}?" if guesses else f"'{called} --help' lists them."
         return f"{called} has no option {error.option_name}; {more}"

@@ -17,8 +17,11 @@ from compare.comparison.documents import envelope, json_text
 from compare.output.files import write_text
 from compare.output.places import check_file
 from compare.output.progress import progress_bar
+from semianalytic.engine.described.files import InterfaceFile
+from semianalytic.engine.described.named import described_interface
 from semianalytic.inversion.fitting import Fit, fit
 from semianalytic.inversion.gauges import QUANTITIES
+from semianalytic.inversion.interfaces import interface_name
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.unknowns import SETUP, Setup, check_known
 from semianalytic.scene.checks import shown
@@ -55,7 +58,7 @@ def fit_command(
         typer.Option(
             "--scene",
             metavar="SCENE",
-            help="Scene, by name or TOML file, for all that is not fitted.",
+            help="Scene or interface, by name or TOML file, for all that is not fitted.",
             autocompletion=scene_names,
         ),
     ],
@@ -87,6 +90,9 @@ def fit_command(
             help="Value of t0, x0 or gain, such as t0=3us, if it is not fitted.",
         ),
     ] = None,
+    nodes: Annotated[
+        int | None, typer.Option(help="Nodes of one period, if the scene is an interface.")
+    ] = None,
     sample: Annotated[
         bool, typer.Option("--posterior", help="Sample the posterior as well, with emcee.")
     ] = False,
@@ -101,15 +107,25 @@ def fit_command(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Fit parameters of a scene to the records of gauges.
+    """Fit parameters of a scene, or of an interface, to the records of gauges.
 
     Values of the scene are the first guess; the search covers the plausible ranges of parameters,
     or those of their priors.  The exit code is 4 if the fit or the posterior is unreliable.
     """
     require("slipfront fit", *(PLOT if plot else ()), *(BAYES if sample else ()))
-    scene = override_scene(find_scene(scene_name), **overrides)
     names = tuple(part.strip() for part in parameters.split(",") if part.strip())
-    check_known(names)
+    interface = described_interface(scene_name)
+    if interface is None:
+        if nodes is not None:
+            raise SceneError("--nodes has no effect on a scene; leave it out.")
+        check_known(names)
+    elif overrides:
+        given = ", ".join(map(option_name, overrides))
+        raise SceneError(f"{given}: an interface takes no other values here; change its file.")
+    else:
+        names = tuple(interface_name(interface.interface, name) for name in names)
+    scene: Scene | InterfaceFile
+    scene = interface or override_scene(find_scene(scene_name), **overrides)
     known, numbers = _priors(scene, prior or ()), _numbers(scene, "setup", held or (), SETUP)
     setup = Setup(numbers.get("t0", 0.0), numbers.get("x0", 0.0), numbers.get("gain", 1.0))
     gauges = read_gauges(files, _noise(scene, noise or ()))
@@ -121,7 +137,7 @@ def fit_command(
         check_file(path)
     notes = Console(stderr=True)
     with progress_bar(notes, quiet or as_json, "fitting") as progress:
-        found = fit(gauges, scene, names, priors=known, setup=setup, progress=progress)
+        found = fit(gauges, scene, names, priors=known, setup=setup, nodes=nodes, progress=progress)
     chains = None
     if sample and not found.unconstrained:
         with progress_bar(notes, quiet or as_json, "sampling") as progress:
@@ -191,7 +207,7 @@ def _values_table(found: Fit, chains: Posterior | None) -> Table:
             name,
             f"{found.values[number]:.6g}",
             "not constrained" if free else f"{error:.2g}",
-            escape(unit(dimension(name), found.scene.units)),
+            escape(unit(dimension(name, found.scene), found.scene.units)),
         ]
         if chains is not None:
             row.append(f"{low[number]:.5g} to {high[number]:.5g}")
@@ -219,7 +235,7 @@ def _gauges_table(found: Fit, most: int = 12) -> Table:
     return table
 
 
-def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
+def _noise(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, float]:
     """Return standard deviations by quantity; the key "" stands for all quantities.
 
     A number with a unit and without a name stands for all quantities that have this unit.
@@ -264,7 +280,7 @@ def _sized(text: str, kind: str) -> float | None:
 
 
 def _numbers(
-    scene: Scene, option: str, given: Sequence[str], known: Sequence[str]
+    scene: Scene | InterfaceFile, option: str, given: Sequence[str], known: Sequence[str]
 ) -> dict[str, float]:
     """Parse NAME=NUMBER arguments, whose numbers may have units, into numbers by name."""
     result = {}
@@ -275,7 +291,7 @@ def _numbers(
             raise SceneError(
                 f"{option_name(option)} knows {', '.join(filter(None, known))}, got {name!r}."
             )
-        kind = QUANTITIES.get(name) or dimension(name)
+        kind = QUANTITIES.get(name) or dimension(name, scene)
         try:
             result[name] = _measured(scene, option, number, kind)
         except SceneError as error:
@@ -284,14 +300,14 @@ def _numbers(
     return result
 
 
-def _measured(scene: Scene, option: str, text: str, kind: str) -> float:
+def _measured(scene: Scene | InterfaceFile, option: str, text: str, kind: str) -> float:
     """Return a number that may have a unit of a dimension, in the units of the scene."""
     number = measure(text, kind, gauge_unit)
     in_scene = asked(scene, option, number, kind)
     return number if in_scene is None else in_scene
 
 
-def _priors(scene: Scene, given: Sequence[str]) -> dict[str, Prior]:
+def _priors(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, Prior]:
     """Parse NAME=KIND(A,B) arguments, whose numbers may have units, into priors by name."""
     result: dict[str, Prior] = {}
     for text in given:
@@ -300,7 +316,10 @@ def _priors(scene: Scene, given: Sequence[str]) -> dict[str, Prior]:
             raise _no_prior(text)
         name, kind = match[1].strip(), match[2].lower()
         # the second number of a log-normal prior is a factor
-        kinds = dimension(name), "1" if kind == "lognormal" else dimension(name)
+        if isinstance(scene, InterfaceFile):
+            name = interface_name(scene.interface, name)
+        one = dimension(name, scene)
+        kinds = one, "1" if kind == "lognormal" else one
         try:
             numbers = [
                 _measured(scene, "prior", number, one)

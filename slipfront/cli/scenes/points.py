@@ -22,8 +22,10 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.units import InSI, unit
 from slipfront.cli.options import option_name, read_number
 
-if TYPE_CHECKING:
-    from semianalytic import Marched, Solution
+if TYPE_CHECKING:  # printing one answer takes none of the others
+    from semianalytic import Marched, Pair, PairSolution, Solution
+
+    Answered = Solution | PairSolution | Marched
 
 MOST = 1000
 """Largest number of pairs of a position and a time; more are a typing error."""
@@ -35,6 +37,11 @@ _ARRIVALS: Mapping[str, str] = {
 }
 _DIGITS = 12
 """Most significant digits of a value: float64 has 16, and some go into rounding."""
+
+
+def problem_of(answer: Answered) -> Scene | Pair:
+    """Return the scene or the pair that an answer is of."""
+    return answer.pair if hasattr(answer, "pair") else answer.scene
 
 
 @dataclass(frozen=True)
@@ -55,26 +62,28 @@ class Points:
         """Return the time a march needs: the last one, or twice that of a shear wave to x."""
         return max(self.t, default=2 * max(self.x) / scene.material.shear_speed)
 
-    def document(self, answer: Solution | Marched) -> list[dict[str, Any]]:
+    def document(self, answer: Answered) -> list[dict[str, Any]]:
         """Return what happens at the points as dictionaries, one for each pair."""
         x, t = np.meshgrid(self.x, self.t or (0.0,), indexing="ij")
         return points_document(answer.reading(x, t), at=bool(self.t))
 
-    def shown_time(self, scene: Scene) -> tuple[str, float]:
+    def shown_time(self, scene: Scene | Pair) -> tuple[str, float]:
         """Return the unit in which times are shown, and its size: that of the first time given."""
         first = next(iter(self.t), None)
         if isinstance(first, InSI):
             return first.name, first.size
         return unit("time", scene.units), 1.0
 
-    def with_units(self, document: dict[str, Any], answer: Solution | Marched) -> dict[str, Any]:
+    def with_units(self, document: dict[str, Any], answer: Answered) -> dict[str, Any]:
         """Return the document of an answer with the points, and their units, added."""
         points = self.document(answer)
-        units = units_document(points, POINT_DIMENSIONS, answer.scene)
+        units = units_document(points, POINT_DIMENSIONS, problem_of(answer))
         return {**document, "points": points, "units": {**document["units"], "points": units}}
 
 
-def points_of(scene: Scene, x: Sequence[str] | None, t: Sequence[str] | None) -> Points | None:
+def points_of(
+    scene: Scene | Pair, x: Sequence[str] | None, t: Sequence[str] | None
+) -> Points | None:
     """Return the points that --x and --t ask for, each text one or several numbers with units.
 
     Raises
@@ -101,7 +110,7 @@ def points_of(scene: Scene, x: Sequence[str] | None, t: Sequence[str] | None) ->
     return points
 
 
-def _numbers(scene: Scene, name: str, texts: Sequence[str]) -> Iterator[float]:
+def _numbers(scene: Scene | Pair, name: str, texts: Sequence[str]) -> Iterator[float]:
     dimension = "length" if name == "x" else "time"
     for text in (part for one in texts for part in one.split(",")):
         number = read_number(scene, name, text, dimension)
@@ -113,9 +122,9 @@ def _numbers(scene: Scene, name: str, texts: Sequence[str]) -> Iterator[float]:
         yield number
 
 
-def points_table(answer: Solution | Marched, points: Points) -> Table:
+def points_table(answer: Answered, points: Points) -> Table:
     """Return a table of arrivals and fields at points, each with the bar of its error."""
-    scene, table = answer.scene, Table("at", "quantity", title="At points of the contact")
+    scene, table = problem_of(answer), Table("at", "quantity", title="At points of the contact")
     for name in ("value", "± error", "unit"):
         table.add_column(name, justify="left" if name == "unit" else "right")
     rows = points.document(answer)
@@ -168,7 +177,7 @@ def written(value: float, error: float, never: str = "∞") -> tuple[str, str]:
     return f"{value:.{min(max(digits, 2), _DIGITS)}g}", bar
 
 
-def _given(value: float, dimension: str, scene: Scene) -> str:
+def _given(value: float, dimension: str, scene: Scene | Pair) -> str:
     """Write a number in the unit that it was given in."""
     if isinstance(value, InSI):
         return f"{value / value.size:.6g} {value.name}"

@@ -8,7 +8,7 @@ import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -17,12 +17,13 @@ from rich.markup import escape
 from rich.table import Table
 
 from compare.output.progress import progress_bar
+from semianalytic.engine.described.named import described_interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import find_scene, override_scene, scene_label
-from semianalytic.scene.scene import Scene
-from semianalytic.scene.units import ARGUMENTS, PARAMETERS, InSI, unit
+from semianalytic.scene.named import find_blocks, override_scene, scene_label
+from semianalytic.scene.units import ARGUMENTS, InSI, unit
 from slipfront.cli.options import (
+    LOWER_OPTIONS,
     SCENE_OPTIONS,
     AsJson,
     Quiet,
@@ -36,6 +37,9 @@ from slipfront.cli.options import (
 )
 from slipfront.cli.studies.study_commands import Scheduler, on_scheduler
 from slipfront.cli.terminal import print_json
+
+if TYPE_CHECKING:
+    from slipfront.surveys.parameters import Subject
 
 _VALUES = (
     "Values: a number, a list 0.1,0.2,0.5, or start:stop:count, with :log for equal ratios; "
@@ -51,7 +55,7 @@ VALUE_OPTIONS: Mapping[str, Any] = {
     ]
     for name, _help in (
         (name, hint.__metadata__[0].help.replace("\\[", "["))
-        for name, hint in SCENE_OPTIONS.items()
+        for name, hint in {**SCENE_OPTIONS, **LOWER_OPTIONS}.items()
         if name not in ("mode", "load_on", "wave", "wave_from", "units")
     )
 }
@@ -97,7 +101,8 @@ def survey_command(
         list[str] | None,
         typer.Option(
             metavar="NAME=VALUES",
-            help="Any other number of the scene, such as friction_law.reduction=0:1:11.",
+            help="Any other number of the scene, such as friction_law.reduction=0:1:11, or of an "
+            "interface, such as law.distance=1e-5:1e-4:10:log.",
         ),
     ] = None,
     together: Annotated[
@@ -121,15 +126,30 @@ def survey_command(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Solve a scene at many values of its parameters, and write the results as NetCDF or Zarr.
+    """Solve a scene or run an interface at many values of its parameters, into NetCDF or Zarr.
+
+    SCENE may also be the name or file of an interface, as for slipfront run.  Two different bodies
+    with a slot are solved exactly: the lower one is that of the file's [lower_material], or is like
+    the upper one but for the numbers that are given.
 
     An interrupted survey resumes when it is started again with the same values.  Scenes that are
     refused have nan as their values and the reason as their status; the exit code is still 0.
     """
+    from semianalytic.dissimilar.described import pair_of
     from slipfront.surveys.plan import Question, planned
     from slipfront.surveys.run import FIELDS, run_survey
 
-    scene = override_scene(find_scene(scene_name), **overrides)
+    interface = described_interface(scene_name)
+    if interface is not None and overrides:
+        raise SceneError("--units has no effect on an interface; leave it out.")
+    scene: Subject
+    if interface is not None:
+        scene = interface
+    else:
+        alike, lower = find_blocks(scene_name)
+        scene = alike = override_scene(alike, **overrides)
+        if lower not in (None, alike.material) or values.keys() & LOWER_OPTIONS.keys():
+            scene = pair_of(alike, lower or alike.material)
     path = output or Path("results", f"{scene_label(scene_name)}-survey.nc")
     if workers is not None and workers < 1:
         raise SceneError(f"{option_name('workers')} must be a whole number from 1, got {workers}.")
@@ -139,7 +159,7 @@ def survey_command(
     }
     for name in ("end_time", "length"):
         asked(scene, name, question.get(name), ARGUMENTS[name])
-    wanted: dict[str, Any] = {**question, **places, "fields": FIELDS if "x" in places else ()}
+    wanted: dict[str, Any] = {**question, **places, "fields": FIELDS if "t" in places else ()}
     given: dict[str, Any] = {
         name: typed_values(scene, name, text, option_dimension(name))
         for name, text in values.items()
@@ -158,7 +178,7 @@ def survey_command(
         Console().print(f"Written to {path}", highlight=False, markup=False)
 
 
-def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:
+def typed_values(scene: Subject, name: str, text: str, dimension: str) -> Any:
     """Parse values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
 
     Numbers of a dimension may have units, all of one text or none; they are returned in the units
@@ -191,7 +211,7 @@ def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:
     raise SceneError(f"{option_name(name)} must be at most {MOST_VALUES:.0e} values, got {text!r}.")
 
 
-def _read(scene: Scene, name: str, texts: Sequence[str], dimension: str) -> list[float]:
+def _read(scene: Subject, name: str, texts: Sequence[str], dimension: str) -> list[float]:
     numbers = [read_number(scene, name, text, dimension) for text in texts]
     bare = [one for one in numbers if one and not isinstance(one, InSI)]
     if 0 < len(bare) < len(numbers) and any(isinstance(one, InSI) for one in numbers):
@@ -209,9 +229,9 @@ def _no_values(name: str, text: str) -> SceneError:
     )
 
 
-def _others(scene: Scene, vary: Sequence[str]) -> dict[str, Any]:
+def _others(scene: Subject, vary: Sequence[str]) -> dict[str, Any]:
     """Return the values of parameters that have no option of their own."""
-    from slipfront.surveys.parameters import parameter_name, parameters_of
+    from slipfront.surveys.parameters import dimension_of, parameter_name
 
     result = {}
     for text in vary:
@@ -220,8 +240,8 @@ def _others(scene: Scene, vary: Sequence[str]) -> dict[str, Any]:
             raise SceneError(
                 f"--vary must be a name and values as friction_law.reduction=0:1:11, got {text!r}."
             )
-        _, field = parameters_of(scene)[parameter_name(scene, name)]
-        result[name] = typed_values(scene, "vary", values, PARAMETERS.get(field, "1"))
+        dimension = dimension_of(scene, parameter_name(scene, name))
+        result[name] = typed_values(scene, "vary", values, dimension)
     return result
 
 

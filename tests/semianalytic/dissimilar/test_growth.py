@@ -120,6 +120,7 @@ def test_every_wave_that_the_principle_of_the_argument_counts_is_found():
         (0.4, 7.670228e-3),
         (1.0, 1.138102e-2),
         (2.0, 9.179136e-3),
+        (3.0, 3 * 0.002276675),
         (5.0, 4.313361e-3),
         (10.0, 2.182645e-3),
         (100.0, 2.160161e-4),
@@ -128,6 +129,8 @@ def test_every_wave_that_the_principle_of_the_argument_counts_is_found():
 def test_growth_under_a_delay(delay, growth):
     fastest = growing_waves(contrast(1.2), 0.5, delay)[0]
     assert fastest.growth * delay == pytest.approx(growth, rel=3e-7)
+    rule = delay * 0.02194537 / (1 + (delay * 0.984840) ** 2)  # a Lorentzian of that without delay
+    assert rule == pytest.approx(growth, rel=0.05)
 
 
 @pytest.mark.slow
@@ -140,6 +143,7 @@ def test_a_delay_bounds_growth():
     ]
     assert rates[1] == pytest.approx(fastest.rate, rel=1e-6)
     assert max(rates) == rates[1]
+    assert fastest.wave_number == pytest.approx(1 / 0.984840, rel=0.02)
     assert 1 / fastest.rate == pytest.approx(88, abs=0.5)  # t* to grow by a factor of e
     # a wave near the generalised Rayleigh speed obeys a rule of thumb ...
     assert fastest.rate == pytest.approx(free.growth / (2 * free.velocity), rel=0.05)
@@ -255,6 +259,16 @@ def test_the_window_without_growing_waves(ratio, friction, count):
     assert len(growing_waves(contrast(ratio), friction)) == count
 
 
+@pytest.mark.parametrize(
+    ("ratio", "friction", "least", "most"),
+    [(1.1, 0.32, 1.7, 1.91), (1.2, 0.3, 1.7, 2.08), (2.2, 0.3, 1.7, 2.2), (3.0, 0.1, 1.7, 1.75)],
+)
+def test_waves_against_the_slower_body_run_near_a_longitudinal_wave(ratio, friction, least, most):
+    """Near c_l of the slower body, sqrt(3) c_t, or c_t to c_l of the faster one."""
+    wave = growing_waves(contrast(ratio), friction)[-1]
+    assert least < -wave.velocity < most
+
+
 def test_thresholds_of_named_pairs():
     assert growth_threshold(compliance_of(*GOUGE_ON_ROCK), 1) == pytest.approx(0.5314169, abs=6e-8)
     pmma = compliance_of(*PAIRS["PMMA on aluminium"])
@@ -266,6 +280,10 @@ def test_thresholds_of_named_pairs():
 def test_on_a_rigid_body_waves_ahead_grow_above_friction_1(nu):
     bodies = compliance_of(Material(1, 1, nu), Material(1e10, 100.0, nu))
     assert growth_threshold(bodies, 1) == pytest.approx(1.0, abs=1e-8)
+    # exact: q = b^2 - 2 k^2 is 0 at a speed of sqrt(2) c_t, where A + k D vanishes
+    entries = bodies.on_cut(np.sqrt([0.5]))
+    assert abs(entries.frictional(1.0)[0]) < 1e-9 * abs(entries.normal[0])
+    assert abs(entries.frictional(-1.0)[0]) > abs(entries.normal[0])
 
 
 def test_a_wave_turns_at_its_threshold():

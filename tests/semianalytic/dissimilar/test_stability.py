@@ -26,6 +26,10 @@ def test_verdicts():
     assert known.verdict.endswith("under friction below 0.5314.")
     assert known.delayed_growth > 0  # a delay makes waves grow that decay without it
     assert sf.sliding_stability(ROCK, ROCK, 3.0).verdict.endswith("slide under any friction.")
+
+
+@pytest.mark.slow
+def test_verdicts_on_pairs_between_which_waves_grow():
     verdict = sf.sliding_stability(*ALUMINIUM_ON_STEEL, 0.2).verdict
     assert "with the upper body grow by 0.855 % over every wavelength" in verdict
     assert "no friction is too low" in verdict

@@ -133,6 +133,51 @@ def test_like_bodies_under_friction_one_half(pressure, load, edges, rate):
         assert result.density.change(0)[0] == pytest.approx(rate, abs=6e-9)
 
 
+@pytest.mark.parametrize(
+    ("pair", "friction", "pressure", "load", "zones", "least"),
+    [
+        ("0", 0.2, 0.0, (1.0, -0.5), (Zone(2.2, None, 1),), 0.318),
+        ("A", 0.2, 5.0, (-1.0, 0.0), (Zone(1 / 0.3735885, None, -1),), 0.333),
+        ("C", 0.2, 4.0, (-1.0, -0.5), (Zone(1 / 0.4090159, None, -1),), 0.333),
+        ("0", 0.4, 0.7, (-1.0, -5.5), (Zone(1 / 1.2449915, 1 / 0.5476250, -1),), 0.368),
+        (
+            "0",
+            0.3,
+            1.5,
+            (0.5, 1.0),
+            (Zone(1 / 0.5570205, 1 / 0.1574862, 1), Zone(1 / 0.1574862, None, 1, True)),
+            0.277,
+        ),
+    ],
+)
+def test_no_constant_is_free(pair, friction, pressure, load, zones, least):
+    """The least singular value is between 0.26 and 0.37 and does not fall with refinement."""
+    known = interface(pair, friction, pressure, load)
+    values = [
+        density_of(
+            known, glued(known.compliance, accuracy), zones, rule_for(accuracy)
+        ).smallest_singular_value
+        for accuracy in (1e-5, 1e-8)
+    ]
+    assert values[1] == pytest.approx(least, abs=0.002)
+    assert 0.26 < values[0] == pytest.approx(values[1], rel=0.03)
+
+
+def test_phases_of_like_bodies_are_those_of_their_edges():
+    """Phi between a and b, -1/2 to c_R and +1/2 behind: the edges of `solve`, without cases."""
+    solid = Material(1.0, 1.0, 1 / 3)
+    known = interface((solid, solid), 0.5, 2.0, (1.0, 0.0))
+    for v in (0.55, 0.8, 0.97):
+        # 1/K = mu R / beta: the phase of R, whose imaginary part comes from alpha
+        root = np.sqrt((v * v - 0.25) * (1 - v * v))
+        phase = np.arctan2(4 * v * v * root, (1 - 2 * v * v) ** 2)
+        assert known.slip_turn(1, v) == pytest.approx(phase / np.pi, abs=1e-10)
+    rayleigh = 1 / solid.rayleigh_speed
+    for v, turn in ((1.01, -0.5), (rayleigh - 1e-6, -0.5), (rayleigh + 1e-6, 0.5), (9.0, 0.5)):
+        assert known.slip_turn(1, v) == pytest.approx(turn, abs=1e-10)
+    assert known.edge_decay(1) == 0.5
+
+
 def test_far_apart_edges_do_not_spoil_the_equations():
     """Between slip that starts at 2.7 and an opening at 1e5 the weight has to follow v: with that
     of the ends alone the smallest singular value falls like a power of their ratio."""

@@ -28,7 +28,7 @@ from semianalytic.dissimilar.whole_line import (
     half_line_speed,
     patch_speeds,
 )
-from semianalytic.engine.named import NAMED_INTERFACES
+from semianalytic.engine.described.named import NAMED_INTERFACES
 from semianalytic.engine.steps import Stepper
 from semianalytic.spacetime.exponentials import InPlane, Opening, fit_shared
 

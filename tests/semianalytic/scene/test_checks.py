@@ -239,7 +239,7 @@ GAUGE = Gauge(0.4, TIMES, TIMES, 0.1)
         (lambda: slipfront.run("punch", 1.0), 'such as find_interface("punch").interface, got'),
         (lambda: slipfront.solve_line("point-load"), "line must be a WholeLine, such as find_line"),
         (lambda: slipfront.solve_growing(2), "slot must be a GrowingSlot, such as find_line"),
-        (lambda: slipfront.solve_pair("preloaded"), "solve_pair: pair must be a Pair of two"),
+        (lambda: slipfront.solve_pair(2), "solve_pair: pair must be a Pair of two"),
         (lambda: slipfront.validate({}, 1.0), "validate: scene must be a Scene"),
         (lambda: slipfront.find_scene(3), "find_scene: give the name of a scene or the path"),
         (lambda: slipfront.fit([GAUGE], b"a", "friction"), "fit: scene must be a Scene"),

@@ -63,13 +63,7 @@ def test_folder_says_what_the_lower_block_was(tmp_path, monkeypatch):
     assert (tmp_path / "results" / "preloaded-lower-density-0.5" / "simulation.h5").is_file()
 
 
-@pytest.mark.parametrize("command", ["solve", "compare"])
-def test_solvers_of_identical_bodies_refuse_it_in_one_sentence(command, file, capsys):
-    assert main([command, str(file)]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1
-    assert "take out [lower_material]" in told
-    assert "slipfront simulate, or solve a step on the slot exactly with solve_pair" in told
+def test_readers_of_one_material_refuse_it(file):
     for read in (find_scene, read_scene):
         with pytest.raises(SceneError, match="identical bodies only"):
             read(str(file))

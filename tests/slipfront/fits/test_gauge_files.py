@@ -71,7 +71,6 @@ def test_records_of_the_field_command_are_read(tmp_path):
         ("t,x,y,exx [furlong]\n0,0.1,1,1\n", r"line 1: 'furlong' is no known unit of exx"),
         ("t,x,vx,y,v_x\n0,0.1,1,1,2\n", r"two columns are v_x"),
         ("t,x,slip_rate\n0,0.1,one\n", r"line 2: 'one' is not a number"),
-        ("t,x,slip_rate\n0,-0.1,1\n", r"slip_rate at x = -0.1: gauge: x must be positive"),
         ("t,x,slip,noise\n0,0.1,1,0\n", r"slip at x = 0.1: gauge: noise must be positive"),
         ("", r"has no row of numbers"),
     ],

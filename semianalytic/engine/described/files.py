@@ -8,15 +8,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from semianalytic.engine.contact import Contact
-from semianalytic.engine.fields import Expression, Table
-from semianalytic.engine.interface import Interface, InterfaceLoad
+from semianalytic.engine.described.parameters import interface_document, interface_parameters
+from semianalytic.engine.fields import RESERVED, Expression, Table
+from semianalytic.engine.interface import Interface
 from semianalytic.engine.law import InterfaceLaw
-from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
+from semianalytic.engine.laws import (
+    Coulomb,
+    ForcedFront,
+    RateAndState,
+    RateDependent,
+    SlipDependent,
+)
+from semianalytic.engine.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import load_from_document
+from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import HISTORY_KINDS
 
@@ -25,10 +35,13 @@ LAWS: Mapping[str, type[InterfaceLaw]] = {
     "slip-dependent": SlipDependent,
     "rate-dependent": RateDependent,
     "rate-and-state": RateAndState,
+    "forced-front": ForcedFront,
 }
 _WORDS = ("shape", "evolution")
 """Parameters of laws that are words."""
 _INTERFACE = ("length", "pressure", "shear", "mode", "rate", "plate_rate", "held", "even")
+_TAKEN = (*_INTERFACE, *(one.name for one in fields(Material)))
+"""Names of parameters that named numbers cannot have."""
 _FIELDS = ("pressure", "shear", "rate")
 _TRACTIONS = ("shear", "pressure")
 _RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
@@ -62,6 +75,20 @@ class InterfaceFile:
     options: Mapping[str, Any]
     summary: str = ""
 
+    def document(self) -> dict[str, Any]:
+        """Return everything that tells it from others as text and numbers, for JSON."""
+        return interface_document(self.interface, self.end_time, self.options)
+
+    @property
+    def units(self) -> str:
+        """System of units of the numbers, which interfaces do not name."""
+        return ""
+
+    @property
+    def material(self) -> Material:
+        """The solid on y > 0."""
+        return self.interface.material
+
 
 def read_interface(path: str | PathLike[str]) -> InterfaceFile:
     """Read the interface that a TOML file describes (docs/engine.md, "Files").
@@ -91,10 +118,18 @@ def parsed(text: str, name: str, folder: Path) -> InterfaceFile:
         raise SceneError(f"{name}: {error}") from error
 
 
+class _Around(NamedTuple):
+    """The folder of a file, and the numbers that it names for its expressions."""
+
+    folder: Path
+    numbers: Mapping[str, float]
+
+
 def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     """Make the interface of a document."""
-    parts = ("summary", "material", "lower_material", "law", "contact", "load", "run")
+    parts = ("summary", "material", "lower_material", "law", "contact", "load", "run", "numbers")
     _known("", document, (*_INTERFACE, *parts), ("length", "material", "law", "run"))
+    around = _Around(folder, _numbers(document.get("numbers", {})))
     given: dict[str, Any] = {
         name: _solid(name, document[name])
         for name in ("material", "lower_material")
@@ -105,19 +140,33 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     given |= {key: document[key] for key in _INTERFACE if key in document}
     for key in _FIELDS:
         if key in given:
-            given[key] = _field(key, given[key], folder)
+            given[key] = _field(key, given[key], around)
     loads = document.get("load", [])
     loads = [loads] if isinstance(loads, dict) else loads
     if not isinstance(loads, list):
         raise SceneError("load must be one table, [load], or several, [[load]].")
     interface = Interface(
-        law=_law(_table("law", document["law"]), folder),
-        loads=[_load(_table("load", one), folder) for one in loads],
+        law=_law(_table("law", document["law"]), around),
+        loads=[_load(_table("load", one), around) for one in loads],
         contact=_contact(document.get("contact")),
         **given,
     )
+    named = interface_parameters(interface)
+    for key in around.numbers:
+        if key not in named:
+            raise SceneError(f"numbers.{key} stands in no expression; use it, or leave it out.")
     options = {key: value for key, value in plan.items() if key != "end_time"}
     return InterfaceFile(interface, plan["end_time"], options, str(document.get("summary", "")))
+
+
+def _numbers(table: Any) -> dict[str, float]:
+    """Return the numbers that expressions may name."""
+    for name, value in _table("numbers", table).items():
+        if not name.isidentifier() or name in (*RESERVED, *_TAKEN):
+            raise SceneError(f"numbers: {shown(name)} has a meaning of its own; take another name.")
+        if finite(value) is None:
+            raise SceneError(f"numbers: {name} must be a finite number, got {shown(value)}.")
+    return dict(table)
 
 
 def _solid(name: str, value: Any) -> Material:
@@ -129,49 +178,68 @@ def _solid(name: str, value: Any) -> Material:
         raise SceneError(str(error).replace("material:", f"{name}:", 1)) from error
 
 
-def _law(table: dict[str, Any], folder: Path) -> InterfaceLaw:
+def _law(table: dict[str, Any], around: _Around) -> InterfaceLaw:
     law = _kind("law", table, LAWS)
     names = [one.name for one in fields(law)]
     _known("law.", table, ("kind", *names))
     values = {
-        key: value if key in _WORDS else _field(f"law.{key}", value, folder)
+        key: value if key in _WORDS else _field(f"law.{key}", value, around)
         for key, value in table.items()
         if key != "kind"
     }
     return _made("law", law, values)
 
 
-def _load(table: dict[str, Any], folder: Path) -> InterfaceLoad:
+def _front_load(table: dict[str, Any]) -> FrontLoad:
+    """Return the wave or moving load that a table with a `kind` describes."""
+    given = {name: table[name] for name in ("at",) if name in table}
+    if "history" in table:
+        given["history"] = _history(table["history"])
+    front = load_from_document(
+        {key: value for key, value in table.items() if key not in ("at", "history")}
+    )
+    assert not isinstance(front, Tractions)
+    return FrontLoad(front, **given)
+
+
+def _history(given: Any) -> Any:
+    """Return the history that a table with a `kind` describes."""
+    table = _table("load.history", given)
+    kind = _kind("load.history", table, HISTORY_KINDS)
+    rest = {key: value for key, value in table.items() if key != "kind"}
+    return _made("load.history", kind, rest)
+
+
+def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad | FrontLoad:
+    if "kind" in table:
+        return _front_load(table)
     _known("load.", table, (*_TRACTIONS, "history", "on"))
     values = dict(table)
     given = [name for name in _TRACTIONS if name in table]
     if not given:
         raise SceneError("load: shear or pressure is missing.")
-    timed = [_mentions_time(table[name]) for name in given]
+    timed = [_mentions_time(table[name], around) for name in given]
     if "history" not in table and any(timed):
         values["history"] = None
     for name in given:
         if values.get("history", table) is None and isinstance(table[name], str):
-            values[name] = Expression(table[name], ("x", "t"))
+            values[name] = Expression(table[name], ("x", "t"), around.numbers)
         else:
-            values[name] = _field(f"load.{name}", table[name], folder)
+            values[name] = _field(f"load.{name}", table[name], around)
     history = table.get("history")
     if isinstance(history, str):
-        values["history"] = Expression(history, ("t",))
+        values["history"] = Expression(history, ("t",), around.numbers)
     elif history is not None:
-        history = _table("load.history", history)
-        kind = _kind("load.history", history, HISTORY_KINDS)
-        rest = {key: value for key, value in history.items() if key != "kind"}
-        values["history"] = _made("load.history", kind, rest)
+        values["history"] = _history(history)
     return InterfaceLoad(**values)
 
 
-def _mentions_time(text: Any) -> bool:
+def _mentions_time(text: Any, around: _Around) -> bool:
     """Return whether a value is an expression of more than x."""
     if not isinstance(text, str):
         return False
     try:
-        Expression(text, ("x",))
+        Expression(text, ("x",), around.numbers)
     except SceneError:
         return True
     return False
@@ -185,16 +253,16 @@ def _contact(table: Any) -> Contact:
     return Contact(table["intervals"])
 
 
-def _field(name: str, value: Any, folder: Path) -> Any:
+def _field(name: str, value: Any, around: _Around) -> Any:
     """Return the field that a number, an expression of x or a table describes."""
     if finite(value) is not None:
         return value
     if isinstance(value, str):
-        return Expression(value, ("x",))
+        return Expression(value, ("x",), around.numbers)
     if isinstance(value, dict) and set(value) == {"x", "values"}:
         return Table(value["x"], value["values"])
     if isinstance(value, dict) and "file" in value and set(value) <= {"file", "column"}:
-        return Table.read(folder / str(value["file"]), str(value.get("column", "")))
+        return Table.read(around.folder / str(value["file"]), str(value.get("column", "")))
     raise SceneError(
         f"{name} must be a number, an expression of x, {{x = [...], values = [...]}} or "
         f'{{file = "...", column = "..."}}, got {shown(value)}.'

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import difflib
+import math
+import tomllib
 from collections.abc import Mapping
 from os import PathLike, fspath
 from pathlib import Path
 
-from semianalytic.engine.files import InterfaceFile, parsed, read_interface
+from semianalytic.engine.described.files import InterfaceFile, parsed, read_interface
+from semianalytic.engine.interface import Interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import NAMED_SCENES
 
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"
@@ -241,3 +245,30 @@ def find_interface(source: str | PathLike[str]) -> InterfaceFile:
     close = difflib.get_close_matches(source, NAMED_INTERFACES, n=1, cutoff=0.5)
     hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(NAMED_INTERFACES)}"
     raise SceneError(f"There is no interface called {source!r}; {hint} (or give a .toml file).")
+
+
+def described_interface(source: object) -> InterfaceFile | None:
+    """Return the interface that a name or a file describes, or that is given; None for others.
+
+    A name of scenes as well, such as "tap", is that of the scene; a file is one of an interface if
+    it has a table [law].
+
+    Raises
+    ------
+    SceneError
+        If the file of an interface is not admissible.
+    """
+    if isinstance(source, InterfaceFile):
+        return source
+    if isinstance(source, Interface):
+        return InterfaceFile(source, math.nan, {})
+    if not isinstance(source, str | PathLike):
+        return None
+    path = fspath(source)
+    if path in NAMED_INTERFACES and path not in NAMED_SCENES:
+        return find_interface(path)
+    try:
+        found = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    return read_interface(path) if "law" in found else None

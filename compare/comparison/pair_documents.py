@@ -1,0 +1,60 @@
+"""Answers of two different bodies with a slot as plain dictionaries, with units, for JSON."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from compare.comparison.documents import END_DIMENSIONS, SCENE_DIMENSIONS, SOLUTION_DIMENSIONS
+from compare.comparison.documents import units_document as units_of
+from compare.comparison.scales import wave_speeds
+from semianalytic import PairSolution
+from semianalytic.dissimilar.described import pair_document
+
+_DIMENSIONS = {
+    **SOLUTION_DIMENSIONS,
+    "pair": {
+        name: SCENE_DIMENSIONS["material" if name == "lower_material" else name]
+        for name in ("friction", "material", "lower_material", "base", "load")
+    },
+    "wave_speeds": {
+        body: dict.fromkeys(("rayleigh", "shear", "longitudinal"), "length / time")
+        for body in ("upper", "lower")
+    },
+    "openings": {"inner": "length / time", "outer": "length / time"},
+    "edge_slip_rate": "length / time",
+}
+_NAMES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
+
+
+def pair_answer_document(answer: PairSolution, end_time: float | None = None) -> dict[str, Any]:
+    """An answer as plain dictionaries, lists, strings and numbers, with their units.
+
+    With an end time [time], the document includes zones, slip and work until then.
+    """
+    pair = answer.pair
+    document: dict[str, Any] = {
+        "pair": pair_document(pair),
+        "wave_speeds": {
+            name: {_NAMES[wave]: speed for wave, speed in wave_speeds(body).items()}
+            for name, body in (("upper", pair.upper), ("lower", pair.lower))
+        },
+        "zones": [asdict(zone) for zone in answer.zones],
+        "openings": [asdict(part) for part in answer.openings],
+        "edge_slip_rate": answer.edge_slip_rate,
+        "status": answer.status,
+        "error_estimate": answer.error_estimate,
+        "statistics": asdict(answer.statistics),
+    }
+    if end_time is not None:
+        document["until_end_time"] = {
+            "time": end_time,
+            "zones": [asdict(zone) for zone in answer.zones_at(end_time)],
+            "openings": [asdict(part) for part in answer.openings_at(end_time)],
+            "largest_slip": float(answer.max_slip(end_time)),
+            "accumulated_slip": float(answer.accumulated_slip(end_time)),
+            "frictional_work": float(answer.frictional_work(end_time)),
+        }
+    dimensions = {**_DIMENSIONS, "until_end_time": END_DIMENSIONS}
+    document["units"] = units_of(document, dimensions, pair)
+    return document

@@ -1,0 +1,143 @@
+"""Nodal values of a grid beside the edge of a stuck contact between two bodies.
+
+tau + i sigma and tau - i sigma diagonalise the static symbol of a grid, |theta| (1 -+ beta sgn
+theta) with Dundurs' beta, and these scalar symbols have Wiener-Hopf factors in closed form: with
+z = exp(i theta), nu = -+ artanh(beta) / pi and the factor E(z) of |theta| / (2 |sin(theta / 2)|),
+
+    contact nodes  t_j = [z^j] (1 - z)^(-1/2 - i nu) (1 + z)^(i nu) E(z),
+    slot nodes     u_l = [z^l] (1 - z)^(-3/2 - i nu) (1 + z)^(i nu) / E(z).
+
+They tend to the fields of a crack tip at (j + 0.31) h and (l + 0.69) h from it, but for known
+factors, and for waves two nodes long, of relative size j^(-1/2), from the jump of the symbol at
+theta = pi: no grid removes these, and means of three nodes do (docs/engine.md, "Beside a stuck
+edge").
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.halfplane.edge_factors import (
+    edge_offset_and_factors,
+    exponential,
+    log_factor,
+)
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+MOST_NODES = 512
+"""Largest number of nodes that are read: the factor of the next one is 1 to 2e-3 for beta = 0.3."""
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeReading:
+    """Fields beside the edge of a stuck contact, as far as a grid knows them.
+
+    Attributes
+    ----------
+    distance : (n,) array
+        Distances from the edge into the contact [length].
+    shear_traction, pressure : (n,) arrays
+        Total shear traction and contact pressure there [stress].
+    slot_distance : (m,) array
+        Distances from the edge into the slot [length].
+    slip, gap : (m,) arrays
+        Slip and change of the width of the slot there [length].
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> push, contact = sa.InterfaceLoad(0.1, on="slot"), sa.Contact.half_line()
+    >>> solid, law = sa.Material(1.0, 1.0, 0.25), sa.Coulomb(0.5)
+    >>> held = sa.Interface(solid, law, 8.0, loads=[push], contact=contact)
+    >>> reading = sa.run(held, 1.0, nodes=64).beside_edge(0.0)
+    >>> reading.distance[:2].round(4), reading.shear_traction[:2].round(3)
+    (array([0.1637, 0.2887]), array([0.095, 0.054]))
+    """
+
+    distance: Array
+    shear_traction: Array
+    pressure: Array
+    slot_distance: Array
+    slip: Array
+    gap: Array
+
+
+@lru_cache(maxsize=16)
+def edge_factors(beta: float, count: int = MOST_NODES) -> tuple[float, Complex, Complex]:
+    """Return the offset of the grid's edge, and the factors of nodes of the contact and the slot.
+
+    Parameters
+    ----------
+    beta : float
+        Dundurs' beta of the bodies, that of the upper minus that of the lower one.
+    count : int
+        Number of factors.
+
+    Returns
+    -------
+    float
+        Distance from the edge to the first node of a contact x > 0, over the node distance.
+    (count,) complex arrays
+        tau + i sigma at nodes of the contact, and slip + i gap at nodes of the slot, over the
+        fields of a crack tip, K d^(-1/2 + i nu) and K d^(1/2 + i nu) with nu = -artanh(beta) / pi,
+        at the nodes' distances d from the edge.
+    """
+    from scipy.special import loggamma  # here, for `import semianalytic` is to be quick
+
+    offset, smooth = edge_offset_and_factors()[0], log_factor()[: count - 1]
+    total = log_factor().sum()  # ln E(1), with E(0) = 1
+    nu = -np.arctanh(beta) / np.pi
+    k, j = np.arange(1, count), np.arange(count)
+    alternating = -1j * nu * (-1.0) ** k / k
+    contact: Complex = exponential((0.5 + 1j * nu) / k + alternating + smooth).astype(complex)
+    slot: Complex = exponential((1.5 + 1j * nu) / k + alternating - smooth).astype(complex)
+    turn = np.exp(-1j * nu * np.log(2))
+    contact *= turn * np.exp(loggamma(0.5 + 1j * nu) - total) * (j + offset) ** (0.5 - 1j * nu)
+    slot *= turn * np.exp(loggamma(1.5 + 1j * nu) + total) * (j + 1 - offset) ** (-0.5 - 1j * nu)
+    return offset, contact, slot
+
+
+def read_beside_edge(
+    contact: Complex, slot: Complex, spacing: float, beta: float
+) -> tuple[Array, Complex, Array, Complex]:
+    """Return what nodal values beside an edge of a stuck contact x > 0 say of the exact fields.
+
+    Every value is divided by that of a crack tip on the same grid; means of three quotients,
+    weighted 1, 2, 1, are multiplied by the exact fields of a crack tip.  The first and the last
+    node on either side have no neighbours for a mean and are left out.
+
+    Parameters
+    ----------
+    contact : (n,) complex array
+        tau + i sigma at nodes of the contact, changes from the base state, from the edge on.
+    slot : (m,) complex array
+        slip + i gap at nodes of the slot, from the edge on.
+    spacing : float
+        Node distance.
+    beta : float
+        Dundurs' beta.
+
+    Returns
+    -------
+    distance (n - 2,), tau + i sigma (n - 2,), slot distance (m - 2,), slip + i gap (m - 2,)
+    """
+    offset, of_contact, of_slot = edge_factors(beta)
+    nu = -np.arctanh(beta) / np.pi
+    distances, fields = [], []
+    for values, factors, first, power in (
+        (contact, of_contact, offset, -0.5),
+        (slot, of_slot, 1 - offset, 0.5),
+    ):
+        away = np.arange(len(values)) + first
+        tip = away ** (power + 1j * nu)
+        share = values / (factors[: len(values)] * tip)
+        mean = (share[:-2] + 2 * share[1:-1] + share[2:]) / 4
+        distances.append(np.asarray(spacing * away[1:-1]))
+        fields.append(np.asarray(mean * tip[1:-1], dtype=complex))
+    return distances[0], fields[0], distances[1], fields[1]

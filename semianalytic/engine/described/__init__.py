@@ -1,0 +1,1 @@
+"""Interfaces as files, names and numbers: what surveys and fits vary."""

@@ -1,0 +1,277 @@
+"""Loads of an interface: tractions that act on the line, or on the faces of slots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.engine.fields import at_nodes, check_field
+from semianalytic.scene.checks import checked_number, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import IncidentWave, MovingLoad
+from semianalytic.scene.loads import LoadHistory, Step
+from semianalytic.scene.material import Material
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceLoad:
+    """Tractions that act from t = 0 on: fields along x times a history of time.
+
+    Parameters
+    ----------
+    shear : field or function of x and t
+        Shear traction [stress]; a number, a function of x or a `Table`.  With ``history=None`` it
+        is a function of x (n,) and t that returns the traction itself.
+    history : LoadHistory, function of t, or None
+        Factor over time, a step at t = 0 by default.
+    on : str
+        "line": the tractions that an interface without slots, slip and gap would carry, such as
+        those of an over-stressed patch or of a wave.  "slot": taken off the faces of slots.
+    pressure : field or function of x and t
+        Pressure [stress], positive in compression, given like `shear`.  The contact opens where the
+        total pressure would be negative.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is of the wrong kind.
+
+    Examples
+    --------
+    >>> from semianalytic import InterfaceLoad
+    >>> load = InterfaceLoad(lambda x: 2.0 * (abs(x) < 1), history=lambda t: min(t, 1.0))
+    >>> load.traction([0.0, 3.0], 0.5).tolist()
+    [1.0, 0.0]
+    >>> lifted = InterfaceLoad(pressure=-3.0)
+    >>> lifted.traction([0.0], 1.0, of="pressure").tolist(), lifted.acts("shear")
+    ([-3.0], False)
+    """
+
+    shear: Any = 0.0
+    history: LoadHistory | Callable[[float], float] | None = Step()  # noqa: RUF009
+    on: str = "line"
+    pressure: Any = 0.0
+
+    def __post_init__(self) -> None:
+        history = self.history
+        if not (history is None or isinstance(history, LoadHistory) or callable(history)):
+            raise SceneError(
+                f"load: history must be a LoadHistory or a function of t, got {shown(history)}."
+            )
+        if self.on not in ("line", "slot"):
+            raise SceneError(f'load: on must be "line" or "slot", got {shown(self.on)}.')
+        for name in ("shear", "pressure"):
+            given = getattr(self, name)
+            check_field(f"load: {name}", given)
+            if history is None and self.acts(name) and not callable(given):
+                raise SceneError(f"load: without a history `{name}` must be a function of x and t.")
+
+    def acts(self, name: str) -> bool:
+        """Return whether the load has "shear" or "pressure": anything but the number 0."""
+        given = getattr(self, name)
+        return callable(given) or float(given) != 0
+
+    def traction(self, x: Any, t: float, after: bool = False, of: str = "shear") -> Array:
+        """Return the shear, or the pressure, at positions x (n,) at a time, (n,) [stress].
+
+        At a jump of the history this is the value before it, or the one `after` it.
+        """
+        x, given = np.asarray(x, dtype=float), getattr(self, of)
+        if self.history is None:
+            return np.asarray(given(x, t) if callable(given) else 0 * x, dtype=float)
+        shape = given(x) if callable(given) else given
+        return np.broadcast_to(np.asarray(shape, dtype=float) * self.factor(t, after), x.shape)
+
+    def factor(self, t: float, after: bool = False) -> float:
+        """Return the factor at a time; at a jump, the value before it or the one `after` it."""
+        if isinstance(self.history, LoadHistory):
+            return float(self.history.value(math.nextafter(t, math.inf) if after else t))
+        return float(self.history(t)) if self.history is not None else 1.0
+
+    @property
+    def jumps(self) -> list[float]:
+        """Times at which the load jumps."""
+        if isinstance(self.history, LoadHistory):
+            return [float(at) for at, _ in self.history.pieces.jumps]
+        return []
+
+
+@dataclass(frozen=True, eq=False)
+class FrontLoad:
+    """A plane wave that arrives at an angle, or a load that moves, as a load of an interface.
+
+    The traction is S f(t - p (x - at)), with the step S and the slowness p of the front, and a
+    history f that is a step by default.  At nodes it rises over the time in which the front crosses
+    a node distance, but not faster than in a step.
+
+    Parameters
+    ----------
+    front : IncidentWave or MovingLoad
+        An incident wave acts on the line; a moving load is taken off the faces of slots: those at
+        x < at if it moves away (its speed is positive), all that it has passed if it comes.
+    history : LoadHistory
+        Factor over the time since the front.
+    at : float
+        Where the front is at t = 0 [length].  What it has passed is loaded from t = 0 on: a wave of
+        negative angle therefore begins at the end of the line, or of the contacts.
+    material : Material, optional
+        The solid, which `Interface` sets.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is of the wrong kind.
+
+    Examples
+    --------
+    >>> from semianalytic import FrontLoad, IncidentWave, Material
+    >>> wave = FrontLoad(IncidentWave("SH", angle=-30.0, stress=2.0), at=4.0)
+    >>> wave = wave.of(Material(1.0, 1.0, 0.25))  # the front is at 4 - 2 t
+    >>> wave.traction([1.0, 3.0], 1.0).round(6) + 0.0
+    array([ 0.      , -1.732051])
+    """
+
+    front: IncidentWave | MovingLoad
+    history: LoadHistory = Step()  # noqa: RUF009
+    at: float = 0.0
+    material: Material | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.front, IncidentWave | MovingLoad):
+            raise SceneError(
+                f"load: front must be an IncidentWave or a MovingLoad, got {shown(self.front)}."
+            )
+        if not isinstance(self.history, LoadHistory):
+            raise SceneError(
+                f"load: the history of a front must be a LoadHistory, got {shown(self.history)}."
+            )
+        object.__setattr__(self, "at", checked_number("load: at", self.at))
+
+    def of(self, material: Material) -> FrontLoad:
+        """Return the load of a solid."""
+        return replace(self, material=material)
+
+    @property
+    def on(self) -> str:
+        """Where it acts, as for `InterfaceLoad`."""
+        return "line" if isinstance(self.front, IncidentWave) else "slot"
+
+    def acts(self, name: str) -> bool:
+        """Return whether the load has "shear" or "pressure"."""
+        front = self.front
+        if isinstance(front, MovingLoad):
+            return bool(getattr(front, name))
+        alone = {"P": "pressure", "SV": "shear", "SH": "shear"}[front.kind]
+        return name == alone or (front.kind != "SH" and front.angle != 0)
+
+    def traction(
+        self,
+        x: Any,
+        t: float,
+        after: bool = False,
+        of: str = "shear",
+        spread: tuple[float, float] = (0.0, 0.0),
+    ) -> Array:
+        """Return the shear, or the pressure, at positions x (n,) at a time, (n,) [stress].
+
+        At a jump of a load that is everywhere at once this is the value before it, or the one
+        `after` it.
+
+        Parameters
+        ----------
+        x : (n,) array
+        t : float
+        after : bool
+        of : str
+            "shear" or "pressure".
+        spread : (float, float)
+            Node distance [length] and step [time] over which the load is averaged.
+        """
+        assert self.material is not None
+        x = np.asarray(x, dtype=float)
+        slowness = self.front.slowness(self.material)
+        size = getattr(self.front.tractions(self.material), of)
+        since = t - slowness * (x - self.at)
+        half = max(abs(slowness) * spread[0], spread[1]) / 2 if slowness else 0.0
+        if half > 0:
+            factor = self.history.mean(since - half, since + half)
+        else:
+            factor = self.history.value(np.nextafter(since, np.inf) if after else since)
+        if isinstance(self.front, MovingLoad) and self.front.speed > 0:
+            factor = np.where(x < self.at, factor, 0.0)
+        return np.asarray(size * factor)
+
+    @property
+    def jumps(self) -> list[float]:
+        """Times at which the load jumps, if it is everywhere at once."""
+        assert self.material is not None
+        if self.front.slowness(self.material):
+            return []
+        return [float(at) for at, _ in self.history.pieces.jumps]
+
+
+class ActingLoads:
+    """Shear or pressure at the nodes of a grid over time: the base traction and the loads.
+
+    Parameters
+    ----------
+    of : str
+        "shear" or "pressure".
+    base : (n,) array
+        Traction before t = 0 [stress].
+    loads : sequence of InterfaceLoad
+        Loads, of which those that have this traction are added.
+    x : (n,) array
+        Positions of the nodes [length].
+    touching : (n,) array of bool
+        Whether the bodies touch there.
+    step : float
+        Shortest step [time], over which the fronts of loads rise at least.
+    """
+
+    def __init__(
+        self,
+        of: str,
+        base: Array,
+        loads: Sequence[InterfaceLoad | FrontLoad],
+        x: Array,
+        touching: NDArray[np.bool_],
+        step: float = 0.0,
+    ) -> None:
+        self._of, self._base, self._x = of, base, x
+        self._spread = (float(x[1] - x[0]), step)
+        # The field of a load that is a product of space and time is sampled only once.
+        self._parts: list[tuple[Array | None, InterfaceLoad | FrontLoad]] = []
+        for load in loads:
+            if load.acts(of):
+                shape = None
+                if isinstance(load, InterfaceLoad) and load.history is not None:
+                    where = touching | True if load.on == "line" else ~touching
+                    shape = at_nodes(f"load: {of}", getattr(load, of), x, where)
+                self._parts.append((shape, load))
+
+    def __call__(self, time: float, after: bool = False) -> tuple[Array, Array]:
+        """Return the traction that an uncut line carries, and that of slot faces, (n,) each.
+
+        At a jump of a load these are the values before it, or those `after` it.
+        """
+        line, slot = self._base.copy(), self._base.copy()
+        for shape, load in self._parts:
+            if isinstance(load, FrontLoad):
+                value = load.traction(self._x, time, after, self._of, self._spread)
+            elif shape is None:
+                value = load.traction(self._x, time, of=self._of)
+            else:
+                value = shape * load.factor(time, after)
+            if load.on == "line":
+                line += value
+            else:
+                slot -= value
+        return line, slot

@@ -1,0 +1,324 @@
+"""Fits of interfaces: runs in place of solutions, and derivatives by differences of runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from semianalytic.engine.described.files import InterfaceFile
+from semianalytic.engine.described.parameters import (
+    Parameter,
+    interface_at,
+    interface_parameters,
+)
+from semianalytic.engine.fields import sampled
+from semianalytic.engine.interface import Interface
+from semianalytic.engine.result import Run
+from semianalytic.engine.run import run
+from semianalytic.engine.tuning import ERROR_SAFETY, NODES
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.inversion.gauges import FIELDS, Gauge
+from semianalytic.inversion.samples import Samples
+from semianalytic.inversion.trials import Trials
+from semianalytic.inversion.unknowns import SETUP, Setup, Unknowns, check_gains, is_of_setup
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+
+FRAMES = 1000
+"""Times at which a run keeps fields: between them slip is cubic, and all else linear."""
+RUN_ERROR = 1e-3
+"""Error of runs from which the step of differences follows, which is then its longest: a run
+changes by 1e-4 when its steps fall elsewhere."""
+LATER = 0.25
+"""Part of the records' length by which runs go on beyond them if the trigger is fitted."""
+_SIGNED = ("shear", "rate", "plate_rate", "pressure", "angle", "at", "factor")
+"""Ends of names of parameters that may change their sign."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrialInterface(InterfaceFile):
+    """An interface with other values of some of its parameters, which tell it from others."""
+
+    changes: tuple[tuple[str, float], ...] = ()
+    origin: InterfaceFile | None = field(default=None, repr=False)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, TrialInterface) and self.changes == other.changes
+
+    def __hash__(self) -> int:
+        return hash(self.changes)
+
+    def changed(self, values: Mapping[str, float]) -> TrialInterface:
+        """Return the interface with other values of some parameters; errors of `Interface`."""
+        changes = {**dict(self.changes), **values}
+        begun = self.origin or self
+        interface = interface_at(begun.interface, changes)
+        kept = tuple(sorted(changes.items()))
+        return replace(self, interface=interface, changes=kept, origin=begun)
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedRun:
+    """A run as gauges see it, at any position and time.
+
+    Attributes
+    ----------
+    scene : TrialInterface
+    run : Run
+    """
+
+    scene: TrialInterface
+    run: Run
+
+    @property
+    def edge_speeds(self) -> Array:
+        """No edge is known to be at constant speed."""
+        return np.array([])
+
+    @property
+    def error_estimate(self) -> float:
+        """Error of runs from which the step of differences follows."""
+        return RUN_ERROR
+
+    @property
+    def status(self) -> str:
+        """ "converged", or what to distrust of the run."""
+        return "converged" if self.run.status == "done" else self.run.status
+
+    def slip(self, x: Array, t: Array) -> Array:
+        """Return slip at n positions and times, (n,); cubic in time between frames."""
+        left, share, step = self._between(t)
+        begin, end = self._at("slip", x, left), self._at("slip", x, left + 1)
+        rates = self._at("slip_rate", x, left), self._at("slip_rate", x, left + 1)
+        back = 1 - share
+        line = begin + share * (end - begin)
+        mean = np.where(step > 0, (end - begin) / np.where(step > 0, step, 1.0), 0.0)
+        bend = back * (rates[0] - mean) - share * (rates[1] - mean)
+        return np.where(t < 0, 0.0, line + step * share * back * bend)
+
+    def slip_rate(self, x: Array, t: Array) -> Array:
+        """Return the slip rate at n positions and times, (n,)."""
+        return self._linear("slip_rate", x, t, self.scene.interface.rate)
+
+    def shear_traction(self, x: Array, t: Array) -> Array:
+        """Return the shear traction at n positions and times, (n,)."""
+        return self._linear("shear_traction", x, t, self.scene.interface.shear)
+
+    def pressure(self, x: Array, t: Array) -> Array:
+        """Return the pressure at n positions and times, (n,)."""
+        return self._linear("pressure", x, t, self.scene.interface.pressure)
+
+    def _linear(self, name: str, x: Array, t: Array, before: Any) -> Array:
+        left, share, _ = self._between(t)
+        begin, end = self._at(name, x, left), self._at(name, x, left + 1)
+        early = sampled(name, before, np.asarray(x, dtype=float))
+        return np.where(t < 0, early, begin + share * (end - begin))
+
+    def _between(self, t: Array) -> tuple[Any, Array, Array]:
+        """Return the frame before each time, the share of the way to the next, and the way."""
+        known = self.run.t
+        left = np.clip(np.searchsorted(known, t, side="right") - 1, 0, len(known) - 2)
+        step = known[left + 1] - known[left]
+        return left, np.clip((t - known[left]) / np.where(step > 0, step, 1.0), 0.0, 1.0), step
+
+    def _at(self, name: str, x: Array, frames: Any) -> Array:
+        places, which = np.unique(x, return_inverse=True)
+        values = self.run.at(getattr(self.run, name), places)
+        return np.asarray(values[frames, np.ravel(which)])
+
+
+@dataclass(frozen=True)
+class InterfaceUnknowns(Unknowns):
+    """Unknowns of a fit of an interface."""
+
+    scene: Any
+
+    @cached_property
+    def known(self) -> dict[str, Parameter]:
+        """The parameters of the interface."""
+        return interface_parameters(self.scene.interface)
+
+    def value(self, name: str) -> float:
+        """Return the value at which the search begins."""
+        return super().value(name) if is_of_setup(name) else self.known[name].value
+
+    def at(self, values: Sequence[float]) -> tuple[Any, Setup]:
+        """Return interface and set-up with these values; errors are those of `Interface`."""
+        given = dict(zip(self.names, map(float, values), strict=True))
+        setup = {name: value for name, value in given.items() if is_of_setup(name)}
+        changes = {name: value for name, value in given.items() if name not in setup}
+        return self.scene.changed(changes), self.setup_with(setup)
+
+    def _least(self, name: str) -> float:
+        if is_of_setup(name):
+            return super()._least(name)
+        interface = self.scene.interface
+        return {
+            "length": 0.01 * interface.length,
+            "time": 0.1 * self.duration,
+            "stress": 0.1 * self._stress,
+            "length / time": 0.1 * self._stress / interface.impedance,
+            "stress time / length": 0.1 * interface.impedance,
+            "angle": 5.0,
+        }.get(self.known[name].dimension, 0.1)
+
+    @property
+    def _stress(self) -> float:
+        """The largest traction before loads [stress]."""
+        interface = self.scene.interface
+        x = np.linspace(-interface.length / 2, interface.length / 2, 101)
+        x = x[interface.contact.touches(x)]
+        fields = (interface.pressure, interface.shear)
+        return max(float(np.abs(sampled("", one, x)).max(initial=0.0)) for one in fields) or 1.0
+
+    def size(self, name: str) -> float:
+        """Return the size by which an unknown is divided: its value, or one that would matter."""
+        value = abs(self.value(name))
+        return value if value > 0 and not is_of_setup(name) else super().size(name)
+
+    def bounds(self, name: str) -> tuple[float, float]:
+        """Return the least and largest admissible value of an unknown."""
+        if is_of_setup(name) or name == "poisson_ratio":
+            return super().bounds(name)
+        if name.endswith("poisson_ratio"):
+            return super().bounds("poisson_ratio")
+        if name.startswith("contact_"):
+            half = self.scene.interface.length / 2
+            return -half, half
+        named = self.known[name].targets[0][0][-1] == name
+        if name != "pressure" and (name.endswith(_SIGNED) or named):
+            return -math.inf, math.inf
+        return (1e-3 * self.size(name), math.inf) if self.value(name) > 0 else (0.0, math.inf)
+
+    def plausible(self, name: str) -> tuple[float, float]:
+        """Return the range that a search without a prior considers."""
+        if is_of_setup(name):
+            return super().plausible(name)
+        value, size = self.value(name), self.size(name)
+        if name.endswith("poisson_ratio"):
+            return 0.02, 0.48
+        if name.startswith("contact_"):
+            return value - 10 * self._least(name), value + 10 * self._least(name)
+        low, high = sorted((value / 3, 2.5 * value)) if value else (-size, size)
+        least, largest = self.bounds(name)
+        return max(low, least), min(high, largest)
+
+
+@dataclass
+class InterfaceTrials(Trials):
+    """Trials of unknowns of an interface."""
+
+    half_line = False
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether each trial costs so much that there should be fewer of them."""
+        return True
+
+    def _solve(self, scene: Any) -> Any:
+        return recorded(scene, scene.options.get("nodes", NODES), estimate=False)
+
+    def misfits(self, points: Sequence[Array]) -> Array:
+        """Return the misfits (m, n) of many values."""
+        return np.array([self.misfit(point) for point in points])
+
+    def _column(self, name: str, solution: Any, setup: Setup, t: Array) -> Array:
+        if is_of_setup(name):
+            return super()._column(name, solution, setup, t)
+        return self.difference(name, solution, setup, t)
+
+    def _differenced(self, name: str) -> np.ndarray:
+        """Return which samples have derivatives by differences with respect to an unknown, (n,)."""
+        return np.full(len(self.samples.t), not is_of_setup(name))
+
+    def final(self, scaled: Array) -> Any:
+        """Return the run of the result, with its error estimates."""
+        scene: Any = self.at(scaled)[0]
+        return recorded(scene, scene.options.get("nodes", NODES), estimate=True)
+
+    def grid_error(self, scaled: Array, fine: Any) -> float:
+        """Return by how much the grid changes records, over their noise (root mean square).
+
+        It is `ERROR_SAFETY` times the difference from half the nodes.
+        """
+        scene: Any
+        scene, setup = self.at(scaled)
+        coarse: Any = recorded(scene, fine.run.nodes // 2, estimate=False)
+        one, other = (self.samples.of(run, setup) for run in (fine, coarse))
+        off = self.samples.gain(setup) * (one - other) / self.samples.noise
+        return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
+
+
+def recorded(scene: TrialInterface, nodes: int, estimate: bool) -> RecordedRun:
+    """Run an interface for gauges; errors are those of `run`."""
+    options = {key: value for key, value in scene.options.items() if key not in _OWN}
+    done = run(scene.interface, scene.end_time, nodes, frames=FRAMES, estimate=estimate, **options)
+    return RecordedRun(scene, done)
+
+
+_OWN = ("nodes", "rtol", "every", "frames", "times")
+"""Options of files that fits do not take from them."""
+
+
+def interface_name(interface: Interface, given: str) -> str:
+    """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
+
+    Raises
+    ------
+    SceneError
+        If the interface has no such number, and the set-up neither.
+    """
+    if is_of_setup(given):
+        return given
+    known = interface_parameters(interface)
+    name = str(given).replace(".", "_").replace("-", "_").removeprefix("material_")
+    if name not in known:
+        raise SceneError(
+            f"fit: parameters must be among {', '.join((*known, *SETUP))} and gain:NAME, got "
+            f"{shown(given)}."
+        )
+    return name
+
+
+def interface_trials(
+    gauges: tuple[Gauge, ...],
+    described: InterfaceFile,
+    names: tuple[str, ...],
+    priors: Mapping[str, Any],
+    setup: Setup,
+    nodes: int | None,
+) -> InterfaceTrials:
+    """Return the trials of a fit of an interface, after checking what was asked.
+
+    Raises
+    ------
+    SceneError
+        If a gauge is not of the interface or off the contact, a parameter is repeated, or the end
+        time of the interface does not cover the records.
+    """
+    for gauge in gauges:
+        if gauge.quantity in FIELDS:
+            raise SceneError(
+                f"fit: {gauge.quantity} is of the bodies, and an interface is known on y = 0 alone."
+            )
+        if not described.interface.contact.touches([gauge.x - setup.x0]).all():
+            raise SceneError(
+                f"fit: the bodies do not touch at x = {gauge.x:g}; leave {gauge.label} out."
+            )
+    check_gains(names, gauges)
+    if not names or len(set(names)) < len(names):
+        raise SceneError("fit: name at least one parameter, and each of them once.")
+    samples = Samples(gauges)
+    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
+    end = float(samples.t.max()) - setup.t0 + (LATER * duration if "t0" in names else 0.0)
+    if end <= 0:
+        raise SceneError("fit: all records end before the load acts; check t0.")
+    options = dict(described.options) | ({} if nodes is None else {"nodes": nodes})
+    begun = TrialInterface(described.interface, end, options, described.summary)
+    unknowns = InterfaceUnknowns(names, begun, setup, duration)
+    return InterfaceTrials(samples, unknowns, priors, 0.0)

@@ -1,0 +1,191 @@
+"""Two different bodies on every road a user takes: what works, and what refuses in one sentence."""
+
+import json
+
+import numpy as np
+import pytest
+
+import slipfront as sf
+from slipfront.cli.commands import main
+from tests.slipfront.cli.test_json_output import checked
+from tests.slipfront.cli.test_lower_material import FILE, LOWER, UPPER
+
+PAIR = sf.Pair(UPPER, LOWER, 0.3, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0))
+RUNNING = sf.Interface(
+    UPPER,
+    sf.Coulomb(0.3),
+    8.0,
+    lower_material=LOWER,
+    contact=sf.Contact.half_line(),
+    loads=[sf.InterfaceLoad(1.0, on="slot")],
+)
+GAUGE = sf.Gauge(0.4, np.array([0.1, 0.2]), np.array([0.1, 0.2]), 0.1)
+RECORD = "x,t,slip\n0.5,1.0,0.1\n"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "two.toml").write_text(FILE)
+    (tmp_path / "record.csv").write_text(RECORD)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+KNOWS_ONE = (
+    "two.toml: this knows identical bodies only, so take out [lower_material], solve a step on the "
+    "slot exactly, slipfront solve or survey or solve_pair in Python, or simulate the scene"
+)
+OTHERWISE = "slipfront solve, survey and simulate take different ones"
+REFUSED = [
+    ("compare two.toml", KNOWS_ONE),
+    ("field two.toml", KNOWS_ONE),
+    ("explore two.toml --no-browser", KNOWS_ONE),
+    ("validate record.csv --scene two.toml", KNOWS_ONE),
+    ("fit record.csv --scene two.toml --parameters friction", KNOWS_ONE),
+    ("evidence two.toml", KNOWS_ONE),
+    ("init new.toml --from two.toml", KNOWS_ONE),
+    ("compare preloaded --lower-density 2", OTHERWISE),
+    ("field preloaded --lower-density 2", OTHERWISE),
+    ("explore preloaded --lower-density 2", OTHERWISE),
+    ("fit record.csv --scene preloaded --lower-density 2", OTHERWISE),
+    ("evidence preloaded --lower-density 2", OTHERWISE),
+    ("solve two.toml --method space-time", "march them with slipfront run"),
+    ("solve two.toml --nodes 64", "march them with slipfront run"),
+    ("solve two.toml --plot a.png", "ask for points with --x and --t"),
+    ("solve ramp --lower-density 2", "shear_history: between different bodies the exact solver"),
+    ("solve antiplane --lower-density 2", 'mode = "antiplane": between different bodies'),
+    ("solve remote-shock --lower-density 2", 'load_on = "remote": between different bodies'),
+    ("solve incident-p --lower-density 2", "the load is a wave or moves: between different"),
+    ("solve whole-line-patch --lower-density 2", "march two bodies without a slot with slipfront"),
+    ("solve preloaded --lower-poisson-ratio 0.5", "poisson-ratio must lie"),
+    ("solve preloaded --lower-density 0", "density must be positive"),
+    ("solve preloaded --lower-shear-modulus 0", "shear-modulus must be positive"),
+    ("solve preloaded --lower-density 1e6", "must not differ by more than a factor of 100000"),
+    pytest.param(
+        "solve two.toml --friction 0.95", "and nothing has an answer", marks=pytest.mark.slow
+    ),
+    ("survey ramp --lower-density 1,2", "shear_history: between different bodies"),
+    ("survey two.toml --lower-density 1,2 --nodes 64", "two different bodies are solved exactly"),
+    ("survey two.toml --vary lower_material.dense=1,2", "did you mean lower_density?"),
+    ("run two.toml", "unknown key friction"),
+    ("sliding --upper 1,1,0.25 --lower 1,1,0.5 --friction 0.3", "poisson_ratio must lie"),
+]
+
+
+@pytest.mark.parametrize(("line", "words"), REFUSED)
+def test_what_knows_identical_bodies_only_says_what_can(line, words, folder, capsys):
+    before = sorted(path.name for path in folder.rglob("*"))
+    assert main(line.split()) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    assert words in said.err
+    assert sorted(path.name for path in folder.rglob("*")) == before  # nothing is written
+
+
+FUNCTIONS = {
+    "solve": sf.solve,
+    "march": lambda scene: sf.march(scene, 1.0),
+    "predict": sf.predict,
+    "sweep": lambda scene: sf.sweep(scene, [0.3]),
+    "fit": lambda scene: sf.fit([GAUGE], scene, ["friction"]),
+    "validate": lambda scene: sf.validate("record.csv", scene),
+    "find_scene": sf.find_scene,
+}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_functions_of_a_scene_say_what_can(name):
+    with pytest.raises(sf.SceneError, match=r"solve_pair in Python, or\s+simulate"):
+        FUNCTIONS[name]("two.toml")
+    # interfaces of two bodies may be fitted, or not, as those of one
+    given = {"find_scene": (), "fit": (PAIR,)}.get(name, (PAIR, RUNNING))
+    for described in given:
+        with pytest.raises(sf.SceneError, match=r"two bodies are for solve_pair, survey, run"):
+            FUNCTIONS[name](described)
+
+
+def test_a_file_of_two_bodies_is_solved(capsys):
+    known = sf.solve_pair(PAIR)
+    assert main(["solve", "two.toml", "--x", "0.5", "--t", "1", "--json", "--end-time", "2"]) == 0
+    document = checked(capsys.readouterr().out)
+    assert document["pair"]["lower_material"]["density"] == 2.0
+    assert document["zones"][0]["outer"] == known.zones[0].outer
+    assert document["points"][0]["slip_rate"]["value"] == float(known.slip_rate(0.5, 1.0))
+    assert document["until_end_time"]["largest_slip"] == pytest.approx(float(known.max_slip(2.0)))
+    assert document["units"]["wave_speeds"]["lower"]["shear"] == "length/time"
+    assert main(["solve", "two.toml", "--x", "0.5", "--t", "1", "--end-time", "2"]) == 0
+    said = capsys.readouterr().out
+    for words in ("open", "c_R, c_t, c_l, lower body", "forward slip comes", "converged"):
+        assert words in said
+    assert sf.solve_pair("two.toml").edge_speeds.tolist() == known.edge_speeds.tolist()
+
+
+def test_options_describe_the_lower_body_in_units(tmp_path, capsys):
+    text = 'units = "SI"\n' + FILE.replace("shear_modulus = 1.0", "shear_modulus = 1e9")
+    (tmp_path / "si.toml").write_text(text.partition("[lower_material]")[0])
+    with (tmp_path / "si.toml").open("a") as stream:
+        stream.write("[base]" + text.partition("[base]")[2])
+    line = ["solve", "si.toml", "--lower-shear-modulus", "4GPa", "--lower-density", "2g/cm3"]
+    assert main([*line, "--density", "1000", "--json"]) == 0
+    document = checked(capsys.readouterr().out)
+    assert document["pair"]["lower_material"] == {
+        "shear_modulus": 4e9,
+        "density": 2000.0,
+        "poisson_ratio": 0.25,
+    }
+    assert document["units"]["wave_speeds"]["upper"]["rayleigh"] == "m/s"
+
+
+def test_numbers_that_make_both_bodies_alike_are_an_ordinary_scene(capsys):
+    numbers = ["--lower-density", "1", "--lower-shear-modulus", "1", "--lower-poisson-ratio"]
+    assert main(["solve", "two.toml", *numbers, "0.25", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert "pair" not in document
+    scene = sf.Scene(UPPER, 0.3, PAIR.base, PAIR.load)
+    assert document["zones"][0]["outer"] == sf.solve(scene).zones[0].outer
+
+
+def test_a_survey_varies_the_lower_body(tmp_path, capsys):
+    pytest.importorskip("h5netcdf")
+    xarray = pytest.importorskip("xarray")
+    line = "survey two.toml --friction 0.2 --lower-density 1,2 --lower-poisson-ratio 0.4,0.5"
+    line += " --x 0.5 --t 1 --workers 1 --rtol 1e-6 --output a.nc --json"
+    assert main(line.split()) == 0
+    checked(capsys.readouterr().out)
+    found = xarray.load_dataset("a.nc", engine="h5netcdf")
+    assert found.slip_rate.dims == ("lower_density", "lower_poisson_ratio", "t", "x")
+    known = sf.solve_pair(sf.Pair(UPPER, LOWER, 0.2, PAIR.base, PAIR.load), rtol=1e-6)
+    here = found.sel(lower_density=2.0, lower_poisson_ratio=0.4)
+    assert here.status.item() == "converged"
+    assert float(here.edges.sel(edge="outer")[0]) == known.zones[0].outer
+    assert float(here.slip_rate[0, 0]) == float(known.slip_rate(0.5, 1.0))
+    assert here.lower_shear_speed.item() == pytest.approx(LOWER.shear_speed, rel=1e-14)
+    assert here.shear_speed.item() == 1.0
+    refused = found.sel(lower_poisson_ratio=0.5)
+    assert "poisson_ratio must lie" in refused.status.values[0]
+    assert np.isnan(refused.slip_rate).all()
+    assert np.isnan(refused.lower_shear_speed).all()
+    assert json.loads(found.attrs["scene"])["lower_material"]["shear_modulus"] == 4.0
+
+
+@pytest.mark.slow
+def test_a_pair_is_surveyed_in_python():
+    """Friction without an answer is nan, with the reason; other points are as solved alone."""
+    pytest.importorskip("xarray")
+    found = sf.survey(PAIR, together=True, friction=[0.2, 0.9], base_shear=[0.1, 0.0], workers=1)
+    base = sf.Tractions(1.0, 0.1)
+    known = sf.solve_pair(sf.Pair(UPPER, LOWER, 0.2, base, PAIR.load), rtol=1e-6)
+    assert found.status.values[0] == "converged"
+    assert float(found.edges[0].sel(zone=0, edge="outer")) == known.zones[0].outer
+    assert "waves that run ahead grow" in found.status.values[1]
+    assert np.isnan(found.edges[1]).all()
+    assert "mode" not in found.coords
+
+
+def test_a_simulation_of_a_file_takes_its_lower_body():
+    pytest.importorskip("skfem")
+    scene = sf.Scene(UPPER, 0.3, PAIR.base, PAIR.load)
+    told = sf.cost("two.toml", resolution=8)
+    assert told == sf.cost(scene, resolution=8, lower_material=LOWER)
+    assert told != sf.cost(scene, resolution=8)

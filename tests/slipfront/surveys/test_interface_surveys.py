@@ -1,0 +1,161 @@
+"""Surveys of interfaces: every number is a parameter, and values are those of single runs."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import semianalytic as sf
+from semianalytic.engine.described.parameters import interface_at, interface_parameters
+from slipfront.cli.commands import main
+from slipfront.surveys.run import survey
+
+FAULT = """
+length = 16.0
+shear = "0.2 + 0.1 * exp(-x**2)"
+even = true
+contact = {intervals = [[-inf, -5.0], [-3.0, 3.0], [5.0, inf]]}
+[numbers]
+radius = 1.0
+[material]
+shear_modulus = 1.0
+density = 1.0
+poisson_ratio = 0.25
+[law]
+kind = "slip-dependent"
+static = 0.6
+dynamic = 0.2
+distance = 1.0
+[[load]]
+shear = "0.6 * (abs(x) < radius)"
+history = {kind = "ramp", rise_time = 0.5}
+[[load]]
+shear = 0.1
+on = "slot"
+[run]
+end_time = 2.0
+nodes = 32
+"""
+
+
+@pytest.fixture
+def fault(tmp_path, monkeypatch):
+    (tmp_path / "fault.toml").write_text(FAULT)
+    monkeypatch.chdir(tmp_path)
+    return sf.find_interface("fault.toml")
+
+
+def test_every_number_can_be_changed_alone(fault):
+    known = interface_parameters(fault.interface)
+    assert {"law_static", "radius", "load_1_shear_factor", "load_1_history_rise_time"} <= set(known)
+    assert {"contact_1_end", "contact_2_begin", "shear_factor", "load_2_shear"} <= set(known)
+    for name, parameter in known.items():
+        value = parameter.value * 1.1 + 0.01 * (parameter.value == 0)
+        changed = interface_parameters(interface_at(fault.interface, {name: value}))
+        others = {key for key in known if changed[key].value != known[key].value}
+        assert others == {name}
+        assert changed[name].value == value
+    moved = interface_at(fault.interface, {"contact_1_end": 2.5, "contact_2_begin": 4.5})
+    assert moved.contact.intervals[1:] == ((-2.5, 2.5), (4.5, np.inf))
+    assert moved.contact.intervals[0][1] == -4.5
+    wide = interface_at(fault.interface, {"radius": 2.0, "shear_factor": 3.0})
+    assert wide.loads[0].traction([1.5], 1.0).tolist() == [0.6]
+    assert wide.shear(np.array([0.0])) == pytest.approx(0.9)
+
+
+def test_points_are_those_of_single_runs(fault):
+    places = {"x": [-1.0, 4.0], "t": [1.0]}
+    found = survey("fault.toml", law_distance=[0.8, 1.2], radius=[1.5, 0.5], **places, workers=1)
+    for distance, radius in ((0.8, 1.5), (1.2, 0.5)):
+        point = found.sel(law_distance=distance, radius=radius)
+        own = interface_at(fault.interface, {"law_distance": distance, "radius": radius})
+        done = sf.run(own, 2.0, 32, times=[1.0])
+        assert point.status == done.status
+        assert point.error_estimate == done.error_estimates["slip"]
+        assert point.frictional_work == done.work["friction"]
+        assert point.largest_slip_rate == done.peak_rates.max() > 0
+        assert point.slipped_length == done.slipped_length > 0
+        near = np.interp(1.0, done.x, done.slip_rate[0])
+        assert point.slip_rate.sel(x=-1.0, t=1.0) == pytest.approx(near, rel=1e-12)
+        assert np.isnan(point.slip_rate.sel(x=4.0, t=1.0))  # a slot
+        begun = pytest.approx(np.interp(1, done.x, done.onset), nan_ok=True)
+        assert float(point.arrival.sel(x=-1.0)) == begun
+    # the narrow patch does not break x = 1
+    arrivals = found.arrival.sel(x=-1.0, law_distance=1.2).values
+    assert arrivals[0] > 0
+    assert np.isnan(arrivals[1])
+    assert found.law_distance.attrs["units"] == "length"
+
+
+def test_an_interrupted_survey_of_functions_goes_on(tmp_path):
+    """Functions stay in this process; another function is another survey."""
+
+    def fault(height):
+        load = sf.InterfaceLoad(lambda x: height * np.exp(-(x**2)))
+        return sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.5), 8.0, loads=[load])
+
+    calls = []
+
+    def stop(done, count):
+        calls.append(done)
+        if done == 1:
+            raise KeyboardInterrupt
+
+    options = {"end_time": 0.5, "nodes": 16, "path": tmp_path / "a.nc", "workers": 2}
+    with pytest.raises(KeyboardInterrupt):
+        survey(fault(1.0), **options, law_friction=[0.3, 0.5], progress=stop)
+    with pytest.raises(sf.DataFileError, match="another survey"):
+        survey(fault(1.1), **options, law_friction=[0.3, 0.5])
+    data = survey(fault(1.0), **options, law_friction=[0.3, 0.5], progress=stop)
+    assert calls == [1, 2]
+    assert data.largest_slip[0] > data.largest_slip[1] > 0
+    endless = survey(fault(1.0), law_friction=[0.3], nodes=16)
+    assert "end_time is missing" in endless.status.values[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--vary", "law.dist=1,2"], "did you mean law_distance"),
+        (["--vary", "radius=1mm,2mm"], "number alone"),
+        (["--vary", "load_1_shear_factor=1", "--vary", "law.distance=1m,2m"], "do not say"),
+        (["--units", "SI", "--vary", "radius=1,2"], "--units has no effect"),
+        (["--vary", "radius=1,2", "--t", "0.5"], "give x as well"),
+    ],
+)
+def test_what_cannot_be_surveyed_is_refused(fault, capsys, arguments, message):
+    assert main(["survey", "fault.toml", *arguments]) == 2
+    assert message in capsys.readouterr().err
+    assert not list(Path().rglob("*.nc"))
+
+
+def test_the_command_writes_and_a_refused_point_says_why(fault, capsys):
+    asked = [
+        "survey",
+        "fault.toml",
+        "--vary",
+        "law.distance=-1,1",
+        "--output",
+        "a.nc",
+        "--json",
+    ]
+    assert main([*asked, "--workers", "1"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["methods"] == {"none": 1, "interface": 1}
+    assert any("distance must be positive" in status for status in shown["statuses"])
+
+
+def test_numbers_that_mean_nothing_are_refused(fault, tmp_path):
+    for text, message in (
+        (
+            FAULT.replace("radius = 1.0", "radius = 1.0\nwidth = 2.0"),
+            "width stands in no expression",
+        ),
+        (FAULT.replace("radius = 1.0", "pressure = 1.0"), "has a meaning of its own"),
+        (FAULT.replace("radius = 1.0", 'radius = "1"'), "finite number"),
+        (FAULT.replace("< radius", "< size"), "size is not known here"),
+    ):
+        (tmp_path / "bad.toml").write_text(text)
+        with pytest.raises(sf.SceneError, match=message):
+            sf.find_interface(tmp_path / "bad.toml")
