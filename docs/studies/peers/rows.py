@@ -23,9 +23,9 @@ FILE = DATA / "peers.csv"
 class Row:
     """One quantity of one problem, computed by a peer and by the engine.
 
-    `difference` lies between the two codes, `their_change` and `our_change` between a grid of a
-    code and that code's next coarser one, all relative in L1.  Seconds are those of the processor;
-    they have no value where a peer's files do not say them.
+    `their_error` lies between a grid of theirs and our finest, `our_error` between a grid of ours
+    and their finest; `their_change` and `our_change` lie between a grid of a code and its next
+    coarser one.  All are relative, in L1.  Seconds are those of the processor.
     """
 
     peer: str
@@ -33,7 +33,8 @@ class Row:
     quantity: str
     their_grid: str
     our_grid: str
-    difference: float | None
+    their_error: float | None
+    our_error: float | None
     their_change: float | None
     our_change: float | None
     their_seconds: float | None
@@ -47,8 +48,8 @@ def off(one: Array, other: Array) -> float:
 
 
 def replace_rows(rows: Sequence[Row], file: Path = FILE) -> None:
-    """Write rows to docs/data/peers.csv in place of those with the same command."""
-    commands = {row.command for row in rows}
+    """Write rows to docs/data/peers.csv in place of those of the same command and case."""
+    renewed = {(row.command, row.case) for row in rows}
     kept: list[Row] = []
     if file.exists():
         with file.open(newline="", encoding="utf-8") as stream:
@@ -61,8 +62,8 @@ def replace_rows(rows: Sequence[Row], file: Path = FILE) -> None:
                     for one in fields(Row)
                 }
                 kept.append(Row(**values))  # type: ignore[arg-type]
-    kept = [row for row in kept if row.command not in commands]
-    whole = sorted([*kept, *rows], key=lambda row: row.peer)
+    kept = [row for row in kept if (row.command, row.case) not in renewed]
+    whole = sorted([*kept, *rows], key=lambda row: (row.peer, row.case))
     write_rows(file, whole, command="python -m docs.studies.peers.MODULE, see docs/peers.md")
 
 

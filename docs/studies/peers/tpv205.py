@@ -103,6 +103,7 @@ def main(folder: Path) -> None:
                     quantity,
                     "200 m",
                     f"{found.interface.length / nodes:g} m",
+                    None,
                     rounded(off(ours, first[name])),
                     None,
                     None if before is None else rounded(off(ours, changes(before, name, x))),
