@@ -167,7 +167,7 @@ def main(folder: Path, build: Path | None = None) -> None:
                             rounded(off(ours[part], theirs[part])),
                             None,
                             None if before is None else rounded(off(ours[part], before[part])),
-                            rounded(their_seconds, 2),
+                            None if their_seconds is None else rounded(their_seconds, 2),
                             rounded(seconds, 2),
                             COMMAND,
                         )

@@ -67,7 +67,7 @@ def costs(builds: dict[str, Path]) -> Iterator[SheetCost]:
                 and one["code"] == (FIRST[code] or code)
                 and float(one["cells"]) == cells
             )
-            setup, stepping = (rounded(median(part), 2) or 0.0 for part in zip(*parts, strict=True))
+            setup, stepping = (rounded(median(part), 2) for part in zip(*parts, strict=True))
             yield SheetCost(
                 code, cells, float(row["slip_rate"]), float(row["slip"]), setup, stepping
             )

@@ -71,9 +71,9 @@ def _number(text: str) -> float | None:
     return float(text) if text else None
 
 
-def rounded(value: float | None, digits: int = 3) -> float | None:
+def rounded(value: float, digits: int = 3) -> float:
     """Return a number with some significant digits, for a table."""
-    return None if value is None else float(f"{value:.{digits}g}")
+    return float(f"{value:.{digits}g}")
 
 
 def seconds_of(command: Sequence[str | Path], folder: Path) -> float:

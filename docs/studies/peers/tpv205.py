@@ -128,9 +128,12 @@ def _stations(
     for i, (place, record) in enumerate(theirs.items()):
         x = np.array([1e3 * place])
         parts = {name: changes(run, name, x)[:, 0] for name in FIELDS}
+        slip, rate, traction = (rounded(off(parts[name], first[name][:, i])) for name in FIELDS)
         yield Station(
             place,
-            *(rounded(off(parts[name], first[name][:, i])) for name in FIELDS),
+            slip,
+            rate,
+            traction,
             round(arrival(t[1:], record[1:, 2]), 3),
             round(arrival(t[1:], parts["slip_rate"]), 3),
             rounded(record[-1, 1], 4),

@@ -13,7 +13,7 @@ from __future__ import annotations
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -158,8 +158,10 @@ def _dumped(folder: Path, nodes: int) -> dict[str, Array]:
     return {name: field[1:] for name, field in fields.items()}
 
 
-def _cost(case: str, code: str, nodes: int, errors: list[float] | None, costs: object) -> Cost:
-    setup, stepping = (rounded(one, 2) or 0.0 for one in costs)  # type: ignore[attr-defined]
+def _cost(
+    case: str, code: str, nodes: int, errors: list[float] | None, costs: Sequence[float]
+) -> Cost:
+    setup, stepping = (rounded(one, 2) for one in costs)
     slip, rate = (None, None) if errors is None else map(rounded, errors)
     cost = Cost(case, code, nodes, slip, rate, setup, stepping)
     print(cost, flush=True)
