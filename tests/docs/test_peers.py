@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from docs.studies.peers import cracklet, rows, sem2dpack
+from docs.studies.peers import cracklet, rows, sem2dpack, uguca
 from semianalytic.engine.law import check_law
 
 ROW = rows.Row("A", "case", "slip", "1 m", "2 m", 0.01, None, 0.02, None, 3.0, 4.0, "command")
@@ -69,3 +69,22 @@ def test_friction_of_cracklet_is_steady_at_the_slip_rate_it_prints(rest: float) 
     assert law.friction(rate, state)[0] == pytest.approx(problem.load / 1e6, rel=2e-5)
     assert law.evolved(state, rate, 1e-3)[0] == pytest.approx(state[0], rel=1e-9)
     check_law(law, np.full(1, 1e6), state)
+
+
+def test_rows_of_uguca_are_held_against_its_limit_and_our_finest_grid() -> None:
+    """Errors of h and h^2 about 1: the limit of their two grids is exact, ours is our finest."""
+
+    def run(code: str, nodes: int, error: float) -> tuple[uguca.Cost, dict[str, np.ndarray]]:
+        field = np.full((2, min(nodes, 1440) // 2), 1 + error)
+        return uguca.Cost("tpv101", code, nodes, None, None, 1.0, 2.0), {"slip_rate": field}
+
+    theirs = [run("UGUCA, default build", nodes, 10 / nodes) for nodes in (1440, 2880)]
+    ours = [run("slipfront", nodes, 1e3 / nodes**2) for nodes in (720, 1440)]
+    (row,) = uguca.rows_of([*theirs, *ours], [(2880, 1440)], 72e3)
+    fine, ours_fine = 10 / 2880, 1e3 / 1440**2
+    assert (row.quantity, row.their_grid, row.our_grid) == ("slip rate", "25 m", "50 m")
+    assert row.their_error == pytest.approx(fine - ours_fine, rel=1e-2)
+    assert row.our_error == pytest.approx(ours_fine, rel=1e-2)
+    assert row.their_change == pytest.approx(fine, rel=1e-2)
+    assert row.our_change == pytest.approx(3 * ours_fine, rel=1e-2)
+    assert (row.their_seconds, row.our_seconds) == (3.0, 3.0)

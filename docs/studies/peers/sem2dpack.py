@@ -3,7 +3,7 @@
 ``python -m docs.studies.peers.sem2dpack PROGRAM FOLDER [EXAMPLE]`` writes rows of
 docs/data/peers.csv.  PROGRAM is SEM2DPACK's solver, FOLDER a checkout of
 github.com/jpampuero/sem2dpack, whose examples EXAMPLES/TestFlt2D_SCEC_TPV3_inplane and _antiplane
-(or one of them: `inplane`, `antiplane`) are run on two grids; neither is part of this package.
+(or one of them: `inplane`, `antiplane`) are run on three grids; neither is part of this package.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from docs.studies.peers.rows import Array, Row, off, replace_rows, rounded, seco
 
 COMMAND = "python -m docs.studies.peers.sem2dpack PROGRAM FOLDER [EXAMPLE]"
 FIELDS = {"Slip": "slip", "Slip_Rate": "slip rate", "Shear_Stress": "shear traction"}
-PLACES = np.arange(375.0, 14.8e3, 250.0)
-"""Points [m] of their fault and ours at which both are compared.  None lies at the end of a patch,
-where one code starts from the shear of one side and the other from the mean of both."""
+PLACES = np.arange(250.0, 14.8e3, 250.0)
+"""Points [m] of their fault and ours at which both are compared.  Those at the ends of a patch show
+in tractions: there one code starts from the shear of one side, the other from the mean of both."""
 RECORD_MARK = 4
 """Bytes before and after each record of a sequential file of Fortran."""
 
@@ -75,9 +75,9 @@ def _points(text: str, count: int) -> str:
 PROBLEMS = (
     Problem(
         "inplane",
-        ((35, "200 m"), (70, "100 m")),
+        ((35, "200 m"), (70, "100 m"), (105, "67 m")),
         _elements,
-        (1920, 3840),
+        (960, 1920, 3840),
         6.6,
         12.0,
         PLACES,
@@ -85,9 +85,9 @@ PROBLEMS = (
     ),
     Problem(
         "antiplane",
-        ((4, "167 m"), (6, "100 m")),
+        ((4, "167 m"), (6, "100 m"), (8, "71 m")),
         _points,
-        (1920, 3840),
+        (960, 1920, 3840),
         8.6,
         12.0,
         PLACES,
@@ -192,7 +192,7 @@ def rows_of(
 
 
 def main(program: Path, folder: Path, example: str = "") -> None:
-    """Run both codes in turn on two grids, and write the rows."""
+    """Run both codes in turn on three grids, and write the rows."""
     rows: list[Row] = []
     for problem in (one for one in PROBLEMS if example in ("", one.example)):
         t = np.arange(0.0, problem.end, 0.02)
