@@ -64,7 +64,8 @@ def replace_rows(rows: Sequence[Row], file: Path = FILE) -> None:
                 kept.append(Row(**values))  # type: ignore[arg-type]
     kept = [row for row in kept if (row.command, row.case) not in renewed]
     whole = sorted([*kept, *rows], key=lambda row: (row.peer, row.case))
-    write_rows(file, whole, command="python -m docs.studies.peers.MODULE, see docs/peers.md")
+    command = "; ".join(dict.fromkeys(row.command for row in whole))
+    write_rows(file, whole, command=command)
 
 
 def _number(text: str) -> float | None:
