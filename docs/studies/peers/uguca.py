@@ -30,7 +30,8 @@ OURS = "slipfront"
 THEIRS = {1440: BUILDS, 2880: BUILDS[:1]}
 """Nodes of TPV101 and the builds that run it; the fast one has the fields of the other."""
 TPV101 = {"slip": "slip", "slip_rate": "slip rate"}
-BIMAT = ("slip", "slip rate", "shear traction", "pressure")
+BIMAT = {"slip": 0.0, "slip rate": 0.0, "shear traction": 3e6, "pressure": 10e6}
+"""Fields of `rock-on-gouge`, and what is there before the patch; it has begun at t = 0."""
 SHORT = 1e-9
 """Share of a run after which ours is ended, to time what comes before the steps."""
 
@@ -39,8 +40,8 @@ SHORT = 1e-9
 class Cost:
     """Seconds of the processor that one run takes before its steps and in them, and its errors.
 
-    Errors are relative, in L1: of TPV101 to the limit that UGUCA's own two grids point to; of
-    `rock-on-gouge` to the finest grid of the other code.
+    Errors are relative, in L1, to the limit that UGUCA's own two grids of TPV101 point to; those of
+    `rock-on-gouge` are in docs/data/peers.csv.
     """
 
     case: str
@@ -142,7 +143,7 @@ def bimat(builds: dict[str, Path]) -> Iterator[tuple[Cost, dict[str, Array]]]:
         done, *seconds = our_cost(run, end)
         fields = (done.slip, done.slip_rate, done.shear_traction, done.pressure)
         values = {
-            name: (field - (field[0] if name in BIMAT[2:] else 0))[1:, ::stride]
+            name: (field - BIMAT[name])[1:, ::stride]
             for name, field in zip(BIMAT, fields, strict=True)
         }
         yield _cost("rock-on-gouge", OURS, nodes, None, seconds), values
@@ -156,8 +157,8 @@ def _dumped(folder: Path, nodes: int) -> dict[str, Array]:
     fields = {
         "slip": read("top_disp_0") - read("bot_disp_0"),
         "slip rate": read("top_velo_0") - read("bot_velo_0"),
-        "shear traction": read("cohesion_0") - 3e6,
-        "pressure": -read("cohesion_1") - 10e6,
+        "shear traction": read("cohesion_0") - BIMAT["shear traction"],
+        "pressure": -read("cohesion_1") - BIMAT["pressure"],
     }
     return {name: field[1:] for name, field in fields.items()}
 
