@@ -1,0 +1,87 @@
+"""Rows of docs/data/peers.csv, the difference that they hold, and the seconds of a program."""
+
+from __future__ import annotations
+
+import csv
+import resource
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.output.tables import write_rows
+
+Array = NDArray[np.float64]
+DATA = Path(__file__).resolve().parents[2] / "data"
+FILE = DATA / "peers.csv"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity of one problem, computed by a peer and by the engine.
+
+    `their_error` lies between a grid of theirs and our finest, `our_error` between a grid of ours
+    and their finest; `their_change` and `our_change` lie between a grid of a code and its next
+    coarser one.  All are relative, in L1.  Seconds are those of the processor.
+    """
+
+    peer: str
+    case: str
+    quantity: str
+    their_grid: str
+    our_grid: str
+    their_error: float | None
+    our_error: float | None
+    their_change: float | None
+    our_change: float | None
+    their_seconds: float | None
+    our_seconds: float | None
+    command: str
+
+
+def off(one: Array, other: Array) -> float:
+    """Return the L1 difference of two arrays, relative to the mean of their L1 norms."""
+    return float(2 * np.abs(one - other).sum() / (np.abs(one).sum() + np.abs(other).sum()))
+
+
+def replace_rows(rows: Sequence[Row], file: Path = FILE) -> None:
+    """Write rows to docs/data/peers.csv in place of those of the same command and case."""
+    renewed = {(row.command, row.case) for row in rows}
+    kept: list[Row] = []
+    if file.exists():
+        with file.open(newline="", encoding="utf-8") as stream:
+            stream.readline()
+            for cells in csv.DictReader(stream):
+                values = {
+                    one.name: _number(cells[one.name])
+                    if "float" in str(one.type)
+                    else cells[one.name]
+                    for one in fields(Row)
+                }
+                kept.append(Row(**values))  # type: ignore[arg-type]
+    kept = [row for row in kept if (row.command, row.case) not in renewed]
+    whole = sorted([*kept, *rows], key=lambda row: (row.peer, row.case))
+    command = "; ".join(dict.fromkeys(row.command for row in whole))
+    write_rows(file, whole, command=command)
+
+
+def _number(text: str) -> float | None:
+    return float(text) if text else None
+
+
+def rounded(value: float, digits: int = 3) -> float:
+    """Return a number with some significant digits, for a table."""
+    return float(f"{value:.{digits}g}")
+
+
+def seconds_of(command: Sequence[str | Path], folder: Path) -> float:
+    """Run a program in a folder on one thread; return the seconds of the processor it took."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PATH": "/usr/bin:/bin"}
+    with (folder / "log").open("w") as log:
+        subprocess.run(list(map(str, command)), cwd=folder, check=True, stdout=log, env=environment)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

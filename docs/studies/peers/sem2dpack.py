@@ -1,0 +1,212 @@
+"""SCEC TPV3 in two dimensions, in plane and antiplane, against SEM2DPACK's own examples.
+
+``python -m docs.studies.peers.sem2dpack PROGRAM FOLDER [EXAMPLE]`` writes rows of
+docs/data/peers.csv.  PROGRAM is SEM2DPACK's solver, FOLDER a checkout of
+github.com/jpampuero/sem2dpack, whose examples EXAMPLES/TestFlt2D_SCEC_TPV3_inplane and _antiplane
+(or one of them: `inplane`, `antiplane`) are run on three grids; neither is part of this package.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+
+import semianalytic as sf
+from docs.studies.peers.rows import Array, Row, off, replace_rows, rounded, seconds_of
+
+COMMAND = "python -m docs.studies.peers.sem2dpack PROGRAM FOLDER [EXAMPLE]"
+FIELDS = {"Slip": "slip", "Slip_Rate": "slip rate", "Shear_Stress": "shear traction"}
+PLACES = np.arange(250.0, 14.8e3, 250.0)
+"""Points [m] of their fault and ours at which both are compared.  Those at the ends of a patch show
+in tractions: there one code starts from the shear of one side, the other from the mean of both."""
+RECORD_MARK = 4
+"""Bytes before and after each record of a sequential file of Fortran."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An example of theirs, its grids and ours, and where and until when both are compared.
+
+    `edit` makes their input that of a grid; `until` [s] is when a wave may be back from the outer
+    boundaries of their mesh, `places` are points [m] of their fault and ours.
+    """
+
+    example: str
+    grids: tuple[tuple[int, str], ...]
+    edit: Callable[[str, int], str]
+    nodes: tuple[int, ...]
+    until: float
+    end: float
+    x: Array
+    depth: bool
+
+
+@dataclass(frozen=True)
+class Fields:
+    """Fields (m, n) by quantity, at times (m,) and positions (n,)."""
+
+    t: Array
+    x: Array
+    values: dict[str, Array]
+
+    def at(self, quantity: str, t: Array, x: Array) -> Array:
+        """Return a field between its times and positions, linearly."""
+        spline = RegularGridInterpolator((self.t, self.x), self.values[quantity])
+        return np.asarray(spline(tuple(np.meshgrid(t, x, indexing="ij"))))
+
+
+def _elements(text: str, count: int) -> str:
+    return re.sub(r"nelem *= *\d+ *, *\d+", f"nelem={count},{count * 4 // 7}", text)
+
+
+def _points(text: str, count: int) -> str:
+    return re.sub(r"ngll *= *\d+", f"ngll={count}", text)
+
+
+PROBLEMS = (
+    Problem(
+        "inplane",
+        ((35, "200 m"), (70, "100 m"), (105, "67 m")),
+        _elements,
+        (960, 1920, 3840),
+        6.6,
+        12.0,
+        PLACES,
+        False,
+    ),
+    Problem(
+        "antiplane",
+        ((4, "167 m"), (6, "100 m"), (8, "71 m")),
+        _points,
+        (960, 1920, 3840),
+        8.6,
+        12.0,
+        PLACES,
+        True,
+    ),
+)
+
+
+def their_input(folder: Path, problem: Problem, count: int) -> str:
+    """Return the input of an example on one grid, without what is commented out, and its plots.
+
+    The namelists of gfortran begin at & wherever it stands, also behind a #.
+    """
+    lines = (folder / "Par.inp").read_text().splitlines()
+    kept = [line for line in lines if not re.match(r" *(#|&SNAP|&REC)", line)]
+    text = re.sub(r"/ *#.*", "/", "\n".join(kept) + "\n")
+    text = problem.edit(text, count)
+    text = re.sub(r"(TtH='PWCONR' *),[^/]*/", r"\1, otd=0.02d0 /", text)
+    text = re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={problem.end}d0", text)
+    return re.sub(r"ItInfo *= *\d+", "ItInfo=100000", text)
+
+
+def their_run(program: Path, folder: Path, problem: Problem, count: int) -> tuple[Fields, float]:
+    """Run an example on one grid; return its fields and the seconds of the processor."""
+    source = folder / "EXAMPLES" / f"TestFlt2D_SCEC_TPV3_{problem.example}"
+    with tempfile.TemporaryDirectory() as scratch:
+        here = Path(scratch)
+        for mesh in source.glob("*.mesh2d"):
+            shutil.copy(mesh, here)
+        (here / "Par.inp").write_text(their_input(source, problem, count))
+        seconds = seconds_of([program.resolve()], here)
+        return read_fault(next(here.glob("Flt*_sem2d.hdr")), problem.depth), seconds
+
+
+def read_fault(header: Path, depth: bool) -> Fields:
+    """Return times, positions, and fields (m, n) of their fault; tractions are changes."""
+    lines = header.read_text().splitlines()
+    points, count, _, step = (float(word) for word in lines[1].split())
+    names = lines[2].strip().split(":")
+    places = np.array([[float(word) for word in line.split()] for line in lines[4:]])
+    x: Array = -places[:, 1] if depth else places[:, 0]
+    raw = np.fromfile(str(header)[:-3] + "dat", dtype=np.uint8)
+    marked = raw.reshape(-1, 4 * int(points) + 2 * RECORD_MARK)[:, RECORD_MARK:-RECORD_MARK]
+    data = np.ascontiguousarray(marked).view("<f4").astype(float)
+    data = data.reshape(-1, int(count), int(points))
+    order = np.argsort(x)
+    fields = {quantity: data[:, names.index(name)][:, order] for name, quantity in FIELDS.items()}
+    return Fields(step * np.arange(float(len(data))), x[order], fields)
+
+
+def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
+    """Run the same problem; return its fields and the seconds of the processor."""
+    given = sf.find_interface("tpv205").interface
+    centre = 7.5e3 if problem.depth else 0.0
+
+    def shear(x: Array) -> Array:
+        # a node at the end of the patch has the mean of both sides
+        away = np.abs(np.abs(x) - centre)
+        return 70e6 + 5.8e6 * ((away < 1.5e3 - 1e-6) + 1.0 * (away < 1.5e3 + 1e-6))
+
+    mode = "antiplane" if problem.depth else "in-plane"
+    fault = replace(given, shear=shear, even=True, mode=mode)
+    began = time.process_time()
+    done = sf.run(fault, float(times[-1]), nodes, times=list(times), estimate=False)
+    seconds = time.process_time() - began
+    fields = {
+        "slip": done.slip,
+        "slip rate": done.slip_rate,
+        "shear traction": done.shear_traction - done.shear_traction[0],
+    }
+    return Fields(done.t, done.x, fields), seconds
+
+
+def rows_of(
+    problem: Problem, runs: list[tuple[Fields, Fields]], costs: list[tuple[float, float]]
+) -> Iterator[Row]:
+    """Yield the rows of a problem from the runs of both codes, coarse grids first."""
+    t = np.arange(0.05, problem.end - 0.05, 0.02)
+    for quantity, until in [
+        *((one, problem.until) for one in FIELDS.values()),
+        ("slip", problem.end),
+    ]:
+        at = t[t < until]
+        theirs, ours = (
+            [run.at(quantity, at, problem.x) for run in one] for one in zip(*runs, strict=True)
+        )
+        for i, (_, spacing) in enumerate(problem.grids):
+            yield Row(
+                "SEM2DPACK",
+                f"TPV3, {'antiplane' if problem.depth else 'in plane'}",
+                f"{quantity}, until {until:g} s",
+                spacing,
+                f"{96e3 / problem.nodes[i]:g} m",
+                rounded(off(theirs[i], ours[-1])),
+                rounded(off(ours[i], theirs[-1])),
+                rounded(off(theirs[i], theirs[i - 1])) if i else None,
+                rounded(off(ours[i], ours[i - 1])) if i else None,
+                rounded(costs[i][0], 2),
+                rounded(costs[i][1], 2),
+                COMMAND,
+            )
+
+
+def main(program: Path, folder: Path, example: str = "") -> None:
+    """Run both codes in turn on three grids, and write the rows."""
+    rows: list[Row] = []
+    for problem in (one for one in PROBLEMS if example in ("", one.example)):
+        t = np.arange(0.0, problem.end, 0.02)
+        runs, costs = [], []
+        for (count, _), nodes in zip(problem.grids, problem.nodes, strict=True):
+            theirs, their_seconds = their_run(program, folder, problem, count)
+            ours, our_seconds = our_run(problem, nodes, t)
+            runs.append((theirs, ours))
+            costs.append((their_seconds, our_seconds))
+        for row in rows_of(problem, runs, costs):
+            rows.append(row)
+            print(row, flush=True)
+    replace_rows(rows)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]), *sys.argv[3:])

@@ -1,0 +1,230 @@
+"""TPV101 and a patch between rock and gouge against UGUCA, with set-up and stepping told apart.
+
+``python -m docs.studies.peers.uguca FIELDS DEFAULT FAST`` writes docs/data/peers-uguca.csv and rows
+of docs/data/peers.csv.  FIELDS is a checkout of github.com/chunhuizhao478/uguca_scec at commit
+1db9efb, whose published fields are read; DEFAULT and FAST are folders with two programs each, built
+with the flags that UGUCA gives and with those of the machine: TPV101-2d of that checkout, and
+`bimat NODES STEP [once]`, which sets the named interface `rock-on-gouge` in UGUCA's
+BimatInterface and dumps its fields 20 times.  None of this is part of this package.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+import semianalytic as sf
+from compare.output.tables import write_rows
+from docs.studies.peers.rows import DATA, Array, Row, off, replace_rows, rounded, seconds_of
+from docs.studies.uguca import FRAMES, theirs
+
+COMMAND = "python -m docs.studies.peers.uguca FIELDS DEFAULT FAST"
+BUILDS = ("default", "fast")
+OURS = "slipfront"
+THEIRS = {1440: BUILDS, 2880: BUILDS[:1]}
+"""Nodes of TPV101 and the builds that run it; the fast one has the fields of the other."""
+TPV101 = {"slip": "slip", "slip_rate": "slip rate"}
+BIMAT = {"slip": 0.0, "slip rate": 0.0, "shear traction": 3e6, "pressure": 10e6}
+"""Fields of `rock-on-gouge`, and what is there before the patch; it has begun at t = 0."""
+SHORT = 1e-9
+"""Share of a run after which ours is ended, to time what comes before the steps."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Seconds of the processor that one run takes before its steps and in them, and its errors.
+
+    Errors are relative, in L1, to the limit that UGUCA's own two grids of TPV101 point to; those of
+    `rock-on-gouge` are in docs/data/peers.csv.
+    """
+
+    case: str
+    code: str
+    nodes: int
+    slip: float | None
+    slip_rate: float | None
+    setup: float
+    stepping: float
+
+
+def their_cost(program: Path, whole: list[str], once: list[str], here: Path) -> tuple[float, float]:
+    """Return the seconds of a program before its steps and in them, from a run with one step."""
+    setup = seconds_of([program.resolve(), *once], here)
+    return setup, max(seconds_of([program.resolve(), *whole], here) - setup, 0.0)
+
+
+def our_cost(run: Callable[[float], sf.Run], end: float) -> tuple[sf.Run, float, float]:
+    """Return a run, and its seconds before its steps and in them.
+
+    The memory is fitted in the first run of a process alone, so that the short one is made twice.
+    """
+    marks = []
+    for until in (SHORT * end, SHORT * end, end):
+        began = time.process_time()
+        done = run(until)
+        marks.append(time.process_time() - began)
+    return done, marks[0], max(marks[2] - marks[1], 0.0)
+
+
+def tpv101(fields: Path, builds: dict[str, Path]) -> Iterator[tuple[Cost, dict[str, Array]]]:
+    """Yield what TPV101 costs, and the fields at x >= 0 on 721 nodes or fewer."""
+    limit = {name: 2 * theirs(fields, 2880, name) - theirs(fields, 1440, name) for name in TPV101}
+    found = sf.find_interface("tpv101")
+    every = 20 * 0.35 * 50 / found.interface.material.shear_speed
+    times = [every * k for k in range(FRAMES)]
+
+    def ours(nodes: int) -> tuple[sf.Run, float, float]:
+        def run(end: float) -> sf.Run:
+            stored = [one for one in times if one <= end]
+            return sf.run(
+                found.interface, end, nodes, step_ratio=0.35, times=stored, estimate=False
+            )
+
+        return our_cost(run, times[-1])
+
+    for nodes in (360, 720, 1440, 2880):
+        if nodes in THEIRS:
+            values = {name: theirs(fields, nodes, name) for name in TPV101}
+            errors = [_apart(values[name], limit[name]) for name in TPV101]
+            for build in THEIRS[nodes]:
+                with tempfile.TemporaryDirectory() as scratch:
+                    grid = ["-N", str(nodes)]
+                    costs = their_cost(
+                        builds[build] / "TPV101-2d", grid, [*grid, "-T", "1e-3"], Path(scratch)
+                    )
+                yield _cost("tpv101", f"UGUCA, {build} build", nodes, errors, costs), values
+        if nodes > 1440:
+            continue
+        done, *seconds = ours(nodes)
+        values = {name: getattr(done, name)[:, :: max(1, nodes // 1440)] for name in TPV101}
+        errors = [_apart(values[name], limit[name]) for name in TPV101]
+        yield _cost("tpv101", OURS, nodes, errors, seconds), values
+
+
+def _apart(one: Array, other: Array) -> float:
+    """Return the difference of two fields at x >= 0 on the nodes of the coarser grid.
+
+    One of them may have the node at the end of the period, which is left out.
+    """
+    first, second = one.shape[1], other.shape[1]
+    one, other = (
+        one[:, :: max(1, round(first / second))],
+        other[:, :: max(1, round(second / first))],
+    )
+    count = min(one.shape[1], other.shape[1])
+    return off(one[:, :count], other[:, :count])
+
+
+def bimat(builds: dict[str, Path]) -> Iterator[tuple[Cost, dict[str, Array]]]:
+    """Yield what `rock-on-gouge` costs, and its fields on 256 nodes; tractions are changes."""
+    found = sf.find_interface("rock-on-gouge")
+    fault, end = found.interface, found.end_time
+    times = [end * k / 20 for k in range(21)]
+    for nodes in (512, 1024):
+        stride = nodes // 256
+        for build, folder in builds.items():
+            with tempfile.TemporaryDirectory() as scratch:
+                here = Path(scratch)
+                line = [str(nodes), "0.35"]
+                costs = their_cost(folder / "bimat", line, [*line, "once"], here)
+                values = _dumped(here / f"bimat_{nodes}-DataFiles", nodes)
+            yield _cost("rock-on-gouge", f"UGUCA, {build} build", nodes, None, costs), values
+
+        def run(until: float, nodes: int = nodes) -> sf.Run:
+            stored = [one for one in times if one <= until]
+            return sf.run(fault, until, nodes, times=stored, estimate=False)
+
+        done, *seconds = our_cost(run, end)
+        fields = (done.slip, done.slip_rate, done.shear_traction, done.pressure)
+        values = {
+            name: (field - BIMAT[name])[1:, ::stride]
+            for name, field in zip(BIMAT, fields, strict=True)
+        }
+        yield _cost("rock-on-gouge", OURS, nodes, None, seconds), values
+
+
+def _dumped(folder: Path, nodes: int) -> dict[str, Array]:
+    def read(name: str) -> Array:
+        raw = np.fromfile(folder / f"{name}.out", dtype="<f4").reshape(-1, nodes)
+        return raw[:, :: nodes // 256].astype(float)
+
+    fields = {
+        "slip": read("top_disp_0") - read("bot_disp_0"),
+        "slip rate": read("top_velo_0") - read("bot_velo_0"),
+        "shear traction": read("cohesion_0") - BIMAT["shear traction"],
+        "pressure": -read("cohesion_1") - BIMAT["pressure"],
+    }
+    return {name: field[1:] for name, field in fields.items()}
+
+
+def _cost(
+    case: str, code: str, nodes: int, errors: list[float] | None, costs: Sequence[float]
+) -> Cost:
+    setup, stepping = (rounded(one, 2) for one in costs)
+    slip, rate = (None, None) if errors is None else map(rounded, errors)
+    cost = Cost(case, code, nodes, slip, rate, setup, stepping)
+    print(cost, flush=True)
+    return cost
+
+
+def rows_of(
+    runs: list[tuple[Cost, dict[str, Array]]], pairs: list[tuple[int, int]], spacing: float
+) -> Iterator[Row]:
+    """Yield rows of pairs of grids, theirs and ours, against the finest of the other code."""
+    codes = {
+        code: {cost.nodes: (cost, values) for cost, values in runs if cost.code == code}
+        for code in (OURS, f"UGUCA, {BUILDS[0]} build")
+    }
+    our, their = codes[OURS], codes[f"UGUCA, {BUILDS[0]} build"]
+    for name in next(iter(our.values()))[1]:
+        for one, other in pairs:
+            (their_cost_, theirs_), (our_cost_, ours_) = their[one], our[other]
+            limit = their[max(their)][1][name]
+            if their_cost_.case == "tpv101":
+                limit = 2 * limit - their[max(their) // 2][1][name]
+            yield Row(
+                "UGUCA",
+                their_cost_.case,
+                TPV101.get(name, name),
+                f"{spacing / one:.3g} m",
+                f"{spacing / other:.3g} m",
+                rounded(_apart(theirs_[name], our[max(our)][1][name])),
+                rounded(_apart(ours_[name], limit)),
+                _change(their, one, name),
+                _change(our, other, name),
+                rounded(their_cost_.setup + their_cost_.stepping, 2),
+                rounded(our_cost_.setup + our_cost_.stepping, 2),
+                COMMAND,
+            )
+
+
+def _change(runs: dict[int, tuple[Cost, dict[str, Array]]], nodes: int, name: str) -> float | None:
+    if nodes // 2 not in runs:
+        return None
+    return rounded(_apart(runs[nodes // 2][1][name], runs[nodes][1][name]))
+
+
+def main(fields: Path, default: Path, fast: Path) -> None:
+    """Write both tables."""
+    builds = dict(zip(BUILDS, (default, fast), strict=True))
+    patches = list(bimat(builds))
+    benchmark = list(tpv101(fields, builds))
+    rows = [
+        *rows_of(benchmark, [(2880, 1440)], 72e3),
+        *rows_of(patches, [(512, 512), (1024, 1024)], 24.0),
+    ]
+    for row in rows:
+        print(row)
+    replace_rows(rows)
+    costs = [cost for cost, _ in (*benchmark, *patches)]
+    write_rows(DATA / "peers-uguca.csv", costs, command=COMMAND)
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:]))
