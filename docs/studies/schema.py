@@ -150,6 +150,10 @@ _PAIR = _object(
 )
 _PROBLEM: Schema = {"anyOf": [SCENE, _LINE]}
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
+_INTERFACE = _object(
+    interface={"type": "object"}, end_time=_or_null(NUMBER), options={"type": "object"}
+)
+_SUBJECT: Schema = {"anyOf": [SCENE, _INTERFACE]}
 _COUNTS = Key("rows by verdict", _of(WHOLE))
 _VERDICT = Key("agrees, differs or unresolved", TEXT)
 _LABEL = Key("name of the scene", TEXT)
@@ -267,7 +271,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "fit": (
         {
-            "scene": _SCENE_KEY,
+            "scene": Key("the scene as its TOML file has it, or the interface", _SUBJECT),
             "parameters": Key(
                 "fitted values and standard errors by name",
                 _of(_object(value=NUMBER, standard_error=NUMBER)),
