@@ -77,7 +77,10 @@ def test_tutorial_runs_and_draws(name, tmp_path):
     outputs = [output for cell in done.cells for output in cell.get("outputs", ())]
     pictures = sum("image/png" in output.get("data", ()) for output in outputs)
     assert pictures >= 2
-    assert [output.text for output in outputs if output.get("name") == "stderr"] == []
+    warned = [output.text for output in outputs if output.get("name") == "stderr"]
+    # Matplotlib warns when the search for the place of a legend takes a second of the clock, which
+    # a pause of the machine makes of its hundredth.
+    assert [text for text in warned if "Creating legend with loc" not in text] == []
     assert list(tmp_path.iterdir()) == []
 
 
