@@ -342,7 +342,7 @@ class Stepper:
             rest = self.law.strength(pressure, np.zeros(len(on)), state)
             if freed is not None:
                 rest = np.where(freed, 0.0, rest)
-            size = area_means(size, rest, self._inner, mirror=self._mirror)
+            size = area_means(size, size - rest, self._inner, mirror=self._mirror)
         if freed is not None:
             # Open nodes need some positive pressure here; their slip rate is replaced below.
             pressure = np.where(freed, 1.0, pressure)

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 def area_means(
     stopping: Array,
-    strength: Array,
+    excess: Array,
     inner: NDArray[np.bool_],
     before: Array | None = None,
     mirror: int | None = None,
@@ -35,8 +35,8 @@ def area_means(
     ----------
     stopping : (n,) array
         Absolute value of the traction that would stop each node [stress].
-    strength : (n,) array
-        Strength of a node that does not slip [stress].
+    excess : (n,) array
+        The same less the strength of a node that does not slip [stress].
     inner : (n,) array of bool
         Whether a node has neighbours of the same contact on both sides.
     before : (n,) array, optional
@@ -46,35 +46,33 @@ def area_means(
         Node that is the image of the one before the first, on half of an even line.  Otherwise the
         line is periodic, which matters where its first and last nodes are `inner`.
     """
-    excess = stopping - strength
-    below, count = excess < 0, len(excess)
+    below, last = excess < 0, len(excess) - 1
     # Beside a stuck edge the excess is singular but of one sign: there the mean must not slip.
     # Elsewhere the mean differs from the value only beside a change of sign, which the ends of the
     # line may have beyond them.
-    beside = np.zeros(count, dtype=bool)
-    beside[0] = beside[-1] = True
-    changes = below[1:] != below[:-1]
-    beside[1:] |= changes
-    beside[:-1] |= changes
-    beside &= inner
-    if before is not None:
-        beside &= excess > before
-    (near,) = beside.nonzero()
-    left, right = near - 1, (near + 1) % count
-    if mirror is not None and count > mirror:
-        left[near == 0], right[near == count - 1] = mirror, count - 1 - mirror
-    here, earlier, later = excess[near], excess[left], excess[right]
-    # Where strength or load jumps, the two one-sided slopes differ: the smaller one counts.
-    even = np.minimum(np.abs(later - here), np.abs(here - earlier))
-    reach = AREA * np.minimum(np.abs(later - earlier) / 4, even)
-    # A traction of no size is the least there is: with more, slip would push against its sense.
-    reach = np.minimum(reach, stopping[near])
-    lowest = np.minimum(np.minimum(earlier, later), here)
-    highest = np.maximum(np.maximum(earlier, later), here)
-    mixed = (lowest < 0) & (highest > 0) & (np.abs(here) < reach)
-    near, here, reach = near[mixed], here[mixed], reach[mixed]
-    means = stopping.copy()
-    means[near] += (here + reach) ** 2 / (4 * reach) - here
+    changes = (below[1:] != below[:-1]).nonzero()[0].tolist()
+    beside = {*changes, *(node + 1 for node in changes)}
+    beside.update(end for end in (0, last) if inner[end])
+    means = stopping
+    # The few nodes are taken one by one, in a third of the time of arrays.
+    for node in beside:
+        if not inner[node] or (before is not None and not excess[node] > before[node]):
+            continue
+        left, right = node - 1, 0 if node == last else node + 1
+        if mirror is not None and last >= mirror:
+            left = mirror if node == 0 else left
+            right = last - mirror if node == last else right
+        here, earlier, later = float(excess[node]), float(excess[left]), float(excess[right])
+        if min(earlier, here, later) >= 0 or max(earlier, here, later) <= 0:
+            continue
+        # Where strength or load jumps, the two one-sided slopes differ: the smaller one counts.
+        slope = min(abs(later - earlier) / 4, abs(later - here), abs(here - earlier))
+        # A traction of no size is the least there is: with more, slip would push against its sense.
+        reach = min(AREA * slope, float(stopping[node]))
+        if abs(here) < reach:
+            if means is stopping:
+                means = stopping.copy()
+            means[node] += (here + reach) * (here + reach) / (4 * reach) - here
     return means
 
 
@@ -163,7 +161,7 @@ class Line:
             self._level, self._before = level, self._excess
         size = np.abs(on_contact)
         self._excess = size - self._at_rest
-        stopped = area_means(size, self._at_rest, self._inner, self._before)
+        stopped = area_means(size, self._excess, self._inner, self._before)
         speed = self._law.slip_speed(stopped, self._dry, self.impedance, path)
         # Slip has the sense of the traction that it reduces: V tau >= 0.  Adding 0.0 keeps the rate
         # of nodes that stick at +0.0.
@@ -184,6 +182,8 @@ class Line:
         rate, path : (contact,) arrays
             Slip rate [length / time] and accumulated |slip| [length] at the level.
         """
+        if isinstance(self._law, CoulombFriction):  # in a third of the time
+            return np.abs(rate) * self._dry
         return np.abs(rate) * self._law.strength(self._dry, rate, path)
 
     def _look(self, level: Level, path: Array) -> None:
