@@ -29,7 +29,7 @@ if TYPE_CHECKING:  # a solution is printed without what marches
     from semianalytic import Marched, Measured, Reading, Solution
     from semianalytic.dissimilar.pair import Pair
 
-_WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
+WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
 Dimensions = Mapping[str, Any]
 """Dimension of each number of a document, under the same names; a single one holds for all numbers
@@ -148,7 +148,7 @@ def solution_document(solution: Solution, end_time: float | None = None) -> dict
     scene = solution.scene
     document = {
         "scene": scene_document(scene),
-        "wave_speeds": {_WAVES[name]: speed for name, speed in scene_fronts(scene).items()},
+        "wave_speeds": {WAVES[name]: speed for name, speed in scene_fronts(scene).items()},
         "zones": [
             {
                 "inner": zone.inner,
@@ -181,14 +181,22 @@ def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
 
     Slip ahead of all waves ends at infinity, and its totals are infinite.
     """
+    intensity = _intensities(solution.scene, solution.stress_intensity(end_time))
+    return {**motion_document(solution, end_time), "stress_intensity": intensity}
+
+
+def motion_document(answer: Any, end_time: float) -> dict[str, Any]:
+    """Return zones and openings in positions, slip and work of an exact answer until an end time.
+
+    The answer may be that of a scene, of two different bodies, or of a whole line.
+    """
     return {
         "time": end_time,
-        "zones": [asdict(zone) for zone in solution.zones_at(end_time)],
-        "openings": [asdict(part) for part in solution.openings_at(end_time)],
-        "largest_slip": float(solution.max_slip(end_time)),
-        "accumulated_slip": float(solution.accumulated_slip(end_time)),
-        "frictional_work": float(solution.frictional_work(end_time)),
-        "stress_intensity": _intensities(solution.scene, solution.stress_intensity(end_time)),
+        "zones": [asdict(zone) for zone in answer.zones_at(end_time)],
+        "openings": [asdict(part) for part in answer.openings_at(end_time)],
+        "largest_slip": float(answer.max_slip(end_time)),
+        "accumulated_slip": float(answer.accumulated_slip(end_time)),
+        "frictional_work": float(answer.frictional_work(end_time)),
     }
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from compare.comparison.documents import END_DIMENSIONS, Dimensions
+from compare.comparison.documents import END_DIMENSIONS, Dimensions, motion_document
 from semianalytic import GrowingSlot, GrowingSolution, LineSolution, PointForce, WholeLine
 from semianalytic.scene.given.parameters import MATERIAL, TRACTIONS
 from semianalytic.scene.units import unit
@@ -44,14 +44,7 @@ def line_answer_document(answer: Answered, end_time: float | None = None) -> dic
         "error_estimate": answer.error_estimate,
     }
     if end_time is not None:
-        document["until_end_time"] = {
-            "time": end_time,
-            "zones": [asdict(zone) for zone in answer.zones_at(end_time)],
-            "openings": [asdict(part) for part in answer.openings_at(end_time)],
-            "largest_slip": float(answer.max_slip(end_time)),
-            "accumulated_slip": float(answer.accumulated_slip(end_time)),
-            "frictional_work": float(answer.frictional_work(end_time)),
-        }
+        document["until_end_time"] = motion_document(answer, end_time)
     document["units"] = _units(document, _dimensions(answer), problem.units)
     return document
 

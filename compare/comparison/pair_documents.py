@@ -5,7 +5,13 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from compare.comparison.documents import END_DIMENSIONS, SCENE_DIMENSIONS, SOLUTION_DIMENSIONS
+from compare.comparison.documents import (
+    END_DIMENSIONS,
+    SCENE_DIMENSIONS,
+    SOLUTION_DIMENSIONS,
+    WAVES,
+    motion_document,
+)
 from compare.comparison.documents import units_document as units_of
 from compare.comparison.scales import wave_speeds
 from semianalytic import PairSolution
@@ -24,7 +30,6 @@ _DIMENSIONS = {
     "openings": {"inner": "length / time", "outer": "length / time"},
     "edge_slip_rate": "length / time",
 }
-_NAMES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
 
 def pair_answer_document(answer: PairSolution, end_time: float | None = None) -> dict[str, Any]:
@@ -36,7 +41,7 @@ def pair_answer_document(answer: PairSolution, end_time: float | None = None) ->
     document: dict[str, Any] = {
         "pair": pair_document(pair),
         "wave_speeds": {
-            name: {_NAMES[wave]: speed for wave, speed in wave_speeds(body).items()}
+            name: {WAVES[wave]: speed for wave, speed in wave_speeds(body).items()}
             for name, body in (("upper", pair.upper), ("lower", pair.lower))
         },
         "zones": [asdict(zone) for zone in answer.zones],
@@ -47,14 +52,7 @@ def pair_answer_document(answer: PairSolution, end_time: float | None = None) ->
         "statistics": asdict(answer.statistics),
     }
     if end_time is not None:
-        document["until_end_time"] = {
-            "time": end_time,
-            "zones": [asdict(zone) for zone in answer.zones_at(end_time)],
-            "openings": [asdict(part) for part in answer.openings_at(end_time)],
-            "largest_slip": float(answer.max_slip(end_time)),
-            "accumulated_slip": float(answer.accumulated_slip(end_time)),
-            "frictional_work": float(answer.frictional_work(end_time)),
-        }
+        document["until_end_time"] = motion_document(answer, end_time)
     dimensions = {**_DIMENSIONS, "until_end_time": END_DIMENSIONS}
     document["units"] = units_of(document, dimensions, pair)
     return document

@@ -55,7 +55,7 @@ class InterfaceLoad:
     """
 
     shear: Any = 0.0
-    history: LoadHistory | Callable[[float], float] | None = Step()  # noqa: RUF009
+    history: LoadHistory | Callable[[float], float] | None = field(default_factory=Step)
     on: str = "line"
     pressure: Any = 0.0
 
@@ -139,7 +139,7 @@ class FrontLoad:
     """
 
     front: IncidentWave | MovingLoad
-    history: LoadHistory = Step()  # noqa: RUF009
+    history: LoadHistory = field(default_factory=Step)
     at: float = 0.0
     material: Material | None = field(default=None, repr=False)
 

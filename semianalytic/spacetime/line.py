@@ -113,6 +113,8 @@ class Line:
     ----------
     impedance : float
         Traction that slip releases at once, per relative slip rate [stress time / length].
+    by_path : bool
+        Whether friction may depend on the accumulated slip.
     """
 
     def __init__(self, scene: Scene, slot: int) -> None:
@@ -120,7 +122,7 @@ class Line:
         self.impedance = scene.material.shear_impedance / 2
         self._law, self._friction, self._slot = scene.friction_law, scene.friction, slot
         # only these laws are known to have one strength at rest for one pressure
-        self._by_path = not isinstance(self._law, CoulombFriction | RateFriction)
+        self.by_path = not isinstance(self._law, CoulombFriction | RateFriction)
         self._pressed = self._dry = self._at_rest = np.zeros(0)
         self._inner = np.zeros(0, dtype=bool)
         self._level: Level | None = None
@@ -188,10 +190,10 @@ class Line:
 
     def _look(self, level: Level, path: Array) -> None:
         """Find the strength at rest under the pressure of a level and after a path (contact,)."""
-        if level.pressure is not self._pressed:
+        pressed = level.pressure is not self._pressed
+        if pressed:
             self._pressed, self._dry = level.pressure, self._friction * level.pressure
-            self._at_rest = self._law.strength(self._dry, 0.0, 0.0)
-        if self._by_path:
+        if pressed or self.by_path:
             self._at_rest = self._law.strength(self._dry, 0.0, path)
         if len(self._inner) != len(self._dry):
             # the edge has no neighbour that obeys friction, and the last node none at all

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import ComputationError, TensionError
-from semianalytic.scene.friction import CoulombFriction, RateFriction
+from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid_loads import FrontLoad, NodalPressure
 from semianalytic.spacetime.line import Level, Line
@@ -169,9 +169,7 @@ class Walk:
         self.time, self.time_step, self.done = marched.state.time, 0.0, 0
         self._marched, self._pressure, self._front = marched, pressure, front
         self._line = Line(marched.scene, marched.grid.slot)
-        # only these laws are known not to ask for the accumulated slip
-        law = marched.scene.friction_law
-        self._by_slip = not isinstance(law, CoulombFriction | RateFriction)
+        self._by_slip = self._line.by_path
         state, size = marched.state.copy(), marched.grid.size
         self._modes, self._lasting = state.modes, state.lasting
         self._block = max(1, min(BLOCK_STEPS, STEP_VALUES // size))

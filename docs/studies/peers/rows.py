@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 import resource
 import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.output.tables import write_rows
+from docs.studies.pages import read_data
 
 Array = NDArray[np.float64]
 DATA = Path(__file__).resolve().parents[2] / "data"
@@ -52,16 +53,12 @@ def replace_rows(rows: Sequence[Row], file: Path = FILE) -> None:
     renewed = {(row.command, row.case) for row in rows}
     kept: list[Row] = []
     if file.exists():
-        with file.open(newline="", encoding="utf-8") as stream:
-            stream.readline()
-            for cells in csv.DictReader(stream):
-                values = {
-                    one.name: _number(cells[one.name])
-                    if "float" in str(one.type)
-                    else cells[one.name]
-                    for one in fields(Row)
-                }
-                kept.append(Row(**values))  # type: ignore[arg-type]
+        for cells in read_data(file.stem, file.parent)[1]:
+            values: dict[str, Any] = {
+                one.name: _number(cells[one.name]) if "float" in str(one.type) else cells[one.name]
+                for one in fields(Row)
+            }
+            kept.append(Row(**values))
     kept = [row for row in kept if (row.command, row.case) not in renewed]
     whole = sorted([*kept, *rows], key=lambda row: (row.peer, row.case))
     command = "; ".join(dict.fromkeys(row.command for row in whole))
