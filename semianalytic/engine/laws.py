@@ -16,8 +16,8 @@ from semianalytic.scene.errors import SceneError
 Array = NDArray[np.float64]
 
 BALANCE = 60
-"""Most Newton steps for the local balance of rate-and-state friction, which takes 4 to 8: half as
-many or twice as many change nothing."""
+"""Most Newton steps for the local balance of rate-and-state friction, which takes 1 to 4 (in
+20,000 random cases from 1e-300 m/s to 100 m/s): half as many or twice as many change nothing."""
 
 DIMENSIONS: Mapping[str, str] = {
     **dict.fromkeys(("friction", "static", "dynamic", "a", "b", "f0", "weakened"), "1"),
@@ -400,18 +400,18 @@ class RateAndState(InterfaceLaw):
         """Return the speed of balance; see `InterfaceLaw.slip_speed`.
 
         With V = V0 (e^(x - E) - e^(-x - E)) the balance a p x + impedance V = stopping is convex
-        and rising in x, so Newton's method from the right stays on that side of the root.
+        and rising in x: Newton's method stays on the right of the root after its first step.
         """
-        exponent, scale = self._exponent(state), self.a * pressure
-        knee = impedance * self.v0
-        with np.errstate(divide="ignore"):
-            radiated = _arcsinh_exp(np.log(stopping / (2 * knee)) + exponent)
-            x = np.minimum(stopping / scale, radiated)
+        # e^700 times V0 is already a speed at which friction carries nothing
+        exponent, scale = np.maximum(self._exponent(state), -700.0), self.a * pressure
+        knee, most = impedance * self.v0, stopping / scale
+        # Without e^(-x - E), which counts below x = 20 alone, the root is x = most - omega(y).
+        x = np.clip(most - _wright_omega(most - exponent + np.log(knee / scale)), 0.0, most)
         for _ in range(BALANCE):
             # 2 sinh x = e^x (1 - e^(-2x)), which keeps its digits at small x
             rising, small = knee * np.exp(x - exponent), -np.expm1(-2 * x)
             change = (scale * x + rising * small - stopping) / (scale + rising * (2 - small))
-            x = np.maximum(x - change, 0.0)
+            x = np.clip(x - change, 0.0, most)
             # convergence is quadratic: a change of 1e-8 leaves an error of 1e-16
             if (np.abs(change) <= 1e-8 * np.minimum(x, 1.0)).all():
                 break
@@ -479,6 +479,19 @@ class RateAndState(InterfaceLaw):
     def weakening(self, pressure: Array) -> float:
         """Return b p / L, the fall of strength behind a rapid front [stress / length]."""
         return float(np.max(self.b * pressure / self.distance))
+
+
+def _wright_omega(y: Array) -> Array:
+    """Return omega with omega + ln omega = y, to about 1e-4.
+
+    One step of fourth order (Fritsch, Shafer and Crowley 1973) from ln(1 + e^y), which has both
+    limits, e^y and y.  `scipy.special.wrightomega` takes as long as five steps of the balance.
+    """
+    omega = np.maximum(y, 0.0) + np.log1p(np.exp(-np.abs(y)))
+    omega = np.maximum(omega, 1e-300)  # where e^y underflows
+    rest, one = y - omega - np.log(omega), 1 + omega
+    both = 2 * one * (one + 2 / 3 * rest)
+    return np.asarray(omega * (1 + rest / one * (both - rest) / (both - 2 * rest)))
 
 
 def _arcsinh_exp(log: Array) -> Array:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.tuning import TABLES
 from semianalytic.spacetime.exponentials import Memory, SharedMemory
+from semianalytic.spacetime.recursion import cosines, from_cosines
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -69,19 +70,23 @@ class Grid:
 
     def amplitudes(self, values: Array) -> Array:
         """Return the amplitudes of waves along x, real (rows, m)."""
-        from scipy.fft import dct, rfft  # imported late, which keeps `import semianalytic` fast
+        from scipy.fft import rfft  # imported late, which keeps `import semianalytic` fast
 
         if self.even:
-            return np.asarray(dct(values, type=2 if self.between else 1))[None]
+            even = np.empty((1, len(values)))
+            cosines(values, even[0], 2 if self.between else 1)
+            return even
         lines = rfft(values)
         return np.stack([lines.real, lines.imag])
 
     def values(self, amplitudes: Array) -> Array:
         """Return the values at nodes (n,) of amplitudes (rows, m)."""
-        from scipy.fft import idct, irfft
+        from scipy.fft import irfft
 
         if self.even:
-            return np.asarray(idct(amplitudes[0], type=2 if self.between else 1))
+            even = np.empty(amplitudes.shape[1])
+            from_cosines(amplitudes[0], even, 2 if self.between else 1)
+            return even
         return np.asarray(irfft(amplitudes[0] + 1j * amplitudes[1], n=self.nodes))
 
 

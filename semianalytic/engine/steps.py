@@ -130,6 +130,7 @@ class Stepper:
         self._bound = bound_share * 2 / (stiffness * q)
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
+        self._latest: tuple[Array | None, Array] = None, np.zeros(0)
 
     def _memories(
         self, horizon: float, tolerance: float
@@ -324,7 +325,11 @@ class Stepper:
         return self.pressure if self.unilateral is None else faces.pressure[self.touching]
 
     def _amplitudes(self, rate: Array) -> Array:
-        return self.grid.amplitudes(rate - self.interface.plate_rate)
+        """Return the amplitudes of a slip rate (rows, m), which must not be changed."""
+        # a step begins with the slip rate with which the one before has ended
+        if self._latest[0] is not rate:
+            self._latest = rate, self.grid.amplitudes(rate - self.interface.plate_rate)
+        return self._latest[1]
 
     def _stopping(self, line: Array, convolution: Array) -> Array:
         """Return the traction of nodes that do not move, given the convolution over the past."""

@@ -174,15 +174,19 @@ def _phi(z: Complex) -> tuple[Complex, Complex]:
     return np.where(small, 1 + z * series, first), np.where(small, series, second)
 
 
-def cosines(values: Array, out: Array) -> None:
-    """Write the amplitudes of the cosines of values at the nodes (size,) to another array."""
-    # type 2: nodes half a spacing from the ends, even about both of them
-    _transform()(values, 2, (0,), 0, out)
+def cosines(values: Array, out: Array, kind: int = 2) -> None:
+    """Write the amplitudes of the cosines of values at the nodes (size,) to another array.
+
+    The line is even about both of its ends, which lie half a spacing from the outermost nodes
+    (kind 2) or on them (kind 1).
+    """
+    _transform()(values, kind, (0,), 0, out)
 
 
-def from_cosines(amplitudes: Array, out: Array) -> None:
+def from_cosines(amplitudes: Array, out: Array, kind: int = 2) -> None:
     """Write the values at the nodes (size,) that have these amplitudes to another array."""
-    _transform()(amplitudes, 3, (0,), 2, out)
+    # the inverse of type 2 is type 3, and that of type 1 is itself
+    _transform()(amplitudes, 3 if kind == 2 else 1, (0,), 2, out)
 
 
 @cache
@@ -193,17 +197,21 @@ def _transform() -> Callable[[Array, int, tuple[int], int, Array], object]:
     # scipy.fft spends 12 microseconds around each call of the function below, twice what 500 nodes
     # take.  That function is not public: where a version of scipy has it elsewhere or with other
     # arguments, scipy.fft serves.
-    given, found = np.arange(4.0), np.empty((2, 4))
+    given, found = np.arange(4.0), np.empty((4, 4))
     try:
         direct = import_module("scipy.fft._pocketfft.pypocketfft").dct
-        direct(given, 2, (0,), 0, found[0])
-        direct(given, 3, (0,), 2, found[1])
+        for row, (kind, scaling) in zip(found, ((2, 0), (3, 2), (1, 0), (1, 2)), strict=True):
+            direct(given, kind, (0,), scaling, row)
     except (ImportError, AttributeError, TypeError, ValueError, RuntimeError):
         found[:] = np.nan
-    if np.allclose(found, [dct(given, type=2), idct(given, type=2)], rtol=1e-12):
+    known = [dct(given), idct(given), dct(given, type=1), idct(given, type=1)]
+    if np.allclose(found, known, rtol=1e-12):
         return direct
 
     def public(values: Array, kind: int, axes: tuple[int], scaling: int, out: Array) -> None:
-        out[:] = dct(values, type=2) if kind == 2 else idct(values, type=2)
+        if scaling:  # scipy names an inverse by the type that it inverts
+            out[:] = idct(values, type=1 if kind == 1 else 2)
+        else:
+            out[:] = dct(values, type=1 if kind == 1 else 2)
 
     return public

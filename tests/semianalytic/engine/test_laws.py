@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.special import wrightomega
 
 import semianalytic as sf
 from semianalytic.engine.law import balanced
+from semianalytic.engine.laws import _wright_omega
 
 IMPEDANCE, SIGMA = 4.6e6, 5e7
 
@@ -34,6 +36,11 @@ def test_local_balance_from_1e_300_to_1(speed, theta, a, evolution):
         bracketed = balanced(law, stopping, pressure, IMPEDANCE, state)
     assert found == pytest.approx(speed, rel=1e-12)
     assert bracketed == pytest.approx(speed, rel=1e-12)
+
+
+def test_start_of_the_balance_is_the_wright_omega_function():
+    y = np.concatenate([np.linspace(-60, 60, 2001), [-1e4, -800, 700, 1e6]])
+    assert _wright_omega(y) == pytest.approx(wrightomega(y), rel=1e-4, abs=1e-290)
 
 
 @pytest.mark.parametrize(

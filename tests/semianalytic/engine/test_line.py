@@ -6,6 +6,7 @@ import pytest
 import semianalytic as sf
 from semianalytic.engine.line import Grid, LineMemory, Table, _phi
 from semianalytic.engine.steps import Stepper
+from semianalytic.spacetime import recursion
 from semianalytic.spacetime.exponentials import Antiplane, InPlane, fit_memory
 
 mpmath = pytest.importorskip("mpmath")
@@ -22,10 +23,14 @@ def test_phi_functions_keep_all_digits(z):
         assert abs(second - complex((power - 1 - exact) / exact**2)) < 1e-14 * abs(second)
 
 
+@pytest.mark.parametrize("private", [True, False])
 @pytest.mark.parametrize("even", [False, True])
 @pytest.mark.parametrize("between", [False, True])
-def test_transforms_and_their_inverses(even, between):
+def test_transforms_and_their_inverses(even, between, private, monkeypatch):
     grid = Grid(3.0, 16, between, even)
+    if not private:  # a version of scipy without the function behind scipy.fft
+        monkeypatch.setattr(recursion, "_transform", recursion._transform.__wrapped__)
+        monkeypatch.setattr(recursion, "import_module", lambda name: None)
     values = np.cos(2 * np.pi * grid.x / 3) + 0.3 + (0 if even else np.sin(4 * np.pi * grid.x / 3))
     assert np.allclose(grid.values(grid.amplitudes(values)), values, atol=1e-14)
     assert grid.amplitudes(values).shape[1] == len(grid.wavenumbers)
