@@ -27,7 +27,7 @@ from fem.lines import LineSimulation, simulate_line
 from fem.lines.march import planned_work, sample_times
 from semianalytic import Interface, Run, run
 from semianalytic.engine.fields import at_nodes, sampled
-from semianalytic.engine.tuning import LEAST_GAP
+from semianalytic.engine.tuning import LEAST_GAP, NODES
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 
@@ -48,6 +48,10 @@ with half of this value bars are twice as long."""
 NOTHING = 1e-9
 """Part of the slip, or of the strength, below which a gap or a traction counts as none."""
 MESHES = 3
+HALVINGS = 4
+"""How often grids are halved from the nodes of the run to those of the coarsest mesh, with ends of
+contacts that still fit: twice for three meshes, and twice more where the finest has a quarter of
+the nodes of the run, as of `two-slots`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +86,7 @@ class InterfaceJudgement(HasRows[Row]):
 def compare_interface(
     interface: Interface,
     end_time: float,
-    nodes: int = 512,
+    nodes: int | None = None,
     *,
     mesh_nodes: int | None = None,
     progress: Progress | None = None,
@@ -99,8 +103,9 @@ def compare_interface(
     interface : Interface
     end_time : float
         Last time [time].
-    nodes : int
-        Nodes of the run.
+    nodes : int, optional
+        Nodes of the run; by default 512, or up to twice as many, so that ends of contacts lie
+        midway between the nodes of all grids.
     mesh_nodes : int, optional
         Nodes of the finest mesh along the interface, a divisor of `nodes` and a multiple of 4; as
         many as about half a minute allows unless given.
@@ -134,6 +139,8 @@ def compare_interface(
     if not isinstance(interface, Interface):
         raise SceneError(f"compare: interface must be an Interface, got {shown(interface)}.")
     end_time = checked_size("compare: end_time", end_time)
+    if nodes is None:
+        nodes = interface.contact.fitting_nodes(interface.length, NODES, HALVINGS)
     finest = _mesh_nodes(interface, end_time, nodes, mesh_nodes)
     lines = [line_of(interface, finest >> number) for number in range(MESHES)]
     kept = {name: value for name, value in options.items() if name not in ("every", "frames")}

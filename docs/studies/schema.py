@@ -360,6 +360,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "gap and pressure where loads change the pressure; empty without a second run",
                 _of(NUMBER),
             ),
+            "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
             "comparison": Key(
                 "with --compare: verdict, meshes, and the judged quantities",
                 _object(

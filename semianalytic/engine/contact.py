@@ -16,6 +16,11 @@ from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
 
+FITS = 1e-3
+"""Distance of an end from its place, over the node distance, that counts as none: it changes slip by
+a thousandth of what one node more or less does.  Half and twice the value choose the same nodes for
+ends that are given by three digits."""
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -78,6 +83,63 @@ class Contact:
         """Return whether the bodies touch at positions x, (n,)."""
         x = np.asarray(x, dtype=float)
         return np.any([(begin < x) & (x < end) for begin, end in self.intervals], axis=0)
+
+    def ends(self, length: float) -> Array:
+        """Return the ends of contacts within a period -length/2 ... length/2 of the line, (k,)."""
+        ends = np.array(self.intervals).ravel()
+        return np.asarray(ends[np.abs(ends) < length / 2])
+
+    def misfit(self, length: float, nodes: int) -> float:
+        """Return how far the grid of a period has an end of a contact from its place.
+
+        A grid knows ends midway between two of its nodes.  The result is the largest distance over
+        the node distance, 0 to 1/2.
+        """
+        ends = self.ends(length) * nodes / length
+        off = np.abs(ends - np.rint(ends))
+        return float(np.max(np.where(off > FITS, off, 0.0), initial=0.0))
+
+    def shortened(self, length: float, nodes: int) -> Contact:
+        """Return a contact that half the nodes see shorter, where a grid displaces its ends.
+
+        A grid of half the nodes may have an end at the same wrong place as the grid itself; then
+        the difference between the two says nothing about it.  Such ends are moved to the next
+        place inward that only the coarser grid knows, by at least a node distance of the finer one.
+        """
+        spacing = length / nodes
+
+        def inward(end: float, sign: int) -> float:
+            # for an end at the right sign = 1, at the left -1
+            place = sign * end / spacing
+            if not abs(end) < length / 2 or abs(place - round(place)) <= FITS:
+                return end
+            # the last node inside lies before the end: the grid has it half a distance further on
+            seen = math.ceil(place - 0.5)
+            return sign * 2 * math.floor((seen - 1) / 2) * spacing
+
+        moved = ((inward(begin, -1), inward(end, 1)) for begin, end in self.intervals)
+        pairs = zip(self.intervals, moved, strict=True)
+        return Contact([new if new[0] < new[1] else old for old, new in pairs])
+
+    def fitting_nodes(self, length: float, least: int, halvings: int) -> int:
+        """Return the fewest nodes, up to twice `least`, on which all ends fit; `least` if none do.
+
+        Parameters
+        ----------
+        length : float
+            Period of the line [length].
+        least : int
+            Fewest nodes of the period.
+        halvings : int
+            How often the number of nodes should be halved with ends that still fit; if none such
+            is found, fewer times.
+        """
+        for times in range(halvings, -1, -1):
+            unit = max(4, 2**times)
+            for nodes in range(-(-least // unit) * unit, 2 * least + 1, unit):
+                if self.misfit(length, nodes >> times) == 0:
+                    return nodes
+        return least
 
 
 @dataclass(frozen=True, eq=False)

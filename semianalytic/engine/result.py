@@ -109,6 +109,31 @@ class Run:
         return float(self.step_times[-1])
 
     @property
+    def contact_misfit(self) -> float:
+        """How far the grid has an end of a contact from its place, over the node distance."""
+        return self.interface.contact.misfit(self.interface.length, self.nodes)
+
+    @property
+    def caution(self) -> str:
+        """What limits the accuracy and can be changed, in a sentence; empty if there is nothing.
+
+        A grid knows ends of contacts midway between its nodes.  Elsewhere it displaces them, and
+        the error of slip is that of a contact which is longer or shorter.
+        """
+        contact, length = self.interface.contact, self.interface.length
+        misfit = self.contact_misfit
+        if misfit == 0:
+            return ""
+        fitting = contact.fitting_nodes(length, self.nodes, halvings=1)
+        remedy = f"choose {fitting} nodes"
+        if contact.misfit(length, fitting):
+            remedy = "choose a period of which the ends are simple fractions"
+        return (
+            f"an end of a contact lies {misfit:.2g} node distances from where the grid has it; "
+            f"{remedy}"
+        )
+
+    @property
     def work(self) -> dict[str, float]:
         """Work that the contact has taken from the bodies, per width [stress length^2].
 

@@ -63,7 +63,9 @@ def run(
     end_time : float
         Last time [time].
     nodes : int, optional
-        Nodes of one period, a multiple of 4; 512 by default.
+        Nodes of one period, a multiple of 4.  By default they are 512, or up to twice as many, so
+        that ends of contacts lie midway between nodes; elsewhere a grid displaces them, and
+        `Run.caution` says so.
     rtol : float, optional
         Wanted relative error of slip and gap; nodes are doubled until the estimates are below it,
         up to 16,384.
@@ -132,7 +134,10 @@ def run(
     options["slipping"] = slipping
     if go_on is not None:
         nodes = go_on.nodes if nodes is None else nodes
-    count = _checked_nodes(NODES if nodes is None else nodes)
+    if nodes is None:
+        # the run with half the nodes, which tells the error, needs ends that fit as well
+        nodes = interface.contact.fitting_nodes(interface.length, NODES, halvings=1)
+    count = _checked_nodes(nodes)
     while True:
         done = _one(interface, end_time, count, options, settings, go_on, progress, check=True)
         if done.status.startswith("interrupted") or not (estimate or rtol is not None):
@@ -238,8 +243,12 @@ def _estimated(
     rtol: float | None,
 ) -> Run:
     """Return a run with estimates of its error from a run with half the nodes."""
+    interface = done.interface
+    if done.contact_misfit:
+        contact = interface.contact.shortened(interface.length, done.nodes)
+        interface = replace(interface, contact=contact)
     coarse = _one(
-        done.interface,
+        interface,
         end_time,
         done.nodes // 2,
         {**options, "times": list(done.t)},
@@ -247,7 +256,7 @@ def _estimated(
         None,
         None,
     )
-    between = not done.interface.contact.is_whole
+    between = not interface.contact.is_whole
     touching = coarse.touching
     if between:
         # a coarse node at the end of a contact may stand for a node of the slot as well

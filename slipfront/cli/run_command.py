@@ -164,6 +164,7 @@ def _document(done: Run, name: str) -> dict[str, Any]:
         "slipping": float(np.mean(np.abs(done.slip_rate[-1][done.touching]) > 0)),
         "largest_gap": float(done.gap[:, done.touching].max()),
         "error_estimates": dict(done.error_estimates),
+        "caution": done.caution,
         "units": {
             **dict.fromkeys(("end_time", "shortest_step", "longest_step"), "time"),
             **dict.fromkeys(("largest_slip", "largest_gap"), "length"),
@@ -205,4 +206,6 @@ def _show(done: Run, name: str) -> None:
     for quantity, error in done.error_estimates.items():
         table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}", "relative")
     table.add_row("status", done.status)
+    if done.caution:
+        table.add_row("caution", done.caution)
     Console().print(table)
