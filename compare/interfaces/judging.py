@@ -198,9 +198,11 @@ def _rows(done: Run, simulations: list[LineSimulation]) -> Iterator[Row]:
     interface, count = done.interface, len(simulations[-1].x)
     between = not interface.contact.is_whole
     on = _common(simulations[0].touching[None].astype(float), count, between)[0] == 1
+    x, spacing = done.x, interface.length / done.nodes
+    pressure = interface.pressure
     base = {
-        "shear_traction": sampled("interface: shear", interface.shear, done.x),
-        "pressure": at_nodes("interface: pressure", interface.pressure, done.x, done.touching),
+        "shear_traction": sampled("interface: shear", interface.shear, x, spacing),
+        "pressure": at_nodes("interface: pressure", pressure, x, done.touching, spacing),
     }
     least = _least_sizes(done)
     for name, (kind, unit) in KINDS.items():

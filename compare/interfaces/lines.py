@@ -36,12 +36,13 @@ def line_of(interface: Interface, nodes: int) -> Line:
             "simulate: finite elements have no stiffness that holds the mean slip; leave out "
             "`held` (docs/engine.md)."
         )
-    x = Grid(interface.length, nodes, not interface.contact.is_whole).x
+    grid = Grid(interface.length, nodes, not interface.contact.is_whole)
+    x, spacing = grid.x, grid.spacing
     touching = interface.contact.touches(x)
     on = x[touching]
-    law = interface.law.on(on)
-    pressure = at_nodes("interface: pressure", interface.pressure, x, touching)
-    shear = sampled("interface: shear", interface.shear, x)
+    law = interface.law.on(on, spacing)
+    pressure = at_nodes("interface: pressure", interface.pressure, x, touching, spacing)
+    shear = sampled("interface: shear", interface.shear, x, spacing)
     rate = np.abs(sampled("interface: rate", interface.rate, on))
     state = np.asarray(law.start(pressure[touching], shear[touching], rate), dtype=float)
     return Line(

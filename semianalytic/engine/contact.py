@@ -17,9 +17,9 @@ from semianalytic.scene.errors import SceneError
 Array = NDArray[np.float64]
 
 FITS = 1e-3
-"""Distance of an end from its place, over the node distance, that counts as none: it changes slip by
-a thousandth of what one node more or less does.  Half and twice the value choose the same nodes for
-ends that are given by three digits."""
+"""Distance of an end from its place, over the node distance, that counts as none: it changes slip
+by a thousandth of what one node more or less does.  Half and twice the value choose the same nodes
+for ends that are given by three digits."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.fields import sampled
+from semianalytic.engine.fields import BARRIER, sampled
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 
@@ -99,15 +99,18 @@ class InterfaceLaw(ABC):
         """
         return 0.0
 
-    def on(self, x: Any) -> Self:
-        """Return the law with all its fields as arrays on positions x (n,)."""
+    def on(self, x: Any, spacing: float = 0.0) -> Self:
+        """Return the law with all its fields as arrays on positions x (n,).
+
+        With a node distance, nodes beside a jump of a field take its mean; see `fields.sampled`.
+        """
         if not is_dataclass(self):
             return self
         x = np.asarray(x, dtype=float)
         owner = type(self).__name__
         given = {one.name: getattr(self, one.name) for one in fields(self) if one.init}
         drawn = {
-            name: sampled(f"{owner}: {name}", value, x)
+            name: sampled(f"{owner}: {name}", value, x, spacing, BARRIER)
             for name, value in given.items()
             if callable(value)
         }

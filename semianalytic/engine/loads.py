@@ -254,7 +254,7 @@ class ActingLoads:
                 shape = None
                 if isinstance(load, InterfaceLoad) and load.history is not None:
                     where = touching | True if load.on == "line" else ~touching
-                    shape = at_nodes(f"load: {of}", getattr(load, of), x, where)
+                    shape = at_nodes(f"load: {of}", getattr(load, of), x, where, self._spread[0])
                 self._parts.append((shape, load))
 
     def __call__(self, time: float, after: bool = False) -> tuple[Array, Array]:

@@ -344,8 +344,8 @@ def _beside_edge(run: Run, edge: float, frame: int) -> EdgeReading:
             f"edge: the contact slips beside x = {near:g} at t = {run.t[frame]:g}, so that "
             "tractions are not those beside a stuck edge; read nodal values."
         )
-    base = sampled("interface: shear", interface.shear, run.x)[inside]
-    pressed = sampled("interface: pressure", interface.pressure, run.x)[inside]
+    base = sampled("interface: shear", interface.shear, run.x, spacing)[inside]
+    pressed = sampled("interface: pressure", interface.pressure, run.x, spacing)[inside]
     shear, gone = run.shear_traction[frame, inside] - base, pressed - run.pressure[frame, inside]
     beta = 0.0
     if interface.pair is not None:

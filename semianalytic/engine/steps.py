@@ -99,16 +99,17 @@ class Stepper:
         x = self.grid.x
         self.touching = contact.touches(x)
         self._on = x[self.touching]
-        self.law = interface.law.on(self._on)
+        spacing = self.grid.spacing
+        self.law = interface.law.on(self._on, spacing)
         self._inner = self._neighbours()[self.touching]
         # Beyond the ends of half a line lie mirror images of the nodes inside it.
         self._mirror = (0 if self.grid.between else 1) if self.grid.even else None
-        self.pressure = sampled("interface: pressure", interface.pressure, self._on)
+        self.pressure = sampled("interface: pressure", interface.pressure, self._on, spacing)
         required(
             "interface: pressure", self.pressure, self.pressure >= 0, "not be negative", self._on
         )
         # a slot carries base shear before the load, as if it were closed
-        self.shear = sampled("interface: shear", interface.shear, x)
+        self.shear = sampled("interface: shear", interface.shear, x, spacing)
         self.pair, self.impedance = interface.pair, interface.impedance
         self._speed = material.shear_speed if self.pair is None else self.pair.speed
         fastest = material.shear_speed if self.pair is None else self.pair.fastest
