@@ -39,6 +39,7 @@ def main() -> None:
     parts = (
         exact,
         patches,
+        jumps,
         fronts,
         cracks,
         statics,
@@ -184,6 +185,28 @@ def patches() -> Iterator[Row]:
                 yield compared(
                     f"over-stressed patch, {mode}, {nodes} nodes", "edge", edge, found, 6
                 )
+
+
+def jumps() -> Iterator[Row]:
+    """Yield slip of a patch and of a contact whose ends meet the grid anywhere."""
+    load, end = sf.InterfaceLoad(lambda x: 0.8 * (np.abs(x - 3) < 1)), 1.5
+    shape = {"length": 20.0, "pressure": 1.0}
+    patch = sf.Interface(UNIT, sf.Coulomb(0.4), **shape, loads=[load])
+    strip = sf.Contact([(-2.0, 2.0)])
+    pushed = sf.InterfaceLoad(0.2)
+    punch = sf.Interface(UNIT, sf.Coulomb(0.4), **shape, contact=strip, loads=[pushed])
+    for name, at, interface, counts in (
+        ("patch of constant stress", 4.0, patch, (400, 408, 416, 512)),
+        ("contact of finite width", 2.0, punch, (256, 260, 512, 520)),
+    ):
+        fine = sf.run(interface, end, 8000, times=[end], estimate=False)
+        for nodes in counts:
+            done = sf.run(interface, end, nodes, times=[end])
+            exact = np.interp(done.x, fine.x, fine.slip[-1])[done.touching]
+            off = np.abs(done.slip[-1][done.touching] - exact).sum() / np.abs(exact).sum()
+            case = f"{name}, {nodes} nodes, end at x/h = {at * nodes / interface.length:.4g}"
+            estimate = f"estimate {done.error_estimates['slip']:.1e}"
+            yield case, "slip", "8000 nodes", estimate, f"{off:.1e}"
 
 
 def fronts() -> Iterator[Row]:
