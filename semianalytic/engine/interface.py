@@ -10,6 +10,7 @@ from semianalytic.dissimilar.kernels import BodyPair
 from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
 from semianalytic.engine.contact import Contact
 from semianalytic.engine.fields import check_field
+from semianalytic.engine.hilbert import comes_back
 from semianalytic.engine.law import InterfaceLaw
 from semianalytic.engine.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.checks import checked_number, checked_size, shown
@@ -133,7 +134,9 @@ class Interface:
                     "interface: loads must be InterfaceLoads, incident waves or moving loads, got "
                     f"{shown(load)}."
                 )
-            loads.append(load.of(self.material) if isinstance(load, FrontLoad) else load)
+            if isinstance(load, FrontLoad):
+                load = load.of(self.material, self.lower_material if self.pair else None)
+            loads.append(load)
         return tuple(loads)
 
     def _check_front(self, load: FrontLoad) -> None:
@@ -145,12 +148,14 @@ class Interface:
                     f"interface: a wave that arrives {self.mode} must be of kind "
                     f"{' or '.join(known)}, got {front.kind}."
                 )
-            if self.pair is not None:
+            runs_ahead = any(one.imag for one in load.amplitudes.values())
+            if runs_ahead and not comes_back(load.history):
                 raise SceneError(
-                    "interface: a plane wave is partly reflected where the bodies differ, which is "
-                    "not computed; give its tractions on the bonded line as an InterfaceLoad."
+                    f"interface: at {front.angle:g} degrees, beyond a critical angle, a wave runs "
+                    "along the interface ahead of the front; its history has to return to 0 by "
+                    "jumps and straight lines, as a rectangle, a triangle or a Table does."
                 )
-        if self.even and load.front.slowness(self.material):
+        if self.even and load.slowness:
             raise SceneError(
                 "interface: a front that runs along x is not even in x; set even = false."
             )

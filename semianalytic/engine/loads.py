@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.engine.fields import at_nodes, check_field
+from semianalytic.engine.hilbert import transformed
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
@@ -142,6 +145,7 @@ class FrontLoad:
     history: LoadHistory = field(default_factory=Step)
     at: float = 0.0
     material: Material | None = field(default=None, repr=False)
+    lower: Material | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.front, IncidentWave | MovingLoad):
@@ -154,9 +158,32 @@ class FrontLoad:
             )
         object.__setattr__(self, "at", checked_number("load: at", self.at))
 
-    def of(self, material: Material) -> FrontLoad:
-        """Return the load of a solid."""
-        return replace(self, material=material)
+    def of(self, material: Material, lower: Material | None = None) -> FrontLoad:
+        """Return the load of a solid, or of two, of which the second one is on y < 0."""
+        return replace(self, material=material, lower=lower)
+
+    @cached_property
+    def slowness(self) -> float:
+        """Slowness of the front along x [time / length]."""
+        assert self.material is not None
+        body = self.material
+        if isinstance(self.front, IncidentWave) and self.front.from_ == "below":
+            body = self.lower or body
+        return self.front.slowness(body)
+
+    @cached_property
+    def amplitudes(self) -> dict[str, complex]:
+        """Pressure and shear per unit of the history [stress].
+
+        They are those of the uncut line, bonded where the bodies differ; those with an imaginary
+        part exert that part of the Hilbert transform of the history (`dissimilar.bonded`).
+        """
+        assert self.material is not None
+        if self.lower is not None and isinstance(self.front, IncidentWave):
+            pressure, shear = bonded_tractions(self.front, self.material, self.lower)
+            return {"pressure": pressure, "shear": shear}
+        one = self.front.tractions(self.material)
+        return {"pressure": complex(one.pressure), "shear": complex(one.shear)}
 
     @property
     def on(self) -> str:
@@ -194,10 +221,8 @@ class FrontLoad:
         spread : (float, float)
             Node distance [length] and step [time] over which the load is averaged.
         """
-        assert self.material is not None
         x = np.asarray(x, dtype=float)
-        slowness = self.front.slowness(self.material)
-        size = getattr(self.front.tractions(self.material), of)
+        slowness, size = self.slowness, self.amplitudes[of]
         since = t - slowness * (x - self.at)
         half = max(abs(slowness) * spread[0], spread[1]) / 2 if slowness else 0.0
         if half > 0:
@@ -206,13 +231,15 @@ class FrontLoad:
             factor = self.history.value(np.nextafter(since, np.inf) if after else since)
         if isinstance(self.front, MovingLoad) and self.front.speed > 0:
             factor = np.where(x < self.at, factor, 0.0)
-        return np.asarray(size * factor)
+        if size.imag:
+            ahead = transformed(self.history, since - half, since + half)
+            return np.asarray(size.real * factor + size.imag * ahead)
+        return np.asarray(size.real * factor)
 
     @property
     def jumps(self) -> list[float]:
         """Times at which the load jumps, if it is everywhere at once."""
-        assert self.material is not None
-        if self.front.slowness(self.material):
+        if self.slowness:
             return []
         return [float(at) for at, _ in self.history.pieces.jumps]
 

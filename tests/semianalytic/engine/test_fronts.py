@@ -116,9 +116,9 @@ def test_files_describe_fronts_and_surveys_vary_them(tmp_path):
         (
             (
                 "[law]",
-                "[lower_material]\nshear_modulus = 3.0\ndensity = 1.0\npoisson_ratio = 0.3\n[law]",
+                "[lower_material]\nshear_modulus = 0.3\ndensity = 1.0\npoisson_ratio = 0.3\n[law]",
             ),
-            "partly reflected",
+            "beyond a critical angle",
         ),
     ],
 )

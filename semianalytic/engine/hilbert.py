@@ -1,0 +1,72 @@
+"""Histories beyond a critical angle: the Hilbert transform of a load history.
+
+A wave that decays away from the line runs along it ahead of the front of its history, so that
+H f(t) = (1/pi) PV int f(s) / (t - s) ds is not 0 before the history begins.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.scene.loads import LoadHistory
+
+Array = NDArray[np.float64]
+
+_REST = 1e-12
+"""Value or slope at the end, relative to the largest jump or slope, up to which it is rounding."""
+
+
+def comes_back(history: LoadHistory) -> bool:
+    """Return whether a history of jumps and kinks ends at 0, so that its transform is finite.
+
+    Examples
+    --------
+    >>> from semianalytic import Pulse, Step
+    >>> comes_back(Pulse(0.5, "triangle")), comes_back(Step())
+    (True, False)
+    """
+    jumps, kinks, waves = history.pieces
+    slope, value = sum(k for _, k in kinks), sum(a for _, a in jumps)
+    value -= sum(k * at for at, k in kinks)
+    sizes = [abs(a) for _, a in jumps] + [abs(k * at) for at, k in kinks]
+    steep = max((abs(k) for _, k in kinks), default=0.0)
+    return not waves and abs(slope) <= _REST * steep and abs(value) <= _REST * max(sizes, default=0)
+
+
+def transformed(history: LoadHistory, start: Array, end: Array) -> Array:
+    """Return the mean of H f over intervals start < t < end, (n,).
+
+    Where start is end, it is H f itself, which is infinite at a jump.
+
+    Parameters
+    ----------
+    history : LoadHistory
+        One that `comes_back`.
+    start, end : (n,) arrays
+        Times [time].
+    """
+    total = np.zeros(len(start))
+    for at, jump in history.pieces.jumps:
+        total += jump * _mean(0, start - at, end - at)
+    for at, slope in history.pieces.kinks:
+        total += slope * _mean(1, start - at, end - at)
+    return total / np.pi
+
+
+def _mean(order: int, start: Array, end: Array) -> Array:
+    """Return the mean over intervals of the integral, `order` times, of ln |t|."""
+    alone = start == end
+    length = np.where(alone, 1.0, end - start)
+    mean = (_integral(order + 1, end) - _integral(order + 1, start)) / length
+    return np.where(alone, _integral(order, end), mean)
+
+
+def _integral(order: int, t: Array) -> Array:
+    """Return ln |t|, integrated so often from 0."""
+    with np.errstate(divide="ignore"):
+        log = np.log(np.abs(t))
+    if order == 0:
+        return log
+    log = np.where(t == 0, 0.0, log)
+    return t * log - t if order == 1 else t**2 / 2 * log - 0.75 * t**2
