@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,7 +191,7 @@ def patches() -> Iterator[Row]:
 def jumps() -> Iterator[Row]:
     """Yield slip of a patch and of a contact whose ends meet the grid anywhere."""
     load, end = sf.InterfaceLoad(lambda x: 0.8 * (np.abs(x - 3) < 1)), 1.5
-    shape = {"length": 20.0, "pressure": 1.0}
+    shape: dict[str, Any] = {"length": 20.0, "pressure": 1.0}
     patch = sf.Interface(UNIT, sf.Coulomb(0.4), **shape, loads=[load])
     strip = sf.Contact([(-2.0, 2.0)])
     pushed = sf.InterfaceLoad(0.2)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.bonded import bonded_tractions
-from semianalytic.engine.fields import at_nodes, check_field
+from semianalytic.engine.fields import at_nodes, check_field, moving
 from semianalytic.engine.hilbert import transformed
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
@@ -294,7 +294,7 @@ class ActingLoads:
             if isinstance(load, FrontLoad):
                 value = load.traction(self._x, time, after, self._of, self._spread)
             elif shape is None:
-                value = load.traction(self._x, time, of=self._of)
+                value = moving(getattr(load, self._of), self._x, time, self._spread[0])
             else:
                 value = shape * load.factor(time, after)
             if load.on == "line":

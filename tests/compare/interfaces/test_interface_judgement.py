@@ -126,14 +126,14 @@ COMMON = ["run", "rock-on-gouge", "--nodes", "256", "--end-time", "1e-3", "--qui
 
 
 def test_the_command_compares(capsys):
-    assert main([*COMMON, "--compare", "--mesh-nodes", "128"]) == 0
+    assert main([*COMMON, "--compare", "--mesh-nodes", "256"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "Verdict: agrees" in shown
-    assert "finite elements, 128 along the interface" in shown
-    assert main([*COMMON, "--compare", "--mesh-nodes", "128", "--json"]) == 0
+    assert "finite elements, 256 along the interface" in shown
+    assert main([*COMMON, "--compare", "--mesh-nodes", "256", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["status"] == "agrees"
-    assert [one["nodes"] for one in document["comparison"]["meshes"]] == [128, 64, 32]
+    assert [one["nodes"] for one in document["comparison"]["meshes"]] == [256, 128, 64]
     assert {row["kind"] for row in document["comparison"]["rows"]} >= {"slip", "pressure"}
 
 

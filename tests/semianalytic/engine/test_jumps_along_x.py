@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.fields import Table, at_nodes, sampled
+from semianalytic.engine.fields import Table, at_nodes, moving, sampled
 
 NODES = 0.1 * np.arange(-20, 21)
 END = 1.5
@@ -50,6 +50,14 @@ def test_tables_and_formulas_need_not_reach_beyond_the_nodes():
     np.testing.assert_array_equal(root, np.sqrt(inside - 0.06))
     on_slot = at_nodes("f", step(0.0), NODES, NODES > 0.5, 0.1)
     np.testing.assert_array_equal(on_slot, np.where(NODES > 0.5, 3.0, 0.0))
+
+
+@pytest.mark.parametrize("t", [0.0, 0.13, 0.15, 0.42])
+def test_a_jump_that_moves_loads_its_share_of_a_cell(t):
+    found = moving(lambda x, t: (np.abs(x) < t) * 2.0, NODES, t, 0.1)
+    assert 0.1 * found.sum() == pytest.approx(4 * t, abs=5e-3)
+    smooth = moving(lambda x, t: np.cos(x - t), NODES, t, 0.1)
+    np.testing.assert_array_equal(smooth, np.cos(NODES - t))
 
 
 def test_a_law_takes_means_but_of_barriers():
