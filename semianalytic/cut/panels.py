@@ -129,22 +129,85 @@ class Panels:
         weights[behind:] *= -1
         if own.shape[-1] < tuning.MANY_NODES:
             return _summed(weights, own, other)
-        result, least = np.zeros_like(own), tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2)
-        for i, (sizes, target) in enumerate(zip(np.abs(weights) / own, pairs.target, strict=True)):
-            # Nodes whose contribution is negligible to every target are left out.
-            bound = sizes.reshape(-1, own.shape[-1]).max(axis=0)
-            matter = np.flatnonzero(bound > self.rule.spacing * least)
-            if not len(matter):
-                continue
+        # Seen from the end between them, nodes of both count outward from here on.
+        for outward, inward in ((weights, slice(behind, None)), (own, slice(behind, None))):
+            outward[inward] = outward[inward, ..., ::-1].copy()
+        other[:behind] = other[:behind, ..., ::-1].copy()
+        result = np.zeros_like(own)
+        for i, (sent, target) in enumerate(zip(source, pairs.target, strict=True)):
+            carried = self._condensed(sent, weights[i], own[i])
+            if carried is not None:
+                self._spread(target, *carried, other[i], result[i])
+        result[:behind] = result[:behind, ..., ::-1].copy()
+        return result
+
+    def _condensed(self, source: int, weights: Array, own: Array) -> tuple[Array, Array] | None:
+        """Return fewer weights (..., m) of a source panel, and their distances from its near end.
+
+        The arguments are those of its nodes (..., n), which count from the near end; None if no
+        node matters to any target.
+        """
+        # Nodes whose contribution is negligible to every target are left out.
+        least = tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2)
+        bound = (np.abs(weights) / own).reshape(-1, own.shape[-1]).max(axis=0)
+        matter = np.flatnonzero(bound > self.rule.spacing * least)
+        if not len(matter):
+            return None
+        far, half = self._far_halves[source], len(self.rule.y) // 2
+        if far is None or matter[-1] < half:
             near = slice(matter[0], matter[-1] + 1)
-            to = slice(None) if target in self._long else self.rule.core
-            result[i, ..., to] = _summed(
-                weights[i, ..., near], own[i, ..., near], other[i, ..., to]
-            )
-            if target not in self._long:
-                # Beyond the inner nodes of the target the integral hardly changes.
-                result[i, ..., : to.start] = result[i, ..., to.start, None]
-                result[i, ..., to.stop :] = result[i, ..., to.stop - 1, None]
+            return weights[..., near], own[..., near]
+        away, onto = far
+        near = slice(matter[0], half)
+        return (
+            np.concatenate([weights[..., near], weights[..., half:] @ onto], axis=-1),
+            np.concatenate([own[..., near], away], axis=-1),
+        )
+
+    def _spread(
+        self, target: int, weights: Array, own: Array, other: Array, result: Array
+    ) -> None:
+        """Write integrals to the nodes of a target panel (..., n), which count from its near end.
+
+        `weights` and `own` are those of `_condensed`, and `other` the distances of the nodes from
+        the near end of the source.
+        """
+        far, half = self._far_halves[target], len(self.rule.y) // 2
+        to = slice(None) if target in self._long else self.rule.core
+        if far is None:
+            result[..., to] = _summed(weights, own, other[..., to])
+        else:
+            away, onto = far
+            to = slice(to.start or 0, half)
+            # Between the near ends of source and target lies what the first node is farther off.
+            gap = other[..., :1] - self.from_left[target][..., :1]
+            at = np.concatenate([other[..., to], gap + away], axis=-1)
+            sums = _summed(weights, own, at)
+            result[..., to], few = sums[..., : half - to.start], sums[..., half - to.start :]
+            result[..., half:] = few @ onto.T
+        if target not in self._long:
+            # Beyond the inner nodes of the target the integral hardly changes.
+            result[..., : to.start] = result[..., to.start, None]
+            if far is None:
+                result[..., to.stop :] = result[..., to.stop - 1, None]
+
+    @cached_property
+    def _far_halves(self) -> list[tuple[Array, Array] | None]:
+        """Per panel, distances (..., q) of a few points of its far half from its near end, and the
+        matrix (m, q) that interpolates from them to the nodes of that half.
+
+        Seen from outside, 1 / (w - v) is smooth there: its nearest singularity is the near end.
+        None where the map is skewed, and that end no nearer to the points than others.
+        """
+        far, result = self.rule.far_half, []
+        for panel, right in enumerate(self.right):
+            scale = self.ends.v[-1] if right is None else 1.0
+            if np.any(self.skew[panel] != scale):
+                result.append(None)
+            elif right is None:
+                result.append((self.skew[panel] * far.ratio, far.onto_unbounded))
+            else:
+                result.append((self.widths[panel] * far.share, far.onto))
         return result
 
     @cached_property
