@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,17 @@ from semianalytic.cut import tuning
 from semianalytic.cut.layout import Layout, Pairs, Zone, outline
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, finer_rule
+
+
+class _Piece(NamedTuple):
+    """Nodes (m,) of a panel for which a few points stand, at distances (..., q) from its near end.
+
+    The matrix `onto` (m, q) takes values at the points to the nodes, and weights the other way.
+    """
+
+    nodes: slice
+    distances: Array
+    onto: Array
 
 
 @dataclass(frozen=True)
@@ -127,87 +139,94 @@ class Panels:
         weights = self.rule.weights * weights
         # w - v is negative for sources ahead of their targets; distances are positive.
         weights[behind:] *= -1
-        if own.shape[-1] < tuning.MANY_NODES:
+        if own.shape[-1] < tuning.MANY_NODES or not len(source):
             return _summed(weights, own, other)
-        # Seen from the end between them, nodes of both count outward from here on.
-        for outward, inward in ((weights, slice(behind, None)), (own, slice(behind, None))):
-            outward[inward] = outward[inward, ..., ::-1].copy()
+        # From here on the nodes of both count outward from the end between them.
+        for values, part in ((weights, slice(behind, None)), (own, slice(behind, None))):
+            values[part] = values[part, ..., ::-1].copy()
         other[:behind] = other[:behind, ..., ::-1].copy()
-        result = np.zeros_like(own)
+        result, sizes = np.zeros_like(own), np.abs(weights) / own
+        least = tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2) * self.rule.spacing
+        matter = sizes.reshape(len(own), -1, own.shape[-1]).max(axis=1) > least
         for i, (sent, target) in enumerate(zip(source, pairs.target, strict=True)):
-            carried = self._condensed(sent, weights[i], own[i])
-            if carried is not None:
-                self._spread(target, *carried, other[i], result[i])
+            # Nodes whose contribution is negligible to every target are left out.
+            counted = np.flatnonzero(matter[i])
+            if not len(counted):
+                continue
+            first = (
+                self.from_right[target, ..., -1:] if i < behind else self.from_left[target, ..., :1]
+            )
+            gap = other[i, ..., :1] - first  # between the near ends of both
+            kept, pieces = self._pieces(sent, gap)
+            kept = slice(max(kept.start, counted[0]), min(kept.stop, counted[-1] + 1))
+            few = [
+                weights[i, ..., kept],
+                *(weights[i, ..., one.nodes] @ one.onto for one in pieces),
+            ]
+            away = [own[i, ..., kept], *(one.distances for one in pieces)]
+            condensed = np.concatenate(few, axis=-1), np.concatenate(away, axis=-1)
+            self._spread(target, gap, *condensed, other[i], result[i])
         result[:behind] = result[:behind, ..., ::-1].copy()
         return result
 
-    def _condensed(self, source: int, weights: Array, own: Array) -> tuple[Array, Array] | None:
-        """Return fewer weights (..., m) of a source panel, and their distances from its near end.
-
-        The arguments are those of its nodes (..., n), which count from the near end; None if no
-        node matters to any target.
-        """
-        # Nodes whose contribution is negligible to every target are left out.
-        least = tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2)
-        bound = (np.abs(weights) / own).reshape(-1, own.shape[-1]).max(axis=0)
-        matter = np.flatnonzero(bound > self.rule.spacing * least)
-        if not len(matter):
-            return None
-        far, half = self._far_halves[source], len(self.rule.y) // 2
-        if far is None or matter[-1] < half:
-            near = slice(matter[0], matter[-1] + 1)
-            return weights[..., near], own[..., near]
-        away, onto = far
-        near = slice(matter[0], half)
-        return (
-            np.concatenate([weights[..., near], weights[..., half:] @ onto], axis=-1),
-            np.concatenate([own[..., near], away], axis=-1),
-        )
-
     def _spread(
-        self, target: int, weights: Array, own: Array, other: Array, result: Array
+        self, target: int, gap: Array, weights: Array, own: Array, other: Array, result: Array
     ) -> None:
-        """Write integrals to the nodes of a target panel (..., n), which count from its near end.
+        """Write sums of weights / (own + other) over (..., m) to the nodes (..., n) of a target.
 
-        `weights` and `own` are those of `_condensed`, and `other` the distances of the nodes from
-        the near end of the source.
+        Nodes count from the near end, at distances `other` from that of the source, `gap` (..., 1)
+        beyond it.
         """
-        far, half = self._far_halves[target], len(self.rule.y) // 2
-        to = slice(None) if target in self._long else self.rule.core
-        if far is None:
-            result[..., to] = _summed(weights, own, other[..., to])
-        else:
-            away, onto = far
-            to = slice(to.start or 0, half)
-            # Between the near ends of source and target lies what the first node is farther off.
-            gap = other[..., :1] - self.from_left[target][..., :1]
-            at = np.concatenate([other[..., to], gap + away], axis=-1)
-            sums = _summed(weights, own, at)
-            result[..., to], few = sums[..., : half - to.start], sums[..., half - to.start :]
-            result[..., half:] = few @ onto.T
+        kept, pieces = self._pieces(target, gap)
+        to, core = kept, self.rule.core
         if target not in self._long:
-            # Beyond the inner nodes of the target the integral hardly changes.
-            result[..., : to.start] = result[..., to.start, None]
-            if far is None:
-                result[..., to.stop :] = result[..., to.stop - 1, None]
+            to = slice(max(to.start, core.start), min(to.stop, core.stop))
+        at = [other[..., to], *(gap + piece.distances for piece in pieces)]
+        sums, done = _summed(weights, own, np.concatenate(at, axis=-1)), to.stop - to.start
+        result[..., to] = sums[..., :done]
+        # Beyond the inner nodes of the target the integral hardly changes.
+        result[..., kept.start : to.start] = result[..., to.start, None]
+        result[..., to.stop : kept.stop] = result[..., to.stop - 1, None]
+        for piece in pieces:
+            begun, done = done, done + piece.distances.shape[-1]
+            result[..., piece.nodes] = sums[..., begun:done] @ piece.onto.T
+
+    def _pieces(self, panel: int, gap: Array) -> tuple[slice, list[_Piece]]:
+        """Return the nodes of a panel that are kept, and pieces of others, over a gap (..., 1).
+
+        Nodes count from the near end. Seen from outside, 1 / (w - v) is smooth on the far half, and
+        beside the near end as far as the gap is wide: its nearest singularity lies beyond.
+        """
+        half = self._far_halves[panel]
+        if half is None:
+            return slice(0, len(self.rule.y)), []
+        far, size = half
+        # The least gap over all sets of zones decides, 0 between neighbours.
+        widest = float(size.max()) / max(float(gap.min()), np.finfo(float).tiny)
+        if not widest <= 2.0**tuning.MOST_HALVINGS:
+            return slice(0, far.nodes.start), [far]
+        near = self.rule.beside_end(int(np.ceil(np.log2(max(widest, 2.0)))))
+        share = near.share / near.rest if self.right[panel] is None else near.share
+        beside = _Piece(slice(0, near.count), size * share, near.onto)
+        return slice(near.count, far.nodes.start), [far, beside]
 
     @cached_property
-    def _far_halves(self) -> list[tuple[Array, Array] | None]:
-        """Per panel, distances (..., q) of a few points of its far half from its near end, and the
-        matrix (m, q) that interpolates from them to the nodes of that half.
+    def _far_halves(self) -> list[tuple[_Piece, Array] | None]:
+        """The far half of each panel as a piece, and the panel's width, or rho of an unbounded one.
 
-        Seen from outside, 1 / (w - v) is smooth there: its nearest singularity is the near end.
-        None where the map is skewed, and that end no nearer to the points than others.
+        None where the map is skewed, with its nodes elsewhere.
         """
-        far, result = self.rule.far_half, []
+        half = self.rule.beside_end(1)
+        result: list[tuple[_Piece, Array] | None] = []
+        nodes = slice(len(self.rule.y) - half.count, len(self.rule.y))
         for panel, right in enumerate(self.right):
-            scale = self.ends.v[-1] if right is None else 1.0
-            if np.any(self.skew[panel] != scale):
-                result.append(None)
-            elif right is None:
-                result.append((self.skew[panel] * far.ratio, far.onto_unbounded))
+            if right is None:
+                size, share, onto = self.skew[panel], half.rest / half.share, half.onto_falling
+                plain = np.all(size == self.ends.v[-1])
             else:
-                result.append((self.widths[panel] * far.share, far.onto))
+                size, share, onto = self.widths[panel], half.rest, half.onto[::-1]
+                plain = np.all(self.skew[panel] == 1)
+            result.append((_Piece(nodes, size * share, onto), size) if plain else None)
         return result
 
     @cached_property

@@ -21,32 +21,34 @@ _STEPS = 32  # per power of two: finer rules come in steps, so that their tables
 _LAGUERRE_POINTS = 60
 """Points of the quadrature for Si(pi k): off by 1.3e-15 at most; with 40 by 6e-14, with 80 by
 4e-15, where the weights lose digits."""
-_FAR_POINTS = 20
-"""Points of the far half of a panel, seen from beyond its near end at three times its half-length
-from its middle: polynomials of degree 19 are off by 5e-16 there; 14 points are off by 1e-11."""
+_FEW_POINTS = 20
+"""Points of a piece of a panel whose nearest singularity lies three times its half-length from its
+middle: polynomials of degree 19 are off by 5e-16 there; 14 points are off by 1e-11."""
 _TABLES = 12  # of a rule that are kept, (n, n) each: quickly made again, and 18 MB at 1,500 nodes
 
 
 @dataclass(frozen=True)
-class FarHalf:
-    """Points of the half y >= 0 of a panel, from which to interpolate what is smooth there.
+class BesideEnd:
+    """Points beside the left end of a panel, from which to interpolate what is smooth there.
 
     Attributes
     ----------
-    share : (q,) array
-        Their shares of the panel, between 1/2 and 1.
-    ratio : (q,) array
-        share / (1 - share), their distance from the left end over rho on an unbounded panel.
+    count : int
+        Number m of nodes, from the first on, for which the points stand.
+    share, rest : (q,) arrays
+        Shares of the panel left and right of the points.
     onto : (m, q) array
-        Takes values at the points to the nodes y >= 0, for functions smooth in the share.
-    onto_unbounded : (m, q) array
-        The same for functions that fall like 1 / v on an unbounded panel, relative to themselves.
+        Takes values at the points to the nodes, for functions smooth in the share.
+    onto_falling : (m, q) array
+        The same for the mirror image, beside the right end, for functions that are proportional to
+        the share that is left there, relative to themselves.
     """
 
+    count: int
     share: Array
-    ratio: Array
+    rest: Array
     onto: Array
-    onto_unbounded: Array
+    onto_falling: Array
 
 
 @dataclass(frozen=True)
@@ -94,18 +96,9 @@ class Rule:
         """Slope of `share`."""
         return self.share * self.share[::-1]
 
-    @cached_property
-    def far_half(self) -> FarHalf:
-        """Points that stand for the nodes y >= 0 where a function is smooth in `share`."""
-        turn = np.pi * (np.arange(_FAR_POINTS) + 0.5) / _FAR_POINTS
-        share, rest = 0.75 + 0.25 * np.cos(turn), 0.5 * np.square(np.sin(turn / 2))
-        half, orders = len(self.y) // 2, np.arange(_FAR_POINTS)
-        # Chebyshev polynomials in the share, from 1/2 to 1.
-        at_nodes = np.cos(orders * np.arccos(np.clip(4 * self.share[half:, None] - 3, -1, 1)))
-        at_points = np.cos(orders * turn[:, None]) * np.where(orders, 2, 1) / _FAR_POINTS
-        onto = at_nodes @ at_points.T
-        falling = onto * (self.share[half::-1, None] / rest)
-        return FarHalf(share, share / rest, onto, falling)
+    def beside_end(self, halvings: int) -> BesideEnd:
+        """Return points for the nodes in the first 2^-halvings of a panel."""
+        return _beside_end(len(self.y), self.spacing, halvings)
 
     @cached_property
     def weights(self) -> Array:
@@ -198,6 +191,21 @@ def _alternate(n: int, spacing: float) -> Array:
     inverse = np.zeros(len(steps))
     inverse[steps % 2 != 0] = -1 / np.sinh(steps[steps % 2 != 0] * (spacing / 2))
     return _folded(inverse, n, np.ones(beyond))
+
+
+@lru_cache(maxsize=8 * _TABLES)
+def _beside_end(n: int, spacing: float, halvings: int) -> BesideEnd:
+    part, orders = 2.0**-halvings, np.arange(_FEW_POINTS)
+    nodes = 1 / (1 + np.exp((n // 2 - np.arange(n // 2)) * spacing))
+    nodes = nodes[nodes < part]
+    turn = np.pi * (orders + 0.5) / _FEW_POINTS
+    share = part * np.square(np.sin(turn / 2))
+    rest = (1 - part) + part * np.square(np.cos(turn / 2))
+    # Values of Chebyshev polynomials in the share.
+    at_nodes = np.cos(2 * orders * np.arcsin(np.sqrt(nodes / part))[:, None])
+    at_points = np.cos(orders * turn[:, None]) * np.where(orders, 2, 1) / _FEW_POINTS
+    onto = at_nodes @ at_points.T
+    return BesideEnd(len(nodes), share, rest, onto, (onto * (nodes[:, None] / share))[::-1])
 
 
 def _beyond(spacing: float) -> int:
