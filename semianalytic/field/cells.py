@@ -178,7 +178,7 @@ class Primitives:
         return np.asarray(np.abs(k - places) <= tuning.SAME * np.abs(places))
 
     def located(self, k: Complex, close: float) -> tuple[np.ndarray, Complex]:
-        """Return the cells (m, 4) of points (m,), and ln(k - centre), no closer than `close`."""
+        """Return the cells (4, m) of points (m,), and ln(k - centre), no closer than `close`."""
         centre, far = self._nearest(k), np.abs(k) > self._extent
         offset = np.where(far, k, k - self._places[centre])
         offset = np.where(self.at_centre(k), close, offset)
@@ -191,7 +191,7 @@ class Primitives:
         level = np.ceil((log.real - top) / _STEP).astype(int)
         level = np.where(~far & (sector == 0), np.minimum(level, 0), level)
         level = np.where(far, np.maximum(level, 1), level)
-        return np.stack([np.where(far, -1, centre), left, level, sector], axis=1), log
+        return np.stack([np.where(far, -1, centre), left, level, sector]), log
 
     def _level(self, centre: int, left: int, log: float) -> int:
         """Return the level of a side at a radius, given by its logarithm."""
@@ -213,8 +213,8 @@ class Primitives:
             if level > 1:
                 return cell._replace(level=level - 1), inner, inner
             k = np.array([np.exp(inner) * (1 - 1e-12)])
-            (key,), log = self.located(k, tuning.CLOSE[0])
-            return Cell(*map(int, key)), inner, complex(log[0])
+            key, log = self.located(k, tuning.CLOSE[0])
+            return Cell(*key[:, 0].tolist()), inner, complex(log[0])
         home = int(centre >= self._zero)
         base = 0 if left == home else self._level(centre, left, self._tops[centre].min())
         if level != base:
@@ -359,11 +359,6 @@ class Primitives:
         at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
         return self._ahead - plane_wave(at_zero, self._mode, factors.a)
 
-    def _values(self, cell: Cell, coefs: Complex, log: Complex) -> Complex:
-        """Return integrals (f, m) at points of a cell, from polynomials in ln(k - centre)."""
-        within = (log - self._middle(cell)) / _HALF
-        return coefs.T @ _powers(within, len(coefs))
-
     def _densities(self, owner: int, offset: Complex, scale: float) -> Complex:
         """Return all densities (f, ...) at centre + offset."""
         centre = self.centres[owner] if owner >= 0 else Centre(0)
@@ -374,43 +369,42 @@ class Primitives:
         values = self.transform.near(centre, offset, scale)
         return densities(at, values, factors.mode)
 
-    def __call__(
-        self, k: Complex, close: float = tuning.CLOSE[0], rows: slice = slice(None)
-    ) -> Complex:
-        """Return integrals (f, m) of densities at k (m,), Im k >= 0; S_v itself in its row.
+    def __call__(self, k: Complex, close: float, mix: Array | Complex) -> Array:
+        """Return sums (g, m) of integrals at k (m,), Im k >= 0: their imaginary parts.
 
-        Where they are singular, they are taken at the distance `close`; `rows` chooses densities.
+        The rows of `mix` (g, f) hold the factors of all densities; the integral of S_v is S_v
+        itself.  Where integrals are singular, they are taken at the distance `close`.
         """
-        ahead, behind = self._ahead[rows, None], self._behind[rows, None]
-        result = np.empty((len(ahead), len(k)), dtype=complex)
         parting = self.parting.place
         still = (k.imag == 0) & (np.abs(k.real) < self.transform.fields.factors.a) & (k != parting)
         if not still.any():
-            return self._looked_up(k, close, rows) if len(k) else result
-        result[:, still] = np.where(k[still].real < parting, ahead, behind)
-        if not still.all():
-            result[:, ~still] = self._looked_up(k[~still], close, rows)
+            return self._looked_up(k, close, mix)
+        result = np.empty((len(mix), len(k)))
+        ahead, behind = (mix @ self._ahead).imag, (mix @ self._behind).imag
+        result[:, still] = np.where(k[still].real < parting, ahead[:, None], behind[:, None])
+        result[:, ~still] = self._looked_up(k[~still], close, mix)
         return result
 
-    def _looked_up(self, k: Complex, close: float, rows: slice) -> Complex:
-        """Return integrals (f, m) where waves have come, from the cells."""
+    def _looked_up(self, k: Complex, close: float, mix: Array | Complex) -> Array:
+        """Return sums of integrals (g, m) where waves have come, from the cells."""
+        if not len(k):
+            return np.empty((len(mix), 0))
         keys, logs = self.located(k, close)
-        # Keys of a cell are small integers. Those of one number are found much faster than rows.
-        least = keys.min(axis=0)
-        codes = np.ravel_multi_index((keys - least).T, keys.max(axis=0) - least + 1)
-        _, first, inverse = np.unique(codes, return_index=True, return_inverse=True)
-        names = [Cell(*map(int, key)) for key in keys[first]]
-        missing = self._missing(names)
+        # Keys of a cell are small integers, and one number for each cell is smaller still.
+        least = keys.min(axis=1, keepdims=True)
+        codes = np.ravel_multi_index(tuple(keys - least), np.ptp(keys, axis=1) + 1)
+        # A stable sort of short integers takes time proportional to their number.
+        order = np.argsort(codes.astype(np.uint16) if codes.max() < 2**16 else codes, kind="stable")
+        starts = np.flatnonzero(np.diff(codes[order], prepend=-1))
+        cells = [Cell(*key) for key in keys[:, order[starts]].T.tolist()]
+        missing = self._missing(cells)
         if missing:
             self._form(missing)
-        # A stable sort of short integers takes time proportional to their number.
-        short = inverse.astype(np.uint16) if len(names) < 2**16 else inverse
-        order = np.argsort(short, kind="stable")
-        starts = np.searchsorted(inverse[order], np.arange(len(names) + 1))
-        grouped, logs = np.empty((len(self._ahead[rows]), len(k)), dtype=complex), logs[order]
-        for index, name in enumerate(names):
-            here = slice(starts[index], starts[index + 1])
-            grouped[:, here] = self._values(name, self._cells[name][:, rows], logs[here])
+        grouped, logs = np.empty((len(mix), len(k))), logs[order]
+        for cell, here in zip(cells, map(slice, starts, [*starts[1:], len(k)]), strict=True):
+            # Integrals are polynomials in ln(k - centre).
+            within, coefs = (logs[here] - self._middle(cell)) / _HALF, self._cells[cell]
+            grouped[:, here] = (mix @ coefs.T @ _powers(within, len(coefs))).imag
         result = np.empty_like(grouped)
         result[:, order] = grouped
         return result
