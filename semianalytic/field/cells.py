@@ -9,6 +9,7 @@ where it is known, between 0 and -a, where no wave has arrived yet.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key, lru_cache
 from typing import NamedTuple
@@ -16,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from semianalytic.field import tuning
-from semianalytic.field.transform import Centre, Transform
+from semianalytic.field.transform import Centre, Transform, powers
 from semianalytic.field.waves import (
     SHEAR,
     Complex,
@@ -60,19 +61,6 @@ def _pattern(degree: int, per_side: int) -> tuple[Complex, Complex]:
     return nodes, np.asarray(np.linalg.pinv(powers), dtype=complex)
 
 
-def _powers(z: Complex, count: int) -> Complex:
-    """Return the powers (count, m) of z (m,) from 0 on, each from two of half its exponent."""
-    powers = np.empty((count, len(z)), dtype=complex)
-    powers[0] = 1.0
-    known, factor = 1, z
-    while known < count:
-        more = min(known, count - known)
-        np.multiply(powers[:more], factor, out=powers[known : known + more])
-        known += more
-        factor = factor * factor
-    return powers
-
-
 def _order(one: Centre, other: Centre) -> int:
     """Return -1 or 1 if a centre lies left or right of another, however close, and 0 at the same
     point.
@@ -80,6 +68,11 @@ def _order(one: Centre, other: Centre) -> int:
     Places tie where an edge is closer to a front than the rounding of its slowness.
     """
     return int(np.sign(other.distance(one)))
+
+
+_Link = tuple[Cell, complex, complex]
+"""Cell from which another takes its constant, and a common point of both, as ln(k - centre) of the
+other and of the first."""
 
 
 @dataclass(frozen=True)
@@ -204,7 +197,7 @@ class Primitives:
         angle = (cell.sector + 0.5) * _STEP
         return complex(top + (cell.level - 0.5) * _STEP, np.pi - angle if cell.left else angle)
 
-    def _link(self, cell: Cell) -> tuple[Cell, complex, complex] | None:
+    def _link(self, cell: Cell) -> _Link | None:
         """Return the cell from which another takes its constant, and a common point of both."""
         centre, left, level, sector = cell
         middle = self._middle(cell)
@@ -237,20 +230,22 @@ class Primitives:
         facing = Cell(next_one, 1 - left, 0, 0)
         return facing, complex(half, np.pi * left), complex(half, np.pi * (1 - left))
 
-    def _missing(self, cells: list[Cell]) -> list[Cell]:
-        """Return which of some cells are missing, after the missing ones of their constants."""
-        order: dict[Cell, None] = {}
+    def _missing(self, cells: list[Cell]) -> dict[Cell, _Link | None]:
+        """Return those of some cells that are missing, with the links to those of their constants.
+
+        Each comes after that one, which is included if it is missing.
+        """
+        order: dict[Cell, _Link | None] = {}
         for cell in cells:
-            chain = []
+            chain: dict[Cell, _Link | None] = {}
             at: Cell | None = cell
             while at is not None and at not in self._cells and at not in order:
-                chain.append(at)
-                link = self._link(at)
+                chain[at] = link = self._link(at)
                 at = link[0] if link else None
-            order.update(dict.fromkeys(reversed(chain)))
-        return list(order)
+            order.update(reversed(chain.items()))
+        return order
 
-    def _form(self, cells: list[Cell]) -> None:
+    def _form(self, links: Mapping[Cell, _Link | None]) -> None:
         """Add cells, each after the one from which it takes its constant.
 
         All polynomials are evaluated at once where two cells meet, and only their constants are
@@ -258,7 +253,8 @@ class Primitives:
         the same digits, and a cell is complete when it is added, so that readers need not wait for
         one another.
         """
-        fresh = np.empty((len(cells), len(self._pattern[1]) + 1, len(self._ahead)), dtype=complex)
+        cells, count = list(links), len(self._pattern[1])
+        fresh = np.empty((len(cells), count + 1, len(self._ahead)), dtype=complex)
         middles = np.array([self._middle(cell) for cell in cells])
         offsets = np.exp(middles[:, None] + _HALF * self._pattern[0])
         offsets = offsets.real + 1j * np.maximum(offsets.imag, 0.0)
@@ -270,7 +266,7 @@ class Primitives:
                 these = np.flatnonzero((owners == owner) & (sizes == size))
                 scale = tuning.SCALES ** float(size + 1)
                 fresh[these] = self._coefficients(int(owner), offsets[these], scale)
-        self._add_constants(cells, fresh, middles)
+        self._add_constants(links, fresh, middles)
         self._cells.update(zip(cells, fresh, strict=True))
 
     def _coefficients(self, owner: int, offsets: Complex, scale: float) -> Complex:
@@ -286,19 +282,20 @@ class Primitives:
             coefs[:, :-1, self.kept], coefs[:, -1, self.kept] = series[..., 0], 0.0
         return coefs
 
-    def _add_constants(self, cells: list[Cell], fresh: Complex, middles: Complex) -> None:
+    def _add_constants(
+        self, links: Mapping[Cell, _Link | None], fresh: Complex, middles: Complex
+    ) -> None:
         """Set the constants of new cells (c, n, f) so that each continues the one before it.
 
         A constant is that of the cell before, and what polynomials without constants differ by: its
         digits do not depend on which cells are formed together.
         """
-        numbers = {cell: number for number, cell in enumerate(cells)}
+        numbers = {cell: number for number, cell in enumerate(links)}
         count, own, there = fresh.shape[1] - 1, np.copy(middles), np.copy(middles)
         others = np.zeros_like(fresh[:, 1:])
-        constants: list[Complex] = [self._ahead] * len(cells)
-        before: list[int | None] = [None] * len(cells)
-        for number, cell in enumerate(cells):
-            link = self._link(cell)
+        constants: list[Complex] = [self._ahead] * len(links)
+        before: list[int | None] = [None] * len(links)
+        for number, (cell, link) in enumerate(links.items()):
             if link is None:
                 own[number] = complex(np.log(self._gaps[cell.centre, cell.left] / 2), np.pi)
                 continue
@@ -404,7 +401,7 @@ class Primitives:
         for cell, here in zip(cells, map(slice, starts, [*starts[1:], len(k)]), strict=True):
             # Integrals are polynomials in ln(k - centre).
             within, coefs = (logs[here] - self._middle(cell)) / _HALF, self._cells[cell]
-            grouped[:, here] = (mix @ coefs.T @ _powers(within, len(coefs))).imag
+            grouped[:, here] = (mix @ coefs.T @ powers(within, len(coefs))).imag
         result = np.empty_like(grouped)
         result[:, order] = grouped
         return result
