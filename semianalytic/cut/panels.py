@@ -202,10 +202,10 @@ class Panels:
             return slice(0, len(self.rule.y)), []
         far, size = half
         # The least gap over all sets of zones decides, 0 between neighbours.
-        widest = float(size.max()) / max(float(gap.min()), np.finfo(float).tiny)
-        if not widest <= 2.0**tuning.MOST_HALVINGS:
+        most, least = float(size.max()), float(gap.min())
+        if not least * 2.0**tuning.MOST_HALVINGS >= most:
             return slice(0, far.nodes.start), [far]
-        near = self.rule.beside_end(int(np.ceil(np.log2(max(widest, 2.0)))))
+        near = self.rule.beside_end(max(1, int(np.ceil(np.log2(most / least)))))
         share = near.share / near.rest if self.right[panel] is None else near.share
         beside = _Piece(slice(0, near.count), size * share, near.onto)
         return slice(near.count, far.nodes.start), [far, beside]
