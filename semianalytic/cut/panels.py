@@ -203,7 +203,7 @@ class Panels:
         far, size = half
         # The least gap over all sets of zones decides, 0 between neighbours.
         most, least = float(size.max()), float(gap.min())
-        if not least * 2.0**tuning.MOST_HALVINGS >= most:
+        if not (least > 0 and least * 2.0**tuning.MOST_HALVINGS >= most):
             return slice(0, far.nodes.start), [far]
         near = self.rule.beside_end(max(1, int(np.ceil(np.log2(most / least)))))
         share = near.share / near.rest if self.right[panel] is None else near.share
