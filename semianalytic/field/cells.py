@@ -167,8 +167,12 @@ class Primitives:
 
     def at_centre(self, k: Complex) -> np.ndarray:
         """Return (m,) whether points coincide with a centre to rounding."""
-        places = self._places[self._nearest(k)]
-        return np.asarray(np.abs(k - places) <= tuning.SAME * np.abs(places))
+        result = np.zeros(k.shape, dtype=bool)
+        # Only points beside the axis can coincide with one on it.
+        few = np.flatnonzero(np.abs(k.imag) <= tuning.SAME * self._extent)
+        places = self._places[self._nearest(k[few])]
+        result[few] = np.abs(k[few] - places) <= tuning.SAME * np.abs(places)
+        return result
 
     def located(self, k: Complex, close: float) -> tuple[np.ndarray, Complex]:
         """Return the cells (4, m) of points (m,), and ln(k - centre), no closer than `close`."""
