@@ -89,7 +89,7 @@ class NodeFields:
     def of(cls, profile: Profile) -> NodeFields:
         """Return the fields of a profile; for k sets of zones, with an axis of k where `_SETS`
         says."""
-        panels, (rate, traction) = profile.panels, profile.starts
+        panels, rate, traction = profile.panels, profile.rate_starts, profile.traction_starts
         return cls(
             profile.rate_integral.density * panels.jacobian,
             profile.traction_integral.density * panels.jacobian,

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,17 @@ from semianalytic.cut import tuning
 from semianalytic.cut.layout import Layout, Pairs, Zone, outline
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, finer_rule
+
+
+class _Piece(NamedTuple):
+    """Nodes (m,) of a panel for which a few points stand, at distances (..., q) from its near end.
+
+    The matrix `onto` (m, q) takes values at the points to the nodes, and weights the other way.
+    """
+
+    nodes: slice
+    distances: Array
+    onto: Array
 
 
 @dataclass(frozen=True)
@@ -127,24 +139,94 @@ class Panels:
         weights = self.rule.weights * weights
         # w - v is negative for sources ahead of their targets; distances are positive.
         weights[behind:] *= -1
-        if own.shape[-1] < tuning.MANY_NODES:
+        if own.shape[-1] < tuning.MANY_NODES or not len(source):
             return _summed(weights, own, other)
-        result, least = np.zeros_like(own), tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2)
-        for i, (sizes, target) in enumerate(zip(np.abs(weights) / own, pairs.target, strict=True)):
+        # From here on the nodes of both count outward from the end between them.
+        for values, part in ((weights, slice(behind, None)), (own, slice(behind, None))):
+            values[part] = values[part, ..., ::-1].copy()
+        other[:behind] = other[:behind, ..., ::-1].copy()
+        result, sizes = np.zeros_like(own), np.abs(weights) / own
+        least = tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2) * self.rule.spacing
+        matter = sizes.reshape(len(own), -1, own.shape[-1]).max(axis=1) > least
+        for i, (sent, target) in enumerate(zip(source, pairs.target, strict=True)):
             # Nodes whose contribution is negligible to every target are left out.
-            bound = sizes.reshape(-1, own.shape[-1]).max(axis=0)
-            matter = np.flatnonzero(bound > self.rule.spacing * least)
-            if not len(matter):
+            counted = np.flatnonzero(matter[i])
+            if not len(counted):
                 continue
-            near = slice(matter[0], matter[-1] + 1)
-            to = slice(None) if target in self._long else self.rule.core
-            result[i, ..., to] = _summed(
-                weights[i, ..., near], own[i, ..., near], other[i, ..., to]
+            first = (
+                self.from_right[target, ..., -1:] if i < behind else self.from_left[target, ..., :1]
             )
-            if target not in self._long:
-                # Beyond the inner nodes of the target the integral hardly changes.
-                result[i, ..., : to.start] = result[i, ..., to.start, None]
-                result[i, ..., to.stop :] = result[i, ..., to.stop - 1, None]
+            gap = other[i, ..., :1] - first  # between the near ends of both
+            kept, pieces = self._pieces(sent, gap)
+            kept = slice(max(kept.start, counted[0]), min(kept.stop, counted[-1] + 1))
+            few = [
+                weights[i, ..., kept],
+                *(weights[i, ..., one.nodes] @ one.onto for one in pieces),
+            ]
+            away = [own[i, ..., kept], *(one.distances for one in pieces)]
+            condensed = np.concatenate(few, axis=-1), np.concatenate(away, axis=-1)
+            self._spread(target, gap, *condensed, other[i], result[i])
+        result[:behind] = result[:behind, ..., ::-1].copy()
+        return result
+
+    def _spread(
+        self, target: int, gap: Array, weights: Array, own: Array, other: Array, result: Array
+    ) -> None:
+        """Write sums of weights / (own + other) over (..., m) to the nodes (..., n) of a target.
+
+        Nodes count from the near end, at distances `other` from that of the source, `gap` (..., 1)
+        beyond it.
+        """
+        kept, pieces = self._pieces(target, gap)
+        to, core = kept, self.rule.core
+        if target not in self._long:
+            to = slice(max(to.start, core.start), min(to.stop, core.stop))
+        at = [other[..., to], *(gap + piece.distances for piece in pieces)]
+        sums, done = _summed(weights, own, np.concatenate(at, axis=-1)), to.stop - to.start
+        result[..., to] = sums[..., :done]
+        # Beyond the inner nodes of the target the integral hardly changes.
+        result[..., kept.start : to.start] = result[..., to.start, None]
+        result[..., to.stop : kept.stop] = result[..., to.stop - 1, None]
+        for piece in pieces:
+            begun, done = done, done + piece.distances.shape[-1]
+            result[..., piece.nodes] = sums[..., begun:done] @ piece.onto.T
+
+    def _pieces(self, panel: int, gap: Array) -> tuple[slice, list[_Piece]]:
+        """Return the nodes of a panel that are kept, and pieces of others, over a gap (..., 1).
+
+        Nodes count from the near end. Seen from outside, 1 / (w - v) is smooth on the far half, and
+        beside the near end as far as the gap is wide: its nearest singularity lies beyond.
+        """
+        half = self._far_halves[panel]
+        if half is None:
+            return slice(0, len(self.rule.y)), []
+        far, size = half
+        # The least gap over all sets of zones decides, 0 between neighbours.
+        most, least = float(size.max()), float(gap.min())
+        if not (least > 0 and least * 2.0**tuning.MOST_HALVINGS >= most):
+            return slice(0, far.nodes.start), [far]
+        near = self.rule.beside_end(max(1, int(np.ceil(np.log2(most / least)))))
+        share = near.share / near.rest if self.right[panel] is None else near.share
+        beside = _Piece(slice(0, near.count), size * share, near.onto)
+        return slice(near.count, far.nodes.start), [far, beside]
+
+    @cached_property
+    def _far_halves(self) -> list[tuple[_Piece, Array] | None]:
+        """The far half of each panel as a piece, and the panel's width, or rho of an unbounded one.
+
+        None where the map is skewed, with its nodes elsewhere.
+        """
+        half = self.rule.beside_end(1)
+        result: list[tuple[_Piece, Array] | None] = []
+        nodes = slice(len(self.rule.y) - half.count, len(self.rule.y))
+        for panel, right in enumerate(self.right):
+            if right is None:
+                size, share, onto = self.skew[panel], half.rest / half.share, half.onto_falling
+                plain = np.all(size == self.ends.v[-1])
+            else:
+                size, share, onto = self.widths[panel], half.rest, half.onto[::-1]
+                plain = np.all(self.skew[panel] == 1)
+            result.append((_Piece(nodes, size * share, onto), size) if plain else None)
         return result
 
     @cached_property

@@ -112,21 +112,30 @@ class Profile:
         return self.edge_intensity[..., None] * gained
 
     @cached_property
-    def starts(self) -> tuple[Array, Array]:
-        """Slip rate, and traction where it sticks, at the left end of each panel, (p, ...)."""
+    def rate_starts(self) -> Array:
+        """Slip rate at the left end of each panel, (p, ...)."""
+        panels = self.panels
+        rate = np.zeros(panels.jacobian.shape[:-1])
+        rate[0] = per_set(self._load.far_slip_rate)
+        for i in range(len(panels.left) - 1):
+            # Within a zone V goes on from panel to panel; its end is no zero to rounding, and the
+            # zone behind does not inherit what is left there.
+            if panels.sense[i] and panels.sense[i + 1]:
+                rate[i + 1] = rate[i] + self.rate_integral.totals[i]
+        return rate
+
+    @cached_property
+    def traction_starts(self) -> Array:
+        """Traction, where it sticks, at the left end of each panel, (p, ...)."""
         panels, load = self.panels, self._load
-        rate, traction = np.zeros((2, *panels.jacobian.shape[:-1]))
-        rate[0] = per_set(load.far_slip_rate)
+        traction = np.zeros(panels.jacobian.shape[:-1])
         traction[0] = self.fields.base_traction
         for i in range(len(panels.left) - 1):
             # Stick hands the traction on to the next panel. V stays 0 there: each zone begins at 0.
             if not panels.sense[i]:
                 traction[i + 1] = traction[i] + self.traction_integral.totals[i]
                 continue
-            # Within a zone V goes on from panel to panel; its end is no zero to rounding, and the
-            # zone behind does not inherit what is left there.
             if panels.sense[i + 1]:
-                rate[i + 1] = rate[i] + self.rate_integral.totals[i]
                 continue
             right = panels.right[i]
             assert right is not None
@@ -134,14 +143,14 @@ class Profile:
             if self.normal is None:
                 strength = self.fields.strength(right)[..., 0]
             else:
-                strength = -per_set(load.friction) * self.normal.starts[1][i + 1]
+                strength = -per_set(load.friction) * self.normal.traction_starts[i + 1]
             traction[i + 1] = panels.sense[i] * strength
-        return rate, traction
+        return traction
 
     @cached_property
     def _slip_starts(self) -> Array:
         """Slip / x at the left end of each panel, (p,)."""
-        panels, rate = self.panels, self.starts[0]
+        panels, rate = self.panels, self.rate_starts
         slip = np.zeros(len(panels.left))
         slip[0] = self._load.far_slip_rate * panels.left[0].v[0]
         for i in range(len(slip) - 1):
@@ -158,12 +167,12 @@ class Profile:
     @cached_property
     def slip_rate_at_nodes(self) -> Array:
         """V at the nodes of all panels, (p, ..., n)."""
-        return self.starts[0][..., None] + self.rate_integral.at_nodes
+        return self.rate_starts[..., None] + self.rate_integral.at_nodes
 
     @cached_property
     def traction_at_nodes(self) -> Array:
         """tau at the nodes of panels that stick, (p, ..., n); meaningless elsewhere."""
-        traction = self.starts[1][..., None] + self.traction_integral.at_nodes
+        traction = self.traction_starts[..., None] + self.traction_integral.at_nodes
         if not self.edge_slips:
             traction[-1] += self._edge_traction(len(traction) - 1, self.panels.at.v[-1])
         return traction
@@ -243,9 +252,9 @@ class Profile:
         if self._open[panel]:
             return np.full(at.v.shape, _LAWFUL)
         if sense:
-            rate = self.starts[0][panel] + self.rate_integral(panel, at)
+            rate = self.rate_starts[panel] + self.rate_integral(panel, at)
             return np.asarray(-sense * rate / self.largest_rate)
-        traction = self.starts[1][panel] + self.traction_integral(panel, at)
+        traction = self.traction_starts[panel] + self.traction_integral(panel, at)
         traction = traction + self._edge_traction(panel, at.v)
         region = next(part for part in self.panels.layout.closed_regions if panel in part)
         return self._excess(region, self._strength_at(at)[None], traction[None])[0]
@@ -261,7 +270,9 @@ class Profile:
     @cached_property
     def edge_slip_rate(self) -> float:
         """V at the contact edge."""
-        return float(self.starts[0][-1] + self.rate_integral.totals[-1]) if self.edge_slips else 0.0
+        return (
+            float(self.rate_starts[-1] + self.rate_integral.totals[-1]) if self.edge_slips else 0.0
+        )
 
     def piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
@@ -284,7 +295,7 @@ class Profile:
         """Return V at points (m,) inside a panel."""
         if not self.panels.sense[panel]:
             return np.zeros(at.v.shape)
-        return np.asarray(self.starts[0][panel] + self.rate_integral(panel, at))
+        return np.asarray(self.rate_starts[panel] + self.rate_integral(panel, at))
 
     def slip_rate(self, u: Array) -> Array:
         """Return V at slownesses u."""
@@ -296,7 +307,7 @@ class Profile:
 
     def slip_over_time(self, u: Array) -> Array:
         """Return slip / t at slownesses u: the mean of V over slownesses up to u."""
-        rate, slip = self.starts[0], self._slip_starts
+        rate, slip = self.rate_starts, self._slip_starts
 
         def inside(i: int, at: CutPoints) -> Array:
             if not self.panels.sense[i]:
@@ -377,7 +388,11 @@ class Profile:
         def inside(i: int, at: CutPoints) -> Array:
             if sense := self.panels.sense[i]:
                 return sense * self.carried_inside(i, at.v, self._speed(i, at))
-            return self.starts[1][i] + self.traction_integral(i, at) + self._edge_traction(i, at.v)
+            return (
+                self.traction_starts[i]
+                + self.traction_integral(i, at)
+                + self._edge_traction(i, at.v)
+            )
 
         # Slip ahead of all waves radiates -mu b V(inf).
         return self._piecewise_at(at, load.base_shear - load.far_slip_rate, inside)
@@ -405,7 +420,7 @@ class Profile:
             lost[i] += 0.0 if power.at_left else whole[i] * float(power.total)
         infinite = [power.panel for power in self.infinite_rates]
         for i in panels.layout.slip:
-            end = self.starts[0][i] + rate.totals[i]
+            end = self.rate_starts[i] + rate.totals[i]
             gained = float(end * whole[i] - lost[i])
             # The rate is infinite at an end of this panel, and the weight may be: their product is
             # summed at the nodes, where both are finite.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from semianalytic.cut.load import normal_load
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
-from semianalytic.field.body import is_singular, reflected, upper
+from semianalytic.field.body import ALONG, PLANE, Quantity, is_singular, reflected, upper
 from semianalytic.field.cells import Primitives
 from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
@@ -55,7 +55,7 @@ class Bodies:
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity; see `Solution.velocity`."""
         unit = self.stress_unit / self.scene.material.shear_impedance
-        rows = unit * self._rows(x, y, t)[[0, 1, 7] if self.scene.antiplane else [0, 1]]
+        rows = unit * self._rows("velocity", x, y, t)
         load = self.scene.load
         if isinstance(load, IncidentWave):
             speed = load.particle_velocity(self.scene.material)
@@ -64,8 +64,7 @@ class Bodies:
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the stress; see `Solution.stress`."""
-        rows = self._rows(x, y, t)[[2, 3, 4, 8, 9] if self.scene.antiplane else [2, 3, 4]]
-        rows *= self.stress_unit
+        rows = self.stress_unit * self._rows("stress", x, y, t)
         load = self.scene.load
         if isinstance(load, IncidentWave):
             base, arrived = self.scene.base, self._lag(load, x, y, t) >= 0
@@ -82,7 +81,7 @@ class Bodies:
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the displacement; see `Solution.displacement`."""
         unit = self.stress_unit / self.scene.material.shear_modulus
-        rows = unit * self._rows(x, y, t)[[5, 6, 10] if self.scene.antiplane else [5, 6]]
+        rows = unit * self._rows("displacement", x, y, t)
         load = self.scene.load
         if isinstance(load, IncidentWave):
             speed = load.particle_velocity(self.scene.material)
@@ -107,40 +106,54 @@ class Bodies:
         angle, share = rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
         radius, angle = 2 * (2 * slowest) ** -share, 2 * np.pi * angle
         at = radius * np.cos(angle), radius * np.sin(angle), 1 / self.scene.material.shear_speed
-        rows, step = self._rows(*at), self.scene.superposition.taken_off
+        rows, coarser = (
+            np.concatenate([one._rows(quantity, *at) for quantity in PLANE])
+            for one in (self, coarse)
+        )
+        step = self.scene.superposition.taken_off
         largest = max(abs(step.pressure), abs(step.shear)) / self.stress_unit
         least = min(largest, 1.0) or 1.0  # a base may be far more than what changes
-        change = np.abs(rows - coarse._rows(*at)) / (least + np.abs(rows))
+        change = np.abs(rows - coarser) / (least + np.abs(rows))
         cells = tuning.COARSE_ERROR if self._shear.is_coarse else tuning.CELL_ERROR
         return cells + float(change.max())
 
-    def _rows(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the rows of `body.upper` in either body, those of antiplane shear last."""
+    def _rows(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the rows of a quantity in either body, those of antiplane shear last."""
         points = [np.asarray(one, dtype=float) for one in (x, y, t)]
         if not all(np.all(np.isfinite(one)) for one in points):
             raise SceneError("positions and times must be finite numbers.")
         x, y, t = np.broadcast_arrays(*points)
-        rows = np.zeros((11 if self.scene.antiplane else 7, *x.shape))
         begun = t > 0
         time, below = self.scene.material.shear_speed * t[begun], np.signbit(y[begun])
         at = *_scaled(x[begun], np.abs(y[begun]), time), below
-        waved = np.empty((len(rows), len(time)))
+        waved = np.empty((self._count(quantity), len(time)))
         for start in range(0, len(time), tuning.POINTS_AT_ONCE):
             part = slice(start, start + tuning.POINTS_AT_ONCE)
-            waved[:, part] = self._finite_or_not(*(one[part] for one in at))
-        waved[[5, 6, 10] if self.scene.antiplane else [5, 6]] *= time
+            waved[:, part] = self._finite_or_not(quantity, *(one[part] for one in at))
+        if quantity == "displacement":
+            waved *= time
+        rows = np.zeros((len(waved), *x.shape))
         rows[:, begun] = waved
         before = ~begun
         if before.any() and self.shear.load.slowness > 0:
             speed = self.scene.material.shear_speed
             place = x[before], np.abs(y[before]), speed * t[before]
             below = np.signbit(y[before])
-            rows[:, before] = self._in_body(below, lambda part: reflected(part, *place))
+            rows[:, before] = self._in_body(
+                quantity, below, lambda part: reflected(part, *place, quantity)
+            )
         return rows
 
-    def _finite_or_not(self, x: Array, y: Array, t: Array, below: np.ndarray) -> Array:
+    def _count(self, quantity: Quantity) -> int:
+        """Return the number of rows of a quantity."""
+        every = [PLANE[quantity], *([ALONG[quantity]] if self.scene.antiplane else [])]
+        return sum(rows.stop - rows.start for rows in every)
+
+    def _finite_or_not(
+        self, quantity: Quantity, x: Array, y: Array, t: Array, below: np.ndarray
+    ) -> Array:
         """Return the rows at points (m,), infinite with the right sign where they are singular."""
-        rows = self._near(x, y, t, below, tuning.CLOSE[0])
+        rows = self._near(quantity, x, y, t, below, tuning.CLOSE[0])
         singular = np.zeros(x.shape, dtype=bool)
         for part in (self._shear, self._normal):
             if part is not None:
@@ -148,25 +161,27 @@ class Bodies:
         if singular.any():
             few = rows[:, singular]
             at = x[singular], y[singular], t[singular], below[singular]
-            grown = few - self._near(*at, tuning.CLOSE[1])
+            grown = few - self._near(quantity, *at, tuning.CLOSE[1])
             large = np.abs(grown) > tuning.GROWN * (1 + np.abs(few))
             rows[:, singular] = np.where(large, np.copysign(np.inf, grown), few)
         return rows
 
-    def _near(self, x: Array, y: Array, t: Array, below: np.ndarray, close: float) -> Array:
+    def _near(
+        self, quantity: Quantity, x: Array, y: Array, t: Array, below: np.ndarray, close: float
+    ) -> Array:
         """Return the rows at points (m,), those on a singularity at the distance `close`."""
-        return self._in_body(below, lambda part: upper(part, x, y, t, close))
+        return self._in_body(quantity, below, lambda part: upper(part, x, y, t, close, quantity))
 
-    def _in_body(self, below: np.ndarray, in_upper: Callable[[Primitives], Array]) -> Array:
+    def _in_body(
+        self, quantity: Quantity, below: np.ndarray, in_upper: Callable[[Primitives], Array]
+    ) -> Array:
         """Return the rows in either body from those of shear and pressure in the upper one."""
-        antiplane = self.scene.antiplane
-        rows = np.zeros((11 if antiplane else 7, len(below)))
-        sheared, signs = (slice(7, 11), _ALONG) if antiplane else (slice(0, 7), _SHEARED)
-        rows[sheared] = in_upper(self._shear) * np.where(below, signs[:, None], 1)
-        if self._normal is not None:
-            mirrored = np.where(below, -_SHEARED[:, None], 1)
-            rows[:7] += in_upper(self._normal) * mirrored
-        return rows
+        in_plane, along = _SHEARED[PLANE[quantity], None], _ALONG[ALONG[quantity], None]
+        signs = along if self.scene.antiplane else in_plane
+        sheared = in_upper(self._shear) * np.where(below, signs, 1)
+        normal = 0.0 if self._normal is None else in_upper(self._normal)
+        normal = normal * np.where(below, -in_plane, 1)
+        return np.concatenate([normal, sheared]) if self.scene.antiplane else sheared + normal
 
     @cached_property
     def _shear(self) -> Primitives:

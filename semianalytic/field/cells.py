@@ -9,6 +9,7 @@ where it is known, between 0 and -a, where no wave has arrived yet.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key, lru_cache
 from typing import NamedTuple
@@ -16,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from semianalytic.field import tuning
-from semianalytic.field.transform import Centre, Transform
+from semianalytic.field.transform import Centre, Transform, powers
 from semianalytic.field.waves import (
     SHEAR,
     Complex,
@@ -60,19 +61,6 @@ def _pattern(degree: int, per_side: int) -> tuple[Complex, Complex]:
     return nodes, np.asarray(np.linalg.pinv(powers), dtype=complex)
 
 
-def _powers(z: Complex, count: int) -> Complex:
-    """Return the powers (count, m) of z (m,) from 0 on, each from two of half its exponent."""
-    powers = np.empty((count, len(z)), dtype=complex)
-    powers[0] = 1.0
-    known, factor = 1, z
-    while known < count:
-        more = min(known, count - known)
-        np.multiply(powers[:more], factor, out=powers[known : known + more])
-        known += more
-        factor = factor * factor
-    return powers
-
-
 def _order(one: Centre, other: Centre) -> int:
     """Return -1 or 1 if a centre lies left or right of another, however close, and 0 at the same
     point.
@@ -80,6 +68,11 @@ def _order(one: Centre, other: Centre) -> int:
     Places tie where an edge is closer to a front than the rounding of its slowness.
     """
     return int(np.sign(other.distance(one)))
+
+
+_Link = tuple[Cell, complex, complex]
+"""Cell from which another takes its constant, and a common point of both, as ln(k - centre) of the
+other and of the first."""
 
 
 @dataclass(frozen=True)
@@ -174,11 +167,15 @@ class Primitives:
 
     def at_centre(self, k: Complex) -> np.ndarray:
         """Return (m,) whether points coincide with a centre to rounding."""
-        places = self._places[self._nearest(k)]
-        return np.asarray(np.abs(k - places) <= tuning.SAME * np.abs(places))
+        result = np.zeros(k.shape, dtype=bool)
+        # Only points beside the axis can coincide with one on it.
+        few = np.flatnonzero(np.abs(k.imag) <= tuning.SAME * self._extent)
+        places = self._places[self._nearest(k[few])]
+        result[few] = np.abs(k[few] - places) <= tuning.SAME * np.abs(places)
+        return result
 
     def located(self, k: Complex, close: float) -> tuple[np.ndarray, Complex]:
-        """Return the cells (m, 4) of points (m,), and ln(k - centre), no closer than `close`."""
+        """Return the cells (4, m) of points (m,), and ln(k - centre), no closer than `close`."""
         centre, far = self._nearest(k), np.abs(k) > self._extent
         offset = np.where(far, k, k - self._places[centre])
         offset = np.where(self.at_centre(k), close, offset)
@@ -191,7 +188,7 @@ class Primitives:
         level = np.ceil((log.real - top) / _STEP).astype(int)
         level = np.where(~far & (sector == 0), np.minimum(level, 0), level)
         level = np.where(far, np.maximum(level, 1), level)
-        return np.stack([np.where(far, -1, centre), left, level, sector], axis=1), log
+        return np.stack([np.where(far, -1, centre), left, level, sector]), log
 
     def _level(self, centre: int, left: int, log: float) -> int:
         """Return the level of a side at a radius, given by its logarithm."""
@@ -204,7 +201,7 @@ class Primitives:
         angle = (cell.sector + 0.5) * _STEP
         return complex(top + (cell.level - 0.5) * _STEP, np.pi - angle if cell.left else angle)
 
-    def _link(self, cell: Cell) -> tuple[Cell, complex, complex] | None:
+    def _link(self, cell: Cell) -> _Link | None:
         """Return the cell from which another takes its constant, and a common point of both."""
         centre, left, level, sector = cell
         middle = self._middle(cell)
@@ -213,8 +210,8 @@ class Primitives:
             if level > 1:
                 return cell._replace(level=level - 1), inner, inner
             k = np.array([np.exp(inner) * (1 - 1e-12)])
-            (key,), log = self.located(k, tuning.CLOSE[0])
-            return Cell(*map(int, key)), inner, complex(log[0])
+            key, log = self.located(k, tuning.CLOSE[0])
+            return Cell(*key[:, 0].tolist()), inner, complex(log[0])
         home = int(centre >= self._zero)
         base = 0 if left == home else self._level(centre, left, self._tops[centre].min())
         if level != base:
@@ -237,20 +234,22 @@ class Primitives:
         facing = Cell(next_one, 1 - left, 0, 0)
         return facing, complex(half, np.pi * left), complex(half, np.pi * (1 - left))
 
-    def _missing(self, cells: list[Cell]) -> list[Cell]:
-        """Return which of some cells are missing, after the missing ones of their constants."""
-        order: dict[Cell, None] = {}
+    def _missing(self, cells: list[Cell]) -> dict[Cell, _Link | None]:
+        """Return those of some cells that are missing, with the links to those of their constants.
+
+        Each comes after that one, which is included if it is missing.
+        """
+        order: dict[Cell, _Link | None] = {}
         for cell in cells:
-            chain = []
+            chain: dict[Cell, _Link | None] = {}
             at: Cell | None = cell
             while at is not None and at not in self._cells and at not in order:
-                chain.append(at)
-                link = self._link(at)
+                chain[at] = link = self._link(at)
                 at = link[0] if link else None
-            order.update(dict.fromkeys(reversed(chain)))
-        return list(order)
+            order.update(reversed(chain.items()))
+        return order
 
-    def _form(self, cells: list[Cell]) -> None:
+    def _form(self, links: Mapping[Cell, _Link | None]) -> None:
         """Add cells, each after the one from which it takes its constant.
 
         All polynomials are evaluated at once where two cells meet, and only their constants are
@@ -258,7 +257,8 @@ class Primitives:
         the same digits, and a cell is complete when it is added, so that readers need not wait for
         one another.
         """
-        fresh = np.empty((len(cells), len(self._pattern[1]) + 1, len(self._ahead)), dtype=complex)
+        cells, count = list(links), len(self._pattern[1])
+        fresh = np.empty((len(cells), count + 1, len(self._ahead)), dtype=complex)
         middles = np.array([self._middle(cell) for cell in cells])
         offsets = np.exp(middles[:, None] + _HALF * self._pattern[0])
         offsets = offsets.real + 1j * np.maximum(offsets.imag, 0.0)
@@ -270,7 +270,7 @@ class Primitives:
                 these = np.flatnonzero((owners == owner) & (sizes == size))
                 scale = tuning.SCALES ** float(size + 1)
                 fresh[these] = self._coefficients(int(owner), offsets[these], scale)
-        self._add_constants(cells, fresh, middles)
+        self._add_constants(links, fresh, middles)
         self._cells.update(zip(cells, fresh, strict=True))
 
     def _coefficients(self, owner: int, offsets: Complex, scale: float) -> Complex:
@@ -286,19 +286,20 @@ class Primitives:
             coefs[:, :-1, self.kept], coefs[:, -1, self.kept] = series[..., 0], 0.0
         return coefs
 
-    def _add_constants(self, cells: list[Cell], fresh: Complex, middles: Complex) -> None:
+    def _add_constants(
+        self, links: Mapping[Cell, _Link | None], fresh: Complex, middles: Complex
+    ) -> None:
         """Set the constants of new cells (c, n, f) so that each continues the one before it.
 
         A constant is that of the cell before, and what polynomials without constants differ by: its
         digits do not depend on which cells are formed together.
         """
-        numbers = {cell: number for number, cell in enumerate(cells)}
+        numbers = {cell: number for number, cell in enumerate(links)}
         count, own, there = fresh.shape[1] - 1, np.copy(middles), np.copy(middles)
         others = np.zeros_like(fresh[:, 1:])
-        constants: list[Complex] = [self._ahead] * len(cells)
-        before: list[int | None] = [None] * len(cells)
-        for number, cell in enumerate(cells):
-            link = self._link(cell)
+        constants: list[Complex] = [self._ahead] * len(links)
+        before: list[int | None] = [None] * len(links)
+        for number, (cell, link) in enumerate(links.items()):
             if link is None:
                 own[number] = complex(np.log(self._gaps[cell.centre, cell.left] / 2), np.pi)
                 continue
@@ -359,11 +360,6 @@ class Primitives:
         at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
         return self._ahead - plane_wave(at_zero, self._mode, factors.a)
 
-    def _values(self, cell: Cell, coefs: Complex, log: Complex) -> Complex:
-        """Return integrals (f, m) at points of a cell, from polynomials in ln(k - centre)."""
-        within = (log - self._middle(cell)) / _HALF
-        return coefs.T @ _powers(within, len(coefs))
-
     def _densities(self, owner: int, offset: Complex, scale: float) -> Complex:
         """Return all densities (f, ...) at centre + offset."""
         centre = self.centres[owner] if owner >= 0 else Centre(0)
@@ -374,43 +370,42 @@ class Primitives:
         values = self.transform.near(centre, offset, scale)
         return densities(at, values, factors.mode)
 
-    def __call__(
-        self, k: Complex, close: float = tuning.CLOSE[0], rows: slice = slice(None)
-    ) -> Complex:
-        """Return integrals (f, m) of densities at k (m,), Im k >= 0; S_v itself in its row.
+    def __call__(self, k: Complex, close: float, mix: Array | Complex) -> Array:
+        """Return sums (g, m) of integrals at k (m,), Im k >= 0: their imaginary parts.
 
-        Where they are singular, they are taken at the distance `close`; `rows` chooses densities.
+        The rows of `mix` (g, f) hold the factors of all densities; the integral of S_v is S_v
+        itself.  Where integrals are singular, they are taken at the distance `close`.
         """
-        ahead, behind = self._ahead[rows, None], self._behind[rows, None]
-        result = np.empty((len(ahead), len(k)), dtype=complex)
         parting = self.parting.place
         still = (k.imag == 0) & (np.abs(k.real) < self.transform.fields.factors.a) & (k != parting)
         if not still.any():
-            return self._looked_up(k, close, rows) if len(k) else result
-        result[:, still] = np.where(k[still].real < parting, ahead, behind)
-        if not still.all():
-            result[:, ~still] = self._looked_up(k[~still], close, rows)
+            return self._looked_up(k, close, mix)
+        result = np.empty((len(mix), len(k)))
+        ahead, behind = (mix @ self._ahead).imag, (mix @ self._behind).imag
+        result[:, still] = np.where(k[still].real < parting, ahead[:, None], behind[:, None])
+        result[:, ~still] = self._looked_up(k[~still], close, mix)
         return result
 
-    def _looked_up(self, k: Complex, close: float, rows: slice) -> Complex:
-        """Return integrals (f, m) where waves have come, from the cells."""
+    def _looked_up(self, k: Complex, close: float, mix: Array | Complex) -> Array:
+        """Return sums of integrals (g, m) where waves have come, from the cells."""
+        if not len(k):
+            return np.empty((len(mix), 0))
         keys, logs = self.located(k, close)
-        # Keys of a cell are small integers. Those of one number are found much faster than rows.
-        least = keys.min(axis=0)
-        codes = np.ravel_multi_index((keys - least).T, keys.max(axis=0) - least + 1)
-        _, first, inverse = np.unique(codes, return_index=True, return_inverse=True)
-        names = [Cell(*map(int, key)) for key in keys[first]]
-        missing = self._missing(names)
+        # Keys of a cell are small integers, and one number for each cell is smaller still.
+        least = keys.min(axis=1, keepdims=True)
+        codes = np.ravel_multi_index(tuple(keys - least), np.ptp(keys, axis=1) + 1)
+        # A stable sort of short integers takes time proportional to their number.
+        order = np.argsort(codes.astype(np.uint16) if codes.max() < 2**16 else codes, kind="stable")
+        starts = np.flatnonzero(np.diff(codes[order], prepend=-1))
+        cells = [Cell(*key) for key in keys[:, order[starts]].T.tolist()]
+        missing = self._missing(cells)
         if missing:
             self._form(missing)
-        # A stable sort of short integers takes time proportional to their number.
-        short = inverse.astype(np.uint16) if len(names) < 2**16 else inverse
-        order = np.argsort(short, kind="stable")
-        starts = np.searchsorted(inverse[order], np.arange(len(names) + 1))
-        grouped, logs = np.empty((len(self._ahead[rows]), len(k)), dtype=complex), logs[order]
-        for index, name in enumerate(names):
-            here = slice(starts[index], starts[index + 1])
-            grouped[:, here] = self._values(name, self._cells[name][:, rows], logs[here])
+        grouped, logs = np.empty((len(mix), len(k))), logs[order]
+        for cell, here in zip(cells, map(slice, starts, [*starts[1:], len(k)]), strict=True):
+            # Integrals are polynomials in ln(k - centre).
+            within, coefs = (logs[here] - self._middle(cell)) / _HALF, self._cells[cell]
+            grouped[:, here] = (mix @ coefs.T @ powers(within, len(coefs))).imag
         result = np.empty_like(grouped)
         result[:, order] = grouped
         return result

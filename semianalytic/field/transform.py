@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -186,8 +187,9 @@ class Transform:
     def near(self, centre: Centre, offset: Complex, scale: float) -> Complex:
         """Return T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`.
 
-        Each row is summed alone, over nodes that its own distance selects, so that its digits do
-        not depend on the other rows.
+        Each row extends over a ratio of distances from the centre of at most exp(pi / SECTORS), and
+        is summed alone, over nodes that its own distance selects, so that its digits do not depend
+        on the other rows.
         """
         distances, place = self._offsets(centre), centre.place
         power = tuning.FADING + len(self._borders)
@@ -195,14 +197,17 @@ class Transform:
         carried = fading * self._values
         weights = np.stack([carried.real, carried.imag, fading.real, fading.imag], axis=1)
         weight, away = np.abs(carried) + np.abs(fading), np.abs(distances)
-        result = np.empty(offset.shape, dtype=complex)
-        least = np.floor(np.log(np.abs(offset).min(axis=1)) / np.log(tuning.SCALES))
-        for size in np.unique(least):
-            sizes = weight / (away + tuning.SCALES**size)
-            kept = sizes > tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance * sizes.max()
-            nodes, their_weights = distances[kept], weights[kept]
-            for row in np.flatnonzero(least == size):
-                above, below = _cauchy(nodes, their_weights, offset[row])
+        result, step = np.empty(offset.shape, dtype=complex), np.pi / tuning.SECTORS
+        least = np.floor(np.log(np.abs(offset).min(axis=1)) / (tuning.RING * step))
+        tolerance = tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance
+        for ring in np.unique(least):
+            nearest = float(np.exp(tuning.RING * step * ring))
+            farthest = nearest * float(np.exp((tuning.RING + 1) * step))
+            sizes = weight / (away + nearest)
+            kept = sizes > tolerance * sizes.max()
+            seen = _Seen.of(distances[kept], weights[kept], nearest, farthest, tolerance)
+            for row in np.flatnonzero(least == ring):
+                above, below = seen.sums(offset[row])
                 result[row] = above / below
         for border in self._borders:
             result /= offset + border.distance(centre)
@@ -211,13 +216,81 @@ class Transform:
         return result
 
 
-def _cauchy(place: Array, weights: Array, at: Complex) -> tuple[Complex, Complex]:
-    """Return sums of two complex weights over place - at, (m,).
+class _Seen(NamedTuple):
+    """Nodes of the axis as points in a ring around 0 see them.
+
+    Attributes
+    ----------
+    place, weights : (n,) and (n, 4) arrays
+        Nodes that are not far, and the real and imaginary parts of two weights in turn.
+    inner, outer : (2, p) arrays
+        Coefficients of the sums over nodes that are far nearer to 0, in (within / k)^j / k, and
+        over those that are far beyond, in (k / beyond)^j; p = 0 without such nodes.
+    within, beyond : float
+    """
+
+    place: Array
+    weights: Array
+    inner: Complex
+    outer: Complex
+    within: float
+    beyond: float
+
+    @classmethod
+    def of(
+        cls, place: Array, weights: Array, nearest: float, farthest: float, tolerance: float
+    ) -> _Seen:
+        """Return nodes (n,) with weights (n, 4) as points between two distances from 0 see them."""
+        within, beyond = nearest / tuning.FAR, farthest * tuning.FAR
+        if len(place) < tuning.MANY_SEEN:
+            none = np.empty((2, 0), dtype=complex)
+            return cls(place, weights, none, none, within, beyond)
+        terms = int(np.ceil(-np.log(tolerance) / np.log(tuning.FAR)))
+        inside, outside = np.abs(place) < within, np.abs(place) > beyond
+        # 1 / (w - k) in powers of w / k, and in powers of k / w.
+        inner = powers(place[inside] / within, terms) @ -weights[inside]
+        beyond_weights = weights[outside] / place[outside, None]
+        outer = powers(beyond / place[outside], terms) @ beyond_weights
+        near = ~(inside | outside)
+        return cls(place[near], weights[near], _paired(inner).T, _paired(outer).T, within, beyond)
+
+    def sums(self, at: Complex) -> Complex:
+        """Return the sums (2, m) of both weights over place - at, (m,)."""
+        result, terms = _cauchy(self.place, self.weights, at), self.inner.shape[1]
+        if terms:
+            result += self.inner @ powers(self.within / at, terms) / at
+            result += self.outer @ powers(at / self.beyond, terms)
+        return result
+
+
+def _paired(parts: Array) -> Complex:
+    """Return complex numbers (..., 2) from real and imaginary parts in turn, (..., 4)."""
+    return np.asarray(parts[..., ::2] + 1j * parts[..., 1::2])
+
+
+Numbers = TypeVar("Numbers", Array, Complex)
+
+
+def powers(z: Numbers, count: int) -> Numbers:
+    """Return the powers (count, m) of z (m,) from 0 on, each from two of half its exponent."""
+    result = np.empty((count, len(z)), dtype=z.dtype)
+    result[0] = 1.0
+    known, factor = 1, z
+    while known < count:
+        more = min(known, count - known)
+        np.multiply(result[:more], factor, out=result[known : known + more])
+        known += more
+        factor = factor * factor
+    return result
+
+
+def _cauchy(place: Array, weights: Array, at: Complex) -> Complex:
+    """Return sums (2, m) of two complex weights over place - at, (m,).
 
     The weights are (n, 4), real and imaginary parts in turn.
     """
     real, imag = np.empty((2, len(at), 4))
-    step = max(1, tuning.CACHED_KERNEL // len(place))
+    step = max(1, tuning.CACHED_KERNEL // max(len(place), 1))
     for start in range(0, len(at), step):
         part = slice(start, start + step)
         along = place - at.real[part, None]
@@ -228,5 +301,4 @@ def _cauchy(place: Array, weights: Array, at: Complex) -> tuple[Complex, Complex
         along *= over
         real[part] = along @ weights
     first = real[:, ::2] - imag[:, 1::2]
-    above, below = (first + 1j * (real[:, 1::2] + imag[:, ::2])).T
-    return above, below
+    return np.asarray((first + 1j * (real[:, 1::2] + imag[:, ::2])).T)

@@ -272,7 +272,7 @@ def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:
     The result is () or (k,); it has a meaning where V falls towards c in the sense of its zone.
     """
     residue = profile.residues(panel)
-    level = profile.starts[0][panel] + profile.rate_integral.level_at_c(panel)
+    level = profile.rate_starts[panel] + profile.rate_integral.level_at_c(panel)
     # V = level + residue ln|v - c| vanishes there; the bounds keep the exponential within double
     # precision.
     return np.exp(np.clip(-level / residue, -690.0, 690.0))

@@ -91,7 +91,7 @@ class SlipRate:
     def of(cls, profile: Profile) -> SlipRate:
         """Return the slip rate of a profile of one set of zones."""
         ahead = float(profile.fields.load.far_slip_rate)
-        return cls(profile.panels, profile.rate_integral, profile.starts[0], ahead)
+        return cls(profile.panels, profile.rate_integral, profile.rate_starts, ahead)
 
     def __call__(self, at: CutPoints) -> Array:
         """Return V at points of any shape."""

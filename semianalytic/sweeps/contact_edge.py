@@ -123,7 +123,7 @@ def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Ar
     if not profile.edge_slips:
         sheared = unit * profile.edge_intensity * unit_step[:, 1] + 0.0
         return np.zeros(len(scenes)), np.stack([mode_one, sheared], axis=1)
-    value = profile.starts[0][-1] + profile.rate_integral.totals[-1]
+    value = profile.rate_starts[-1] + profile.rate_integral.totals[-1]
     over = np.array([2 * unit / scene.material.shear_impedance for scene in scenes])
     friction = per_set(np.array([[scene.friction] for scene in scenes]))
     held = profile.panels.sense[-1] * friction * mode_one + 0.0

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from semianalytic.cut import tuning
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.panels import lay_panels
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -37,6 +38,26 @@ def test_panels_lie_end_to_end_from_the_longitudinal_front(nu):
         assert panels.from_left[i] + panels.from_right[i] == pytest.approx(width, rel=1e-14)
     inverse_square = panels.integrals(1 / np.square(panels.at.v)).sum()
     assert inverse_square == pytest.approx(1 / factors.a, rel=1e-10)
+
+
+@pytest.mark.parametrize("gap", [1e-9, 0.01, 0.2])
+def test_points_that_stand_for_many_nodes_leave_cauchy_integrals_as_they_are(monkeypatch, gap):
+    """Sums over all nodes are the reference, relative to the sums of the moduli of their terms."""
+    factors, zones = two_zones(0.25, gap)
+    panels = lay_panels(factors, zones, RULE)
+    pairs = panels.layout.pairs_from(tuple(range(len(panels.left))))
+    # falls like (v - left)^(1/2) at the left end, and like v^(-1/2) on the unbounded panel
+    density = panels.jacobian * np.sqrt(panels.rule.share) / panels.at.v**1.5
+    few = panels.cauchy(pairs, density[pairs.source])
+    monkeypatch.setattr(tuning, "MANY_NODES", 10_000)
+    every = panels.cauchy(pairs, density[pairs.source])
+    core = panels.rule.core
+    assert few[:, core] == pytest.approx(every[:, core], rel=2e-12, abs=0)
+    assert np.abs(few / every - 1)[:, core].max() > 0  # they are not the same sums
+    # far in on the unbounded panel integrals fall like 1 / v, and keep their digits
+    far = panels.at.v[-1] > 1e6
+    to_last = pairs.target == len(panels.left) - 1
+    assert few[to_last][:, far] == pytest.approx(every[to_last][:, far], rel=1e-13, abs=0)
 
 
 @settings(max_examples=30, deadline=None)

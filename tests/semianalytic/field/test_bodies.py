@@ -435,7 +435,7 @@ def test_fields_are_formed_in_parts(monkeypatch):
     sizes, near = [], type(solution._bodies)._near
     monkeypatch.setattr(tuning, "POINTS_AT_ONCE", 4)
     monkeypatch.setattr(
-        type(solution._bodies), "_near", lambda *at: sizes.append(len(at[1])) or near(*at)
+        type(solution._bodies), "_near", lambda *at: sizes.append(len(at[2])) or near(*at)
     )
     np.testing.assert_allclose(solution.displacement(x, y, t), whole, rtol=1e-12, atol=1e-14)
     assert max(sizes) == 4
@@ -450,3 +450,16 @@ def test_stresses_close_to_a_stuck_antiplane_edge_lose_no_digits(distance):
     root = np.sqrt(1 + (-x + 1j * y * np.sqrt(1 - distance**2)) / distance**2)
     shear = 2 / np.pi * (root - np.arctanh(1 / root)).imag
     np.testing.assert_allclose(solution.stress(x, y, 1.0)[4], shear, rtol=2e-8)
+
+
+def test_far_nodes_are_summed_up_to_what_they_are_one_by_one(monkeypatch):
+    """Stresses beside a stuck edge lose no digits either way."""
+    scene, rng = unit_scene(2.0, **REMOTE), np.random.default_rng(5)
+    r, angle = 10.0 ** rng.uniform(-11, 0, 60), rng.uniform(0, np.pi, 60)
+    at = r * np.cos(angle), r * np.sin(angle), 1.0
+    few = solve(scene, rtol=1e-10).stress(*at)
+    monkeypatch.setattr(tuning, "MANY_SEEN", 10**6)
+    monkeypatch.setattr(tuning, "NEGLIGIBLE", 1e-9)
+    every = solve(scene, rtol=1e-10).stress(*at)
+    assert np.any(few != every)
+    assert (np.abs(few - every).max(axis=0) / np.abs(every).max(axis=0)).max() < 2e-11
