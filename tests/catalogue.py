@@ -78,6 +78,12 @@ def unit_scene(
 REMOTE: dict[str, Any] = {"base": (0.0, 0.0), "load": (1.0, 1.0), "load_on": "remote"}
 """A sudden remote load, on nothing before."""
 
+UNIT_FILE = """friction = 0.3
+material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.3}
+base = {pressure = 1.0, shear = 0.0}
+load = {pressure = 0.0, shear = 1.0}
+"""
+"""A scene file of unit shear modulus and density, to which keys and tables may be added."""
 PRELOADED = unit_scene()
 SHOCK = unit_scene(1.25, **REMOTE)
 """The two scenes of the article's kind: a shear step under pressure, a sudden remote load."""

@@ -165,8 +165,7 @@ class Unknowns:
     def bounds(self, name: str) -> tuple[float, float]:
         """Return the least and largest admissible value of an unknown."""
         if name == "poisson_ratio":
-            # Near -1 and 0.5 solutions lose digits (docs/stability.md), long before they are
-            # refused.
+            # Near -1 and 0.5 solutions lose digits, long before they are refused.
             return -0.95, 0.499
         if name in ("friction", "base_pressure", "viscosity"):
             return 0.0, float("inf")

@@ -9,16 +9,9 @@ from slipfront.cli.commands import main
 FILE = """
 friction = 1.0
 mode = "antiplane"
-[material]
-shear_modulus = 80e9
-density = 7800
-poisson_ratio = 0.29
-[base]
-pressure = 1e6
-shear = 1e6
-[load]
-pressure = 1e6
-shear = 1e6
+material = {shear_modulus = 80e9, density = 7800, poisson_ratio = 0.29}
+base = {pressure = 1e6, shear = 1e6}
+load = {pressure = 1e6, shear = 1e6}
 """
 
 

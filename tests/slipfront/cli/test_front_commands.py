@@ -8,24 +8,11 @@ from semianalytic import find_scene, solve
 
 PULSE = """
 friction = 0.4
-[material]
-shear_modulus = 1.0
-density = 1.0
-poisson_ratio = 0.25
-[base]
-pressure = 1.0
-shear = 0.1
-[load]
-kind = "incident-wave"
-wave = "SV"
-angle = -20.0
-stress = 0.4
-[pressure_history]
-kind = "pulse"
-duration = 0.5
-[shear_history]
-kind = "pulse"
-duration = 0.5
+material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}
+base = {pressure = 1.0, shear = 0.1}
+load = {kind = "incident-wave", wave = "SV", angle = -20.0, stress = 0.4}
+pressure_history = {kind = "pulse", duration = 0.5}
+shear_history = {kind = "pulse", duration = 0.5}
 """
 
 

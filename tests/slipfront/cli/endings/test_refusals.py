@@ -1,7 +1,7 @@
 """Refusals name options of the command that was typed; what was meant is guessed."""
 
 import pytest
-from catalogue import unit_scene
+from catalogue import UNIT_FILE, unit_scene
 
 from semianalytic import Ramp, TensionError, march, solve
 from semianalytic.scene.named import find_scene
@@ -34,6 +34,10 @@ def test_nodes_follow_from_the_resolution():
     [
         ("solve absent.toml", "Cannot read the scene file"),
         ("solve preloaded --plot a.docx", "end the name in"),
+        ("solve preloaded --nodes 50", "add --method space-time"),
+        ("solve lift-off --method space-time", "turn tensile"),
+        ("compare lift-off --base-pressure 0", "nothing holds the contact together"),
+        ("compare ramp --method self-similar", "use the space-time solver"),
         ("solve preloaded --viscosity -1", "--viscosity must be a finite number, 0 or"),
         ("solve preloaded --mode sideways", "--mode must be in-plane or antiplane, got 'side"),
         ("compare --from absent --resolution 40", "--resolution has no effect"),
@@ -64,29 +68,13 @@ def test_refusals_name_options(command, sentence, tmp_path, monkeypatch, refused
     assert list(tmp_path.iterdir()) == []
 
 
-OPENS = """
-friction = 0.3
-[material]
-shear_modulus = 1.0
-density = 1.0
-poisson_ratio = 0.3
-[base]
-pressure = 1.0
-shear = 0.0
-[load]
-pressure = -1.0
-shear = 1.0
-[pressure_history]
-kind = "ramp"
-rise_time = 0.5
-"""
-
-
 def test_a_contact_that_opens_is_refused_before_it_is_simulated(tmp_path, monkeypatch, refused):
     """Not after: the march, which cannot open, came when the simulation had run."""
     monkeypatch.setattr("slipfront.cli.compare_command.simulate_into", pytest.fail)
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "opens.toml").write_text(OPENS)
+    opens = UNIT_FILE.replace("load = {pressure = 0.0", "load = {pressure = -1.0")
+    opens += 'pressure_history = {kind = "ramp", rise_time = 0.5}\n'
+    (tmp_path / "opens.toml").write_text(opens)
     said = refused("compare opens.toml --resolution 50")
     assert said.startswith("the pressure would turn tensile at x = ")
     assert [one.name for one in tmp_path.iterdir()] == ["opens.toml"]
