@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from catalogue import solved
 from compare_cases import sampled_run
 
 from compare import judge
@@ -23,7 +24,6 @@ from fem import simulate
 from semianalytic import (
     RateWeakening,
     SlipWeakening,
-    solve,
 )
 from semianalytic.scene.named import find_scene
 from slipfront.cli.commands import main
@@ -106,7 +106,7 @@ def test_two_predictions_of_one_scene_agree():
 
 @pytest.mark.slow
 def test_onset_comes_earlier_when_speeds_are_larger():
-    exact = solve(find_scene("preloaded"))
+    exact = solved(find_scene("preloaded"))
     # The slip that begins there lasts as long as a shear wave takes for 6.5 elements of 100.
     run = sampled_run(exact, resolution=160, times=100, stretch=1.05)
     (row,) = (row for row in event_rows(side_by_side(exact, run)))
@@ -124,7 +124,7 @@ def test_onset_comes_earlier_when_speeds_are_larger():
 
 @pytest.mark.slow
 def test_slip_the_other_way_is_a_difference_of_the_maps():
-    exact = solve(find_scene("preloaded"))
+    exact = solved(find_scene("preloaded"))
     run = sampled_run(exact)
     backward = backward_run(run)
     forward, reverse, other = sense_rows(side_by_side(exact, backward))
