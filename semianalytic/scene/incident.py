@@ -173,7 +173,7 @@ class IncidentWave:
         sign, both = (1 if self.from_ == "below" else -1), 2 * angle
         stress = material.density * self.speed(material) * self.particle_velocity(material)
         # A P wave of stress S exerts the pressure S (1 - 2 r sin^2) and the shear -+ S r sin 2
-        # angle with r = (c_t / c_l)^2; S waves exert S sin 2 angle and S cos 2 angle.
+        # angle with r = (c_t / c_l)^2; SV waves exert -S sin 2 angle and -+ S cos 2 angle.
         ratio2 = (material.shear_speed / material.longitudinal_speed) ** 2
         if by == "poisson_ratio":
             if self.kind != "P":
