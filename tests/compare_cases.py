@@ -15,7 +15,7 @@ SELF_SIMILAR = [
     for name, named in NAMED_SCENES.items()
     if named.scene.is_self_similar and isinstance(named.scene.load, Tractions)
 ]
-"""Those that finite elements simulate."""
+"""Named self-similar scenes that finite elements simulate."""
 
 
 def _gained(traction, gain):

@@ -123,7 +123,7 @@ def pytest_runtest_setup(item):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Of the cases of a test `thinned(n)` every n-th is for the default run, the others slow."""
+    """Mark all cases of a test `thinned(n)` but every n-th one as slow."""
     cases = Counter()
     for item in items:
         thinned = item.get_closest_marker("thinned")

@@ -56,7 +56,7 @@ for line in {lines}:
     print(json.dumps([code, out.getvalue(), err.getvalue()]))
 """
 SOURCES = (fem, interfaces, validation, fits, surveys, semianalytic)
-"""Of the public names of slipfront."""
+"""Packages from which slipfront takes its public names."""
 OTHERS = (*EXPLORE, *CLUSTER, *BAYES)
 ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES, *UNITS)
 FINE = [

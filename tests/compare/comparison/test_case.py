@@ -41,7 +41,7 @@ def test_differences_end_at_the_first_mesh_that_does_not_show_a_value(values, ch
 
 @pytest.mark.slow
 def test_bars_shrink_with_the_mesh():
-    """Of a simulation at h = 1/30 and at h = 1/60."""
+    """Bars of a simulation at h = 1/30 and at h = 1/60."""
     solution = solved(PRELOADED)
     coarse, fine = (
         {row.name: row for row in judge(solution, simulated(PRELOADED, n)).rows} for n in (30, 60)

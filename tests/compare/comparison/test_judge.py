@@ -29,7 +29,7 @@ ORDINARY = {
 }
 """The scenes of issue 14 that were judged wrongly."""
 THIN = {"f = 0.1", "f = 0.15", "ν = 0.45", "steel"}
-"""Those with a gap far narrower than four elements of any mesh."""
+"""Ordinary scenes with a gap far narrower than four elements of any mesh."""
 
 
 def end_time(scene):
@@ -273,7 +273,7 @@ def test_bars_come_from_the_simulation():
 )
 @settings(max_examples=3, deadline=None, phases=(Phase.explicit, Phase.generate))
 def test_units_do_not_matter(friction, resolution, modulus, density, stress, time):
-    """The same run in other units is judged alike, to the digits that rounding leaves."""
+    """A run in other units is judged alike, to the digits that rounding leaves."""
     run = simulated(override_scene(PRELOADED, friction=friction), resolution)
     plain = judge(solved(run.scene), run)
     scene = Scene(

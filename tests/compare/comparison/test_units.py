@@ -156,7 +156,7 @@ def test_tables_say_units(tmp_path, capsys, monkeypatch):
 
 
 def test_norms_over_space_and_time():
-    """Of x t over a unit square: 1/4 in L1 and 1/3 in L2, off by the trapezoidal rule alone."""
+    """Norms of x t over a unit square: 1/4 in L1, 1/3 in L2, off by the trapezoidal rule alone."""
     import numpy as np
 
     x = t = np.linspace(0, 1, 201)

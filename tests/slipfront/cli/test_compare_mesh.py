@@ -207,7 +207,7 @@ def test_simulate_says_that_there_are_no_error_bars(tmp_path, capsys):
 
 @pytest.mark.parametrize(("late", "told"), [(1.0, 0), (1.1, 0), (3.0, 1)])
 def test_an_overrun_is_said_once_before_it_happens(late, told, monkeypatch):
-    """Of 10 s that a budget allows 6 s are steps, which take as long or longer."""
+    """A budget allows 10 s, of which 6 s are steps, and these take as long or longer."""
     from slipfront.cli import simulate_command
     from slipfront.cli.simulate_command import Allowance
 

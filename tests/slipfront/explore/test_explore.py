@@ -114,7 +114,7 @@ def opened():
 
 @pytest.fixture
 def steel(opened, alone):
-    """The same page, told to show that scene at its end time."""
+    """The page of a scene, told to show it at its end time."""
     opened._moment = Moment()
     opened._show(controls.defaults(STEEL), True, 0.0)
     return opened
