@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import pytest
@@ -20,9 +21,11 @@ from semianalytic import (
     RateWeakening,
     Scene,
     SlipWeakening,
+    Solution,
     Tabulated,
     Tractions,
     ViscousFriction,
+    solve,
 )
 from semianalytic.scene.named import NAMED_SCENES
 
@@ -78,6 +81,22 @@ def unit_scene(
 REMOTE: dict[str, Any] = {"base": (0.0, 0.0), "load": (1.0, 1.0), "load_on": "remote"}
 """A sudden remote load, on nothing before."""
 
+
+@cache
+def solved(scene: Scene | str) -> Solution:
+    """The solution of a scene, or of a named one: one for all tests that only look at it.
+
+    Most of the time of a picture or of a sampled run is spent on tables that a solution keeps.
+    """
+    return solve(scene)
+
+
+UNIT_FILE = """friction = 0.3
+material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.3}
+base = {pressure = 1.0, shear = 0.0}
+load = {pressure = 0.0, shear = 1.0}
+"""
+"""A scene file of unit shear modulus and density, to which keys and tables may be added."""
 PRELOADED = unit_scene()
 SHOCK = unit_scene(1.25, **REMOTE)
 """The two scenes of the article's kind: a shear step under pressure, a sudden remote load."""

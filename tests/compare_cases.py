@@ -15,7 +15,7 @@ SELF_SIMILAR = [
     for name, named in NAMED_SCENES.items()
     if named.scene.is_self_similar and isinstance(named.scene.load, Tractions)
 ]
-"""Those that finite elements simulate."""
+"""Named self-similar scenes that finite elements simulate."""
 
 
 def _gained(traction, gain):
@@ -23,6 +23,7 @@ def _gained(traction, gain):
     return np.concatenate([traction[:1], gain * traction[1:]])
 
 
+@functools.cache
 def sampled_run(
     solution,
     resolution=100,
@@ -38,7 +39,7 @@ def sampled_run(
     `stretch` multiplies all speeds, `gain` all slip, slip rates and, from the first step on,
     tractions: those at t = 0 are in place.  What they are off 1 by grows by the factor `growth`
     from each mesh to its companion of twice the element size: 2 is an error of first order, which
-    the error bars show; 1 is one that no mesh shows.
+    the error bars show; 1 is one that no mesh shows.  Tests change copies: each run is made once.
     """
     scene = solution.scene
     cell = scene.material.shear_speed * end_time / resolution

@@ -63,6 +63,39 @@ def undrawn(monkeypatch):
     monkeypatch.setattr("compare.figures.saving.save_figure", lambda figure, path: path.touch())
 
 
+@pytest.fixture
+def refused(capsys):
+    """Run a command that is to be refused, and return the one sentence that it prints alone."""
+    from slipfront.cli.commands import main
+
+    def sentence(line, code=2):
+        capsys.readouterr()
+        assert main(line.split() if isinstance(line, str) else [str(word) for word in line]) == code
+        said = capsys.readouterr()
+        assert said.out == ""
+        assert said.err.count("\n") == 1, said.err
+        assert "Traceback" not in said.err
+        return said.err
+
+    return sentence
+
+
+@pytest.fixture
+def printed(capsys):
+    """Run a command with --json, and return its document, which fits the schema."""
+    from json_checks import checked
+
+    from slipfront.cli.commands import main
+
+    def document(line, code=0):
+        capsys.readouterr()
+        words = line.split() if isinstance(line, str) else [str(word) for word in line]
+        assert main([*words, "--json"]) == code
+        return checked(capsys.readouterr().out)
+
+    return document
+
+
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
     if CHROMIUM is None:
@@ -90,7 +123,7 @@ def pytest_runtest_setup(item):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Of the cases of a test `thinned(n)` every n-th is for the default run, the others slow."""
+    """Mark all cases of a test `thinned(n)` but every n-th one as slow."""
     cases = Counter()
     for item in items:
         thinned = item.get_closest_marker("thinned")

@@ -17,6 +17,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import numpy as np
+from catalogue import solved
 from compare_cases import sampled_run
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
@@ -65,7 +66,7 @@ from docs.studies.judge.figure import judge_figure
 from docs.studies.judge.spoils import SPOILS
 from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 from fem import simulate
-from semianalytic import Gauge, find_line, find_scene, fit, march, solve, solve_line
+from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line
 from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -74,18 +75,13 @@ ENTRANTS = ROOT / "tests" / "data" / "entrants"
 
 
 @cache
-def _solved(name):
-    return solve(find_scene(name))
-
-
-@cache
 def _run(name):
-    return sampled_run(_solved(name), resolution=40, times=20)
+    return sampled_run(solved(name), resolution=40, times=20)
 
 
 @cache
 def _case(name):
-    return side_by_side(_solved(name), _run(name))
+    return side_by_side(solved(name), _run(name))
 
 
 @cache
@@ -98,30 +94,30 @@ def _of_case(name, scene):
 
 
 def _of_run(draw, name):
-    return draw(_solved(name), _run(name).interface)
+    return draw(solved(name), _run(name).interface)
 
 
 def _snapshots():
     with tempfile.TemporaryDirectory() as folder:
         scene = find_scene("preloaded")
         run = simulate(scene, resolution=8, snapshots=Path(folder), frames=1)
-        return snapshot_figure(field_errors(_solved("preloaded"), run, Path(folder)), run)
+        return snapshot_figure(field_errors(solved("preloaded"), run, Path(folder)), run)
 
 
 def _field(name, of):
-    solution = _solved(name)
+    solution = solved(name)
     quantity = find_quantity(of, solution.scene)
     return field_figure(solution, quantity, 1.0, reach(solution, 1.0), 40)
 
 
 def _record():
-    solution = _solved("preloaded")
+    solution = solved("preloaded")
     record = record_fields(solution, 0.4, 0.2, np.linspace(0, 1, 30))
     return record_figure(record, solution.scene)
 
 
 def _validation():
-    solution, t = _solved("preloaded"), np.linspace(0, 1, 41)
+    solution, t = solved("preloaded"), np.linspace(0, 1, 41)
     x = np.array([0.1, 0.25, 0.5, 0.75, 0.95])
     seen = solution.history(x, t)
     names = ("slip_rate", "slip", "shear_traction", "pressure")
@@ -138,7 +134,7 @@ def _scores():
 @cache
 def _evidence():
     run = _run("remote-shock")
-    judgement = judge(_solved("remote-shock"), run)
+    judgement = judge(solved("remote-shock"), run)
     return SceneEvidence("remote-shock", run, (judgement,), published_answer(run.scene), "")
 
 
@@ -185,7 +181,7 @@ def _regimes():
         ]
         for loading in ("preload", "remote")
     }
-    curves = [one for loading in points for nu in (-0.5, 0.2, 0.4) for one in trace(loading, nu)]
+    curves = [one for loading in points for nu in (-0.5, 0.4) for one in trace(loading, nu)]
     curves.sort(key=lambda point: (point.loading, point.curve, point.poisson_ratio))
     shown = {"preload": [0.05, 0.1, 0.2, 0.4, 0.8], "remote": [1.02, 1.1, 1.2, 1.3]}
     fronts = [p for loading, chi in shown.items() for p in map_points(loading, 1 / 3, chi)]
@@ -297,7 +293,7 @@ def _example(name):
 
 def _fit() -> Figure:
     """Friction and load from one record of slip rate."""
-    solution, t = _solved("preloaded"), np.linspace(0.3, 1.5, 24)
+    solution, t = solved("preloaded"), np.linspace(0.3, 1.5, 24)
     gauge = Gauge(0.25, t, solution.slip_rate(0.25, t), 0.01)
     return fit_figure(fit([gauge], solution.scene, ("friction", "load_shear")))
 
@@ -318,7 +314,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         for scene in ("auxetic", "lift-off-shear", "preloaded")
     },
     "compare.figures.interface.prediction_figure": lambda: interface.prediction_figure(
-        _solved("tap")
+        solved("tap")
     ),
     **{
         f"compare.figures.whole_line.line_figure/{name}": lambda name=name: line_figure(

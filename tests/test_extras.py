@@ -56,7 +56,7 @@ for line in {lines}:
     print(json.dumps([code, out.getvalue(), err.getvalue()]))
 """
 SOURCES = (fem, interfaces, validation, fits, surveys, semianalytic)
-"""Of the public names of slipfront."""
+"""Packages from which slipfront takes its public names."""
 OTHERS = (*EXPLORE, *CLUSTER, *BAYES)
 ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES, *UNITS)
 FINE = [
@@ -251,11 +251,3 @@ def test_every_package_says_that_it_is_typed():
     assert folders == set(PACKAGES) == typed
     for package in PACKAGES:
         assert (ROOT / package / "py.typed").read_text() == ""
-
-
-def test_module_is_the_command_line(tmp_path):
-    run = subprocess.run(
-        [sys.executable, "-m", "slipfront", "scenes"], capture_output=True, text=True, check=False
-    )
-    assert run.returncode == 0
-    assert "preloaded" in run.stdout

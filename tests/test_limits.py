@@ -5,10 +5,9 @@ import re
 from pathlib import Path
 
 import pytest
-from catalogue import unit_scene
+from catalogue import UNIT_FILE, unit_scene
 
 from semianalytic import SceneError, find_scene
-from slipfront.cli.commands import main
 
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "limits.md").read_text()
@@ -70,30 +69,17 @@ OUTSIDE = {
     "finite size": "height = 0.5\n",
 }
 """Lines of a scene that ask for something, by words of its row on the page."""
-SCENE = """friction = 0.3
-[material]
-shear_modulus = 1.0
-density = 1.0
-poisson_ratio = 0.3
-[base]
-pressure = 1.0
-shear = 0.0
-[load]
-pressure = 0.0
-shear = 1.0
-"""
 
 
 @pytest.mark.parametrize("words", OUTSIDE)
-def test_what_slipfront_does_not_do_is_refused_with_its_page(words, tmp_path, capsys):
+def test_what_slipfront_does_not_do_is_refused_with_its_page(words, tmp_path, refused):
     rows = (ROOT / "docs" / "not_here.md").read_text().splitlines()
     assert any(line.startswith("|") and words in line for line in rows)
     path, line = tmp_path / "scene.toml", OUTSIDE[words]
-    path.write_text(SCENE)
+    path.write_text(UNIT_FILE)
     find_scene(str(path))
-    path.write_text(SCENE + line if line.startswith("[") else line + SCENE)
-    assert main(["solve", str(path)]) == 2
-    assert re.search(r"\(docs/not_here\.md\)\.\n$", capsys.readouterr().err)
+    path.write_text(UNIT_FILE + line)
+    assert re.search(r"\(docs/not_here\.md\)\.\n$", refused(["solve", path]))
 
 
 @pytest.mark.parametrize("given", [{"mode": "3-D"}, {"layers": 3}, {"friction_law": "ageing"}])

@@ -34,7 +34,7 @@ ARGUMENTS: dict[str, Any] = {
     "outer": np.linspace(0.1, 1.3, 23),
     "of": "slip",
 }
-"""Of methods, by the names of their parameters."""
+"""Arguments of methods, by the names of their parameters."""
 ELSEWHERE = ("to_xarray", "save", "load", "derivative", "error_of", "seen", "trials")
 """Asked below with other arguments, or of other objects."""
 RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}}

@@ -55,7 +55,7 @@ MANY_STEPS = 6
 
 @dataclass(frozen=True)
 class Answer:
-    """What is compared of an answer: no edges, and no convergence, if the scene is refused.
+    """The numbers of an answer that are compared: no edges, and no convergence, of a refused scene.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the engine is held against: exact numbers, statics, dispersion, and itself.
+"""The engine against exact numbers, statics, dispersion relations, and finer grids of its own.
 
 ``python -m docs.studies.engine`` writes docs/data/engine-checks.csv in some minutes; the growth
 rates are computed by Newton's method from the dispersion relation, the marches by `run`.

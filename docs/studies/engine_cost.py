@@ -1,4 +1,4 @@
-"""What a run of a named interface costs over the number of nodes.
+"""Time and memory of a run of a named interface, over the number of nodes.
 
 ``python -m docs.studies.engine_cost`` writes docs/data/engine-cost.csv in some minutes.  Times are
 those of the processor, for one thread of linear algebra.

@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import base64
 import io
-import subprocess
 import sys
 import tempfile
 import time
@@ -22,7 +21,7 @@ from PIL import Image
 
 from docs.studies.latency import DOCS, SCENES
 from semianalytic.scene.named import find_scene
-from slipfront.explore.chromium import CHROMIUM, Browser
+from slipfront.explore.chromium import CHROMIUM, Browser, served_page
 from slipfront.explore.controls import defaults, query_of
 
 FOLDER = DOCS / "figures" / "explore"
@@ -76,15 +75,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if CHROMIUM is None:
         raise SystemExit("There is no Chromium to look at the page in; apt install chromium.")
     folder.mkdir(parents=True, exist_ok=True)
-    command = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
-    arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
     wrong = []
-    with (
-        tempfile.TemporaryDirectory() as profile,
-        subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server,
-    ):
-        assert server.stdout is not None
-        address = server.stdout.readline().split()[1]
+    with tempfile.TemporaryDirectory() as profile, served_page() as address:
         browser = Browser(Path(profile))
         for name in scenes:
             browser.open(address + query_of(defaults(find_scene(name))), 1280)
@@ -101,7 +93,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 if (hole := browser.value(EMPTY)) > HOLE:
                     wrong.append(f"{name} at {width}: {hole:.0%} of the pictures is empty")
         browser.close()
-        server.terminate()
     print("\n".join(wrong) or f"{len(scenes) * len(WIDTHS)} pictures in {folder}")
     return int(bool(wrong))
 

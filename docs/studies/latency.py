@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import argparse
 import base64
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Sequence
@@ -18,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from semianalytic.scene.named import find_scene
-from slipfront.explore.chromium import CHROMIUM, Browser
+from slipfront.explore.chromium import CHROMIUM, Browser, served_page
 from slipfront.explore.controls import defaults, query_of
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -41,18 +39,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if CHROMIUM is None:
         raise SystemExit("There is no Chromium to measure in; apt install chromium.")
     folder.mkdir(parents=True, exist_ok=True)  # before minutes of measurements, not after them
-    command = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
-    arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
     rows = [
         "# python -m docs.studies.latency --csv docs/data",
         "scene,moves,median_ms,most_ms,stolen_percent",
     ]
-    with (
-        tempfile.TemporaryDirectory() as profile,
-        subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server,
-    ):
-        assert server.stdout is not None
-        address = server.stdout.readline().split()[1]
+    with tempfile.TemporaryDirectory() as profile, served_page() as address:
         browser = Browser(Path(profile))
         for name in SCENES:
             _open(browser, address, name)
@@ -69,7 +60,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
         picture = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
         (DOCS / "figures" / "explore.png").write_bytes(base64.b64decode(picture["data"]))
         browser.close()
-        server.terminate()
     (folder / "explore-latency.csv").write_text("\n".join(rows) + "\n")
 
 

@@ -145,6 +145,7 @@ class Fit:
     def correlation(self) -> Array:
         """Correlations of the estimates, (p, p); nan where the data do not constrain them."""
         errors = self.standard_errors
+        # Infinite over infinite: a parameter that the data do not constrain has no correlation.
         with np.errstate(invalid="ignore"):
             return np.asarray(self.covariance / np.outer(errors, errors))
 
@@ -162,6 +163,8 @@ class Fit:
     def seen(self, gauge: Gauge, t: Array) -> Array:
         """Return what a gauge would have recorded without noise at times (n,) of the records."""
         t = np.asarray(t, dtype=float)
+        # The same code as in the fit, so that residuals are what was minimised; values and noise do
+        # not enter what a gauge sees.
         like = Samples((replace(gauge, t=t, values=np.zeros_like(t), noise=1.0),))
         return np.asarray(like.gain(self.setup) * like.of(self.solution, self.setup))
 
@@ -237,6 +240,7 @@ def fit(
     trials.progress = progress
     trials.jacobian(trials.start)  # refuses what has no solution or derivative
     ends = minima(trials)
+    # `minima` returns the lowest first.
     best, size = ends[0], trials.sizes
     if not np.isfinite(best.chi2):
         raise ComputationError("fit: no values within the ranges make a scene that can be solved.")
@@ -246,6 +250,7 @@ def fit(
     trials.progress = None  # a posterior goes on with these trials and reports its own steps
     scene, fitted = trials.at(best.scaled)
     solution = trials.final(best.scaled)
+    # What makes the values doubtful comes before what makes only their errors doubtful.
     status = _status(ends, solution, unconstrained, covariance, trials)
     if status == "converged" and derivative_error > ROUGH:
         status = (
@@ -257,6 +262,7 @@ def fit(
     return Fit(
         parameters=names,
         values=best.scaled * size,
+        # Unknowns of the search are over their sizes; covariances go like the square.
         covariance=covariance * np.outer(size, size),
         chi2=best.chi2,
         freedom=trials.rows - len(names),
@@ -298,8 +304,10 @@ def _trials(
     if nodes is not None:
         raise SceneError("fit: nodes have no effect on a scene, which has rtol; leave them out.")
     scene = checked_scene("fit", given)
+    # All that can be refused is refused before the first solution is computed.
     _check(gauges, scene, names, priors)
     samples = Samples(gauges)
+    # A single sample has no span: its own time is then the scale of times, and 1 the last resort.
     duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
     return Trials(samples, Unknowns(names, scene, setup, duration), priors, rtol)
 
@@ -357,6 +365,7 @@ def _status(
     trials: Trials,
 ) -> str:
     """Return the status: "converged", or what to distrust of the lowest minimum."""
+    # The order is that of gravity: without a covariance no other statement would mean anything.
     if unconstrained:
         together = " apart" if len(unconstrained) > 1 else ""
         return f"the data do not constrain {' and '.join(unconstrained)}{together}"
@@ -369,6 +378,7 @@ def _status(
         return contradiction
     for other in ends[1:]:
         away = other.scaled - best.scaled
+        # Mahalanobis distance: in standard errors along the direction between the two minima.
         apart = float(np.sqrt(away @ np.linalg.solve(covariance, away)))
         if other.chi2 - best.chi2 < AS_GOOD and apart > FAR:
             return (
@@ -387,6 +397,7 @@ def _contradiction(trials: Trials, best: Minimum, covariance: Array) -> str:
     """
     freedom = trials.rows - len(best.scaled)
     if _is_rare(best.chi2, freedom):
+        # Misfits over noise in the root mean square, as freedom counts it.
         share = float(np.sqrt(best.chi2 / freedom))
         return (
             f"misfits are {share:.2g} times what the noise allows (chi2 {best.chi2:.4g} of "
@@ -395,8 +406,11 @@ def _contradiction(trials: Trials, best: Minimum, covariance: Array) -> str:
     pulls = trials.pulls(best.scaled)
     if not pulls:
         return ""
+    # Rows of priors follow those of samples.
     rows = best.jacobian[len(trials.samples.t) :]
     left, axes = np.linalg.eigh(np.eye(len(rows)) - rows @ covariance @ rows.T)
+    # Directions in which the data say nothing leave a prior where it is: its distance is 0 over 0
+    # there.
     told = left > SILENT
     along = (axes.T @ list(pulls.values()))[told] / np.sqrt(left[told])
     if _is_rare(float(along @ along), int(told.sum())):
@@ -420,12 +434,17 @@ def _covariance(jacobian: Array) -> tuple[Array, np.ndarray]:
 
     Parameters are divided by their sizes.
     """
+    # By singular values, not by inverting J^T J, which would square the condition number.
     _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
     if not np.all(np.isfinite(values)):
         raise ComputationError("fit: the derivatives at the best values are not finite.")
+    # Directions in which the data change nothing have no inverse; parameters that take part in one
+    # are free.
     lost = values <= values.max(initial=0.0) / LARGEST_CONDITION
     inverse = np.where(lost, 0.0, 1 / np.where(lost, 1.0, values))
     covariance = (rows.T * inverse**2) @ rows
+    # A share of 1e-3 of a lost direction is above what rounding mixes into it, and below what would
+    # be seen in a standard error.
     within = np.abs(rows[lost]).max(axis=0, initial=0.0) > 1e-3
     free = within | (np.diag(covariance) > UNCONSTRAINED**2)
     covariance[free, :] = covariance[:, free] = 0.0

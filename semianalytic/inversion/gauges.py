@@ -135,7 +135,9 @@ class Gauge:
     def half_interval(self) -> Array:
         """Half the time between samples, (n,); a hundredth of the time itself for a single one."""
         if len(self.t) > 1:
+            # The mean of both neighbouring intervals, halved; one-sided at the ends.
             return np.asarray(np.gradient(self.t) / 2)
+        # The smallest positive number keeps a lone sample at t = 0 from having no interval at all.
         return np.abs(self.t) / 100 + np.finfo(float).tiny
 
 
@@ -159,6 +161,7 @@ def checked_noise(given: ArrayLike, values: Array) -> float | Array:
         raise SceneError(
             "gauge: noise must be positive and finite, one number or one for each sample."
         )
+    # Misfits over less noise than the rounding of the values would be rounding themselves.
     least = max(SMALLEST, float(np.finfo(float).eps * np.abs(values).max()))
     if noise.min() < least or noise.max() > LARGEST:
         raise SceneError(
@@ -201,4 +204,5 @@ def seen(solution: Solution, kind: str, x: Array, y: Array, t: Array) -> Array:
     stress = solution.stress(x, y, t)
     if kind == "s":
         return stress
+    # The base tractions strained the bodies before gauges were set to zero.
     return strain(stress - solution.stress(x, y, np.zeros_like(t)), solution.scene.material)

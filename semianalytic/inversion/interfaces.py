@@ -56,6 +56,8 @@ class TrialInterface(InterfaceFile):
     def changed(self, values: Mapping[str, float]) -> TrialInterface:
         """Return the interface with other values of some parameters; errors of `Interface`."""
         changes = {**dict(self.changes), **values}
+        # Changes are always applied to the interface of the file, so that the order of trials
+        # leaves no rounding behind.
         begun = self.origin or self
         interface = interface_at(begun.interface, changes)
         kept = tuple(sorted(changes.items()))
@@ -95,10 +97,13 @@ class RecordedRun:
         left, share, step = self._between(t)
         begin, end = self._at("slip", x, left), self._at("slip", x, left + 1)
         rates = self._at("slip_rate", x, left), self._at("slip_rate", x, left + 1)
+        # Hermite's cubic: a line between the frames, and a bend by which the slopes at both ends
+        # are the slip rates.
         back = 1 - share
         line = begin + share * (end - begin)
         mean = np.where(step > 0, (end - begin) / np.where(step > 0, step, 1.0), 0.0)
         bend = back * (rates[0] - mean) - share * (rates[1] - mean)
+        # Slip counts from the load; before it records hold what was in place.
         return np.where(t < 0, 0.0, line + step * share * back * bend)
 
     def slip_rate(self, x: Array, t: Array) -> Array:
@@ -122,11 +127,14 @@ class RecordedRun:
     def _between(self, t: Array) -> tuple[Any, Array, Array]:
         """Return the frame before each time, the share of the way to the next, and the way."""
         known = self.run.t
+        # Frames at one time (a jump) are told apart by taking the last of them; beyond the last
+        # frame its value stays.
         left = np.clip(np.searchsorted(known, t, side="right") - 1, 0, len(known) - 2)
         step = known[left + 1] - known[left]
         return left, np.clip((t - known[left]) / np.where(step > 0, step, 1.0), 0.0, 1.0), step
 
     def _at(self, name: str, x: Array, frames: Any) -> Array:
+        # Gauges have few places and many times: each place is interpolated once over all frames.
         places, which = np.unique(x, return_inverse=True)
         values = self.run.at(getattr(self.run, name), places)
         return np.asarray(values[frames, np.ravel(which)])
@@ -171,6 +179,8 @@ class InterfaceUnknowns(Unknowns):
     def _stress(self) -> float:
         """The largest traction before loads [stress]."""
         interface = self.scene.interface
+        # Fields along x may be functions; a hundredth of the period shows their largest value well
+        # enough for a size.
         x = np.linspace(-interface.length / 2, interface.length / 2, 101)
         x = x[interface.contact.touches(x)]
         fields = (interface.pressure, interface.shear)
@@ -188,8 +198,10 @@ class InterfaceUnknowns(Unknowns):
         if name.endswith("poisson_ratio"):
             return super().bounds("poisson_ratio")
         if name.startswith("contact_"):
+            # The ends of a contact stay within one period.
             half = self.scene.interface.length / 2
             return -half, half
+        # Numbers that a file names for its expressions may mean anything, and so may be negative.
         named = self.known[name].targets[0][0][-1] == name
         if name != "pressure" and (name.endswith(_SIGNED) or named):
             return -math.inf, math.inf
@@ -248,6 +260,8 @@ class InterfaceTrials(Trials):
         """
         scene: Any
         scene, setup = self.at(scaled)
+        # Half the nodes have a multiple of the error; `ERROR_SAFETY` is that of the engine's own
+        # estimates.
         coarse: Any = recorded(scene, fine.run.nodes // 2, estimate=False)
         one, other = (self.samples.of(run, setup) for run in (fine, coarse))
         off = self.samples.gain(setup) * (one - other) / self.samples.noise
@@ -315,6 +329,7 @@ def interface_trials(
         raise SceneError("fit: name at least one parameter, and each of them once.")
     samples = Samples(gauges)
     duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
+    # A trigger that is fitted may turn out earlier, which needs a later end of the run.
     end = float(samples.t.max()) - setup.t0 + (LATER * duration if "t0" in names else 0.0)
     if end <= 0:
         raise SceneError("fit: all records end before the load acts; check t0.")

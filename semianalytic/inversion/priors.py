@@ -92,6 +92,7 @@ class LogNormal:
     @property
     def range(self) -> tuple[float, float]:
         """Least and largest value that a search considers."""
+        # Three standard deviations of the logarithm.
         most = self.factor**_SPREAD
         return self.median / most, self.median * most
 
@@ -106,6 +107,8 @@ class LogNormal:
         """Return the logarithm of the density at a value, up to a constant."""
         if value <= 0:
             return -math.inf
+        # The last term is the Jacobian of the logarithm; the misfit of least squares lacks it, so
+        # that `fit` finds the most probable logarithm.
         return -(self.misfit(value)[0] ** 2) / 2 - math.log(value)
 
 

@@ -119,9 +119,11 @@ class Samples:
         t, x = self.t - setup.t0, self.places[0] - setup.x0
         clear, half = t.copy(), self.half
         speeds = solution.edge_speeds
+        # The contact edge does not move, and slip ahead of all waves has no edge that passes.
         for speed in speeds[(speeds > 0) & np.isfinite(speeds)]:
             since = t - x / speed
             near = self.on_interface & (np.abs(since) < half)
+            # On the side of the edge on which the sample lies.
             clear[near] = (x / speed + np.where(since < 0, -half, half))[near]
         return clear
 
@@ -135,6 +137,8 @@ class Samples:
         lost = ~np.isfinite(result)
         if lost.any():  # on a front: as it is a moment later
             result[lost] = self._recorded(solution, setup.x0, t + CLOSE * self.half)[lost]
+        # What is infinite a moment later as well, at a stuck contact edge, becomes a huge misfit,
+        # which least squares can still compare.
         return np.nan_to_num(result)
 
     def _recorded(self, solution: Solution, x0: float, t: Array) -> Array:
@@ -151,6 +155,8 @@ class Samples:
         kinds = [component(one.quantity) for one in self.gauges]
         of_kind = np.repeat([kind for kind, _ in kinds], self._counts)
         axes = np.repeat([axis for _, axis in kinds], self._counts)
+        # Components recorded at one place and time are computed once. The interval belongs to the
+        # key, since it decides how a sample on a front is moved.
         at = np.stack([*self.places, self.t, self.half], axis=1)
         looks = {}
         for kind in np.unique(of_kind):
@@ -175,6 +181,8 @@ class Samples:
 
     def along_x(self, solution: Solution, setup: Setup, t: Array) -> Array:
         """Return derivatives (n,) with respect to position."""
+        # One step for all samples: the way of a shear wave in the shortest interval, below which no
+        # record resolves anything.
         step = CLOSE * float(self.half.min()) * solution.scene.material.shear_speed
         right, left = (
             self.of(solution, replace(setup, x0=setup.x0 - sign * step), t) for sign in (1, -1)
@@ -184,6 +192,7 @@ class Samples:
     def over_moduli(self, solution: Solution, setup: Setup, t: Array) -> tuple[Array, Array]:
         """Return derivatives with respect to ln Z and ln c_t, (n,) each."""
         seen = self.of(solution, setup, t)
+        # The formulae at the head of this file.
         by_speed = t * self.over_time(solution, setup, t)
         by_impedance = np.zeros(len(t))
         for name, part in self.groups.items():

@@ -69,6 +69,7 @@ def spread(count: int, dimensions: int) -> Array:
 
     They are multiples of the powers of the root of x^(d+1) = x + 1, less whole numbers.
     """
+    # The iteration contracts to the root for every dimension; the start only has to be above 1.
     root = 2.0
     for _ in range(60):
         root = (1 + root) ** (1 / (dimensions + 1))
@@ -80,10 +81,12 @@ def minima(trials: Trials) -> list[Minimum]:
     """Return all minima that were found, the lowest first."""
     ends: list[Minimum] = []
     count, setups = _counts(trials)
+    # Each step of least squares takes one misfit and one Jacobian.
     descent = SHORT * (1 + trials.of_jacobian)
     around = _nearby(trials) + NEAR_STARTS * descent
     trials.expect(count * setups + STARTS * descent + around)
     starts = scan(trials)
+    # Cut short: most starts lead to minima that are not the lowest, and these need no digits.
     for number, start in enumerate(starts):
         trials.expect((len(starts) - number) * descent + around)
         _add(ends, descend(trials, start, SHORT))
@@ -101,6 +104,7 @@ def minima(trials: Trials) -> list[Minimum]:
 
 def _add(ends: list[Minimum], end: Minimum) -> None:
     """Add a minimum to a list; of minima that are the same, the lowest stays."""
+    # A new minimum replaces those that it is the better end of.
     near = [one for one in ends if one.distance(end.scaled) < APART]
     if not near or end.chi2 < min(one.chi2 for one in near):
         ends[:] = [one for one in ends if one not in near]
@@ -115,6 +119,7 @@ def descend(trials: Trials, start: Array, most: int | None = None) -> Minimum:
     low, high = trials.bounds
     found = least_squares(
         trials.misfit,
+        # Strictly inside, as `least_squares` asks for; unknowns are of order 1.
         np.clip(start, low + 1e-9, high - 1e-9),
         jac=trials.jacobian,
         bounds=(low, high),
@@ -123,6 +128,7 @@ def descend(trials: Trials, start: Array, most: int | None = None) -> Minimum:
         gtol=SETTLED,
         max_nfev=most,
     )
+    # scipy's cost is half the sum of squares.
     return Minimum(found.x, float(2 * found.cost), np.asarray(found.jac), bool(found.success))
 
 
@@ -134,6 +140,7 @@ def scan(trials: Trials) -> list[Array]:
         return [trials.start]
     points = low + (high - low) * spread(count * setups, len(low))
     is_setup = np.array([is_of_setup(name) for name in trials.unknowns.names])
+    # Trials of the set-up share one scene, whose solution is kept: they cost evaluations only.
     for first in range(0, count * setups, setups):
         points[first : first + setups, ~is_setup] = points[first, ~is_setup]
     return _best(trials, [trials.start, *points], STARTS)
@@ -160,8 +167,12 @@ def _nearby(trials: Trials) -> int:
 def surroundings(trials: Trials, end: Minimum) -> list[Array]:
     """Return the best starts around a minimum, within `REACH` standard errors."""
     p = len(end.scaled)
+    # The principal axes of the ellipsoid of errors, with half-axes 1 / singular value;
+    # unconstrained axes are cut off at `WIDEST`.
     _, values, rows = np.linalg.svd(end.jacobian, full_matrices=False)
     widths = 1 / np.maximum(values, 1 / WIDEST)
+    # If misfits exceed the noise, the real errors are as much larger, and minima as much further
+    # apart.
     reach = REACH * max(1.0, np.sqrt(end.chi2 / max(len(end.jacobian) - p, 1)))
     points = reach * (2 * spread(_nearby(trials), p) - 1)
     around = np.clip(end.scaled + (points * widths) @ rows, *trials.bounds)
@@ -171,5 +182,6 @@ def surroundings(trials: Trials, end: Minimum) -> list[Array]:
 def _best(trials: Trials, points: list[Array], count: int) -> list[Array]:
     """Return the lowest of some starts, so many."""
     squares = np.sum(np.square(trials.misfits(points)), axis=1)
+    # Stable, so that equal trials are taken in the order of the list and fits repeat to the bit.
     order = [i for i in np.argsort(squares, kind="stable") if np.isfinite(squares[i])]
     return [points[i] for i in order[:count]] or points[:1]

@@ -96,6 +96,7 @@ class Trials:
         """Values at which the search begins, within the bounds, (p,)."""
         values = np.array([self.unknowns.value(name) for name in self.unknowns.names])
         low, high = self.bounds
+        # Least squares with bounds refuse a start that lies on one of them.
         inside = 1e-9 * np.maximum(1.0, np.abs(values / self.sizes))
         return np.clip(values / self.sizes, low + inside, high - inside)
 
@@ -106,6 +107,8 @@ class Trials:
         for name in self.unknowns.names:
             low, high = self.unknowns.bounds(name)
             if name == "x0" and self.half_line and self.samples.on_interface.any():
+                # An edge beyond the first gauge would put that gauge on the slot, where the
+                # interface has no such quantity.
                 high = float(self.samples.places[0][self.samples.on_interface].min()) * (1 - 1e-9)
             prior = self.priors.get(name)
             if isinstance(prior, Uniform):
@@ -135,6 +138,8 @@ class Trials:
         if solution is None:
             self.count += 1
             solution = self._known[scene] = self._solve(scene)
+            # Misfit and Jacobian at one point, and both sides of a difference, ask for the same
+            # scene; more would only hold memory.
             for oldest in list(self._known)[:-_KEPT]:
                 self._known.pop(oldest, None)  # unless another thread has
         return solution
@@ -148,11 +153,14 @@ class Trials:
             scene, setup = self.at(scaled)
             solution = self._solved(scene)
             return self.misfit_of(solution, setup, scaled)
+        # A trial that makes no scene is infinitely bad, not an error: the search may look anywhere.
         except (SceneError, ComputationError):
             return np.full(self.rows, np.inf)
 
     def misfits(self, points: Sequence[Array]) -> Array:
         """Return the misfits (m, n) of many values, computed by a sweep where possible."""
+        # A sweep follows friction and Poisson ratio; other parameters of the scene need a solution
+        # each.
         of_scene = set(self.unknowns.names).intersection(SOLVED)
         swept = {"friction", "poisson_ratio"}
         if self._pressure_is_strength:
@@ -166,6 +174,8 @@ class Trials:
         for number, point in enumerate(points):
             with suppress(SceneError):
                 ready.append((number, *self.at(point)))
+        # With f p alone in play, a change of the base pressure is one of friction in a sweep whose
+        # pressure is held.
         frictions = [scene.friction for _, scene, _ in ready]
         if "base_pressure" in of_scene:
             before = self.unknowns.scene.superposition.in_place.pressure
@@ -201,6 +211,7 @@ class Trials:
         seen = samples.gain(setup) * samples.of(solution, setup)
         known = list(self.pulls(scaled).values())
         self._look(1)
+        # Priors are samples of the parameters themselves, with their own deviations.
         return np.concatenate([(seen - samples.values) / samples.noise, known])
 
     def pulls(self, scaled: Array) -> dict[str, float]:
@@ -231,6 +242,8 @@ class Trials:
         """Return the derivatives (n, p) of the misfits."""
         scene, setup = self.at(scaled)
         solution, samples = self._solved(scene), self.samples
+        # Derivatives are taken where they are finite; the misfit itself is that at the times of the
+        # records.
         t = samples.clear(solution, setup)
         columns = []
         for number, name in enumerate(self.unknowns.names):
@@ -242,6 +255,7 @@ class Trials:
             for row, (which, prior, value) in enumerate(self._known_before(scaled)):
                 if which == number:
                     rows[len(t) + row] = prior.misfit(value)[1]
+            # d/d(scaled) = size d/d(value).
             columns.append(rows * self.sizes[number])
         self._look(self.of_jacobian)
         return np.stack(columns, axis=1)
@@ -250,22 +264,29 @@ class Trials:
         """Return derivatives (n,) of the samples without gain; those for gains include it."""
         samples = self.samples
         if name == "t0":
+            # The times since the load are those of the record less t0, hence the sign.
             return -samples.over_time(solution, setup, t)
         if name == "x0":
+            # The position from the contact edge is that of the record less x0.
             return -samples.along_x(solution, setup, t)
         if name.startswith("gain"):
             seen = samples.of(solution, setup, t)
+            # The common gain is a factor of all: the derivative is what was seen over its own
+            # value.
             if name == "gain":
                 return samples.gain(setup) / setup.gain * seen
             lone = setup.gains.get(name.removeprefix("gain:"), 1.0)
             return samples.of_gauge(name.removeprefix("gain:")) * samples.gain(setup) / lone * seen
         if name in MATERIAL and has_similarity(solution.scene):
             impedance, speed = samples.over_moduli(solution, setup, t)
+            # Z = sqrt(mu rho) and c_t = sqrt(mu / rho): half the logarithmic derivatives, with
+            # opposite signs of c_t for the density.
             value = getattr(solution.scene.material, name)
             return (impedance + (speed if name == "shear_modulus" else -speed)) / (2 * value)
         column = np.zeros(len(t))
         if name in PARAMETERS and samples.on_interface.any():
             column = samples.exact(solution.derivative(name), setup, t)
+        # Exact derivatives exist on the interface for the parameters of `derivative` alone.
         lacking = ~samples.on_interface if name in PARAMETERS else np.ones(len(t), dtype=bool)
         if lacking.any():
             column[lacking] = self.difference(name, solution, setup, t)[lacking]
@@ -280,12 +301,14 @@ class Trials:
         root of the first, over the size of the parameter.
         """
         size = float(self.sizes[self.unknowns.names.index(name)])
+        # The sum of e / h and h^2 is least at h about the cubic root of e.
         step = longer * size * float(np.clip(np.cbrt(solution.error_estimate), *STEPS))
         alone = self.unknowns.alone(name, solution.scene, setup)
         value, ends = alone.value(name), []
         for moved in (value + step, value - step):
             try:
                 ends.append((moved, self._solved(alone.at((moved,))[0])))
+            # At a bound one side alone is left: a difference of first order.
             except SceneError:  # beyond what is a scene
                 ends.append((value, solution))
         (above, later), (below, earlier) = ends
@@ -307,6 +330,8 @@ class Trials:
                 fine, coarse = (
                     self.difference(name, solution, setup, t, longer)[lacking] for longer in (1, 2)
                 )
+                # The error goes like h^2: twice the step has four times the error, three of which
+                # the difference shows.
                 away, size = np.linalg.norm(fine - coarse) / 3, np.linalg.norm(fine)
                 worst = max(worst, float(away / size) if size else 0.0)
         return worst

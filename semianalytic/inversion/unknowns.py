@@ -106,6 +106,8 @@ class Unknowns:
         scene, of_setup = self.scene, {}
         tractions: dict[str, dict[str, float]] = {"base": {}, "load": {}}
         for name, value in zip(self.names, map(float, values), strict=True):
+            # Tractions are collected and replaced at once: pressure and shear changed one after the
+            # other might pass through a base that slides.
             part, _, kind = name.partition("_")
             if part in tractions and name not in OF_FRONT:
                 tractions[part][kind] = value
@@ -133,6 +135,7 @@ class Unknowns:
 
     def size(self, name: str) -> float:
         """Return the size by which an unknown is divided: its value, or one that would matter."""
+        # A value of 0 has no size of its own: `_least` is a change that would be seen in records.
         return max(abs(self.value(name)), self._least(name))
 
     def _least(self, name: str) -> float:
@@ -162,6 +165,7 @@ class Unknowns:
     def bounds(self, name: str) -> tuple[float, float]:
         """Return the least and largest admissible value of an unknown."""
         if name == "poisson_ratio":
+            # Near -1 and 0.5 solutions lose digits, long before they are refused.
             return -0.95, 0.499
         if name in ("friction", "base_pressure", "viscosity"):
             return 0.0, float("inf")
@@ -171,6 +175,8 @@ class Unknowns:
             least = _TINY * self.scene.material.shear_speed
             return (least, float("inf")) if self.value(name) >= 0 else (float("-inf"), -least)
         if name in MATERIAL or name.startswith("gain"):
+            # Zero would make no solid and no record; a thousandth of the guess is below anything
+            # plausible.
             return _TINY * self.size(name), float("inf")
         return float("-inf"), float("inf")
 
@@ -178,8 +184,10 @@ class Unknowns:
         """Return the range that a search without a prior considers."""
         value = self.value(name)
         if name == "friction":
+            # From well lubricated to rough rock, and beyond the guess if that is larger.
             return 0.02, max(1.2, 1.5 * value)
         if name == "poisson_ratio":
+            # Auxetic solids are looked for only where the guess is one.
             return (0.02, 0.48) if value >= 0 else (-0.9, 0.48)
         if name == "viscosity":
             return 0.0, 4 * self.size(name)
@@ -193,6 +201,7 @@ class Unknowns:
             return value - 2 * self._least(name), value + 2 * self._least(name)
         if not value:
             return (0.0 if name == "base_pressure" else -self._stress), self._stress
+        # Sorted, for a negative traction turns the two around.
         low, high = sorted((value / 3, 2.5 * value))
         return low, high
 

@@ -21,6 +21,7 @@ class _Shown(Repr):
 
     def __init__(self) -> None:
         super().__init__()
+        # Longer values are cut in the middle, so that a message stays on one line.
         self.maxstring = self.maxother = 60
 
     def repr_int(self, x: int, level: int) -> str:
@@ -44,6 +45,7 @@ def finite(value: object) -> float | None:
     Truth values and text do not count as numbers, nor do integers beyond the range of floating
     point.
     """
+    # True is an Integral to Python; as a friction coefficient it is a mistake.
     if isinstance(value, bool) or not isinstance(value, Real):
         return None
     try:

@@ -36,6 +36,7 @@ def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
     part, _, kind = name.partition("_")
     if part not in ("base", "load"):
         return ()
+    # A load that arrives is in place on the contact as well as taken off the slot faces.
     comes_everywhere = part == "load" and scene.arrives
     return (f"base_{kind}", name) if comes_everywhere else (name,)
 
@@ -78,6 +79,8 @@ def wave_slips_ahead(scene: Scene, until: float) -> bool:
         # just before and just after a jump; the load is linear in the value
         values = history.value(np.concatenate([times, np.nextafter(times, np.inf)]))
         low, high = min(low, float(values.min())), max(high, float(values.max()))
+    # Friction minus shear is concave in the share of the load, so that its least value lies at an
+    # end of the range.
     for share in (low, high):
         shear = abs(base.shear + share * load.shear)
         strength = scene.friction * (base.pressure + share * load.pressure)

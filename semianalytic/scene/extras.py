@@ -74,6 +74,8 @@ def needing(what: str) -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
+        # Only what an extra brings is explained; any other missing module is a fault of the code
+        # that imports it.
         module = (error.name or "").split(".")[0]
         if not any(module in modules for modules in _EXTRAS.values()):
             raise
@@ -112,6 +114,7 @@ def how_to_install(extras: str) -> str:
 
 def _extras_of(missing: list[str]) -> list[str]:
     """Return the one extra that brings all missing modules, or several."""
+    # One extra for all, where there is one, is a shorter command than several.
     for extra, modules in _EXTRAS.items():
         if set(missing) <= set(modules):
             return [extra]

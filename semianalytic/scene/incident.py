@@ -113,6 +113,7 @@ class IncidentWave:
     def direction(self) -> tuple[float, float]:
         """Return the unit vector (n_x, n_y) along which the wave runs."""
         angle = math.radians(self.angle)
+        # The interface is y = 0: a wave from below runs towards +y, one from above towards -y.
         return math.sin(angle), math.cos(angle) * (1 if self.from_ == "below" else -1)
 
     def polarisation(self) -> tuple[float, float, float]:
@@ -122,6 +123,8 @@ class IncidentWave:
             return n_x, n_y, 0.0
         if self.kind == "SH":
             return 0.0, 0.0, 1.0
+        # The direction turned by 90 degrees, with d_x > 0: the sense of motion along the interface
+        # does not change with the side from which the wave comes.
         return abs(n_y), -math.copysign(n_x, n_x * n_y), 0.0
 
     def stresses(self, material: Material) -> dict[str, float]:
@@ -132,7 +135,9 @@ class IncidentWave:
         """
         (n_x, n_y), (d_x, d_y, d_z) = self.direction(), self.polarisation()
         mu, ratio = material.shear_modulus, self.particle_velocity(material) / self.speed(material)
+        # Lame's lambda = rho c_l^2 - 2 mu.
         modulus = material.density * material.longitudinal_speed**2 - 2 * mu
+        # d.n is 1 in a P wave and 0 in an S wave, which changes no volume.
         spread = modulus * (d_x * n_x + d_y * n_y) if self.kind == "P" else 0.0
         return {
             "xx": -ratio * (spread + 2 * mu * d_x * n_x),
@@ -145,6 +150,7 @@ class IncidentWave:
     def tractions(self, material: Material) -> Tractions:
         """Return the step of tractions on y = 0 of the uncut body: -sigma_yy, and the shear."""
         sigma = self.stresses(material)
+        # Pressure is positive in compression; the sum with 0.0 turns -0.0 into 0.0.
         return Tractions(-sigma["yy"] + 0.0, sigma["yz" if self.kind == "SH" else "xy"])
 
     def derivatives(self, material: Material, by: str) -> tuple[Tractions, float]:
@@ -160,11 +166,14 @@ class IncidentWave:
         now, slowness = self.tractions(material), self.slowness(material)
         if by not in ("angle", "poisson_ratio"):
             of_stress = self.velocity is None
+            # Tractions are linear in the amplitude, and the front does not depend on it.
             unit = replace(self, stress=1.0) if of_stress else replace(self, velocity=1.0)
             return unit.tractions(material), 0.0
         angle = math.radians(self.angle)
         sign, both = (1 if self.from_ == "below" else -1), 2 * angle
         stress = material.density * self.speed(material) * self.particle_velocity(material)
+        # A P wave of stress S exerts the pressure S (1 - 2 r sin^2) and the shear -+ S r sin 2
+        # angle with r = (c_t / c_l)^2; SV waves exert -S sin 2 angle and -+ S cos 2 angle.
         ratio2 = (material.shear_speed / material.longitudinal_speed) ** 2
         if by == "poisson_ratio":
             if self.kind != "P":
@@ -177,6 +186,7 @@ class IncidentWave:
                 slope = slope.plus(_scaled(now, -share / 2))
             return slope, slowness * share / 2
         if self.kind == "SH":
+            # An SH wave exerts -+ S cos(angle) along z, and no pressure.
             slope = Tractions(0.0, sign * stress * math.sin(angle))
         elif self.kind == "SV":
             slope = Tractions(-2 * stress * math.cos(both), 2 * sign * stress * math.sin(both))
@@ -185,6 +195,7 @@ class IncidentWave:
                 -2 * stress * ratio2 * math.sin(both), -2 * sign * stress * ratio2 * math.cos(both)
             )
         per_degree = math.radians(1.0)
+        # p = sin(angle) / c.
         return _scaled(slope, per_degree), math.cos(angle) / self.speed(material) * per_degree
 
 
@@ -264,6 +275,7 @@ def load_document(load: Load) -> dict[str, Any]:
     values = {name: getattr(load, name) for name in load.__dataclass_fields__}
     if isinstance(load, Tractions):
         return values
+    # Tractions need no kind: files without one were written before there were others.
     kind = next(name for name, known in LOAD_KINDS.items() if isinstance(load, known))
     given = {_IN_FILES.get(name, name): value for name, value in values.items()}
     return {"kind": kind, **{name: value for name, value in given.items() if value is not None}}
@@ -293,6 +305,7 @@ def load_from_document(table: Any) -> Load:
                 f"load: kind {kind} has no {shown(key)}; it takes {', '.join(fields)}."
             )
     try:
+        # A missing key is a missing argument, which Python reports as TypeError.
         return LOAD_KINDS[kind](**{fields[key]: value for key, value in given.items()})
     except TypeError as error:
         raise SceneError(f"load: kind {kind} needs {', '.join(fields)}.") from error
@@ -328,6 +341,8 @@ def overridden_load(
     if waved:
         if isinstance(load, IncidentWave):
             if "velocity" in waved or "stress" in waved:
+                # A new amplitude of either name replaces the one that is there: a wave has one of
+                # the two.
                 waved = {"velocity": None, "stress": None} | waved
             return replace(load, **waved)
         missing = {"kind", "angle"} - waved.keys()
@@ -343,5 +358,6 @@ def overridden_load(
             f"replaced, not its {', '.join(given)}."
         )
     if "speed" in given and isinstance(load, Tractions):
+        # A speed makes the tractions of the scene move, and those given besides replace them.
         return MovingLoad(**{"pressure": load.pressure, "shear": load.shear} | given)
     return replace(load, **given) if given else load

@@ -51,6 +51,7 @@ def with_tables(path: str | Path, document: Mapping[str, Any]) -> dict[str, Any]
         given = result.get(part)
         if not isinstance(given, Mapping) or FILE not in given:
             continue
+        # Numbers beside a file would leave open which of them count.
         if given.get("kind") != "tabulated" or len(given) > 2:
             raise SceneError(
                 f'{part}: {FILE} goes with kind = "tabulated" alone, in place of t and value_at_t.'
@@ -71,6 +72,7 @@ def _read(
 ) -> tuple[list[float], list[float]]:
     """Return the times and the values of a table, in the units of the scene."""
     headings, rows = _rows(table)
+    # Instruments write Time as well as time.
     names = [name.lower() for name, _ in headings]
     time = [place for place, name in enumerate(names) if name in _TIMES]
     value = [place for place, name in enumerate(names) if name in (*_VALUES, *loads)]
@@ -89,6 +91,7 @@ def _read(
         )
     lengths = _size(table, headings[at], "time", units)
     return (
+        # Fifteen digits: 10 us are 1e-05 s, and a time given twice stays the same number twice.
         [float(f"{lengths * row[at]:.15g}") for row in rows],
         [size * row[of] / (load if is_load else 1.0) for row in rows],
     )
@@ -97,6 +100,7 @@ def _read(
 def _size(table: Path, heading: tuple[str, str], dimension: str, units: str) -> float:
     """Return the factor from the unit of a column to that of the scene."""
     name, given = heading
+    # No unit, in the ways in which tables write that.
     if given in ("", "-", "1"):
         return 1.0
     size = size_of(given, dimension)
@@ -116,6 +120,7 @@ def _size(table: Path, heading: tuple[str, str], dimension: str, units: str) -> 
 def _rows(table: Path) -> tuple[list[tuple[str, str]], list[list[float]]]:
     """Return the headings of a table, each a name and a unit, and its numbers."""
     try:
+        # Spreadsheets put a mark before UTF-8, which would become part of the first name.
         text = table.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise SceneError(f"Cannot read the table {table}: {error.strerror or error}.") from error
@@ -130,10 +135,12 @@ def _rows(table: Path) -> tuple[list[tuple[str, str]], list[list[float]]]:
         raise SceneError(
             f"{table} is empty; it needs a header, as t [us],value, and rows of numbers."
         )
+    # The comma comes last: beside semicolons or tabs it is a decimal mark.
     separator = next((one for one in _SEPARATORS if one in lines[0][1]), ",")
     cells = list(csv.reader([line for _, line in lines], delimiter=separator))
     headings = [_HEADING.match(cell) for cell in cells[0]]
     named = [(one[1], one[2] or "") if one else ("", "") for one in headings]
+    # A first row of numbers is data: without a header nothing says which column is the time.
     if all(_number(cell, separator) is not None for cell in cells[0]):
         raise SceneError(f"{table} has no header; begin it with t and value, as t [us],value.")
     rows = []

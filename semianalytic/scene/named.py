@@ -267,6 +267,7 @@ def brought_summary(plugin: Plugin) -> str:
 
 def scene_label(source: str) -> str:
     """Return a short name of a scene for titles: its name, or the stem of its file."""
+    # Names of packages are no files either.
     named = source in NAMED_SCENES or not is_file(source)
     return source if named else Path(source).stem
 
@@ -328,6 +329,7 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
     That table has the keys of ``[material]``, for the lower block.
     """
     document = read_document(path)
+    # Before keys are checked, which would call those of a line unknown one by one.
     if any(key in document for key in LINE_KEYS):
         raise SceneError(f"{path} {_LINE_HINT}")
     _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
@@ -338,6 +340,7 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
     if lower is not None:
         _check_keys(path, f"{LOWER_MATERIAL}.", lower, TABLES["material"])
     try:
+        # Whatever is out of range raises here, and gets the name of the file in front.
         scene = scene_from_document(with_tables(path, document))
         return scene, None if lower is None else Material(**lower)
     except SceneError as error:
@@ -354,6 +357,8 @@ def read_document(path: str | Path) -> dict[str, Any]:
         reason = error.strerror or str(error)
         raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
     except ValueError as error:  # TOML syntax and UTF-8 errors alike
+        # The parser names a line and column; that a table was appended to a file that has it
+        # already is the usual reason, and easier to mend by name.
         twice = [head for head, count in Counter(_headings(text)).items() if count > 1]
         if twice:
             raise SceneError(
@@ -405,6 +410,7 @@ def override_scene(
     SceneError
         If the resulting scene is not admissible, or a viscosity is given for friction that weakens.
     """
+    # First, since quantities with units are allowed in a scene in SI units alone.
     scene = scene if units is None else replace(scene, units=units)
     given = {
         "shear_modulus": shear_modulus,
@@ -460,6 +466,7 @@ def _with_viscosity(law: FrictionLaw, viscosity: float | None) -> FrictionLaw:
             "viscosity goes with constant or viscous friction only, and this scene's weakens; "
             "leave viscosity out, or take out the scene's friction law."
         )
+    # Zero viscosity is Coulomb's law itself, so that such scenes compare as equal.
     return ViscousFriction(viscosity) if viscosity else CoulombFriction()
 
 

@@ -79,6 +79,7 @@ class Plugin:
         """
         try:
             return run()
+        # A package may raise anything, also SystemExit from a script that is imported.
         except (Exception, SystemExit) as error:
             reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
             raise self.error(f"{failing} ({reason})") from error
@@ -95,6 +96,7 @@ def plugins(group: str) -> tuple[Plugin, ...]:
     """Return the plugins of a group, in the order of their names; nothing is imported."""
     from importlib.metadata import entry_points
 
+    # Entry points are metadata: nothing of a package is imported to list it.
     brought = (
         Plugin(group, entry.name, entry.dist.name if entry.dist else "?", entry)
         for entry in entry_points(group=group)
@@ -144,6 +146,7 @@ def known_class(group: str, base: type, own: Mapping[str, type], kind: str) -> t
     PluginError
         If the class of a plugin lacks something that solvers need.
     """
+    # Kinds of this package cannot be taken by another one.
     if kind in own:
         return own[kind]
     plugin = find_plugin(group, kind)
@@ -157,6 +160,7 @@ def known_class(group: str, base: type, own: Mapping[str, type], kind: str) -> t
 
 def kind_of(group: str, base: type, own: Mapping[str, type], described: type) -> str | None:
     """Return the kind of a class, the reverse of `known_class`; None if it has none."""
+    # The class itself, not a subclass: its solvers know its parameters by heart.
     for kind, known in own.items():
         if known is described:
             return kind
@@ -184,6 +188,7 @@ def _failings(described: Any, base: type, own: Collection[type]) -> Iterator[str
         return
     if ours := [one.__name__ for one in described.__mro__ if one in own]:
         yield f"must inherit {base.__name__} itself, not {ours[0]}, whose solvers know it by heart"
+    # Python would refuse such a class only when it is made, in the middle of reading a scene.
     asked: frozenset[str] = getattr(described, "__abstractmethods__", frozenset())
     if asked:
         yield f"lacks {', '.join(sorted(asked))}"

@@ -160,6 +160,7 @@ class Scene:
 
     def __new__(cls, *args: Any, **given: Any) -> Scene:
         """Make a scene to be filled; refuse unknown parameters with a hint that helps."""
+        # In __new__, before dataclass's own __init__ raises a TypeError without a hint.
         for name in given.keys() - cls.__dataclass_fields__.keys():
             if name == "lower_material":
                 raise SceneError(
@@ -184,6 +185,7 @@ class Scene:
                 raise SceneError(
                     f"scene: {name} must be a {known}, got {shown(getattr(self, name))}."
                 )
+        # The class is frozen; the number is stored as a plain float, whatever its type was.
         object.__setattr__(self, "friction", checked_number("scene: friction", self.friction))
         for name, (group, base, own, _) in _PARTS.items():
             part = getattr(self, name)
@@ -202,6 +204,7 @@ class Scene:
             raise SceneError(
                 f"scene: load_on must be {' or '.join(LOADED)}, got {shown(self.load_on)}."
             )
+        # Numbers given with units have been turned into those of the SI.
         if made_in_si(self) and not self.units:
             object.__setattr__(self, "units", SI)
         if self.units not in ("", SI):
@@ -225,6 +228,8 @@ class Scene:
         if self._at_rest(self.base):
             return
         load = self.load.tractions(self.material)
+        # Base and load of a sudden remote load may have been written as one base: without the load
+        # it may be at rest, and the message then says how to write it.
         before = self.base.plus(Tractions(-load.pressure, -load.shear))
         advice = "lower the base shear below friction times base pressure"
         if isinstance(self.load, Tractions) and self.is_step and self._at_rest(before):
@@ -271,6 +276,7 @@ class Scene:
                 f"scene: in {self.mode} shear an incident wave is {known}, got "
                 f"{shown(self.load.kind)}; change its kind, or the mode."
             )
+        # By repr, since histories of packages need not compare by value.
         if len({repr(history) for history in self.acting_histories.values()}) > 1:
             raise SceneError(
                 "scene: an incident wave has one history; give pressure_history and shear_history "
@@ -304,6 +310,7 @@ class Scene:
     def _at_rest(self, tractions: Tractions) -> bool:
         """Return whether friction holds the interface under tractions, up to rounding."""
         strength = self.friction * tractions.pressure
+        # 1e-12 lets a base exactly at friction count as at rest though its product was rounded.
         return tractions.pressure >= 0 and abs(tractions.shear) <= strength * (1 + 1e-12)
 
     @cached_property
@@ -384,6 +391,7 @@ class Scene:
     @property
     def front_too_slow(self) -> bool:
         """Whether the front of the load comes along the slot no faster than the first wave."""
+        # p c >= 1: the front along the slot is no faster than the first wave that it sends out.
         return self.front_slowness * self.fastest_speed >= 1 - NEAREST_FRONT
 
     def check_front(self) -> None:
@@ -430,9 +438,12 @@ class Scene:
         """
         held = self.superposition.in_place
         shear, frictional = abs(held.shear), self.friction * held.pressure
+        # An excess of a few roundings is none: the contact ahead would slide at the rate of
+        # rounding errors.
         if shear - frictional <= 4 * sys.float_info.epsilon * frictional:
             return 0.0
         radiated = self.material.shear_impedance / 2
+        # Plane waves into both half-planes balance friction: shear - strength(V) = (rho c_t / 2) V.
         speed = self.friction_law.slip_speed(
             np.array(shear), np.array(frictional), radiated, np.array(0.0)
         )
@@ -453,6 +464,7 @@ def scene_document(scene: Scene) -> dict[str, Any]:
     }
     for name, known in _PARTS.items():
         part = getattr(scene, name)
+        # Defaults are left out, so that files stay short and old files stay what they were.
         if part != known.default:
             document[name] = part_document(part)
     if scene.antiplane:

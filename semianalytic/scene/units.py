@@ -133,6 +133,7 @@ def unit(dimension: str, units: str = "") -> str:
         Units of the scene: "SI", or "" for any consistent set, where the dimension itself,
         "length/time", stands for the unit.
     """
+    # Without a system of units the dimension stands for the unit: length/time.
     named = _SI_UNITS.get(dimension) if units == SI else None
     return named or dimension.replace(" / ", "/")
 
@@ -171,6 +172,7 @@ def measure(text: str, dimension: str, size: Callable[[str, str], float | None] 
         If it is no finite number, or the unit is unknown or of another dimension; the message lists
         units.
     """
+    # A number, then whatever follows it as the unit: 5cm, 30 us, 1e-3 kg/m3.
     match = _NUMBER.match(text)
     name = match[2] if match else ""
     factor = size(name, dimension) if name else None

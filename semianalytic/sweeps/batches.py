@@ -64,6 +64,8 @@ def batches(
     In a group every edge lies on one side of every cut, and close to one front or to none.  Sets
     whose prediction is trusted come last.
     """
+    # Panels are divided at fronts and cuts, and distances are counted from the nearest front, so
+    # that sets of zones share panels only where their edges agree in both.
     groups: dict[tuple, list[int]] = {}
     for j, unknowns in enumerate(starts):
         points = edges.points(unknowns)
@@ -77,6 +79,8 @@ def batches(
     for group in groups.values():
         if trusted is not None:
             group.sort(key=lambda j: trusted[j])
+        # Rounded up, and split evenly: a last batch of a few sets would cost nearly as much as a
+        # full one.
         parts = -(-len(group) // tuning.BATCH)
         yield from (part.tolist() for part in np.array_split(group, parts))
 
@@ -108,6 +112,8 @@ class ZoneSets:
 def linearised(sets: ZoneSets, unknowns: Array, rule: Rule) -> tuple[Array, Array]:
     """Return inverse Jacobians (k, e, e) and mismatches (e, k) at unknowns; NaN if singular."""
     size, count = unknowns.shape
+    # All differences of all sets are evaluated in one sweep: each set stands beside its e
+    # neighbours, of which neighbour j has the unknown j nudged.
     nudges = sets.edges.nudges(unknowns)
     neighbours = np.repeat(unknowns[:, :, None], size + 1, axis=2)
     neighbours[np.arange(size), :, np.arange(1, size + 1)] += nudges
@@ -117,6 +123,8 @@ def linearised(sets: ZoneSets, unknowns: Array, rule: Rule) -> tuple[Array, Arra
     try:
         inverse = np.asarray(np.linalg.inv(jacobian))
     except np.linalg.LinAlgError:
+        # One singular matrix stops numpy for the whole batch; its sets are then solved one by one
+        # from scratch.
         inverse = np.full_like(jacobian, np.nan)
     return inverse, values[..., 0]
 
@@ -142,11 +150,17 @@ def _newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Arr
         waiting, move, largest = waiting[finite], move[:, finite], largest[finite]
         if not len(waiting):
             break
+        # A long move is shortened, not refused: unknowns are logarithms of distances from fronts,
+        # and a linear model holds over about one e-fold of them.
         share = np.minimum(1.0, tuning.LONGEST_MOVE / np.maximum(largest, 1e-300))
         unknowns[:, waiting] += move * share
         admitted = sets.edges.chosen(waiting).admits(unknowns[:, waiting])
+        # Quadratic convergence at least halves each move; what does not is no root of these zones,
+        # or too far from it to be worth more steps.
         admitted &= largest < tuning.SLOW * previous[waiting]
         previous[waiting] = largest
+        # Newton's error after a move of this size is about its square, hence the caller's
+        # contraction of twice the move.
         last[waiting] = np.where(admitted & (largest < tuning.NEAR), largest, np.inf)
         waiting = waiting[admitted & (largest >= tuning.NEAR)]
     return unknowns, inverse, last, step
@@ -165,6 +179,7 @@ def approached(
     sound = sets.edges.admits(unknowns) & np.isfinite(neighbours).all(axis=(1, 2))
     waiting = np.flatnonzero(sound)
     left, previous = np.full(count, np.inf), np.full(count, 1 / tuning.SLOW)
+    # On the first step nothing is known yet by which the inverse could be updated.
     move = before = np.zeros((len(start), 0))
     step = 0
     while len(waiting) and step < tuning.BROYDEN_STEPS:
@@ -176,11 +191,15 @@ def approached(
         move = -moves(inverse[waiting], values)
         largest = np.abs(move).max(axis=0)
         share = largest / previous[waiting]
+        # A move that is not shorter than the one before is not tried: it would leave the range
+        # where neighbours' Jacobians hold.
         trial = unknowns[:, waiting] + np.where(share < 1, move, 0)
         kept = (share < tuning.SLOW) & going.edges.admits(trial)
         waiting, move, before, share = waiting[kept], move[:, kept], values[:, kept], share[kept]
         unknowns[:, waiting] += move
         previous[waiting] = largest[kept]
+        # The next move is expected to be shorter by `share` again; the first one has no predecessor
+        # that could tell.
         arrived = largest[kept] * share < tuning.NEAR if step > 1 else largest[kept] < tuning.NEAR
         left[waiting[arrived]] = share[arrived]
         waiting, move, before = waiting[~arrived], move[:, ~arrived], before[:, ~arrived]
@@ -201,6 +220,8 @@ def _located(
     rule = rule_for(loose_tolerance(rtol))
     unknowns, inverse, contraction, steps = approached(sets, start, neighbours, rule)
     arrived = contraction < np.inf
+    # A prediction that is hardly in doubt and yet leads nowhere means that the zones have changed;
+    # full Newton steps would only confirm that.
     misled = ~arrived & (doubt < tuning.LEADING_DOUBT)
     rest = np.flatnonzero(~misled & ~(arrived & (rtol >= tuning.LOOSE_RTOL)))
     if len(rest):
@@ -247,18 +268,26 @@ def _polished(
         beside, left = unknowns, np.zeros(len(kept))
         going = sets.chosen(kept)
         fields = going.fields(beside, rule)
+        # Zones without edges (slip everywhere, or none) have no unknowns to improve: the fields
+        # alone are wanted.
         if not len(start):
             sound[:] = True
             break
         move = -moves(inverse[kept], fields.mismatch())
         unknowns, size = beside + move, np.abs(move).max(axis=0)
+        # The observed contraction counts where it is worse than the predicted one, never where it
+        # is better: two steps may agree by chance.
         contraction[kept] = np.maximum(contraction[kept], size / previous)
         left = size * contraction[kept]
         near = left <= max(LEFT_SHIFT * rtol, LEAST_LEFT_SHIFT)
+        # The fields are those before the last step, so that this step itself has to be small, not
+        # only what it leaves.
         settled = near & (size <= tuning.LAST_MOVE * rtol)
         converging = going.edges.admits(unknowns) & (size < tuning.SLOW * previous)
         if np.all(settled | ~converging) or step == tuning.MOST_STEPS - 1:
             sound[kept] = settled
+            # Sets that did not settle keep the unknowns that belong to `fields`; they are refused
+            # by the caller.
             unknowns = np.where(settled, unknowns, beside)
             break
         kept, unknowns, previous = kept[converging], unknowns[:, converging], size[converging]
@@ -277,6 +306,8 @@ def _estimates(
     coarse = replace(fields, rule=rule)
     moved = zones.beside
     if edges.segments:
+        # A coarser rule shifts the edges by one chord step; the clip keeps a set on a nearly
+        # singular Jacobian from overflowing, and its estimate is too large for any rtol anyway.
         moved = moved - np.clip(moves(inverse, coarse.mismatch()), -1.0, 1.0)
     others = SAFETY * zones.left + missed_slip(profile)
     return difference(edges, zones.unknowns, moved, fields, coarse) + others
@@ -295,12 +326,15 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
     estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)
     kept, steps, nodes = np.arange(count), 0, 0
     contraction = np.maximum(tuning.CONTRACTION * doubt, tuning.LEAST_CONTRACTION)
+    # Predictions that are all trusted are about as near to the edges as the loose rule would bring
+    # them, and go straight to the fine one.
     if size and not np.all(doubt < tuning.TRUSTED_DOUBT):
         unknowns, inverse, left, steps = _located(sets, unknowns, inverse, doubt, rtol)
         contraction = np.maximum(left, tuning.LEAST_CONTRACTION)
         kept = np.flatnonzero(left < np.inf)
         loose = loose_tolerance(rtol)
         if len(kept) and tolerances[kept].min() < tuning.FAR_RULES * loose:
+            # The geometric mean: one step there is cheaper than a second step on the finest rule.
             between = rule_for(float(np.sqrt(loose * tolerances[kept].min())))
             going = sets.chosen(kept)
             unknowns[:, kept] -= moves(inverse[kept], going.mismatch(unknowns[:, kept], between))
@@ -309,6 +343,8 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
     for _ in range(tuning.MOST_REFINEMENTS):
         if not len(kept):
             break
+        # The loosest rule that any set still asks for: sets that need a finer one come again in the
+        # next round, with the tolerance that their estimate suggests.
         finest = float(tolerances[kept].max())
         going, parts = sets.chosen(kept), (unknowns[:, kept], inverse[kept], contraction[kept])
         zones = _polished(going, *parts, rtol, finest)
@@ -320,6 +356,8 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
         estimate[kept] = _estimates(going.edges, zones, profile, inverse[kept], finest)
         sound[kept] = lawful & (estimate[kept] <= rtol)
         kept = kept[lawful & ~sound[kept]]
+        # Errors fall about as the tolerance, so that the ratio of the wanted to the found error is
+        # the next change of the rule.
         finer = HOPED_ERROR * rtol / estimate[kept]
         tolerances[kept] *= np.maximum(finer, tuning.FASTEST_REFINEMENT)
     return ContinuedZones(unknowns, estimate, sound, inverse, tolerances, steps, nodes)

@@ -36,6 +36,8 @@ def at_contact_edge(solutions: Sequence[Solution]) -> tuple[Array, Array]:
         Stress intensities at unit time [stress sqrt(length)], as `Solution.stress_intensity`.
     """
     rate, intensity = np.zeros(len(solutions)), np.zeros((len(solutions), 2))
+    # Answers of `Solution` one by one cost a set of panels each; solutions on like panels share
+    # them.
     like: dict[tuple, list[int]] = {}
     for i, solution in enumerate(solutions):
         if _shares(solution):
@@ -55,7 +57,9 @@ def at_contact_edge(solutions: Sequence[Solution]) -> tuple[Array, Array]:
 def _shares(solution: Solution) -> bool:
     """Return whether the fields of a solution can be evaluated along with those of others."""
     scene, load = solution.scene, solution.profile.fields.load
+    # The exact type: a law of a package may be a subclass whose strength depends on more.
     coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
+    # Families of solids have tables for loads that come everywhere at once, and no opening.
     return coulomb and not (load.frictionless or load.opened or load.slowness)
 
 
@@ -94,6 +98,7 @@ def _batches(solutions: Sequence[Solution], family: RayleighFamily) -> Iterator[
         for solution in solutions
     ]
     digits = 2 - np.log(tolerance)
+    # The count of nodes of `Plane._batches`: narrow gaps and fine rules need long panels.
     nodes = digits * (2 * digits - np.log(np.minimum(gap, 1.0)))
     panels = len(_edges(solutions[0].profile.fields.zones)) + 2
     hiding = family.hiding[: len(solutions)]
@@ -119,6 +124,7 @@ def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Ar
     profile = Profile(ZoneFields(family, common_load(scenes, unit), zones, rule))
     ones = Tractions(1.0, 1.0)
     unit_step = np.array([stress_intensity(s.material, ones, 1.0) for s in scenes])
+    # The sum with 0.0 turns -0.0 into 0.0.
     mode_one = scenes[0].superposition.taken_off.pressure * unit_step[:, 0] + 0.0
     if not profile.edge_slips:
         sheared = unit * profile.edge_intensity * unit_step[:, 1] + 0.0
@@ -126,6 +132,7 @@ def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Ar
     value = profile.rate_starts[-1] + profile.rate_integral.totals[-1]
     over = np.array([2 * unit / scene.material.shear_impedance for scene in scenes])
     friction = per_set(np.array([[scene.friction] for scene in scenes]))
+    # At a slipping edge the traction is s f p, and so are the singular parts: K_II = s f K_I.
     held = profile.panels.sense[-1] * friction * mode_one + 0.0
     return over * value, np.stack([mode_one, held], axis=1)
 

@@ -60,6 +60,7 @@ class Continuation:
     def __init__(self, scenes: Sequence[Scene], rtol: float) -> None:
         self.scenes, self.rtol = scenes, rtol
         self.friction = np.array([scene.friction for scene in scenes])
+        # One unit of stress for all scenes, so that their loads can stand in one array.
         self.unit = min((scaled_load(scene)[1] for scene in scenes), default=1.0)
         self.solutions: dict[int, Solution] = {}
         self.origin: dict[int, str] = {}
@@ -74,14 +75,19 @@ class Continuation:
         count = len(self.scenes)
         if not count:
             return
+        # Evenly spaced in the order of frictions, not in their values: a sweep that is dense
+        # somewhere is meant to be dense there.
         first = np.linspace(0, count - 1, min(count, tuning.FIRST_FRICTIONS)).round()
         for i in np.unique(first.astype(int)):
             self._solve(int(i))
+        # Each round fills what interpolates well, then tries zones known at both ends of each gap;
+        # where everything has been tried, `_proposed` solves the middle, so that the loop ends.
         while len(self.solutions) < count:
             self._interpolate()
             proposed = self._proposed()
             for edges, targets in proposed.items():
                 self._continue(edges, targets)
+            # Confirmed last and together: until then a gap may still close by computed neighbours.
             if len(self.solutions) + len(self.pending) == count:
                 self._confirm()
 
@@ -110,6 +116,8 @@ class Continuation:
         between: dict[Edges, list[int]] = {}
         for left, right, inside in self._gaps():
             edges = self._edges(left)
+            # What lies between equal zones probably has the same ones, and may fill up a batch
+            # below.
             if edges is not None and edges == self._edges(right):
                 between.setdefault(edges, []).extend(inside)
             fresh = [one for one in self._tries(left, right, inside) if one not in self.tried]
@@ -139,10 +147,13 @@ class Continuation:
             parts = 1
             if count > tuning.HALVED_GAP:
                 parts = min(tuning.TRIED_BETWEEN, -(-count // tuning.HALVED_GAP))
+            # The points tried divide the gap evenly and leave out its ends, which are known.
             step = count // (parts + 1)
             return [(at_left, left, tuple(inside[step :: step + 1][:parts]))]
         if count < tuning.LEAST_BESIDE_CHANGE:
             return []
+        # Somewhere in the gap zones change: each set is tried over the half beside its own end,
+        # from there inward.
         step, most = -(-count // (2 * tuning.TRIED_BESIDE_CHANGE)), tuning.TRIED_BESIDE_CHANGE
         offsets = [k * step - 1 for k in range(1, most + 1) if k * step <= count]
         from_left = tuple(inside[k] for k in offsets)
@@ -156,6 +167,8 @@ class Continuation:
         self.solutions[i] = solution
         fields = solution.profile.fields
         load = fields.load
+        # Without friction edges do not move with it, and beside an opening they depend on its ends,
+        # which the batches do not follow; such scenes are solved one by one.
         if solution.status == "converged" and not (load.frictionless or load.opened):
             edges, unknowns = edges_of(fields.factors, fields.zones)
             tolerance, estimate = fields.rule.tolerance, solution.error_estimate
@@ -172,6 +185,8 @@ class Continuation:
             start = np.array([self.zones[i].unknowns for i in chosen]).T.reshape(-1, len(chosen))
             inverse, slope = np.zeros((len(chosen), 0, 0)), start
             if edges.segments:
+                # The slope of the unknowns over friction, -J^-1 dF/df, makes a first prediction of
+                # first order where only one friction is known.
                 step = NUDGE * self.friction[chosen]
                 scenes = [self.scenes[i] for i in chosen]
                 beside = [
@@ -190,6 +205,7 @@ class Continuation:
         """Return the inverse Jacobian at a friction from the nearest of `nodes` that have one."""
         with_one = [j for j in nodes if self.zones[j].inverse is not None]
         place = bisect(with_one, i)
+        # The neighbours to the left and to the right; at the ends of the range there is one alone.
         pair = with_one[max(0, place - 1) : place + 1]
         if len(pair) == 1 or pair[0] == i:
             pair = pair[:1]
@@ -209,9 +225,12 @@ class Continuation:
         doubt, first = np.inf, known[0]
         if count == 1 and first.slope is not None:
             value = value + first.slope * (self.friction[i] - self.friction[stencil[0]])
+        # The doubt is the change by the last two nodes: polynomials one degree apart can agree by
+        # symmetry.
         elif count > 2:
             fewer = lagrange(self.friction[stencil[: count - 2]], self.friction[i])
             doubt = float(np.abs(value - fewer @ unknowns[: count - 2]).max(initial=0.0))
+        # Beyond, an edge is at its front to rounding; an extrapolation may go anywhere.
         value = np.clip(value, -FARTHEST, FARTHEST)
         return Prediction(value, self._inverse_near(nodes, i), doubt, first.tolerance)
 
@@ -240,6 +259,8 @@ class Continuation:
     def _add(self, i: int, known: KnownZones, steps: int, nodes: int, seconds: float) -> None:
         scene, edges = self.scenes[i], known.edges
         load, stress = scaled_load(scene)
+        # The fields are formed anew for the single friction: those of the batch hold all columns,
+        # and would keep the whole batch in memory.
         zones = edges.zones(known.unknowns)
         profile = Profile(ZoneFields(edges.factors, load, zones, rule_for(known.tolerance)))
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
@@ -257,6 +278,7 @@ class Continuation:
             if edges is None or edges != self._edges(right) or not inside:
                 continue
             stencil = self._stencil(left, right)
+            # The same nodes would give the same refusal again.
             if stencil and (left, *stencil) not in self.stencils:
                 self.stencils.add((left, *stencil))
                 self.pending.update(self._between(stencil, left, right, inside))
@@ -282,6 +304,8 @@ class Continuation:
             and self._edges(nodes[above + 1]) == edges
         ):
             above += 1
+        # A gap that borders on other zones hides a threshold, where edges go like a root of
+        # friction: no polynomial may reach across or up to it.
         if (below == place and left > 0) or (above == place + 1 and right < len(self.scenes) - 1):
             return []
         middle = (self.friction[left] + self.friction[right]) / 2

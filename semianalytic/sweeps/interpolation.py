@@ -53,16 +53,21 @@ def _in_edge(at: Array, unknowns: Array, to: Array) -> Array:
 
     They are smoother near thresholds, where edges move fast; NaN if that unknown is not monotone.
     """
+    # The stencil comes with the most central friction first; monotony is a matter of the order
+    # along the axis.
     order = np.argsort(at)
     which = int(np.argmax(np.ptp(unknowns, axis=0)))
     s = unknowns[:, which]
     steps = np.diff(s[order])
     if not (np.all(steps > 0) or np.all(steps < 0)):
         return np.full((len(to), unknowns.shape[1]), np.nan)
+    # A start from linear interpolation, then Newton's method for friction(s) = to with the
+    # polynomial friction(s).
     place = np.interp(to, at[order], s[order])
     nudge = tuning.INVERSION_NUDGE * float(np.ptp(s))
     for _ in range(tuning.INVERSION_STEPS):
         beside = np.stack([place, place + nudge, place - nudge])
+        # Differences from the central friction keep the digits that the subtraction below needs.
         now, up, down = lagrange(s, beside) @ (at - at[0])
         slope = (up - down) / (2 * nudge)
         place = place - (now - (to - at[0])) / np.where(slope == 0, np.nan, slope)
@@ -83,6 +88,8 @@ def interpolated(
     if not edges.segments:
         return np.zeros((len(to), 0)), np.full(len(to), noise)
     best, least = np.zeros((len(to), len(edges.segments))), np.full(len(to), np.inf)
+    # The sum of the absolute weights (Lebesgue's function) is the factor by which errors of the
+    # nodes may grow.
     amplified = np.maximum(1.0, np.abs(lagrange(at, to)).sum(axis=1) / SAFETY) * noise
     for through in (_in_friction, _in_edge):
         full, fewer, fewest = (
@@ -91,6 +98,8 @@ def interpolated(
         )
         both = _apart(edges, np.concatenate([full, fewer]), np.concatenate([fewer, fewest]))
         first, second = np.split(both, 2)
+        # Differences that fall fast, a geometric series, are bounded by the first of them; where
+        # they do not fall, the larger one is the only estimate there is.
         doubt = tuning.DOUBT * np.where(
             first < tuning.CONVERGING * second, first, np.maximum(first, second)
         )

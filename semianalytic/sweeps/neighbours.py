@@ -33,11 +33,15 @@ class Stencils:
         Polynomials one degree apart agree among symmetric neighbours, even if both are wrong.
         """
         points = np.arange(len(self.near))
+        # Too few neighbours for polynomials two degrees apart: the nearest value, with an error
+        # that nobody knows.
         if len(self.weights) < 3:
             nearest = np.zeros(self.weights.shape[1:])
             nearest[:, 0] = 1.0
             return Blends(self.near, nearest, np.full_like(nearest, np.nan))
         each = np.einsum("dtm,tme->dte", self.weights, known[self.near])
+        # apart[d] compares the degrees d and d + 2; the pair that differs least names both
+        # polynomials.
         apart = np.abs(each[2:] - each[:-2]).max(axis=-1, initial=0.0)
         lower = np.nan_to_num(apart, nan=np.inf).argmin(axis=0)
         return Blends(self.near, self.weights[lower + 2, points], self.weights[lower, points])
@@ -81,6 +85,8 @@ class Neighbourhood:
         """Return local polynomials around points (t, 2), by weighted least squares."""
         near = self.nearest(to, tuning.NEIGHBOURS)
         offset = self.places[near] - to[:, None]
+        # Offsets over the distance of the farthest neighbour lie in the unit disc, so that
+        # monomials of any degree stay comparable.
         radius = np.hypot(*np.moveaxis(offset, -1, 0)).max(axis=1)
         offset = offset / np.where(radius > 0, radius, 1.0)[:, None, None]
         x, y = np.moveaxis(offset, -1, 0)
@@ -90,14 +96,23 @@ class Neighbourhood:
             degree = len(degrees)
             if len(terms) + degree + 1 > near.shape[1] / tuning.NEIGHBOURS_PER_TERM:
                 break
+            # The monomials of the next degree: x times each of the last degree, and y times its
+            # last one, y^d.
             terms += [*(x * one for one in terms[-degree:]), y * terms[-1]]
             degrees.append(len(terms))
         distance = np.square(offset).sum(axis=-1)
+        # Near neighbours count more, by the inverse distance; the constant keeps one that coincides
+        # with the point from outweighing all others.
         own = 1 / np.sqrt(tuning.NEAREST_WEIGHT + distance)
         q, r = np.linalg.qr(np.stack(terms, axis=-1) * own[..., None])
         lower = np.swapaxes(r, 1, 2) + tuning.LEAST_PIVOT * np.eye(len(terms))
+        # The value at the point itself is the coefficient of the constant term, since offsets count
+        # from there.
         at_centre = np.zeros((len(to), len(terms), 1))
         at_centre[:, 0] = 1.0
         share = q * np.linalg.solve(lower, at_centre)[..., 0][:, None]
+        # With W A = Q R the weights are e_1^T R^-1 Q^T W; columns of Q add up term by term, and the
+        # partial sums at the ends of the degrees are the weights of the lower polynomials, at no
+        # further cost.
         weights = np.cumsum(share, axis=-1)[..., np.array(degrees) - 1] * own[..., None]
         return Stencils(near, np.ascontiguousarray(np.moveaxis(weights, -1, 0)))

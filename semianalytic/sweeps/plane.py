@@ -56,6 +56,8 @@ class Plane:
         friction = np.array([scene.friction for scene in scenes])
         both = np.stack([friction, ratio], axis=1)
         span = np.ptp(both, axis=0)
+        # Distances between points are taken in the unit square, whatever the ranges of friction and
+        # Poisson ratio.
         self.places = (both - both.min(axis=0)) / np.where(span > 0, span, 1.0)
         self.family = rayleigh_family(ratio)
         self.factors = {one: rayleigh_factors(one) for one in np.unique(ratio).tolist()}
@@ -75,12 +77,15 @@ class Plane:
 
         The pressure is least at the Rayleigh front, or falls at once at the contact edge.
         """
+        # Scenes that open are left to `solve`: under a negative step the pressure is minus infinity
+        # at the contact edge, under a positive one it is least at c_R.
         base, step = (part.pressure for part in self.scenes[0].superposition)
         change = traction_of(self.family, "I")(self.family.c)[:, 0]
         return np.asarray((step >= 0) & (base + step * change >= 0))
 
     def _lattices(self) -> Iterator[np.ndarray]:
         """Yield the points nearest to those of finer and finer lattices, and at last all others."""
+        # Points are nowhere asked to lie on a grid: the nearest ones to a lattice stand for it.
         left, spaces = np.ones(len(self.scenes), dtype=bool), tuning.FIRST_LATTICE - 1
         everywhere = Neighbourhood(self.places)
         while (spaces + 1) ** 2 < len(self.scenes):
@@ -89,6 +94,8 @@ class Plane:
             nearest = np.unique(everywhere.nearest(lattice, 1))
             yield nearest[left[nearest]]
             left[nearest] = False
+            # Each lattice contains the one before, so that most points are predicted from
+            # neighbours all around them and at half their distance.
             spaces *= 2
         yield np.flatnonzero(left)
 
@@ -113,6 +120,7 @@ class Plane:
         near = known[around.nearest(self.places[targets], tuning.CERTAIN_NEIGHBOURS)]
         result: dict[tuple[Pattern, bool], list[int]] = {}
         for i, indices in zip(targets, near.tolist(), strict=True):
+            # In the order of distance, each pattern once.
             patterns = list(dict.fromkeys(self.zones[j].pattern for j in indices))
             if rank < len(patterns) and fits(self._edges(patterns[rank], [i]), self.scenes[i]):
                 result.setdefault((patterns[rank], len(patterns) == 1), []).append(i)
@@ -147,6 +155,8 @@ class Plane:
         )
         keys = np.concatenate([[hiding], beyond, nearest])
         _, group = np.unique(keys, axis=1, return_inverse=True)
+        # Nodes of a panel are proportional to the digits of the rule times its length in y, which
+        # is that of the digits at both ends plus ln(1/gap) (docs/solver.md, "Quadrature").
         digits = 2 - np.log(rule)
         nodes = digits * (2 * digits - np.log(distances[2].min(axis=0, initial=1.0)))
         for one in range(group.max() + 1):
@@ -161,7 +171,11 @@ class Plane:
         known = [i for i, one in self.zones.items() if one.pattern == pattern]
         parts = [self.zones[i] for i in known], self.places[known]
         every = predicted(*parts, targets, self.places[targets], self.rtol)
+        # Where neighbours disagree on the zones, Coulomb's law is asked on the fine rule, which
+        # therefore decides which points may share a batch.
         rule = every.loose if certain else every.tolerance
+        # A prediction in greater doubt goes to the fine rule at once, where full Newton steps may
+        # still find the edges.
         led = np.flatnonzero(every.doubt < tuning.LEADING_DOUBT)
         left = [every[every.doubt >= tuning.LEADING_DOUBT]]
         for batch in self._batches(pattern, targets[led], every.unknowns[led], rule[led]):
@@ -180,6 +194,7 @@ class Plane:
         parts = zip(now, rules.tolist(), done.estimate[sound].tolist(), strict=True)
         found = [Followed(pattern, *each) for each in parts]
         self._keep(some.points[sound], found, INTERPOLATED, 1, done.nodes, seconds)
+        # What Coulomb's law has refuted has other zones and is not tried again with these.
         return done.approached[~(done.sound | done.refuted)]
 
     def _compute(self, pattern: Pattern, some: Predictions) -> None:
@@ -217,6 +232,7 @@ class Plane:
             )
             for batch in self._batches(pattern, which, unknowns, self.loose.tolerance):
                 sets, now = self._sets(pattern, which[batch]), unknowns[batch].T
+                # Zones without edges have no Jacobian, but are a footing all the same.
                 inverse = np.zeros((len(batch), 0, 0))
                 if len(now):
                     inverse, _ = linearised(sets, now, self.loose)

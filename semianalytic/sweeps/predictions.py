@@ -100,20 +100,31 @@ def predicted(
     values = np.array([one.unknowns for one in known])
     unknowns, doubt, shared = _between(Neighbourhood(at).stencils(places), values)
     footed = [(one, one.footing) for one in known if one.footing is not None]
+    # Points corrected on a loose rule have no Jacobian of their own: they predict edges, but only
+    # those from the fine rule predict inverse Jacobians.
     firm = np.array([one.footing is not None for one in known])
     stencils = Neighbourhood(at[firm]).stencils(places)
+    # Where shares are interpolated, so are the rows of the inverse Jacobian with respect to shares,
+    # by the chain rule; `back` returns to unknowns.
     slopes = np.where(shared, _share_slope(values), 1.0)
     scaled = np.array([footing.inverse for _, footing in footed]) * slopes[firm, :, None]
     back = np.where(shared, _share_slope(unknowns), 1.0)[..., None]
     inverse, others = (one / back for one in stencils.best(values[firm])(scaled))
     near = stencils.near[:, : tuning.CERTAIN_NEIGHBOURS]
+    # The median: a single neighbour on a very fine rule, beside a threshold, does not make all
+    # points around it expensive.
     tolerance = np.median(np.array([one.tolerance for one, _ in footed])[near], axis=1)
     nearest = near[:, : tuning.NEAREST_ESTIMATES]
+    # The largest error of the nearest neighbours is taken over: a point between them is not known
+    # better than they are.
     estimate = np.array([one.estimate for one, _ in footed])[nearest].max(axis=1)
     shift = np.array([footing.shift for _, footing in footed])[near].max(axis=1)
+    # What the estimate leaves for the error of a looser rule; a little is left in any case, so that
+    # the logarithm below exists.
     room = np.maximum(rtol - estimate, tuning.LEAST_ROOM * rtol)
     loose = np.maximum(_loose_enough(shift, room, rtol), tolerance)
     share = (loose / loose_tolerance(rtol)) ** tuning.LACK_ORDER
+    # On the fine rule itself nothing is lacking that the neighbours' estimates do not hold.
     lacking = np.where(loose > tolerance, SAFETY * shift * share, 0.0)
     return Predictions(
         points,
@@ -144,6 +155,8 @@ def _between(stencils: Stencils, values: Array) -> tuple[Array, Array, np.ndarra
         share = 1 / (1 + np.exp(-own))
         by_share = tuple(np.log(x / (1 - x)) for x in stencils.best(share)(share))
         apart = [_apart(*one) for one in (plain, by_share)]
+        # One choice for each edge, by the median over the points, so that rows of Jacobians from
+        # different points can be blended.
         shared[edge] = np.median(apart[1]) < np.median(apart[0])
         chosen, off = (by_share, apart[1]) if shared[edge] else (plain, apart[0])
         result[:, edge] = np.clip(np.nan_to_num(chosen[0][:, 0]), -FARTHEST, FARTHEST)
@@ -204,6 +217,7 @@ def corrected(
     """
     loosest = loose_tolerance(rtol)
     unknowns, inverse = predictions.unknowns.T.copy(), predictions.inverse.copy()
+    # Near predictions need no steps on the loosest rule: their first step is the chord step below.
     arrived = np.ones(len(predictions), dtype=bool)
     far = np.flatnonzero(predictions.doubt >= tuning.NEAR)
     if len(unknowns) and len(far):
@@ -212,6 +226,7 @@ def corrected(
         arrived[far] = left < np.inf
         inverse[far[left < np.inf]] = better[left < np.inf]
     nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse)
+    # The least tolerance of the batch serves all of its points, which share panels.
     fields, estimate = (
         sets.fields(unknowns, rule_for(float(predictions.loose.min()))),
         predictions.estimate,
@@ -221,6 +236,8 @@ def corrected(
         both = inverse, predictions.others
         unknowns, left = _stepped(sets, unknowns, fields, both, rtol - estimate)
         sound &= sets.edges.admits(unknowns)
+        # `left` is what the chord steps leave; the estimate held neighbours' errors and the lack of
+        # the rule.
         estimate = estimate + SAFETY * left
     law = tuning.LOOSE_CHECK * loosest
     if not certain:  # the law is asked of edges in their places
@@ -230,6 +247,8 @@ def corrected(
     profile = Profile(fields)
     lawful = admissible(profile, law)
     if not certain:
+        # Beside other zones a small one may lie between the nodes; where neighbours all agree,
+        # their own estimates hold it.
         estimate = estimate + missed_slip(profile)
     sound &= estimate <= rtol
     refuted = sound & ~lawful & (not certain)
@@ -246,6 +265,8 @@ def _stepped(
     values = fields.mismatch()
     move = -moves(inverse[0], values)
     size, apart = np.abs(move).max(axis=0), np.abs(move + moves(inverse[1], values))
+    # Two inverse Jacobians from two polynomials: their disagreement is the linear error of the
+    # step, and the square of the step stands for the curvature.
     unknowns, rest = start + move, np.maximum(apart, tuning.LEAST_LEFT * size) + np.square(size)
     left = shift_error(sets.edges, unknowns, unknowns + rest, fields)
     agreed = apart.max(axis=0, initial=0.0) <= tuning.MOST_DISAGREEMENT * size
@@ -259,6 +280,7 @@ def _stepped(
         fields = some.fields(unknowns[:, again], fields.rule)
         move = -moves(inverse[0][again], fields.mismatch())
         unknowns[:, again] += move
+        # The steps form a geometric series: what is left is the last move times its ratio.
         share = np.abs(move).max(axis=0) / size[again]
         rest, size[again] = move * np.minimum(1.0, share), size[again] * share
         left[again] = shift_error(some.edges, unknowns[:, again], unknowns[:, again] + rest, fields)

@@ -249,6 +249,8 @@ def sweep(
         raise SceneError(f"friction must be one-dimensional, got the shape {given.shape}.")
     values = _numbers("friction", given)
     ratios = np.broadcast_to(_numbers("Poisson ratio", ratio), values.shape)
+    # Sorted by Poisson ratio, then friction, each pair once; `place` leads back to the order asked
+    # for.
     points, place = np.unique(np.stack([ratios, values]), axis=1, return_inverse=True)
     solutions, origin = _solved(scene, points, rtol)
     place = np.ravel(place)
@@ -283,6 +285,8 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
     coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
     # tables of many solids at once are those of loads that come at once
     coulomb = coulomb and not scene.front_slowness
+    # With many frictions for each Poisson ratio, following them one ratio at a time is faster than
+    # in the plane.
     scattered = len(scenes) < tuning.FRICTIONS_ALONE * len(materials)
     runs: list[Any] = []
     if coulomb and scattered and len(materials) > 1 and len(scenes) >= tuning.FEWEST_IN_PLANE:
@@ -290,6 +294,7 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
 
         runs.append(Plane(scenes, rtol))
     else:
+        # Where the Poisson ratio changes in the sorted list, a new continuation begins.
         bounds = [0, *(np.flatnonzero(np.diff(points[0])) + 1), len(scenes)]
         runs += [Continuation(scenes[start:stop], rtol) for start, stop in pairwise(bounds)]
     solutions: list[Solution] = []

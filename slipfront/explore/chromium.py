@@ -6,11 +6,29 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+
+
+@contextmanager
+def served_page() -> Iterator[str]:
+    """Run ``slipfront explore`` in a process of its own, and yield the address of its page."""
+    command = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
+    arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        try:
+            yield server.stdout.readline().split()[1]
+        finally:
+            # also after an error of the caller, who would otherwise wait for a server without end
+            server.terminate()
+        assert server.wait(30) == 143  # that of SIGTERM, among the exit codes of the commands
 
 
 class Browser:

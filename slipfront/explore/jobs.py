@@ -33,7 +33,7 @@ class Moment(NamedTuple):
 
     @property
     def query(self) -> str:
-        """What the address adds to that of the scene, ``&time=0.4&picture=displacement``."""
+        """The part of the address after that of the scene, ``&time=0.4&picture=displacement``."""
         said = {"time": f"{self.share:.6g}", "picture": self.of}
         usual = {"time": "1", "picture": SPEED}
         return "".join(f"&{urlencode({k: v})}" for k, v in said.items() if v != usual[k])

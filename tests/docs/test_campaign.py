@@ -94,14 +94,14 @@ def test_it_goes_on_where_it_was(tmp_path, monkeypatch):
 
 def test_answers_are_held_against_better_ones(tmp_path, monkeypatch):
     """Rows are kept, what is raised is told, and what is spoilt is seen."""
-    rows = answers.run_answers(tmp_path, 3, answers.SEED)
-    assert [row.index for row in rows] == [0, 1, 2]
+    rows = answers.run_answers(tmp_path, 2, answers.SEED)
+    assert [row.index for row in rows] == [0, 1]
     asked = [getattr(row, name) for row in rows for name in answers.QUANTITIES]
     ratios = [ratio for ratio in asked if ratio == ratio]
-    assert len(ratios) > 20
+    assert len(ratios) > 13
     assert max(ratios) < 1
     lines = answers.summary(rows)
-    assert lines[0].result == "3"
+    assert lines[0].result == "2"
 
     def spoilt(scene, rtol):
         friction = scene.friction * (1 + 1e-3 * (rtol > 1e-7))
@@ -112,7 +112,7 @@ def test_answers_are_held_against_better_ones(tmp_path, monkeypatch):
     monkeypatch.setattr(answers, "solve", lambda *_, **__: 1 / 0)
     assert answers.answer_row(answers.SEED, 1).outcome == "raised ZeroDivisionError"
     monkeypatch.setattr(answers, "answer_row", None)
-    again = answers.run_answers(tmp_path, 3, answers.SEED)
+    again = answers.run_answers(tmp_path, 2, answers.SEED)
     assert [row.outcome for row in again] == [row.outcome for row in rows]
 
 

@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 import pytest
+from catalogue import solved
 from rich.console import Console
 
 import compare.studies.stability.fem
@@ -37,7 +38,6 @@ from docs.studies.accuracy.fem_loads import (
     stuck_rows,
 )
 from fem import load_simulation
-from semianalytic import solve
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import MissingLibraryError
 from semianalytic.scene.loads import Ramp
@@ -46,7 +46,7 @@ from slipfront.cli import commands as cli
 
 
 def test_errors_of_the_exact_profile_are_zero():
-    solution = solve(NAMED_SCENES["preloaded"].scene)
+    solution = solved(NAMED_SCENES["preloaded"].scene)
     exact = solution.slip_rate(PROFILE, 1.0)
     errors = profile_errors(solution, exact, 1.01 * exact)
     assert errors.last == 0
@@ -130,7 +130,7 @@ def test_elements_and_damping_have_a_row_each(monkeypatch):
 @pytest.mark.slow
 def test_default_mesh_and_three_meshes_reach_what_is_promised():
     """At most 0.3 % in L1 with defaults, 0.1 % on the next mesh, and of first order or better."""
-    solution, errors = solve(NAMED_SCENES["preloaded"].scene), []
+    solution, errors = solved(NAMED_SCENES["preloaded"].scene), []
     for resolution in (50, 100, 200):
         profile = last_profile(simulated("preloaded", resolution, every=10**6))
         errors.append(profile_errors(solution, profile, profile).last)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.output.tables import append_rows, sound_rows, started_rows
@@ -32,7 +33,7 @@ from docs.studies.judge.tables import (
 )
 from docs.studies.judge.trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_trials
 from docs.studies.pages import read_data
-from semianalytic import Answer, CoulombFriction, SlipWeakening, march, solve
+from semianalytic import Answer, CoulombFriction, SlipWeakening, march
 from semianalytic.cut.load import contact_opens
 from semianalytic.scene.named import find_scene
 from tests.catalogue import REMOTE, SHOCK, over, unit_scene
@@ -70,7 +71,7 @@ def test_draws_reach_all_kinds_of_step():
 
 def test_openings_open_from_the_edge_and_ahead_and_steps_do_not():
     scenes = [draw(OPENINGS, np.random.default_rng([1, index])).scene for index in range(12)]
-    inner = [solve(scene).openings[0].inner for scene in scenes]
+    inner = [solved(scene).openings[0].inner for scene in scenes]
     assert {speed > 0 for speed in inner} == {True, False}
     assert {scene.load.shear == 0 for scene in scenes} == {True, False}
     steps = [draw(STEPS, np.random.default_rng([1, index])).scene for index in range(60)]
@@ -89,7 +90,7 @@ def test_histories_weaken_with_slip_if_at_all():
 @pytest.mark.thinned(12)
 @over("exact", without="thin")
 def test_a_profile_is_told_from_its_solution_by_digits_only(problem):
-    right = solve(problem.scene)
+    right = solved(problem.scene)
     table, speed = profiled(right), problem.scene.material.shear_speed
     for field in ("slip_rate", "slip", "shear_traction", "pressure"):
         assert effect(field, table, right, speed * X, np.array([0.7, 1.0])) < 1e-4
@@ -100,7 +101,7 @@ def test_a_profile_is_told_from_its_solution_by_digits_only(problem):
 
 
 def test_slip_of_a_bent_profile_is_the_integral_of_its_rate():
-    bent = wrong("c_R +0.5 %", solve(find_scene("preloaded")))
+    bent = wrong("c_R +0.5 %", solved(find_scene("preloaded")))
     t = np.linspace(0.0, 1.0, 4001)
     for x in (0.1, 0.5, 0.95):
         integral = np.trapezoid(bent.slip_rate(x, t), t)
@@ -108,7 +109,7 @@ def test_slip_of_a_bent_profile_is_the_integral_of_its_rate():
 
 
 def test_friction_ratio_and_base_are_those_of_another_scene():
-    right = solve(unit_scene(0.3, (1.0, 0.1), (0.0, 1.0)))
+    right = solved(unit_scene(0.3, (1.0, 0.1), (0.0, 1.0)))
     assert wrong("friction +3 %", right).scene.friction == pytest.approx(0.309)
     assert wrong("friction -3 %", right, 2.0).scene.friction == pytest.approx(0.282)
     assert wrong("ν -0.01", right).scene.material.poisson_ratio == pytest.approx(1 / 3 - 0.01)
@@ -125,7 +126,7 @@ def test_a_marched_answer_is_marched_again():
 
 @pytest.mark.parametrize("sign", ["+", "-"])
 def test_an_edge_is_moved_and_its_neighbours_are_not(sign):
-    right = solve(find_scene("preloaded"))
+    right = solved(find_scene("preloaded"))
     bent = wrong(f"edge {sign}2 %", right)
     share = {"+": 1.02, "-": 0.98}[sign]
     (_, end), (start, outer) = ((zone.start, zone.end) for zone in bent.zones_at(1.0))
@@ -137,7 +138,7 @@ def test_an_edge_is_moved_and_its_neighbours_are_not(sign):
 
 def test_the_rayleigh_front_is_moved():
     scene = find_scene("auxetic")
-    speed, right = scene.material.rayleigh_speed, solve(scene)
+    speed, right = scene.material.rayleigh_speed, solved(scene)
     x = speed * np.linspace(0.98, 1.02, 2001)
     place = x[np.argmin(right.slip_rate(x, 1.0))]
     moved = x[np.argmin(wrong("c_R +0.5 %", right).slip_rate(x, 1.0))]
@@ -146,7 +147,7 @@ def test_the_rayleigh_front_is_moved():
 
 
 def test_the_second_zone_is_left_out_or_reversed():
-    right = solve(find_scene("preloaded"))
+    right = solved(find_scene("preloaded"))
     zone = right.zones[1]
     inside = (zone.inner < X) & (zone.outer > X)
     for name, factor, senses in (("no second zone", 0, [1]), ("second zone reversed", -1, [1, -1])):
@@ -163,7 +164,7 @@ def test_the_second_zone_is_left_out_or_reversed():
 
 
 def test_late_and_backward_answers():
-    right = solve(find_scene("preloaded"))
+    right = solved(find_scene("preloaded"))
     table = profiled(right)
     late, back = wrong("a step late", right), wrong("all slip reversed", right)
     np.testing.assert_array_equal(late.slip_rate(X, 1.0), table.slip_rate(X, 0.99))
@@ -176,27 +177,27 @@ def test_late_and_backward_answers():
 
 
 def test_the_articles_algorithm_is_far_off():
-    right = solve(SHOCK)
+    right = solved(SHOCK)
     for name in ("signs as printed", "article's algorithm"):
         assert effect("slip_rate", wrong(name, right), right, X, np.ones(1)) > 1
 
 
 def test_mistakes_that_make_no_sense_are_not_made():
-    stuck, free = solve(unit_scene(2.0, **REMOTE)), solve(unit_scene(0.0))
+    stuck, free = solved(unit_scene(2.0, **REMOTE)), solved(unit_scene(0.0))
     for name in ("edge +2 %", "no second zone", "slot held"):
         assert wrong(name, stuck) is None
     assert wrong("friction +3 %", free) is None
     assert wrong("base shear forgotten", free) is None
     assert wrong("article's algorithm", free) is None
     assert wrong("edge +2 %", march(find_scene("ramp"), 1.0, 50)) is None
-    assert wrong("ν +0.01", solve(unit_scene(nu=0.495))) is None
+    assert wrong("ν +0.01", solved(unit_scene(nu=0.495))) is None
 
 
 @pytest.mark.thinned(9)
 @over("witness", "exact", without="stuck")
 def test_spoilt_answers_answer_all_questions(problem, monkeypatch):
     monkeypatch.setattr(spoils, "_HELD_NODES", 40)
-    right = solve(problem.scene)
+    right = solved(problem.scene)
     for spoil in SPOILS:
         answer: Answer | None = spoilt(spoil, right, WINDOW)
         if answer is None:
@@ -214,7 +215,7 @@ def test_spoilt_answers_answer_all_questions(problem, monkeypatch):
 def test_a_held_slot_matters_beside_it_only():
     far, near = find_scene("pressure-drop"), find_scene("preloaded")
     for scene, least, most in ((far, 0.0, 0.02), (near, 0.4, 0.7)):
-        right, held = solve(scene), held_slot(scene, 200)
+        right, held = solved(scene), held_slot(scene, 200)
         exact = right.slip_rate(held.velocity, 1.0)
         off = np.abs(held.slip_rate - exact).sum() / np.abs(exact).sum()
         assert least <= off < most
@@ -227,7 +228,7 @@ class Searched(judge_trials._Trial):
     """A trial in which a mistake of a share has an effect of two bars, whatever the verdict."""
 
     def __init__(self, share, verdict):
-        self.__dict__.update(right=solve(find_scene("preloaded")), window=WINDOW)
+        self.__dict__.update(right=solved(find_scene("preloaded")), window=WINDOW)
         self.__dict__.update(share=share, verdict=verdict)
 
     def outcome(self, answer):
@@ -395,7 +396,7 @@ def test_power_scenes_differ():
     scenes = power_scenes()
     assert len({repr(scene) for scene in scenes.values()}) == len(scenes) >= 15
     assert not all(scene.is_self_similar for scene in scenes.values())
-    assert sum(len(solve(one).zones) > 1 for one in scenes.values() if one.is_self_similar) >= 4
+    assert sum(len(solved(one).zones) > 1 for one in scenes.values() if one.is_self_similar) >= 4
     assert {one.friction == 0 for one in scenes.values()} == {True, False}
 
 

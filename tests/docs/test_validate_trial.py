@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
@@ -11,7 +12,6 @@ from compare.validation import bars, grids, validate
 from docs.studies.validate import power, study
 from docs.studies.validate.cases import RIGHT, WRONG, cases
 from docs.studies.validate.writers import written_case
-from semianalytic import solve
 from semianalytic.scene.named import find_scene
 
 EVERY = 9
@@ -88,7 +88,7 @@ def test_files_of_the_trial_are_judged_rightly(tmp_path):
 
 def recorded(cells):
     scene, t = find_scene("preloaded"), np.linspace(0.0, 1.0, 201)
-    history = solve(scene).history(np.array([0.1, 0.25, 0.5]), t)
+    history = solved(scene).history(np.array([0.1, 0.25, 0.5]), t)
     values = {name: getattr(history, name) for name in ("slip_rate", "slip")}
     return power.Recorded(
         "tried", "steps", "fem", scene, (cells,), ({"t": t, "x": history.x, **values},)

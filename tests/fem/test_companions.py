@@ -1,4 +1,4 @@
-"""The same run on coarser meshes, carried by a simulation and kept in its file."""
+"""Companions: runs on coarser meshes, carried by a simulation and kept in its file."""
 
 from dataclasses import fields, replace
 

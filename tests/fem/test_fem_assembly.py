@@ -96,7 +96,7 @@ def test_edge_node_owns_half_an_element_of_slot_and_of_contact():
 @every_element
 @pytest.mark.parametrize("lower", [False, True])
 def test_assembly_by_shapes_is_that_of_every_element(element, pattern, lower):
-    """As scikit-fem does it, with vector-valued shape functions on one block after the other."""
+    """Assemble by scikit-fem, with vector-valued shape functions on one block after the other."""
     space = block(element, pattern, lower=lower)
     materials = {"upper": Material(1.0, 2.0, 0.2), "lower": Material(4.0, 3.0, -0.3)}
     materials = {name: materials[name] for name in space.mesh.subdomains}

@@ -1,4 +1,4 @@
-"""What UGUCA takes for a sheet of the league, with set-up and stepping told apart.
+"""Seconds of UGUCA on sheets of the league, with set-up and stepping told apart.
 
 ``python -m docs.studies.peers.league DEFAULT FAST`` writes docs/data/peers-league.csv.  DEFAULT and
 FAST are folders with a program each, `sheet CELLS [once]`, built with the flags that UGUCA gives

@@ -30,7 +30,7 @@ MEGA = 1e6
 
 @dataclass(frozen=True)
 class Station:
-    """What both codes say at one station: differences are relative, in L1 over 12 s."""
+    """The differences of both codes at one station, relative, in L1 over 12 s."""
 
     kilometres: float
     slip: float

@@ -227,7 +227,7 @@ def _ways(one: Recorded) -> Iterator[Recorded]:
 
 @dataclass(frozen=True)
 class Tried:
-    """What was said of one set of records; `mistake` is "" of right ones.
+    """The verdict on one set of records; `mistake` is "" where they are right.
 
     `changed` has, for each of `VARIANTS`, whether a row differs and the bar of slip.
     """

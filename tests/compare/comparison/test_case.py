@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from catalogue import solved
 from compare_cases import sampled_run, simulated
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,7 +14,6 @@ from compare.comparison.judgement import side_by_side
 from compare.comparison.judging import mesh_changes
 from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import predict_like
-from semianalytic import solve
 from semianalytic.scene.named import find_scene
 
 PRELOADED = find_scene("preloaded")
@@ -41,8 +41,8 @@ def test_differences_end_at_the_first_mesh_that_does_not_show_a_value(values, ch
 
 @pytest.mark.slow
 def test_bars_shrink_with_the_mesh():
-    """Of a simulation at h = 1/30 and at h = 1/60."""
-    solution = solve(PRELOADED)
+    """Bars of a simulation at h = 1/30 and at h = 1/60."""
+    solution = solved(PRELOADED)
     coarse, fine = (
         {row.name: row for row in judge(solution, simulated(PRELOADED, n)).rows} for n in (30, 60)
     )
@@ -65,7 +65,7 @@ def test_bars_shrink_with_the_mesh():
 
 def test_rounding_is_no_difference():
     """Pressure that is that of the base throughout, to twelve digits on each mesh."""
-    solution = solve(PRELOADED)
+    solution = solved(PRELOADED)
     rows = {row.name: row for row in judge(solution, rounded(sampled_run(solution, 40))).rows}
     pressure = rows["pressure, L1"]
     assert 0 < pressure.difference < 1e-11
@@ -82,7 +82,7 @@ def rounded(run):
 
 
 def test_without_a_coarser_mesh_a_row_says_so():
-    solution = solve(PRELOADED)
+    solution = solved(PRELOADED)
     rows = judge(solution, sampled_run(solution, resolution=12, companions=0)).rows
     reasons = [row.obstacle for row in rows if row.kind == "slip"]
     assert set(reasons) == {"no coarser mesh was run, so that it has no error bar"}
@@ -90,7 +90,7 @@ def test_without_a_coarser_mesh_a_row_says_so():
 
 @pytest.mark.slow
 def test_wear_is_the_answers_own_where_it_has_any_and_else_summed_over_the_times():
-    run = sampled_run(solve(PRELOADED), resolution=40, times=200)
+    run = sampled_run(solved(PRELOADED), resolution=40, times=200)
     x, end = run.interface.x, run.end_time
     own = {}
     for method in ("self-similar", "space-time"):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from catalogue import solved
 from compare_cases import SELF_SIMILAR, Spoilt, differing, named, sampled_run, simulated
 from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
@@ -13,7 +14,7 @@ from compare.comparison.judgement import mesh_sentence
 from compare.comparison.rows import ALARM, Row
 from compare.comparison.scales import slip_rate_scale
 from fem import simulate
-from semianalytic import Material, Scene, Solution, Tractions, solve
+from semianalytic import Material, Scene, Solution, Tractions
 from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.named import NAMED_SCENES, find_scene, override_scene
 
@@ -28,7 +29,7 @@ ORDINARY = {
 }
 """The scenes of issue 14 that were judged wrongly."""
 THIN = {"f = 0.1", "f = 0.15", "ν = 0.45", "steel"}
-"""Those with a gap far narrower than four elements of any mesh."""
+"""Ordinary scenes with a gap far narrower than four elements of any mesh."""
 
 
 def end_time(scene):
@@ -37,7 +38,7 @@ def end_time(scene):
 
 @pytest.fixture(scope="module")
 def solution():
-    return solve(PRELOADED)
+    return solved(PRELOADED)
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +82,7 @@ move by much of what they enclose."""
 @pytest.mark.thinned(12)
 @pytest.mark.parametrize("name", SELF_SIMILAR)
 def test_a_run_without_error_agrees_with_nothing_but_rounding(name):
-    solution = solve(NAMED_SCENES[name].scene)
+    solution = solved(NAMED_SCENES[name].scene)
     judgement = judge(solution, sampled_run(solution))
     assert judgement.verdict == "agrees"
     unresolved = {row.name: row.obstacle for row in judgement.having("unresolved")}
@@ -96,7 +97,7 @@ def test_a_run_without_error_agrees_with_nothing_but_rounding(name):
 def test_the_mesh_that_an_unresolved_part_asks_for_resolves_it():
     """Nothing of a run without error is unresolved twice for the same reason."""
     for name in ("remote-shock", "lift-off-shear"):
-        solution = solve(NAMED_SCENES[name].scene)
+        solution = solved(NAMED_SCENES[name].scene)
         first = judge(solution, sampled_run(solution))
         named_meshes = [
             row.resolution for row in first.having("unresolved") if "wide" in row.obstacle
@@ -110,7 +111,7 @@ def test_the_mesh_that_an_unresolved_part_asks_for_resolves_it():
 
 def check_ordinary(name, resolution):
     scene = ORDINARY[name]
-    judgement = judge(solve(scene), simulated(scene, resolution, end_time(scene)))
+    judgement = judge(solved(scene), simulated(scene, resolution, end_time(scene)))
     assert differing(judgement) == []
     assert judgement.verdict == "agrees"
     assert judgement.counts["agrees"] >= 10
@@ -147,7 +148,7 @@ def test_a_zone_edge_of_the_simulation_is_what_it_shows():
     scene = ORDINARY["f = 0.15"]
     run = simulated(scene, 40)
     (zone,) = [zone for zone in run.zones_at(run.end_time) if zone.end > 0.1]
-    rows = named(judge(solve(scene), run))
+    rows = named(judge(solved(scene), run))
     outer, inner = rows["zone 1, outer edge"], rows["zone 2, inner edge"]
     assert outer.exact == pytest.approx(0.93226, abs=1e-5)
     assert inner.exact == pytest.approx(0.93279, abs=1e-5)
@@ -208,7 +209,7 @@ def test_a_difference_is_between_what_is_read_off_both(fair):
 @pytest.mark.parametrize("friction", [0.25, 0.31])
 def test_another_prediction_moves_nothing_of_the_simulation(fair, coarse, friction):
     """Fronts are read in windows that depend on it; the part of the map that differs is of both."""
-    other = named(judge(solve(override_scene(PRELOADED, friction=friction)), coarse))
+    other = named(judge(solved(override_scene(PRELOADED, friction=friction)), coarse))
     moved = 0
     for name, row in named(fair).items():
         if row.kind in ("arrival", "local") or name == "other sense, part of map":
@@ -224,7 +225,7 @@ def test_bars_come_from_the_simulation():
     here it has one wide zone, narrow only at first."""
     scenes = [override_scene(PRELOADED, friction=friction) for friction in (1.0, 1.02)]
     run = simulated(scenes[0], 40)
-    fair, other = (named(judge(solve(scene), run)) for scene in scenes)
+    fair, other = (named(judge(solved(scene), run)) for scene in scenes)
     compared = 0
     for name, row in fair.items():
         if row.kind in ("arrival", "local") or "(x, t)" in name:
@@ -272,16 +273,16 @@ def test_bars_come_from_the_simulation():
 )
 @settings(max_examples=3, deadline=None, phases=(Phase.explicit, Phase.generate))
 def test_units_do_not_matter(friction, resolution, modulus, density, stress, time):
-    """The same run in other units is judged alike, to the digits that rounding leaves."""
+    """A run in other units is judged alike, to the digits that rounding leaves."""
     run = simulated(override_scene(PRELOADED, friction=friction), resolution)
-    plain = judge(solve(run.scene), run)
+    plain = judge(solved(run.scene), run)
     scene = Scene(
         Material(modulus, density, run.scene.material.poisson_ratio),
         friction,
         Tractions(stress, 0.0),
         Tractions(0.0, stress),
     )
-    other = judge(solve(scene), rescaled(run, scene, time))
+    other = judge(solved(scene), rescaled(run, scene, time))
     assert [row.verdict for row in other.rows] == [row.verdict for row in plain.rows]
     for one, row in zip(plain.rows, other.rows, strict=True):
         assert (one.name, one.unit, one.resolution) == (row.name, row.unit, row.resolution)

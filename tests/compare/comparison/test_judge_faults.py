@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 from compare_cases import differing, named, simulated
 
 from compare import judge
@@ -15,7 +16,7 @@ from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.own_rows import own_rows
 from docs.studies.judge.faults import FAULTS
 from fem import simulate, with_companions
-from semianalytic import Material, Scene, Tractions, solve
+from semianalytic import Material, Scene, Tractions
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.named import find_scene, override_scene
 
@@ -113,7 +114,7 @@ class TestSlipThatIsLittleOfWhatDrivesIt:
 
     @pytest.mark.slow
     def test_a_third_more_slip_differs(self):
-        other = judge(solve(replace(self.SCENE, friction=0.2)), simulated(self.SCENE, 100))
+        other = judge(solved(replace(self.SCENE, friction=0.2)), simulated(self.SCENE, 100))
         assert other.verdict == "differs"
 
 
@@ -245,7 +246,7 @@ class TestLevelsThatAreStoredFarApart:
     @pytest.mark.parametrize("name", ["preloaded", "viscous"])
     def test_faults_are_caught_all_the_same(self, name, every):
         scene = find_scene(name)
-        run, right = with_companions(simulate(scene, resolution=40, every=every)), solve(scene)
+        run, right = with_companions(simulate(scene, resolution=40, every=every)), solved(scene)
         assert judge(right, run).verdict == "agrees"
         faults = {fault.name: fault.make(run) for fault in FAULTS}
         assert judge(right, faults["slip × 1.05"]).verdict != "agrees"
@@ -258,13 +259,15 @@ class TestLevelsThatAreStoredFarApart:
     def test_nothing_differs_where_slip_passes_in_less_than_a_step(self, name, every):
         scene = find_scene(name)
         run = with_companions(simulate(scene, resolution=32, every=every))
-        assert differing(judge(solve(scene), run)) == []
+        assert differing(judge(solved(scene), run)) == []
 
     def test_a_front_that_no_level_shows_is_unresolved(self):
         """At the first level that is stored the P wave has left the record."""
         scene = find_scene("pressure-drop")
         run = simulate(scene, resolution=16, every=40)
-        rows = {row.name: row for row in arrival_rows(Case(solve(scene), run, run.interface, None))}
+        rows = {
+            row.name: row for row in arrival_rows(Case(solved(scene), run, run.interface, None))
+        }
         fronts = [row for name, row in rows.items() if name.startswith("P front")]
         assert fronts
         for row in fronts:
@@ -278,12 +281,12 @@ class TestSimulationsAtFault:
     @pytest.mark.thinned(12)
     @pytest.mark.parametrize("fault", FAULTS[:-1], ids=lambda fault: fault.name)
     def test_it_differs(self, run, fault):
-        judgement = judge(solve(PRELOADED), fault.make(run))
+        judgement = judge(solved(PRELOADED), fault.make(run))
         assert judgement.verdict == "differs"
 
     @pytest.mark.slow
     def test_a_pressure_that_no_coarser_mesh_has_does_not_agree_where_nothing_slips(self):
-        right, run = solve(find_scene("tap")), simulated(find_scene("tap"), 100)
+        right, run = solved(find_scene("tap")), simulated(find_scene("tap"), 100)
         assert judge(right, run).verdict == "agrees"
         (fault,) = [one for one in FAULTS if one.name == "pressure × 1.02"]
         wrong = fault.make(run)
@@ -299,18 +302,18 @@ class TestSimulationsAtFault:
         values[3, 5] = np.nan
         spoilt = replace(run, interface=replace(run.interface, **{field: values}))
         with pytest.raises(DataFileError, match=f"holds a {field.replace('_', ' ')} that is not"):
-            judge(solve(PRELOADED), spoilt)
+            judge(solved(PRELOADED), spoilt)
 
     def test_so_is_a_companion(self, run):
         values = np.full_like(run.companion.final_path, np.inf)
         spoilt = replace(run, companion=replace(run.companion, final_path=values))
         with pytest.raises(DataFileError, match="resolution 30 holds a final path"):
-            judge(solve(PRELOADED), spoilt)
+            judge(solved(PRELOADED), spoilt)
 
     @pytest.mark.slow
     def test_any_field_of_one_node_counts_wherever_it_is(self, run):
         """A tenth more at one node and time that nothing else happens at."""
-        right = solve(PRELOADED)
+        right = solved(PRELOADED)
         for place in (0.15, 0.25):
             node = int(np.argmin(np.abs(run.interface.x - place)))
             for field in ("slip", "slip_rate", "shear_traction", "pressure"):
@@ -322,7 +325,7 @@ class TestSimulationsAtFault:
     @pytest.mark.slow
     @pytest.mark.parametrize("factor", [0.9, 1.1])
     def test_fields_of_the_finest_run_alone_do_not_hide_behind_their_own_bars(self, run, factor):
-        right = solve(PRELOADED)
+        right = solved(PRELOADED)
         for field in ("slip_rate", "slip", "shear_traction", "pressure"):
             values = factor * getattr(run.interface, field)
             spoilt = replace(run, interface=replace(run.interface, **{field: values}))

@@ -3,12 +3,13 @@
 import math
 
 import pytest
+from catalogue import solved
 from compare_cases import differing, named, sampled_run, simulated
 
 from compare import judge
 from compare.comparison.prediction import method_of, predict_like, seconds_of
 from fem import simulate
-from semianalytic import Material, Scene, SceneError, SlipWeakening, Tractions, solve
+from semianalytic import Material, Scene, SceneError, SlipWeakening, Tractions
 from semianalytic.scene.named import find_scene, override_scene
 
 PRELOADED = find_scene("preloaded")
@@ -16,7 +17,7 @@ PRELOADED = find_scene("preloaded")
 
 @pytest.fixture(scope="module")
 def solution():
-    return solve(PRELOADED)
+    return solved(PRELOADED)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +58,7 @@ def test_a_march_of_a_self_similar_scene_is_judged_too(coarse, solution):
 def test_what_a_march_misses_makes_its_rows_unresolved():
     """Slip next to the edge within less than a cell: its answer of "no slip" is not believed."""
     scene = override_scene(PRELOADED, friction=20.0)
-    run = sampled_run(solve(scene), resolution=40)
+    run = sampled_run(solved(scene), resolution=40)
     marched = predict_like(run, "space-time")
     assert marched.caution
     judgement = judge(marched, run)
@@ -68,7 +69,7 @@ def test_what_a_march_misses_makes_its_rows_unresolved():
             assert marched.caution.startswith(reason)
             assert reason
             assert row.resolution == math.ceil(times * run.resolution)
-    assert judge(solve(scene), run).case.caution == ""
+    assert judge(solved(scene), run).case.caution == ""
 
 
 @pytest.mark.slow

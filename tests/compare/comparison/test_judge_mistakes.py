@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 from compare_cases import Spoilt, differing, named, sampled_run, simulated
 
 from compare import judge
 from compare.comparison.bars import error_bar
-from semianalytic import solve
 from semianalytic.scene.named import find_scene, override_scene
 
 PRELOADED = find_scene("preloaded")
@@ -16,7 +16,7 @@ PRELOADED = find_scene("preloaded")
 
 @pytest.fixture(scope="module")
 def solution():
-    return solve(PRELOADED)
+    return solved(PRELOADED)
 
 
 @pytest.fixture(scope="module")
@@ -29,8 +29,8 @@ def coarse():
 def test_friction_of_a_third_is_told_from_that_of_three_tenths():
     """The example of issue 14, at the default resolution."""
     run = simulated(PRELOADED, 100)
-    assert judge(solve(PRELOADED), run).verdict == "agrees"
-    other = judge(solve(override_scene(PRELOADED, friction=0.31)), run)
+    assert judge(solved(PRELOADED), run).verdict == "agrees"
+    other = judge(solved(override_scene(PRELOADED, friction=0.31)), run)
     assert other.verdict == "differs"
     assert "slip, L1" in differing(other)
 
@@ -45,7 +45,7 @@ def test_friction_of_a_third_is_told_from_that_of_three_tenths():
     ],
 )
 def test_predictions_of_another_scene_differ(coarse, other, row):
-    judgement = judge(solve(find_scene(other)), coarse)
+    judgement = judge(solved(find_scene(other)), coarse)
     assert judgement.verdict == "differs"
     assert row in differing(judgement)
 
@@ -129,7 +129,7 @@ def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, 
 
 
 def test_slip_where_none_is_predicted_differs():
-    stuck = solve(find_scene("stuck"))
+    stuck = solved(find_scene("stuck"))
     run = sampled_run(stuck)
     meshes = [run, run.companion, run.companion.companion]
     coarser = None
@@ -143,7 +143,7 @@ def test_slip_where_none_is_predicted_differs():
 
 
 def test_a_stuck_interface_has_no_onset_and_no_zone():
-    stuck = solve(find_scene("stuck"))
+    stuck = solved(find_scene("stuck"))
     rows = named(judge(stuck, sampled_run(stuck)))
     assert not [name for name in rows if name.startswith(("zone", "onset", "unpredicted"))]
     largest = rows["slip rate, largest"]

@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
+from catalogue import solved
 
 import compare
 import fem.budget
@@ -32,7 +33,6 @@ from semianalytic import (
     SceneError,
     SlipWeakening,
     Tractions,
-    solve,
 )
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.named import find_scene, override_scene
@@ -65,7 +65,7 @@ def pace(monkeypatch):
 def gap_scene(friction):
     """A scene with a gap between two zones of one sense, wider the more friction there is."""
     scene = override_scene(find_scene("preloaded"), friction=friction)
-    return solve(scene), scene
+    return solved(scene), scene
 
 
 def gap_width(solution):
@@ -86,7 +86,7 @@ its width over c_t T."""
 @pytest.mark.parametrize("name", SELF_SIMILAR)
 def test_named_scenes_get_the_mesh_that_their_narrowest_part_asks_for(name):
     scene = find_scene(name)
-    choice = choose_mesh(solve(scene), scene)
+    choice = choose_mesh(solved(scene), scene)
     assert choice.unresolved == ()
     if name in NARROWEST:
         part, width = NARROWEST[name]
@@ -100,9 +100,9 @@ def test_named_scenes_get_the_mesh_that_their_narrowest_part_asks_for(name):
 
 def test_a_smaller_budget_leaves_the_second_zone_of_the_remote_shock_unresolved():
     scene = find_scene("remote-shock")
-    finest = choose_mesh(solve(scene), scene, snapshots=True, budget=10 * DEFAULT_BUDGET)
+    finest = choose_mesh(solved(scene), scene, snapshots=True, budget=10 * DEFAULT_BUDGET)
     assert finest.unresolved == ()
-    choice = choose_mesh(solve(scene), scene, snapshots=True, budget=0.8 * finest.seconds)
+    choice = choose_mesh(solved(scene), scene, snapshots=True, budget=0.8 * finest.seconds)
     (zone,) = choice.unresolved
     part, width = NARROWEST["remote-shock"]
     assert zone.name == part
@@ -294,7 +294,7 @@ def test_what_cannot_be_is_refused(options, sentence):
 @pytest.mark.thinned(30)
 @over("exact")
 def test_every_exact_scene_gets_a_mesh(problem):
-    choice = choose_mesh(solve(problem.scene), problem.scene)
+    choice = choose_mesh(solved(problem.scene), problem.scene)
     assert cost(problem.scene, resolution=choice.resolution).memory == choice.memory
     assert choice.seconds <= DEFAULT_BUDGET or choice.resolution <= USUAL
     for unseen in choice.unresolved:
@@ -307,7 +307,7 @@ def test_units_of_a_scene_do_not_matter():
     steel = replace(scene, material=Material(80e9, 7800.0, scene.material.poisson_ratio))
     end_time = 1 / steel.material.shear_speed
     budget = choose_mesh(solution, scene, resolution=140).seconds
-    chosen = choose_mesh(solve(steel), steel, end_time, budget=budget)
+    chosen = choose_mesh(solved(steel), steel, end_time, budget=budget)
     expected = choose_mesh(solution, scene, budget=budget)
     assert (chosen.resolution, chosen.needed) == (expected.resolution, expected.needed)
     assert chosen.unresolved[0].name == expected.unresolved[0].name
@@ -374,4 +374,4 @@ def test_the_choice_is_a_public_name():
 
 def test_a_scene_without_a_load_gets_the_usual_mesh():
     still = replace(find_scene("stuck"), load=Tractions(0.0, 0.0))
-    assert choose_mesh(solve(still), still).resolution == USUAL
+    assert choose_mesh(solved(still), still).resolution == USUAL

@@ -5,12 +5,12 @@ import math
 from dataclasses import replace
 
 import pytest
+from catalogue import solved
 from compare_cases import sampled_run, simulated
 
 from compare import judge
 from compare.comparison.documents import edge_state, json_text, solution_document
 from compare.comparison.report import report_document, write_report
-from semianalytic import solve
 from semianalytic.scene.named import find_scene, override_scene
 
 PRELOADED = find_scene("preloaded")
@@ -24,7 +24,7 @@ FIELDS = {
 def thin_gap():
     """A judgement with rows of all but one verdict: the gap is narrower than the mesh sees."""
     scene = override_scene(PRELOADED, friction=0.15)
-    return judge(solve(scene), simulated(scene, 40))
+    return judge(solved(scene), simulated(scene, 40))
 
 
 def strict(text):
@@ -61,8 +61,8 @@ def test_an_unresolved_row_says_in_the_document_why_and_what_would_do(thin_gap):
 @pytest.mark.slow
 def test_no_value_is_null_where_there_is_none(thin_gap):
     """No bar without companions, no value where a zone is missing: null and not NaN."""
-    run = sampled_run(solve(PRELOADED), resolution=14, companions=0)
-    document = strict(json_text(report_document(judge(solve(PRELOADED), run), "")))
+    run = sampled_run(solved(PRELOADED), resolution=14, companions=0)
+    document = strict(json_text(report_document(judge(solved(PRELOADED), run), "")))
     assert document["verdict"] == "unresolved"
     bars = {row["kind"] == "law": set() for row in document["rows"]}
     for row in document["rows"]:
@@ -71,7 +71,7 @@ def test_no_value_is_null_where_there_is_none(thin_gap):
     assert None not in bars[True]  # what a run has to hold by itself needs no companions
     assert document["finite_elements"]["companions"] == []
     stuck = replace(run, interface=replace(run.interface, slip_rate=0 * run.interface.slip_rate))
-    rows = strict(json_text(report_document(judge(solve(PRELOADED), stuck), "")))["rows"]
+    rows = strict(json_text(report_document(judge(solved(PRELOADED), stuck), "")))["rows"]
     edges = [row for row in rows if row["kind"] == "zone edge"]
     assert edges
     assert {row["simulated"] for row in edges} == {row["difference"] for row in edges} == {None}
@@ -87,7 +87,7 @@ def test_predictions_that_are_no_solution_are_described_by_their_class():
         def __getattr__(self, name):
             return getattr(self._solution, name)
 
-    solution = solve(PRELOADED)
+    solution = solved(PRELOADED)
     judgement = judge(Told(solution), sampled_run(solution, resolution=40))
     document = report_document(judgement, "")
     assert (document["method"], document["semianalytic"]) == ("Told", None)
@@ -96,7 +96,7 @@ def test_predictions_that_are_no_solution_are_described_by_their_class():
 
 @pytest.mark.slow
 def test_whole_interface_slipping_is_compared_too():
-    solution = solve(override_scene(find_scene("remote-shock"), friction=0.5))
+    solution = solved(override_scene(find_scene("remote-shock"), friction=0.5))
     assert judge(solution, sampled_run(solution)).verdict == "agrees"
     document = solution_document(solution)
     assert document["zones"][-1]["outer"] is None
@@ -104,8 +104,8 @@ def test_whole_interface_slipping_is_compared_too():
 
 
 def test_edge_state_and_intensities():
-    stuck = solve(find_scene("stuck"))
-    assert edge_state(solve(PRELOADED)) == "slipping"
+    stuck = solved(find_scene("stuck"))
+    assert edge_state(solved(PRELOADED)) == "slipping"
     assert edge_state(stuck) == "stuck"
     intensity = solution_document(stuck)["edge"]["stress_intensity_at_unit_time"]
     material = stuck.scene.material

@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 
 import pytest
+from catalogue import solved
 from compare_cases import sampled_run
 
 from compare import judge
@@ -12,7 +13,7 @@ from compare.comparison.documents import march_document, solution_document
 from compare.comparison.measures import norm, relative_error
 from compare.comparison.report import report_document
 from compare.comparison.scales import reference_values
-from semianalytic import Material, Scene, SlipWeakening, Tractions, march, solve
+from semianalytic import Material, Scene, SlipWeakening, Tractions, march
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import scene_document, scene_from_document
@@ -48,7 +49,7 @@ def without_unit(document, units, path=""):
 
 @pytest.mark.parametrize("name", ["preloaded", "stuck", "remote-shock", "auxetic"])
 def test_every_number_of_a_solution_has_a_unit(name):
-    document = solution_document(solve(find_scene(name)), end_time=0.5)
+    document = solution_document(solved(find_scene(name)), end_time=0.5)
     assert list(without_unit(document, document["units"])) == []
     assert document["units"]["edge"]["slip_rate"] == "length/time"
     assert document["units"]["until_end_time"]["accumulated_slip"] == "length^2"
@@ -64,7 +65,7 @@ def test_every_number_of_a_march_has_a_unit(name):
 
 
 def test_every_number_of_a_report_has_a_unit():
-    solution = solve(STEEL)
+    solution = solved(STEEL)
     run = sampled_run(solution, resolution=60, end_time=1e-4)
     document = report_document(judge(solution, run), "steel")
     rows = document.pop("rows")
@@ -78,7 +79,7 @@ def test_every_number_of_a_report_has_a_unit():
 
 
 def test_no_two_rows_of_a_report_have_one_name():
-    solution = solve(find_scene("preloaded"))
+    solution = solved(find_scene("preloaded"))
     names = [row.name for row in judge(solution, sampled_run(solution, resolution=60)).rows]
     assert len(set(names)) == len(names)
 
@@ -89,7 +90,7 @@ def test_values_of_rows_are_what_their_units_say():
 
     The rows leave out the first 2 % of c_t T: there slip and work per area are nearly even.
     """
-    solution, end_time = solve(STEEL), 1e-4
+    solution, end_time = solved(STEEL), 1e-4
     run = sampled_run(solution, resolution=100, end_time=end_time)
     rows = {row.name: row for row in judge(solution, run).rows}
     speed, rate = STEEL.material.shear_speed, 2e6 / math.sqrt(80e9 * 7800.0)
@@ -155,7 +156,7 @@ def test_tables_say_units(tmp_path, capsys, monkeypatch):
 
 
 def test_norms_over_space_and_time():
-    """Of x t over a unit square: 1/4 in L1 and 1/3 in L2, off by the trapezoidal rule alone."""
+    """Norms of x t over a unit square: 1/4 in L1, 1/3 in L2, off by the trapezoidal rule alone."""
     import numpy as np
 
     x = t = np.linspace(0, 1, 201)

@@ -32,9 +32,9 @@ EACH = pytest.mark.parametrize(
     "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW)) for one in CATALOGUE]
 )
 LEAST_APART = 15.0
-"""Of curves and marks of one form, in CIELAB; just seen side by side is 2.3."""
+"""Least distance of curves and marks of one form in CIELAB; side by side 2.3 is just seen."""
 LEAST_FILLS_APART = 8.0
-"""Of areas, which are larger."""
+"""Least distance of areas, which are larger."""
 LEAST_CONTRAST = 3.0
 """WCAG 2.2, of graphical objects."""
 FACTS = {

@@ -4,6 +4,7 @@ from io import BytesIO
 
 import numpy as np
 import pytest
+from catalogue import solved
 from matplotlib import rcParams
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
@@ -22,7 +23,6 @@ from semianalytic import (
     SceneError,
     find_scene,
     fringes,
-    solve,
 )
 
 SCENES = ("preloaded", "tap", "antiplane")
@@ -30,7 +30,7 @@ SCENES = ("preloaded", "tap", "antiplane")
 
 @pytest.fixture(scope="module", params=SCENES)
 def solution(request):
-    return solve(find_scene(request.param))
+    return solved(find_scene(request.param))
 
 
 def names_of(solution):
@@ -38,11 +38,11 @@ def names_of(solution):
 
 
 def test_fronts_of_scenes_are_all_named():
-    assert names_of(solve(find_scene("preloaded"))) == [
+    assert names_of(solved(find_scene("preloaded"))) == [
         "P", "S", "plane S", "head wave", "Mach front",
     ]  # fmt: skip
-    assert names_of(solve(find_scene("antiplane"))) == ["S", "plane S"]
-    assert names_of(solve(find_scene("pressure-drop"))) == [
+    assert names_of(solved(find_scene("antiplane"))) == ["S", "plane S"]
+    assert names_of(solved(find_scene("pressure-drop"))) == [
         "P", "S", "plane P", "head wave", "Mach front",
     ]  # fmt: skip
 
@@ -74,10 +74,10 @@ def test_slope_of_velocity_breaks_at_head_waves_and_mach_fronts(solution):
 
 
 def test_moving_parts_are_those_of_the_interface():
-    (opening,) = moving_parts(solve(find_scene("tap")), 2.0)
+    (opening,) = moving_parts(solved(find_scene("tap")), 2.0)
     assert opening.kind == "open"
     assert opening.covers(2 * 0.9325)
-    first, second = moving_parts(solve(find_scene("preloaded")), 1.0)
+    first, second = moving_parts(solved(find_scene("preloaded")), 1.0)
     assert (first.kind, first.start) == ("slip", 0.0)
     assert second.covers(1.0)
 
@@ -108,7 +108,7 @@ def test_every_quantity_has_a_label_and_a_value(solution):
 
 
 def test_values_are_those_of_the_fields():
-    solution = solve(find_scene("preloaded"))
+    solution = solved(find_scene("preloaded"))
     scene, x, y = solution.scene, np.array([0.4, -0.5]), np.array([0.2, -0.3])
     stress, velocity = solution.stress(x, y, 1.0), solution.velocity(x, y, 1.0)
     for name, expected in (
@@ -126,7 +126,7 @@ def test_values_are_those_of_the_fields():
 
 
 def test_antiplane_shear_stress_is_that_along_z():
-    solution = solve(find_scene("antiplane"))
+    solution = solved(find_scene("antiplane"))
     rows = solution.stress(0.4, 0.2, 1.0)
     shown = find_quantity("max-shear", solution.scene)
     seen = shown.at(solution, np.array([0.4]), np.array([0.2]), 1.0)
@@ -140,7 +140,7 @@ def test_unknown_quantities_are_refused(name, words):
 
 
 def test_picture_of_a_window_has_square_cells(tmp_path):
-    solution = solve(find_scene("preloaded"))
+    solution = solved(find_scene("preloaded"))
     quantity = find_quantity("speed", solution.scene)
     figure = field_figure(solution, quantity, 1.0, (-1.0, 1.0, 0.0, 0.5), 40)
     (image,) = figure.axes[0].get_images()
@@ -155,7 +155,7 @@ def test_picture_of_a_window_has_square_cells(tmp_path):
 def test_animation_has_a_frame_for_each_time(tmp_path):
     from PIL import Image
 
-    solution = solve(find_scene("preloaded"))
+    solution = solved(find_scene("preloaded"))
     quantity = find_quantity("speed", solution.scene)
     picture, shown = FieldPicture(solution, quantity, reach(solution, 1.0), 10, 1.0), []
     path = tmp_path / "film.gif"
@@ -173,7 +173,7 @@ def test_animation_has_a_frame_for_each_time(tmp_path):
 
 @pytest.mark.slow
 def test_frames_of_a_film_lie_on_one_another():
-    solution = solve(find_scene("tap"))
+    solution = solved(find_scene("tap"))
     quantity = find_quantity("pressure", solution.scene)
     picture = FieldPicture(solution, quantity, reach(solution, 1.0), 10, 1.0)
     place, colours = picture.panel.get_position(), picture.panel.get_images()[0].get_clim()
@@ -189,7 +189,7 @@ def test_interrupted_animation_leaves_nothing(tmp_path):
     def interrupt(done, frames):
         raise KeyboardInterrupt
 
-    solution = solve(find_scene("preloaded"))
+    solution = solved(find_scene("preloaded"))
     quantity = find_quantity("speed", solution.scene)
     picture = FieldPicture(solution, quantity, reach(solution, 1.0), 10, 1.0)
     with pytest.raises(KeyboardInterrupt):
@@ -208,7 +208,7 @@ def film(tmp_path, monkeypatch):
         program.chmod(0o755)
         monkeypatch.setitem(rcParams, "animation.ffmpeg_path", str(program))
         check_format("mp4")
-        solution = solve(find_scene("antiplane"))
+        solution = solved(find_scene("antiplane"))
         quantity = find_quantity("vz", solution.scene)
         picture = FieldPicture(solution, quantity, reach(solution, 1.0), 6, 1.0)
         path = tmp_path / "films" / "film.mp4"
@@ -246,7 +246,7 @@ def test_a_missing_ffmpeg_is_one_sentence(monkeypatch):
 def test_few_colours_keep_those_of_the_senses():
     """A line on a picture of many colours is rare, and says which way it slips."""
     scene = find_scene("auxetic")
-    picture = field_figure(solve(scene), find_quantity("max-shear", scene), 1.0, points=60)
+    picture = field_figure(solved(scene), find_quantity("max-shear", scene), 1.0, points=60)
     with Image.open(BytesIO(figure_png(picture, dpi=80))) as packed:
         pixels = np.asarray(packed.convert("RGB"), dtype=float).reshape(-1, 3)
     for sense in ("slip", "reverse slip"):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 from compare_cases import SELF_SIMILAR, sampled_run
 from matplotlib.figure import Figure
 from matplotlib.image import imread
@@ -23,14 +24,14 @@ from compare.figures.saving import save_figure
 from compare.figures.snapshots import snapshot_figure
 from compare.figures.style import scene_words
 from fem import simulate
-from semianalytic import RateWeakening, solve
+from semianalytic import RateWeakening
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.named import NAMED_SCENES
 
 
 @pytest.fixture(scope="module", params=SELF_SIMILAR)
 def case(request):
-    solution = solve(NAMED_SCENES[request.param].scene)
+    solution = solved(NAMED_SCENES[request.param].scene)
     return solution, sampled_run(solution, resolution=50).interface
 
 
@@ -110,7 +111,7 @@ def test_figures_draw_into_axes_of_others(case):
 @pytest.mark.slow
 def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
     scene = NAMED_SCENES["preloaded"].scene
-    mirrored = solve(type(scene)(scene.material, 0.3, scene.base, type(scene.load)(0.0, -1.0)))
+    mirrored = solved(type(scene)(scene.material, 0.3, scene.base, type(scene.load)(0.0, -1.0)))
     history = sampled_run(mirrored, resolution=50).interface
     upper, _ = slip_rate_figure(mirrored, history).axes
     assert "reverse slip" in [text.get_text() for text in upper.get_legend().get_texts()]
@@ -120,7 +121,7 @@ def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
 
 @pytest.mark.slow
 def test_what_is_open_is_shaded_named_and_drawn():
-    solution = solve(NAMED_SCENES["lift-off-shear"].scene)
+    solution = solved(NAMED_SCENES["lift-off-shear"].scene)
     run = sampled_run(solution, resolution=50)
     upper, _ = slip_rate_figure(solution, run.interface).axes
     assert [text.get_text() for text in upper.get_legend().get_texts()][-1] == "open"
@@ -135,7 +136,7 @@ def test_what_is_open_is_shaded_named_and_drawn():
     )
     sense, *_ = figures["sense"](case).axes
     assert sense.collections[0].get_array().max() == 2
-    closed = solve(NAMED_SCENES["preloaded"].scene)
+    closed = solved(NAMED_SCENES["preloaded"].scene)
     assert "gap" not in comparison_figures(side_by_side(closed, sampled_run(closed, 50)))
 
 
@@ -206,7 +207,7 @@ def test_symbols_of_neighbouring_waves_keep_to_their_own_side(case):
 @pytest.mark.parametrize("method", ["self-similar", "space-time"])
 def test_a_prediction_is_drawn_finer_than_the_nodes(method):
     """And agrees there with what is compared."""
-    run = sampled_run(solve(NAMED_SCENES["preloaded"].scene), resolution=25)
+    run = sampled_run(solved(NAMED_SCENES["preloaded"].scene), resolution=25)
     case = side_by_side(predict_like(run, method), run)
     nodes = case.at_nodes
     x, slip_rate = curve(case.prediction, float(nodes.x[-1]), float(nodes.t[-1]))
@@ -217,7 +218,7 @@ def test_a_prediction_is_drawn_finer_than_the_nodes(method):
 
 
 def test_a_prediction_that_is_no_solution_has_the_figures_that_need_none():
-    run = sampled_run(solve(NAMED_SCENES["preloaded"].scene), resolution=25)
+    run = sampled_run(solved(NAMED_SCENES["preloaded"].scene), resolution=25)
     by_method = {
         method: set(comparison_figures(side_by_side(predict_like(run, method), run)))
         for method in ("self-similar", "space-time")
@@ -233,7 +234,7 @@ def test_a_prediction_that_is_no_solution_has_the_figures_that_need_none():
 @pytest.mark.slow
 def test_snapshot_figure_shows_both_bodies_exact_simulated_and_the_difference(tmp_path):
     scene = NAMED_SCENES["lift-off-shear"].scene  # the two bodies move differently
-    solution, run = solve(scene), simulate(scene, resolution=20, snapshots=tmp_path, frames=1)
+    solution, run = solved(scene), simulate(scene, resolution=20, snapshots=tmp_path, frames=1)
     errors = field_errors(solution, run, tmp_path)
     figure = snapshot_figure(errors, run)
     exact, seen, difference = (panel.images[0] for panel in figure.axes[:3])

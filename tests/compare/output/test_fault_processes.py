@@ -22,7 +22,7 @@ from slipfront.cli.commands import main
 from slipfront.cli.endings.interruption import INTERRUPTION
 
 PATIENCE = 120
-"""Of a test for a process that should end at once [s]; longer is a failure."""
+"""Time that a test waits for a process that should end at once [s]; longer is a failure."""
 
 WRITER = """
 import sys

@@ -64,6 +64,7 @@ def test_friction_three_per_cent_off_differs(code, coarser):
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
+        (["README.md"], 3, ["line"]),
         (["uguca/preloaded/200.csv"], 0, ["Verdict: agrees"]),
         (["uguca-friction-3-percent-off.csv"], 1, ["Verdict: differs"]),
         (["sem2dpack/preloaded/160.csv"], 0, ["Verdict: agrees"]),
@@ -79,7 +80,6 @@ def test_friction_three_per_cent_off_differs(code, coarser):
             0,
             ["tension is positive", "--pressure tension"],
         ),
-        (["README.md"], 3, ["line"]),
         (["nothing.csv"], 3, ["does not exist"]),
         (["uguca/preloaded/200.csv", "--column", "x"], 2, ["--column must be"]),
     ],

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 
 from compare.records.record import Stated, Unit
 from compare.validation import Conventions, validate
 from compare.validation.bars import MEAN_NOISE, Bar, noise_mean, pooled_bar
 from compare.validation.data import as_runs
-from semianalytic import solve
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import find_scene
 
@@ -20,7 +20,7 @@ NAMES = ("slip_rate", "slip", "shear_traction", "pressure")
 @pytest.fixture(scope="module")
 def exact():
     t, x = np.linspace(0.0, 1.0, 401), np.array([0.1, 0.25, 0.5])
-    history = solve(SCENE).history(x, t)
+    history = solved(SCENE).history(x, t)
     return {"t": t, "x": x, **{name: getattr(history, name) for name in NAMES}}
 
 

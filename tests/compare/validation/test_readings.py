@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 
 from compare.records.record import Stated, Unit
 from compare.validation import Conventions, validate
 from compare.validation.data import as_runs
 from compare.validation.readings import settings_of
 from compare.validation.validation import CONVERTED
-from semianalytic import Material, Pulse, Scene, Tractions, march, solve
+from semianalytic import Material, Pulse, Scene, Tractions, march
 from semianalytic.scene.errors import DataFileError, SceneError, TensionError
 from semianalytic.scene.named import find_scene
 
@@ -32,7 +33,7 @@ LAB = {"x": 1e-3, "t": 1e-6, "slip": 1e-6, "slip_rate": 1.0, "shear_traction": 1
 
 def recorded(scene, end=1.0, levels=121):
     t, x = np.linspace(0.0, end, levels), PLACES * end * scene.material.shear_speed
-    history = solve(scene).history(x, t)
+    history = solved(scene).history(x, t)
     return {"t": t, "x": x, **{name: getattr(history, name) for name in NAMES}}
 
 
@@ -177,7 +178,7 @@ def test_changes_under_a_load_from_afar_are_those_of_what_is_on_the_contact_with
 
 def test_means_over_steps_are_inferred_or_stated():
     t, x = np.linspace(0.0, 1.0, 41), PLACES
-    solution = solve(PRELOADED)
+    solution = solved(PRELOADED)
     slip = solution.slip(x, t[:, None])
     rate = np.diff(slip, axis=0, prepend=0.0) / (t[1] - t[0])
     data = {"t": t, "x": x, "slip_rate": rate, "slip": slip}

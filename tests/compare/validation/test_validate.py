@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 
 from compare.records.record import Records
 from compare.validation import Conventions, validate
 from docs.studies.validate.power import SPOILS, history_arrays
-from semianalytic import Material, Scene, Tractions, march, solve
+from semianalytic import Material, Scene, Tractions, march
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.named import find_scene
 
@@ -20,7 +21,7 @@ NAMES = ("slip_rate", "slip", "shear_traction", "pressure")
 
 @pytest.fixture(scope="module")
 def solution():
-    return solve(PRELOADED)
+    return solved(PRELOADED)
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +132,7 @@ def test_one_face_is_right_in_shear_and_unresolved_under_pressure(exact):
     half = changed(exact, slip=0.5, slip_rate=0.5)
     assert judged(half, slip="face").verdict == "agrees"
     scene = find_scene("remote-shock")
-    data = changed(recorded(solve(scene), TIMES, exact["x"]), slip=0.5, slip_rate=0.5)
+    data = changed(recorded(solved(scene), TIMES, exact["x"]), slip=0.5, slip_rate=0.5)
     rows = [
         row for row in judged(data, scene, slip="face").rows if row.kind in ("slip", "slip rate")
     ]
@@ -213,7 +214,7 @@ NARROW = Scene(
     ("cells", "verdict"), [(100, "unresolved"), (60, "unresolved"), (2000, "differs")]
 )
 def test_what_no_grid_shows_is_not_told_by_their_difference(cells, verdict):
-    data = recorded(solve(NARROW), np.linspace(0.0, 1.0, 801), np.array([0.1, 0.25, 0.95]))
+    data = recorded(solved(NARROW), np.linspace(0.0, 1.0, 801), np.array([0.1, 0.25, 0.95]))
     for name in ("slip", "slip_rate"):
         data[name][:, 2] = 0.0
     found = validate([data, data], NARROW, spacing=[2 / cells, 1 / cells])

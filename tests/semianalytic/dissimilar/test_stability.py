@@ -1,23 +1,11 @@
 """`sliding_stability`: verdicts, units, exchange of the bodies, and what is refused."""
 
-import doctest
-
 import numpy as np
 import pytest
 from dissimilar_pairs import ALUMINIUM_ON_STEEL, GOUGE_ON_ROCK, PAIRS, ROCK, RUBBER_ON_STEEL
 
 import slipfront as sf
 from semianalytic import Material, SceneError
-from semianalytic.dissimilar import stability
-from semianalytic.dissimilar_slot import solver
-
-
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("module", [stability, solver])
-def test_examples_of_docstrings_run(module):
-    result = doctest.testmod(module)
-    assert result.attempted >= 3
-    assert result.failed == 0
 
 
 def test_verdicts():

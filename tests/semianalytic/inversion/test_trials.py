@@ -29,7 +29,7 @@ def silent(quantity, x=0.37, **place):
 
 
 def differences(trial, number, step):
-    """Of misfits, to the fourth order (Richardson)."""
+    """Derivatives of misfits by differences, to the fourth order (Richardson)."""
 
     def central(h):
         moved = np.zeros(len(trial.start))

@@ -24,7 +24,7 @@ UNIT = Material(1.0, 1.0, 1 / 3)
 STEEL = Material(80e9, 7800.0, 0.29)
 CHIS = (0.0, 1e-3, 0.5, 1.0, 7.0)
 SHARES = (1e-4, 0.3, 0.999)
-"""Of the way from the contact edge to the front, or from there to the shear wave."""
+"""Shares of the way from the contact edge to the front, or from there to the shear wave."""
 
 
 def on_slip(chi, u, share=lambda v: 1):

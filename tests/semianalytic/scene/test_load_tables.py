@@ -7,16 +7,9 @@ from semianalytic import SceneError, Tabulated, find_scene
 SCENE = """
 friction = 0.3
 {units}
-[material]
-shear_modulus = 80e9
-density = 7800.0
-poisson_ratio = 0.29
-[base]
-pressure = 5e6
-shear = 0.0
-[load]
-pressure = 0.0
-shear = {shear}
+material = {{shear_modulus = 80e9, density = 7800.0, poisson_ratio = 0.29}}
+base = {{pressure = 5e6, shear = 0.0}}
+load = {{pressure = 0.0, shear = {shear}}}
 [shear_history]
 kind = "tabulated"
 file = "{file}"

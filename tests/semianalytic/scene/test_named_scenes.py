@@ -1,5 +1,6 @@
 """Scenes by name, from TOML files and with overrides."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +10,12 @@ from pint import UnitRegistry
 import slipfront as sf
 from semianalytic import (
     CoulombFriction,
+    Harmonic,
     Material,
+    Ramp,
     RateWeakening,
     Scene,
+    SlipWeakening,
     Tractions,
     ViscousFriction,
 )
@@ -24,6 +28,7 @@ from semianalytic.scene.named import (
     read_scene,
     scene_label,
 )
+from semianalytic.scene.scene import scene_document, scene_from_document
 
 STEEL = """
 friction = 0.4
@@ -59,6 +64,8 @@ def test_default_scene_is_constant_pressure_and_sudden_shear():
     assert scene.friction * scene.base.pressure / scene.load.shear == pytest.approx(0.3)
     assert scene.material.poisson_ratio == pytest.approx(1 / 3)
     assert scene.load.pressure == scene.base.shear == 0
+    assert find_scene("ramp").shear_history == Ramp(0.5)
+    assert find_scene("harmonic").shear_history == Harmonic(3.0)
 
 
 @pytest.mark.parametrize(("name", "ratio"), [("remote-shock", 1.25), ("stuck", 2.0)])
@@ -113,6 +120,29 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
         ("friction = 0.4", "friction = ", "not a valid TOML file"),
         ("[base]", "[base]  # once\n[base]", r"the table \[base\] twice"),
         ("friction = 0.4", "friction = \n[[a]]\n[[a]]", "not a valid TOML file"),
+        *(
+            ("friction = 0.4", f"friction = 0.4\n{line}", named)
+            for line, named in (
+                ('shear_history = {kind = "sawtooth"}', "kind must be one of step, ramp"),
+                ('shear_history = {kind = "ramp"}', "kind ramp needs rise_time"),
+                ('shear_history = {kind = "ramp", rise_time = -1.0}', "0 or more, got -1.0"),
+                ('shear_history = {kind = "ramp", rise = 1.0}', "kind ramp has no 'rise'"),
+                ('shear_history = {kind = "pulse", duration = nan}', "must be a positive number"),
+                (
+                    'shear_history = {kind = "tabulated", t = [1, 0], value_at_t = [0, 1]}',
+                    "must start at 0 or later and not decrease",
+                ),
+                ('shear_histories = {kind = "step"}', "did you mean shear_history"),
+                (
+                    'friction_law = {kind = "rate-weakening", reduction = 2, rate = 1}',
+                    "between 0 and 1",
+                ),
+                (
+                    'friction_law = {kind = "rate-weakening", reduction = 1, rate = 1e-8}',
+                    "faster than radiation can balance",
+                ),
+            )
+        ),
     ],
 )
 def test_a_faulty_file_is_named_with_the_key(steel, old, new, named):
@@ -121,6 +151,24 @@ def test_a_faulty_file_is_named_with_the_key(steel, old, new, named):
     with pytest.raises(SceneError, match=named) as caught:
         read_scene(path)
     assert str(path) in str(caught.value)
+
+
+def test_histories_and_laws_are_tables_of_a_file(steel):
+    _, rewrite = steel
+    tables = """friction = 0.4
+shear_history = {kind = "tabulated", t = [0, 1, 2], value_at_t = [0, 1, 0]}
+friction_law = {kind = "slip-weakening", reduction = 0.5, distance = 0.2}
+"""
+    scene = read_scene(rewrite("friction = 0.4", tables))
+    assert scene.shear_history.value(0.5) == 0.5
+    assert scene.friction_law == SlipWeakening(0.5, 0.2)
+    assert scene_from_document(scene_document(scene)) == scene
+
+
+@pytest.mark.parametrize("named", NAMED_SCENES.values(), ids=list(NAMED_SCENES))
+def test_documents_of_scenes_come_back(named):
+    text = json.dumps(scene_document(named.scene))
+    assert scene_from_document(json.loads(text)) == named.scene
 
 
 def test_a_value_in_place_of_a_table_is_refused(tmp_path):

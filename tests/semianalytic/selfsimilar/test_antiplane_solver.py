@@ -20,7 +20,7 @@ from semianalytic.reference.known_answers import closed_form
 from semianalytic.regimes import regime
 
 SHARES = np.array([1e-3, 0.1, 0.5, 0.9, 0.97])
-"""Of the speed of the zone's edge."""
+"""Shares of the speed of the zone's edge."""
 
 
 def antiplane(friction, base=(1.0, 0.0), load=(0.0, 1.0), **parts):

@@ -37,7 +37,7 @@ def random_weak_scenes(count, seed=5):
 
 @pytest.mark.parametrize("nu", [-0.5, 0.0])
 def test_gaps_shrink_to_where_a_frictionless_interface_changes_sense(nu):
-    """As wide as 4 f p / (pi m |V'|), and off by no more than a few widths."""
+    """Gaps are 4 f p / (pi m |V'|) wide, and off by no more than a few widths."""
     factors = rayleigh_factors(nu)
     load, _ = scaled_load(unit_scene(0.0, nu=nu))
     profile = frictionless_profile(factors, load, rule_for(1e-10))

@@ -96,14 +96,6 @@ def test_order_and_repetition_of_frictions_do_not_matter():
     assert np.all(np.diff(outer) <= 1e-6)  # the slow zone is slower under more friction
 
 
-def test_edges_are_padded_and_estimates_given():
-    swept = sweep(PRELOADED, [0.2, 0.9])
-    assert swept.edges.shape == (2, 2, 2)
-    assert np.isnan(swept.edges[1, 1]).all()
-    assert swept.error_estimate.shape == (2,)
-    assert np.all(swept.error_estimate <= 1e-8)
-
-
 def test_most_frictions_are_followed_not_solved_from_scratch():
     swept = sweep(PRELOADED, np.linspace(0.05, 1.0, 60))
     assert swept.from_scratch.sum() <= 12

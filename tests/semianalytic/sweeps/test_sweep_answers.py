@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from catalogue import PRELOADED
 
-from semianalytic import Material, Scene, SceneError, Tractions
+from semianalytic import SceneError
 from semianalytic.sweeps.sweep import Sweep, sweep
 
 X = np.array([0.05, 0.2, 0.4])
@@ -13,8 +14,7 @@ T = np.array([0.5, 1.0])
 @pytest.fixture(scope="module")
 def swept():
     """Two zones under little friction, one under more."""
-    start = Scene(Material(1.0, 1.0, 1 / 3), 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
-    return sweep(start, [0.9, 0.2, 0.5], 1e-6)
+    return sweep(PRELOADED, [0.9, 0.2, 0.5], 1e-6)
 
 
 def test_a_sweep_is_a_sequence_of_its_solutions(swept):
@@ -49,7 +49,9 @@ def test_slip_rates_have_friction_first_and_broadcast(swept):
         swept.slip_rate(-1.0, 1.0)
 
 
-def test_edges_of_fewer_zones_are_padded(swept):
+def test_edges_of_fewer_zones_are_padded_and_estimates_given(swept):
+    assert swept.error_estimate.shape == (3,)
+    assert np.all(swept.error_estimate <= 1e-6)
     assert swept.edges.shape == (3, 2, 2)
     assert np.isnan(swept.edges[0, 1]).all()
     for row, solution in zip(swept.edges, swept, strict=True):

@@ -5,7 +5,6 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from json_checks import checked
 
 from slipfront.cli import docs_command
 from slipfront.cli.commands import main
@@ -40,11 +39,8 @@ def test_pages_are_listed_with_their_titles(capsys):
     assert re.search(r"limits +│ Assumptions and limits", capsys.readouterr().out)
 
 
-def test_pages_and_titles_are_data_too(capsys):
-    assert main(["docs", "--json"]) == 0
-    pages = checked(capsys.readouterr().out)["pages"]
-    assert main(["docs", "docs/limits.md", "--json"]) == 0
-    page = checked(capsys.readouterr().out)
+def test_pages_and_titles_are_data_too(printed):
+    pages, page = printed("docs")["pages"], printed("docs docs/limits.md")
     assert page["page"] == "limits"
     assert page["text"].startswith(f"# {pages['limits']}\n")
 
@@ -52,9 +48,8 @@ def test_pages_and_titles_are_data_too(capsys):
 @pytest.mark.parametrize(
     ("name", "hint"), [("docs/limit.md", "did you mean limits?"), ("", "'slipfront docs' lists")]
 )
-def test_unknown_pages_are_refused_in_a_sentence(name, hint, capsys):
-    assert main(["docs", name]) == 2
-    assert hint in capsys.readouterr().err
+def test_unknown_pages_are_refused_in_a_sentence(name, hint, refused):
+    assert hint in refused(["docs", name])
 
 
 def test_an_installed_package_has_its_pages_beside_it(tmp_path, monkeypatch, capsys):

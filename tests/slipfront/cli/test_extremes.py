@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 from compare_cases import sampled_run
 
 from compare import judge
@@ -16,7 +17,6 @@ from compare.comparison.report import report_document
 from compare.comparison.rows import shown_number
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.figures.histories import comparison_figures
-from semianalytic import solve
 from semianalytic.scene.named import NAMED_SCENES, override_scene
 from semianalytic.scene.scene import scene_from_document
 from slipfront.cli.commands import main
@@ -77,7 +77,7 @@ NOTHING_SHOWN = ("no load, no pressure", "much friction")
     [pytest.param(name, marks=[] if name in QUICKLY else pytest.mark.slow) for name in SCENES],
 )
 def test_a_run_without_error_agrees(name):
-    solution = solve(scene_of(name))
+    solution = solved(scene_of(name))
     judgement = judge(solution, faultless(solution, 100))
     assert judgement.verdict == ("unresolved" if name in NOTHING_SHOWN else "agrees")
     assert judgement.counts["differs"] == 0
@@ -88,7 +88,7 @@ def test_a_run_without_error_agrees(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["frictionless", "no load", "most friction"])
 def test_figures_of_next_to_nothing_have_finite_limits(name):
-    solution = solve(scene_of(name))
+    solution = solved(scene_of(name))
     case = side_by_side(solution, faultless(solution, 30))
     for draw in comparison_figures(case).values():
         for panel in draw(case).axes:
@@ -124,7 +124,7 @@ LARGEST = {
 @pytest.mark.parametrize("name", ["frictionless", "frictionless in SI", "no load", "most friction"])
 def test_what_is_simulated_where_nothing_is_predicted_differs(name):
     """Wrong by 2e-3 of the units: each of the rows that replace relative errors says so."""
-    solution, share = solve(scene_of(name)), 2e-3
+    solution, share = solved(scene_of(name)), 2e-3
     judgement = judge(solution, wrong_by(faultless(solution, 60), share))
     largest = {row.name: row for row in judgement.rows if row.name.endswith("largest")}
     assert set(largest) >= LARGEST.get(name, {"slip rate over (x, t), largest"})
@@ -145,7 +145,7 @@ def test_nothing_is_less_than_a_millionth_of_its_unit():
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(("share", "verdict"), [(0.9e-6, "agrees"), (1.6e-6, "differs")])
 def test_what_is_less_than_nothing_agrees_with_nothing(share, verdict):
-    solution = solve(scene_of("no load"))
+    solution = solved(scene_of("no load"))
     rows = judge(solution, wrong_by(faultless(solution, 60), share)).rows
     (row,) = (row for row in rows if row.name == "slip rate, largest")
     assert (row.at_nodes, row.verdict) == (0.0, verdict)
@@ -158,7 +158,7 @@ def test_what_is_less_than_nothing_agrees_with_nothing(share, verdict):
 )
 def test_edges_that_the_mesh_cannot_show_are_unresolved(name, words):
     """A zone of a third of an element, and reverse slip beside c_R without friction."""
-    solution = solve(scene_of(name))
+    solution = solved(scene_of(name))
     assert solution.zones
     rows = edges_of(solution)
     assert rows
@@ -170,7 +170,7 @@ def test_edges_that_the_mesh_cannot_show_are_unresolved(name, words):
 
 @pytest.mark.slow
 def test_edges_that_the_mesh_shows_are_judged():
-    rows = edges_of(solve(NAMED_SCENES["preloaded"].scene), 100)
+    rows = edges_of(solved(NAMED_SCENES["preloaded"].scene), 100)
     assert [row.verdict for row in rows] == 3 * ["agrees"]
 
 
@@ -196,7 +196,7 @@ def test_numbers_of_a_table_keep_their_digits_whatever_their_size():
 
 
 def test_json_has_null_for_what_is_not_finite():
-    solution = replace(solve(NAMED_SCENES["stuck"].scene), error_estimate=np.inf)
+    solution = replace(solved(NAMED_SCENES["stuck"].scene), error_estimate=np.inf)
     assert finite_everywhere(json_text(solution_document(solution)))["error_estimate"] is None
     numbers = {"a": [np.nan, np.float64(-np.inf), (1, np.int64(2))], "b": {"c": np.float32(0.5)}}
     assert finite_everywhere(json_text(numbers)) == {"a": [None, None, [1, 2]], "b": {"c": 0.5}}

@@ -89,12 +89,9 @@ def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, monkeypatch)
         (["--nodes", "100"], "--nodes is for the space-time solver"),
     ],
 )
-def test_refusals_come_before_anything_is_made(words, sentence, tmp_path, monkeypatch, capsys):
+def test_refusals_come_before_anything_is_made(words, sentence, tmp_path, monkeypatch, refused):
     monkeypatch.chdir(tmp_path)
-    assert field("preloaded", *words) == 2
-    error = capsys.readouterr().err
-    assert sentence in error
-    assert error.count("\n") == 1
+    assert sentence in refused(["field", "preloaded", *words])
     assert list(tmp_path.iterdir()) == []
 
 
@@ -105,18 +102,17 @@ def test_a_marched_scene_is_drawn(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["ramp_speed.png"]
 
 
-def test_mp4_without_ffmpeg_is_one_sentence(tmp_path, monkeypatch, capsys):
+def test_mp4_without_ffmpeg_is_one_sentence(tmp_path, monkeypatch, refused):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
-    assert field("preloaded", "--animate", "2", "--format", "mp4") == 5
-    assert "ffmpeg" in capsys.readouterr().err
+    assert "ffmpeg" in refused("field preloaded --animate 2 --format mp4", code=5)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_taken_place_is_refused(tmp_path, capsys):
+def test_a_taken_place_is_refused(tmp_path, refused):
     (tmp_path / "taken").touch()
-    assert field("preloaded", "--output", str(tmp_path / "taken")) == 3
-    assert "it is not a folder" in capsys.readouterr().err
+    taken = ["field", "preloaded", "--output", tmp_path / "taken"]
+    assert "it is not a folder" in refused(taken, code=3)
 
 
 def test_interruption_leaves_what_is_whole(tmp_path, undrawn, monkeypatch):

@@ -67,14 +67,6 @@ def granite(installed):
     return module
 
 
-def refusal(capsys, *arguments, code=5):
-    assert main(list(arguments)) == code
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    return captured.err
-
-
 # --- the package of the documentation ------------------------------------------------------------
 
 
@@ -148,9 +140,8 @@ def test_a_law_of_slip_rate_is_solved_exactly(installed):
     assert "no slip rate that agrees" in covering.status
 
 
-def test_scenes_of_packages_are_listed_with_them(granite, capsys):
-    assert main(["scenes", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_scenes_of_packages_are_listed_with_them(granite, capsys, printed):
+    document = printed("scenes")
     (row,) = [row for row in document["scenes"] if row["package"]]
     assert (row["name"], row["package"], row["problem"]) == ("granite", "granite", "")
     assert row["summary"].startswith("Granite that loses a third")
@@ -162,45 +153,41 @@ def test_scenes_of_packages_are_listed_with_them(granite, capsys):
     assert "From other packages" in capsys.readouterr().out
 
 
-def test_names_of_packages_are_among_what_one_could_have_meant(granite, capsys):
-    assert "did you mean granite?" in refusal(capsys, "solve", "granit", code=2)
-    figure = refusal(capsys, "solve", "stuck", "--plot", "a.png", "--figure", "slipp", code=2)
-    assert "did you mean slip?" in figure
+def test_names_of_packages_are_among_what_one_could_have_meant(granite, refused):
+    assert "did you mean granite?" in refused("solve granit")
+    assert "did you mean slip?" in refused("solve stuck --plot a.png --figure slipp")
     document = scene_document(sf.find_scene("granite"))
     document["friction_law"]["kind"] = "else"
     with pytest.raises(sf.SceneError, match="slip-weakening, exponential-weakening, got 'else'"):
         scene_from_document(document)
 
 
-def test_a_figure_without_a_file_is_refused(capsys):
-    assert "give both" in refusal(capsys, "solve", "stuck", "--figure", "interface", code=2)
+def test_a_figure_without_a_file_is_refused(refused):
+    assert "give both" in refused("solve stuck --figure interface")
 
 
 # --- packages that are broken, alike or in the way -----------------------------------------------
 
 
-def test_names_of_ours_cannot_be_taken(installed, capsys):
+def test_names_of_ours_cannot_be_taken(installed, printed):
     installed(
         packages.brought("thief", "thief", scenes=["preloaded = S"], laws=["coulomb = S"]),
         {"thief.py": "raise RuntimeError('imported')"},
     )
     assert sf.find_scene("preloaded").friction == 0.3
-    assert main(["scenes", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    (row,) = [row for row in document["scenes"] if row["package"] == "thief"]
+    (row,) = [row for row in printed("scenes")["scenes"] if row["package"] == "thief"]
     assert "has one of the same name" in row["problem"]
     assert "thief" not in sys.modules
 
 
-def test_two_packages_of_one_name_are_refused_by_name(installed, capsys):
+def test_two_packages_of_one_name_are_refused_by_name(installed, refused):
     for name in ("first", "second"):
         installed(
             packages.brought(name, name, scenes=["mine = S"], figures=["mine = S"]),
             {f"{name}.py": "S = None"},
         )
-    for arguments in (["mine"], ["stuck", "--plot", "a.png", "--figure", "mine"]):
-        sentence = refusal(capsys, "solve", *arguments)
-        assert "The packages first and second each bring a" in sentence
+    for line in ("solve mine", "solve stuck --plot a.png --figure mine"):
+        assert "The packages first and second each bring a" in refused(line, 5)
     assert main(["scenes"]) == 0
 
 
@@ -217,14 +204,14 @@ def test_two_packages_of_one_name_are_refused_by_name(installed, capsys):
         ("def S(x):\n    return 3", "cannot be made (TypeError"),
     ],
 )
-def test_a_broken_scene_is_one_sentence_that_names_its_package(text, reason, installed, capsys):
+def test_a_broken_scene_is_one_sentence_that_names_its_package(
+    text, reason, installed, refused, printed
+):
     installed(packages.brought("broken", "broken", scenes=["mine = S"]), {"broken.py": text})
-    sentence = refusal(capsys, "solve", "mine")
+    sentence = refused("solve mine", 5)
     assert sentence.startswith(f"The scene 'mine' of the package broken {reason}")
     assert main(["solve", "stuck"]) == 0
-    assert main(["scenes", "--json"]) == 0
-    rows = json.loads(capsys.readouterr().out.partition("{")[2].join(["{", ""]))["scenes"]
-    assert sentence.startswith(rows[-1]["problem"])
+    assert sentence.startswith(printed("scenes")["scenes"][-1]["problem"])
 
 
 LAW = """
@@ -254,7 +241,7 @@ class S(sf.FrictionLaw):
         ("sf.FrictionLaw", "sf.LoadHistory", "must be a class that inherits FrictionLaw"),
     ],
 )
-def test_what_a_law_lacks_is_said_at_once(old, new, reason, installed, tmp_path, capsys):
+def test_what_a_law_lacks_is_said_at_once(old, new, reason, installed, tmp_path, refused):
     assert old in LAW
     installed(
         packages.brought("lawless", "lawless", laws=["mine = S"]),
@@ -264,8 +251,7 @@ def test_what_a_law_lacks_is_said_at_once(old, new, reason, installed, tmp_path,
     assert main(["init", str(path)]) == 0
     mine = '"mine"\nreduction = 0.5\ndistance = 1.0'
     path.write_text(path.read_text().replace('"coulomb"', mine))
-    capsys.readouterr()
-    sentence = refusal(capsys, "solve", str(path))
+    sentence = refused(["solve", path], 5)
     assert sentence.startswith("The friction law 'mine' of the package lawless ")
     assert reason in sentence
 
@@ -292,11 +278,11 @@ def test_a_broken_law_of_another_package_is_no_obstacle(granite, installed):
     ],
 )
 def test_a_broken_figure_is_one_sentence_that_names_its_package(
-    text, reason, installed, tmp_path, capsys
+    text, reason, installed, tmp_path, refused
 ):
     installed(packages.brought("broken", "broken", figures=["mine = S"]), {"broken.py": text})
     path = tmp_path / "a.png"
-    sentence = refusal(capsys, "solve", "stuck", "--plot", str(path), "--figure", "mine")
+    sentence = refused(["solve", "stuck", "--plot", path, "--figure", "mine"], 5)
     assert sentence.startswith(f"The figure 'mine' of the package broken {reason}")
     assert not path.exists()
 

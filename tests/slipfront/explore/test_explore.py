@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from bokeh.document import Document
 from bokeh.models import ColumnDataSource, Range1d
-from catalogue import unit_scene
+from catalogue import solved, unit_scene
 from matplotlib.path import Path
 
 from compare.figures.fronts import moving_parts
@@ -114,7 +114,7 @@ def opened():
 
 @pytest.fixture
 def steel(opened, alone):
-    """The same page, told to show that scene at its end time."""
+    """The page of a scene, told to show it at its end time."""
     opened._moment = Moment()
     opened._show(controls.defaults(STEEL), True, 0.0)
     return opened
@@ -249,7 +249,7 @@ INFINITE = {
 @pytest.mark.parametrize("name", ["preloaded", "auxetic", "lift-off-shear", "steel", *INFINITE])
 def test_what_is_painted_is_what_the_contact_does(name):
     scene = (SCENES | INFINITE)[name]
-    solution, view = solve(scene), views.space_time_view(solve(scene))
+    solution, view = solved(scene), views.space_time_view(solved(scene))
     board = Board()
     picture = SpaceTimePicture(board)
     picture.draw(view)
@@ -294,7 +294,7 @@ def test_what_has_no_controls_is_refused():
 @pytest.mark.parametrize("name", ["preloaded", "auxetic", "lift-off-shear", "antiplane", "steel"])
 def test_views_are_those_of_the_answer(name):
     scene = SCENES[name]
-    solution, time = solve(scene), views.end_time(scene)
+    solution, time = solved(scene), views.end_time(scene)
     view = views.interface_view(solution)
     length = scene.material.shear_speed * time
     assert np.all(np.diff(view.x) > 0)
@@ -318,7 +318,7 @@ def test_a_march_is_shown_by_its_senses():
 
 
 def test_the_field_is_the_speed_around_the_edge():
-    solution = solve(unit_scene())
+    solution = solved(unit_scene())
     view = views.field_view(solution, 9)
     middle = view.reach * (2 * 7.5 / 9 - 1)
     speed = np.hypot(*solution.velocity(middle, middle, 1.0)) / 2
@@ -332,7 +332,7 @@ def test_the_angle_of_a_wave_has_a_slider_and_its_front_is_drawn():
     values = controls.defaults(scene)
     turned = controls.scene_of(values | {"angle": -35.0})
     assert turned == replace(scene, load=replace(scene.load, angle=-35.0))
-    lines = views.field_view(solve(turned), 6).lines
+    lines = views.field_view(solved(turned), 6).lines
     # of the incident front all points are on one line through x = -sin / c, at the angle
     slope = math.tan(math.radians(-35.0))
     straight = [
@@ -363,7 +363,7 @@ def test_a_map_names_regimes(law, monkeypatch):
     low, high = drawn.friction
     friction = low + (high - low) * 1.5 / size
     nu = maps.POISSON_RATIOS[0] + np.ptp(maps.POISSON_RATIOS) * (size - 0.5) / size
-    solution = solve(unit_scene(friction, nu=nu, **({} if law is None else {"friction_law": law})))
+    solution = solved(unit_scene(friction, nu=nu, **({} if law is None else {"friction_law": law})))
     assert list(maps.REGIMES)[int(drawn.image[-1, 1])] == regime(solution)
 
 
@@ -382,7 +382,7 @@ def test_the_program_gives_the_same_answer(name, capsys):
     names: dict = {}
     exec(downloads.program(scene), names)
     assert names["scene"] == scene
-    assert names["answer"].zones == solve(scene).zones
+    assert names["answer"].zones == solved(scene).zones
     assert capsys.readouterr().out
     lines = downloads.program(scene).splitlines()
     assert len(lines) <= 20
@@ -397,7 +397,7 @@ def test_the_program_marches_what_is_marched():
 @pytest.mark.thinned(6)
 @pytest.mark.parametrize("form", downloads.FILES)
 def test_files_hold_the_answer(form):
-    solution = solve(STEEL)
+    solution = solved(STEEL)
     name, _, content = downloads.FILES[form](solution)
     if form in ("svg", "pdf", "png"):
         start = {"svg": b"<?xml", "pdf": b"%PDF", "png": b"\x89PNG"}[form]
@@ -469,12 +469,12 @@ def test_a_field_that_comes_late_is_not_drawn_over_a_march(monkeypatch):
     session = Session(Document(), STEEL, "")
     values = controls.defaults(STEEL)
     session._show(values, False, 0.0)
-    late = views.field_view(solve(STEEL), 4)
+    late = views.field_view(solved(STEEL), 4)
     session._field_news("result", late)
     drawn = session._field._image.data
     assert len(drawn["image"]) == 1
     session._show(values | {"law": "slip-weakening"}, False, 0.0)
-    session._field_news("result", views.field_view(solve(STEEL), 6))
+    session._field_news("result", views.field_view(solved(STEEL), 6))
     assert session._field._image.data is drawn
     assert asked[-1] is marched_views
 
@@ -494,7 +494,7 @@ def test_pictures_show_the_moment_of_the_time_slider(share, alone):
 
 
 def test_displacement_in_the_bodies_jumps_by_the_slip():
-    solution = solve(unit_scene())
+    solution = solved(unit_scene())
     view = views.field_view(solution, 10, 0.5, views.DISPLACEMENT)
     middles = view.reach * (2 * (np.arange(10) + 0.5) / 10 - 1)
     expected = np.hypot(*solution.displacement(middles[6], middles[7], 0.5)) / 2

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import time
 from urllib.parse import urlencode
 
 import pytest
+
+from slipfront.explore.chromium import served_page
 
 pytestmark = pytest.mark.slow
 
@@ -29,14 +29,9 @@ WIDER = """
 
 @pytest.fixture(scope="module")
 def address():
-    """Of a server of the default scene, as the command starts it."""
-    command = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
-    arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server:
-        assert server.stdout is not None
-        yield server.stdout.readline().split()[1]
-        server.terminate()
-        assert server.wait(30) == 143
+    """The address of the page of the default scene, as the command serves it."""
+    with served_page() as address:
+        yield address
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from pathlib import Path
 from urllib.parse import urlencode
 
 import pytest
-from catalogue import unit_scene
+from catalogue import UNIT_FILE, unit_scene
 from tornado.httpclient import AsyncHTTPClient, HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
@@ -128,11 +128,8 @@ def test_names_of_scenes_are_shown_as_text(ask, monkeypatch):
 )
 def test_texts_of_a_scene_file_reach_no_page(line, tmp_path):
     """Those that a scene may hold are among known words, or it is refused before there is one."""
-    text = line.format(json.dumps(ATTACK)) + "\n"
-    text += "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.3}\n"
-    if not line.startswith("friction"):
-        text += "friction = 0.3\n"
-    text += "base = {pressure = 1.0, shear = 0.0}\nload = {pressure = 0.0, shear = 1.0}\n"
+    rest = UNIT_FILE.partition("\n")[2] if line.startswith("friction") else UNIT_FILE
+    text = line.format(json.dumps(ATTACK)) + "\n" + rest
     (tmp_path / "scene.toml").write_text(text)
     with pytest.raises(SceneError):
         controls.defaults(find_scene(str(tmp_path / "scene.toml")))

@@ -45,7 +45,7 @@ BANANA = {"gain": LogNormal(1.0, 1.4), "gain:left": LogNormal(1.0, 1.4)}
 
 @pytest.mark.slow
 def test_a_product_bends_the_posterior_and_the_chains_follow():
-    """Of two gains that act by their product c and are alike beforehand, ln gain is normal about
+    """Two gains act by their product c and are alike beforehand: ln gain is normal about
     half of ln c, with the width of their priors over the root of two."""
     found = of_gain(("gain", "gain:left"), BANANA, noise=0.1)
     sampled = posterior(found, seed=1)

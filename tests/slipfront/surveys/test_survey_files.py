@@ -18,7 +18,7 @@ SCENE = sf.find_scene("preloaded")
 VALUES = {"friction": [0.1, 0.3, 0.9], "poisson_ratio": [0.2, 0.4], "base_pressure": [1.0, -1.0]}
 CHUNK = 4
 CHUNKS = 4
-"""Of the survey of these values."""
+"""Number of chunks of the survey of these values."""
 
 
 class Stop(Exception):
@@ -125,7 +125,7 @@ def test_another_survey_is_refused(tmp_path):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["a.nc", "a.zarr"])
 def test_flipped_bits_of_a_finished_survey_are_refused(name, tmp_path, capsys):
-    """Of 200 such files 28 ended in a traceback, and 4 were other data without a word."""
+    """Formerly 28 of 200 such files ended in a traceback, and 4 were other data without a word."""
     path, line = tmp_path / name, "survey preloaded --friction 0.2,0.4 --workers 1 -q --output"
     assert main([*line.split(), str(path)]) == 0
     files = [one for one in sorted(path.rglob("*")) if one.is_file()] or [path]

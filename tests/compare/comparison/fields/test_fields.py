@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import meshio
 import numpy as np
 import pytest
+from catalogue import solved
 
 from compare.comparison.fields import errors as fields
 from compare.comparison.fields.errors import field_errors, frame_pairs, pair_errors
@@ -13,14 +14,14 @@ from compare.comparison.fields.frames import read_frame
 from compare.comparison.fields.fronts import StraightFront, fronts_of
 from compare.comparison.snapshots import listed_frames
 from fem import simulate
-from semianalytic import Pulse, solve
+from semianalytic import Pulse
 from semianalytic.results.answer import BodyFields
 from semianalytic.results.files import Seal, new_file
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.named import find_scene, override_scene
 
 SCENE = find_scene("preloaded")
-EXACT = solve(SCENE)
+EXACT = solved(SCENE)
 
 
 @dataclass
@@ -83,7 +84,7 @@ def test_frames_of_other_scenes_come_closer_with_time(name, tmp_path):
     # By similarity the frame at T / 2 is that of a mesh of elements twice as large at T.
     scene = find_scene(name)
     run, folder = simulated(tmp_path, scene, 32, frames=2)
-    half, whole = field_errors(solve(scene), run, folder).frames
+    half, whole = field_errors(solved(scene), run, folder).frames
     assert all(late.whole < 0.08 for late in whole)
     for early, late in zip(half, whole, strict=True):
         assert late.whole < 0.75 * early.whole or late.whole == early.whole == 0
@@ -91,7 +92,7 @@ def test_frames_of_other_scenes_come_closer_with_time(name, tmp_path):
 
 @pytest.mark.slow
 def test_friction_off_by_three_percent_is_seen(runs, right):
-    spoilt = last(solve(override_scene(SCENE, friction=1.03 * SCENE.friction)), *runs[1])
+    spoilt = last(solved(override_scene(SCENE, friction=1.03 * SCENE.friction)), *runs[1])
     assert spoilt["u_y"].whole > 1.5 * right[1]["u_y"].whole
     assert spoilt["u_y"].outside > 2 * right[1]["u_y"].outside
     assert all(spoilt[name].outside > error.outside for name, error in right[1].items())
@@ -183,7 +184,7 @@ def test_nodes_and_elements_of_any_mesh_cover_both_bodies_once(tmp_path, element
 
 def test_a_component_that_vanishes_is_measured_by_the_largest(tmp_path):
     scene = find_scene("antiplane")
-    found = last(solve(scene), *simulated(tmp_path, scene, 20))
+    found = last(solved(scene), *simulated(tmp_path, scene, 20))
     assert found["v_x"].whole == found["sigma_xy"].whole == 0
     assert 0.01 < found["v_z"].whole < 0.1
 
@@ -193,7 +194,7 @@ def test_a_component_that_vanishes_is_measured_by_the_largest(tmp_path):
         return values
 
     run = simulate(scene, resolution=20, snapshots=tmp_path, frames=1)
-    assert last(Spoilt(solve(scene), moved), run, tmp_path)["v_x"].whole == pytest.approx(1)
+    assert last(Spoilt(solved(scene), moved), run, tmp_path)["v_x"].whole == pytest.approx(1)
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -248,7 +249,7 @@ def test_each_jump_of_a_load_sends_out_fronts_and_a_rise_does_not():
 @pytest.mark.parametrize("name", ["preloaded", "lift-off-shear", "antiplane"])
 def test_exact_fields_change_suddenly_nowhere_but_at_fronts(name):
     scene = find_scene(name)
-    solution, step = solve(scene), 0.005
+    solution, step = solved(scene), 0.005
     x, y = scene.fastest_speed * np.random.default_rng(16).uniform(-1.1, 1.1, (2, 12_000))
     kept = (np.hypot(x, y) > 0.1) & (np.abs(y) > step)  # away from the edge, in one body
     x, y = x[kept], y[kept]

@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import pytest
+from catalogue import solved
 from compare_cases import sampled_run
 
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
-from semianalytic import solve
 from semianalytic.scene.named import find_scene
 
 IN_PLANE = {"P interface", "Rayleigh slot face", "P slot face"}
@@ -24,7 +24,7 @@ to others for the mesh at 2h."""
 
 @pytest.fixture(scope="module")
 def solution():
-    return solve(find_scene("preloaded"))
+    return solved(find_scene("preloaded"))
 
 
 def rows_of(prediction, run):
@@ -34,7 +34,7 @@ def rows_of(prediction, run):
 @pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", PRESENT)
 def test_every_signal_on_either_face_has_one_row(name):
-    exact = solve(find_scene(name))
+    exact = solved(find_scene(name))
     rows = rows_of(exact, sampled_run(exact))
     assert len({row.name for row in rows}) == len(rows)
     signals = [row.name.split(" (")[0].replace(" front,", "") for row in rows]
@@ -72,7 +72,7 @@ def test_arrivals_off_by_what_coarser_meshes_are_off_agree(solution):
 
 def test_a_mistake_of_the_prediction_does_not_widen_its_bars(solution):
     run = sampled_run(solution)
-    wrong = solve(replace(solution.scene, friction=1.2 * solution.scene.friction))
+    wrong = solved(replace(solution.scene, friction=1.2 * solution.scene.friction))
     bars = {row.name: row.bar for row in rows_of(solution, run)}
     widened = {row.name: row.bar / bars[row.name] for row in rows_of(wrong, run)}
     assert len(widened) == 3

@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 from compare_cases import sampled_run, simulated
 
 from compare.comparison.judgement import side_by_side
 from compare.comparison.quantities.edge_rows import narrow_obstacle, zone_rows
-from semianalytic import Material, Scene, Tractions, solve
+from semianalytic import Material, Scene, Tractions
 from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.named import find_scene, override_scene
 
@@ -19,7 +20,7 @@ EDGES = ["zone 1, outer edge", "zone 2, inner edge", "zone 2, outer edge"]
 
 @pytest.fixture(scope="module")
 def solution():
-    return solve(PRELOADED)
+    return solved(PRELOADED)
 
 
 def edge_rows(prediction, run):
@@ -116,7 +117,7 @@ def test_a_strip_narrower_than_four_elements_is_not_held_against_the_prediction(
 @pytest.mark.parametrize("resolution", [40, 100])
 def test_a_narrow_zone_says_how_narrow_and_which_mesh_would_do(resolution):
     """The second zone at ν = 0.29 is 0.0144 c_t T wide."""
-    exact = solve(override_scene(PRELOADED, poisson_ratio=0.29))
+    exact = solved(override_scene(PRELOADED, poisson_ratio=0.29))
     rows = edge_rows(exact, sampled_run(exact, resolution))
     inner, outer = exact.zones[1].inner, exact.zones[1].outer
     elements = (outer - inner) * resolution
@@ -174,7 +175,7 @@ def test_zones_that_touch_read_one_edge_with_one_bar():
     """Slip without friction turns at 0.857 c_t: read from one side, that edge was 1.6 bars off."""
     material = Material(1.0, 1.0, -0.3137300729)
     scene = Scene(material, 0.0, Tractions(1.0, 0.0), Tractions(-0.13262620, 1.04301265))
-    rows = {row.name: row for row in zone_rows(side_by_side(solve(scene), simulated(scene, 100)))}
+    rows = {row.name: row for row in zone_rows(side_by_side(solved(scene), simulated(scene, 100)))}
     outer, inner = rows["zone 2, outer edge"], rows["zone 3, inner edge"]
     assert outer.exact == pytest.approx(inner.exact, rel=1e-6)
     assert outer.bar == inner.bar > 1.5 * abs(outer.difference)

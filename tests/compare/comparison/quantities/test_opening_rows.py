@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import solved
 from compare_cases import sampled_run, simulated
 
 from compare.comparison.bars import SAFETY
@@ -18,7 +19,7 @@ from compare.comparison.quantities.edge_rows import (
 from compare.comparison.quantities.profile_rows import gap_rows
 from docs.studies.judge.spoils import SPOILS, Window, spoilt
 from fem import simulate, with_companions
-from semianalytic import Material, Scene, Tractions, solve
+from semianalytic import Material, Scene, Tractions
 from semianalytic.regimes import opening_threshold
 from semianalytic.scene.named import find_scene
 
@@ -29,7 +30,7 @@ RESOLUTION = 100
 
 def case_of(name, resolution=RESOLUTION):
     scene = find_scene(name)
-    return side_by_side(solve(scene), simulated(scene, resolution))
+    return side_by_side(solved(scene), simulated(scene, resolution))
 
 
 @pytest.mark.slow
@@ -70,7 +71,7 @@ def test_mistakes_about_openings_are_caught(mistake):
     run = simulated(scene, RESOLUTION)
     window = Window(run.end_time, run.time_step, float(run.interface.x[-1]))
     (spoil,) = (one for one in SPOILS if one.name == mistake)
-    judgement = judge(spoilt(spoil, solve(scene), window), run)
+    judgement = judge(spoilt(spoil, solved(scene), window), run)
     assert judgement.verdict == "differs"
     kinds = {row.kind for row in judgement.having("differs")}
     assert kinds <= {"gap", "opening edge", "pressure", "sense"}
@@ -79,7 +80,7 @@ def test_mistakes_about_openings_are_caught(mistake):
 
 def test_an_opening_that_is_not_predicted_differs():
     scene = find_scene("preloaded")
-    case = side_by_side(solve(scene), simulated(find_scene("lift-off-shear"), RESOLUTION))
+    case = side_by_side(solved(scene), simulated(find_scene("lift-off-shear"), RESOLUTION))
     rows = {row.name: row for row in opening_rows(case)}
     (name,) = (name for name in rows if name.startswith("unpredicted opening at 0.000"))
     assert rows[name].simulated == pytest.approx(0.1875, abs=0.005)
@@ -110,7 +111,7 @@ def with_gap_changes(run, change):
 def test_the_end_of_an_opening_is_as_uncertain_as_its_gap():
     """Changes of first order, of growing shares of the largest gap: the end moves by some of the
     room that the answer itself needs to gape by the error bar; nowhere does it gape by 1.2."""
-    solution = solve(find_scene("tap"))
+    solution = solved(find_scene("tap"))
     (opening,), (part,) = solution.openings, solution.openings_at(1.0)
     inside = np.linspace(opening.inner, opening.outer, 4001)
     gap = solution.gap(inside, 1.0)

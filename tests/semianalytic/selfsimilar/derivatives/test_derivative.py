@@ -223,7 +223,7 @@ def test_differences_of_solutions_agree_in_random_scenes():
 
 
 def opened_errors(solution, name):
-    """The same where the contact opens, of gap and openings, too."""
+    """Derivatives of gap and openings are those of differences as well."""
     scene, x = solution.scene, clear_positions(solution)
     ends = edges_of_openings(solution.openings)
     x = x[np.abs(x[:, None] - ends).min(axis=1) > CLEAR]
@@ -291,7 +291,7 @@ def test_an_opening_from_the_edge_moves_as_its_closed_form():
 @pytest.mark.thinned(9)
 @over("exact", without="stuck")
 def test_shear_is_homogeneous_in_tractions(problem):
-    """Of degree 1 in all tractions, and a function of friction times pressure."""
+    """Shear is of degree 1 in all tractions, and a function of friction times pressure."""
     solution = solve(problem.scene)
     scene, x = problem.scene, clear_positions(solution)
     parts = {name: solution.derivative(name) for name in TRACTIONS}
@@ -393,7 +393,7 @@ def test_a_base_at_friction_lets_go_of_its_first_front(scene, name):
 
 
 def test_the_first_front_of_a_base_at_friction_leaves_at_once():
-    """As the 2/3 power of what the base is below friction; as its square if pressure steps, too."""
+    """It moves like the 2/3 power of what the base lacks; like its square if pressure steps."""
     plain = solve(unit_scene(0.5, (1.0, 0.5), (0.0, 1.0)))
     assert plain.derivative("friction").zones[-1].outer == -np.inf
     assert plain.derivative("base_shear").zones[-1].outer == np.inf
@@ -540,7 +540,7 @@ def test_error_estimates_bound_errors_in_random_scenes():
 @pytest.mark.parametrize("scale", [1e-6, 1e7])
 @pytest.mark.parametrize("name", ["base_pressure", "load_shear", "base_shear"])
 def test_error_estimates_are_the_same_in_any_unit_of_stress(name, scale):
-    """Also by a traction that is 0, and beside a pressure far larger than it."""
+    """By a traction that is 0, too, and beside a pressure far larger than it."""
     for base, load in (((1.0, 0.0), (0.0, 1.0)), ((0.36, 0.0), (27.0, -0.42))):
         here = unit_scene(0.5, base, load)
         there = unit_scene(0.5, np.multiply(scale, base), np.multiply(scale, load))
@@ -559,7 +559,7 @@ def seconds(function):
 
 
 def test_a_derivative_costs_about_a_solution():
-    """Of tractions or friction, over scenes of several kinds; 0.8 on a quiet machine."""
+    """By tractions or friction, over scenes of several kinds; 0.8 on a quiet machine."""
     solving = deriving = 0.0
     for scene in (PRELOADED, SHOCK, unit_scene(0.1), unit_scene(0.2, (1.0, -0.19), (0.5, 0.6))):
         solving += seconds(lambda scene=scene: solve(scene))

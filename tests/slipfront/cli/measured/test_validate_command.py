@@ -80,11 +80,15 @@ def test_without_spacing_the_option_is_named(result, tmp_path, capsys):
         (["--spacing", "0"], "--spacing must be positive, or 0 where noise is given"),
         (["--tractions", "some"], "--tractions must be one of total, changes"),
         (["--slip", "double"], "--slip must be one of relative, half, face"),
+        (["--spacing", "1mm"], "--spacing has a unit, but the scene"),
+        (["--noise", "slip=1um"], "--noise has a unit, but the scene"),
+        (["--threshold", "1mm/s"], "--threshold has a unit, but the scene"),
+        (["--time-shift", "1us"], "--time-shift has a unit, but the scene"),
     ],
 )
-def test_options_that_are_none_are_refused(result, options, sentence, capsys):
-    assert main(["validate", str(result), "--scene", "preloaded", *options]) == 2
-    assert sentence in capsys.readouterr().err
+def test_options_that_are_none_are_refused(result, options, sentence, refused):
+    """Conventions are stated in words; a unit needs a scene that has some."""
+    assert sentence in refused(["validate", result, "--scene", "preloaded", *options])
 
 
 @pytest.fixture
@@ -124,30 +128,14 @@ def test_numbers_with_units_are_what_they_are_in_the_unit_of_the_file(steel, tmp
     assert bars[0] == [(row["verdict"], row["bar"]) for row in reports[1]["rows"]]
 
 
-def test_a_position_with_a_unit_needs_that_of_the_file(steel, capsys):
-    assert main([*steel[:4], "--origin", "1cm"]) == 2
-    assert "name theirs by --length-unit" in capsys.readouterr().err
-    assert main([*steel, "--noise", "slip=3kg"]) == 2
-    assert "slip: the number must be a number alone or in m, cm" in capsys.readouterr().err
+def test_a_position_with_a_unit_needs_that_of_the_file(steel, refused):
+    assert "name theirs by --length-unit" in refused([*steel[:4], "--origin", "1cm"])
+    said = refused([*steel, "--noise", "slip=3kg"])
+    assert "slip: the number must be a number alone or in m, cm" in said
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        ["--spacing", "1mm"],
-        ["--noise", "slip=1um"],
-        ["--threshold", "1mm/s"],
-        ["--time-shift", "1us"],
-    ],
-)
-def test_a_unit_needs_a_scene_that_has_some(result, options, capsys):
-    assert main(["validate", str(result), "--scene", "preloaded", *options]) == 2
-    assert f"{options[0]} has a unit, but the scene" in capsys.readouterr().err
-
-
-def test_what_cannot_be_read_returns_3_with_the_line(tmp_path, capsys):
+def test_what_cannot_be_read_returns_3_with_the_line(tmp_path, refused):
     path = tmp_path / "odd.csv"
     path.write_text("time,x\n1,2\n")
-    assert main(["validate", str(path), "--scene", "preloaded"]) == 3
-    assert "line 1" in capsys.readouterr().err
+    assert "line 1" in refused(["validate", path, "--scene", "preloaded"], 3)
     assert not (tmp_path / "results").exists()

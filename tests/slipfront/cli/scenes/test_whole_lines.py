@@ -1,12 +1,9 @@
 """``slipfront solve`` of whole lines and growing loads."""
 
-import json
-
 import pytest
 
 from semianalytic import find_line, solve_growing, solve_line
 from slipfront.cli.commands import main
-from tests.slipfront.cli.test_json_output import checked
 
 HALF_LINE = """
 contact = "whole line"
@@ -25,20 +22,15 @@ shear = 8e6
 """
 
 
-def run(capsys, *arguments, code=0):
-    capsys.readouterr()
-    assert main(["solve", *arguments]) == code
-    return capsys.readouterr()
-
-
 @pytest.mark.parametrize("name", ["whole-line-patch", "point-load", "growing-load"])
-def test_a_named_line_is_solved(capsys, name):
+def test_a_named_line_is_solved(capsys, printed, name):
     problem = find_line(name)
     answer = solve_growing(problem) if name == "growing-load" else solve_line(problem)
-    said = run(capsys, name, "--end-time", "2").out
+    assert main(["solve", name, "--end-time", "2"]) == 0
+    said = capsys.readouterr().out
     assert f"{answer.edge_speed:.12g}" in said
     assert "converged" in said
-    document = checked(run(capsys, name, "--json", "--end-time", "2").out)
+    document = printed(f"solve {name} --end-time 2")
     assert document["edge_speed"] == answer.edge_speed
     end = document["until_end_time"]
     assert end["accumulated_slip"] == pytest.approx(float(answer.accumulated_slip(2.0)))
@@ -46,37 +38,37 @@ def test_a_named_line_is_solved(capsys, name):
         assert end["largest_slip"] is None  # infinite at the force
 
 
-def test_a_line_in_si_units_has_them(tmp_path, capsys):
+def test_a_line_in_si_units_has_them(tmp_path, printed):
     path = tmp_path / "patch.toml"
     text = HALF_LINE.replace('"half-line"', '"patch"\nspeed = 500.0')
     path.write_text(text)
-    document = checked(run(capsys, str(path), "--json").out)
+    document = printed(["solve", path])
     assert document["units"]["edge_speed"] == "m/s"
     assert document["units"]["line"]["load"]["shear"] == "Pa"
     path.write_text(text.replace('"patch"\nspeed = 500.0', '"point-force"'))
-    document = checked(run(capsys, str(path), "--json").out)
+    document = printed(["solve", path])
     assert document["units"]["line"]["load"]["shear"] == "N/(m s)"
     growing = text.replace('contact = "whole line"', "growth = 2").replace("[base]", "[load]")
     path.write_text(growing.partition("[load]\nkind")[0].replace("shear = 1e6", "shear = 8e6"))
-    document = checked(run(capsys, str(path), "--json").out)
+    document = printed(["solve", path])
     assert document["units"]["line"]["load"]["shear"] == "Pa/s^2"
     assert document["units"]["edge_amplitude"] == "m/s^3"
 
 
-def test_a_half_line_is_solved_as_the_slot_that_moves_alike(tmp_path, capsys):
+def test_a_half_line_is_solved_as_the_slot_that_moves_alike(tmp_path, printed):
     path = tmp_path / "half.toml"
     path.write_text(HALF_LINE)
-    document = checked(run(capsys, str(path), "--json").out)
+    document = printed(["solve", path])
     assert document["scene"]["load"] == {"pressure": 0.0, "shear": 4e6}
     assert document["zones"][0]["inner"] == 0
-    marched = run(capsys, str(path), "--method", "space-time", "--json", "--nodes", "300")
-    assert json.loads(marched.out)["method"] == "space-time"
+    marched = printed(["solve", path, "--method", "space-time", "--nodes", 300])
+    assert marched["method"] == "space-time"
 
 
-def test_a_figure_is_drawn(tmp_path, capsys):
+def test_a_figure_is_drawn(tmp_path):
     for name in ("whole-line-patch", "growing-load"):
         path = tmp_path / f"{name}.svg"
-        run(capsys, name, "--plot", str(path))
+        assert main(["solve", name, "--plot", str(path)]) == 0
         text = path.read_text()
         for word in (
             "shear traction",
@@ -87,32 +79,26 @@ def test_a_figure_is_drawn(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("command", "said"),
     [
-        (("whole-line-patch", "--friction", "0.1"), "a second zone of slip starts"),
-        (("whole-line-patch", "--friction", "1.1"), "nothing slips"),
-        (("whole-line-patch", "--friction", "-1"), "must not be negative"),
-        (("whole-line-patch", "--viscosity", "1"), "scenes with a slot alone"),
-        (("whole-line-patch", "--load-on", "remote"), "scenes with a slot alone"),
-        (("whole-line-patch", "--method", "space-time"), "marched for scenes with a slot alone"),
-        (("whole-line-patch", "--method", "magic"), "is unknown"),
-        (("whole-line-patch", "--nodes", "100"), "is for the space-time solver"),
-        (("whole-line-patch", "--figure", "interface", "--plot", "a.png"), "leave it out"),
-        (("growing-load", "--base-pressure", "1"), "with a base the edge of slip accelerates"),
-        (("whole-line-patch", "--end-time", "-1"), "end-time must be positive"),
+        ("solve whole-line-patch --friction 0.1", "a second zone of slip starts"),
+        ("solve whole-line-patch --friction 1.1", "nothing slips"),
+        ("solve whole-line-patch --friction -1", "must not be negative"),
+        ("solve whole-line-patch --viscosity 1", "scenes with a slot alone"),
+        ("solve whole-line-patch --load-on remote", "scenes with a slot alone"),
+        ("solve whole-line-patch --method space-time", "marched for scenes with a slot alone"),
+        ("solve whole-line-patch --method magic", "is unknown"),
+        ("solve whole-line-patch --nodes 100", "is for the space-time solver"),
+        ("solve whole-line-patch --figure interface --plot a.png", "leave it out"),
+        ("solve growing-load --base-pressure 1", "with a base the edge of slip accelerates"),
+        ("solve whole-line-patch --end-time -1", "end-time must be positive"),
+        ("simulate whole-line-patch", "slipfront solve"),
+        ("compare whole-line-patch", "slipfront solve"),
+        ("field whole-line-patch", "slipfront solve"),
     ],
 )
-def test_what_cannot_be_is_refused_in_a_sentence(tmp_path, monkeypatch, capsys, arguments, said):
+def test_what_cannot_be_is_refused_in_a_sentence(tmp_path, monkeypatch, refused, command, said):
+    """What knows slots alone says what solves a line."""
     monkeypatch.chdir(tmp_path)
-    shown = run(capsys, *arguments, code=2)
-    assert said in shown.err
-    assert shown.err.count("\n") == 1
-    assert not shown.out
+    assert said in refused(command)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("command", ["simulate", "compare", "field"])
-def test_what_knows_slots_alone_says_what_solves_a_line(command, capsys):
-    capsys.readouterr()
-    assert main([command, "whole-line-patch"]) == 2
-    assert "slipfront solve" in capsys.readouterr().err

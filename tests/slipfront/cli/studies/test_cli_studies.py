@@ -6,17 +6,11 @@ import pytest
 from compare.studies.chart.benchmark import TOLERANCES, measure, median_times
 from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
 from semianalytic.cut.load import contact_opens
-from slipfront.cli.commands import main
 
 
-def test_stability_wants_to_know_what(capsys):
-    assert main(["stability"]) == 2
-    assert "--solver, --fem, --space-time or several" in capsys.readouterr().err
-
-
-def test_regimes_refuses_an_unknown_loading(tmp_path, capsys):
-    assert main(["regimes", "--loading", "sideways", "--output", str(tmp_path)]) == 2
-    assert "preload" in capsys.readouterr().err
+def test_studies_refuse_what_is_none_of_theirs(tmp_path, refused):
+    assert "--solver, --fem, --space-time or several" in refused("stability")
+    assert "preload" in refused(f"regimes --loading sideways --output {tmp_path}")
 
 
 @pytest.mark.slow

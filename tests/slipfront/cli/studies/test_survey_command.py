@@ -1,6 +1,5 @@
 """``slipfront survey``: values as they are typed, what is printed, and refusals."""
 
-import json
 import re
 import shlex
 
@@ -67,25 +66,17 @@ def test_values_may_have_units(text, values):
         assert typed_values(scene, "base_shear", text, "stress") == pytest.approx(values, rel=1e-12)
 
 
-def test_a_survey_in_si_units(tmp_path, capsys):
+def test_a_survey_in_si_units(tmp_path, printed):
     scene = tmp_path / "steel.toml"
     assert main(["init", str(scene), "--material", "steel"]) == 0
     line = ["survey", str(scene), "--load-shear", "4MPa:5MPa:2", "--friction", "30%"]
     line += ["--x", "5cm", "--t", "20us,30us", "--end-time", "40us", "--vary", "base.pressure=5MPa"]
-    capsys.readouterr()
-    assert main([*line, "--output", str(tmp_path / "a.nc"), "--quiet", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = printed([*line, "--output", tmp_path / "a.nc", "--quiet"])
     assert document["parameters"]["load_shear"] == {"least": 4e6, "largest": 5e6, "count": 2}
     assert document["units"]["variables"]["slip_rate"] == "m/s"
     with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as data:
         assert data.x.values.tolist() == [0.05]
         assert data.t.values == pytest.approx([2e-5, 3e-5], rel=1e-12)
-
-
-def test_units_need_a_scene_that_has_some(capsys):
-    line = ["survey", "preloaded", "--friction", "0.1,0.2", "--load-shear", "1MPa"]
-    assert main(line) == 2
-    assert "--load-shear has a unit, but the scene does not say" in capsys.readouterr().err
 
 
 def test_a_survey_is_written_and_summed_up(tmp_path, capsys, monkeypatch):
@@ -103,11 +94,9 @@ def test_a_survey_is_written_and_summed_up(tmp_path, capsys, monkeypatch):
         assert (data.status.sel(poisson_ratio=0.7).values != "converged").all()
 
 
-def test_json_holds_numbers_with_units(tmp_path, capsys):
-    line = [*GRID[:4], "--vary", "base.pressure=1,2", "--load-shear", "1.5", "--json"]
-    line += ["--x", "0.2,0.4", "--t", "1", "--rtol", "1e-7", "--output", str(tmp_path / "a.zarr")]
-    assert main(line) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_json_holds_numbers_with_units(tmp_path, printed):
+    line = [*GRID[:4], "--vary", "base.pressure=1,2", "--load-shear", "1.5", "--x", "0.2,0.4"]
+    document = printed([*line, "--t", 1, "--rtol", 1e-7, "--output", tmp_path / "a.zarr"])
     assert document["points"] == 4
     assert document["statuses"] == {"converged": 4}
     assert document["parameters"]["base_pressure"] == {"least": 1.0, "largest": 2.0, "count": 2}
@@ -117,11 +106,9 @@ def test_json_holds_numbers_with_units(tmp_path, capsys):
     assert document["dimensions"]["x"] == 2
 
 
-def test_lists_and_marches_from_the_command_line(tmp_path, capsys):
-    line = ["survey", "ramp", "--together", "--friction", "0.1,0.3", "--base-pressure", "1:2:2"]
-    options = ["--nodes", "40", "--end-time", "0.6", "--json", "--output", str(tmp_path / "a.nc")]
-    assert main([*line, *options]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_lists_and_marches_from_the_command_line(tmp_path, printed):
+    line = "survey ramp --together --friction 0.1,0.3 --base-pressure 1:2:2 --nodes 40"
+    document = printed(f"{line} --end-time 0.6 --output {tmp_path / 'a.nc'}")
     assert document["methods"] == {"space-time": 2}
     assert document["dimensions"]["point"] == 2
     assert document["units"]["variables"]["largest_slip"] == "length"
@@ -152,15 +139,13 @@ def test_lists_and_marches_from_the_command_line(tmp_path, capsys):
         (["--friction", "0.1,0.2", "--output", "file.nc"], 3, "cannot be read as a survey"),
         (["--friction", "0.1,0.2", "--output", "folder.zarr"], 3, "cannot be read as a survey"),
         (["--friction", "0.1,0.2", "--scheduler", "there"], 2, "--scheduler must be an address"),
+        (["--friction", "0.1,0.2", "--load-shear", "1MPa"], 2, "--load-shear has a unit, but the"),
     ],
 )
-def test_refusals_are_one_sentence(options, code, said, tmp_path, monkeypatch, capsys):
+def test_refusals_are_one_sentence(options, code, said, tmp_path, monkeypatch, refused):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
     (tmp_path / "file.nc").write_text("")
     (tmp_path / "folder.zarr").mkdir()
-    assert main(["survey", "preloaded", "--quiet", *options]) == code
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
+    assert said in refused(["survey", "preloaded", "--quiet", *options], code)
     assert sorted(one.name for one in tmp_path.iterdir()) == ["file", "file.nc", "folder.zarr"]
