@@ -30,7 +30,12 @@ from fem.resolution import check_resolved, mesh_caution
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
-from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
+from semianalytic.scene.checks import (
+    check_fields,
+    checked_count,
+    checked_size,
+    shown,
+)
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
@@ -123,8 +128,7 @@ class Settings:
     frames: int = 10
 
     def __post_init__(self) -> None:
-        for name in ("damping", "step_ratio"):
-            object.__setattr__(self, name, checked_number(f"simulate: {name}", getattr(self, name)))
+        check_fields(self, "simulate", ("damping", "step_ratio"))
         if not 0 <= self.damping <= LARGEST_DAMPING:
             raise SceneError(
                 f"simulate: damping must lie between 0 and {LARGEST_DAMPING:g}, got {self.damping}."

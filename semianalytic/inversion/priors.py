@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from semianalytic.scene.checks import checked_number, checked_size
+from semianalytic.scene.checks import check_fields, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 
 _SPREAD = 3.0
@@ -137,9 +137,7 @@ class Uniform:
     high: float
 
     def __post_init__(self) -> None:
-        for name in ("low", "high"):
-            number = checked_number(f"uniform prior: {name}", getattr(self, name))
-            object.__setattr__(self, name, number)
+        check_fields(self, "uniform prior", ("low", "high"))
         if self.low >= self.high:
             raise SceneError(f"uniform prior: low must be below high, got {self.low}, {self.high}.")
 

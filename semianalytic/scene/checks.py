@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from numbers import Integral, Real
 from reprlib import Repr
 
@@ -101,6 +101,35 @@ def checked_size(what: str, value: object, required: str = "be positive and fini
     if number < SMALLEST:
         raise _out_of_range(what, number)
     return number
+
+
+def check_fields(
+    described: object,
+    owner: str,
+    names: Iterable[str],
+    check: Callable[[str, object], float] = checked_number,
+) -> None:
+    """Replace fields of a frozen dataclass by the numbers that a check makes of them, or refuse.
+
+    Parameters
+    ----------
+    described : dataclass
+        The description, whose `__post_init__` calls this.
+    owner : str
+        Its name, for messages.
+    names : iterable of str
+        Fields that have to be numbers.
+    check : callable
+        `checked_number`, or `checked_size` for numbers that have to be positive.
+
+    Raises
+    ------
+    SceneError
+        That of the check, as "{owner}: {name} must be a finite number, got {value}."
+    """
+    for name in names:
+        # Frozen dataclasses refuse assignment, also to their own methods.
+        object.__setattr__(described, name, check(f"{owner}: {name}", getattr(described, name)))
 
 
 def _out_of_range(what: str, number: float) -> SceneError:

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from semianalytic.scene.checks import LARGEST, checked_number, shown
+from semianalytic.scene.checks import LARGEST, check_fields, checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
@@ -245,9 +245,7 @@ class MovingLoad:
             lambda given: abs(given) >= 1 / LARGEST,
         )
         object.__setattr__(self, "speed", speed)
-        for name in ("pressure", "shear"):
-            number = checked_number(f"moving load: {name}", getattr(self, name))
-            object.__setattr__(self, name, number)
+        check_fields(self, "moving load", ("pressure", "shear"))
 
     def slowness(self, material: Material) -> float:
         """Return the slowness p of its front along x [time / length], -1 / speed, in any solid."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from semianalytic.scene.checks import checked_number
+from semianalytic.scene.checks import check_fields
 from semianalytic.scene.material import Material
 from semianalytic.scene.quantities import with_quantities
 
@@ -51,10 +51,7 @@ class Tractions:
     shear: float
 
     def __post_init__(self) -> None:
-        for name in ("pressure", "shear"):
-            object.__setattr__(
-                self, name, checked_number(f"tractions: {name}", getattr(self, name))
-            )
+        check_fields(self, "tractions", ("pressure", "shear"))
 
     def plus(self, other: Tractions) -> Tractions:
         """Return the sum of two pairs of tractions."""

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
-from semianalytic.scene.checks import checked_number, checked_size
+from semianalytic.scene.checks import check_fields, checked_number, checked_size
 from semianalytic.scene.quantities import with_quantities
 
 
@@ -44,8 +44,7 @@ class Material:
     poisson_ratio: float
 
     def __post_init__(self) -> None:
-        for name in ("shear_modulus", "density"):
-            object.__setattr__(self, name, checked_size(f"material: {name}", getattr(self, name)))
+        check_fields(self, "material", ("shear_modulus", "density"), checked_size)
         poisson_ratio = checked_number(
             "material: poisson_ratio",
             self.poisson_ratio,

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.checks import check_fields, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, MODES, Material, Scene, Tractions
 from semianalytic.scene.units import SI
@@ -41,7 +40,7 @@ class Patch:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "speed", checked_size("patch: speed", self.speed))
-        _check_loads(self, "patch")
+        check_fields(self, "patch", ("pressure", "shear"))
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class PointForce:
     shear: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_loads(self, "point force")
+        check_fields(self, "point force", ("pressure", "shear"))
 
 
 @dataclass(frozen=True)
@@ -101,13 +100,7 @@ class HalfLine:
     shear: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_loads(self, "half-line")
-
-
-def _check_loads(load: Any, name: str) -> None:
-    for part in ("pressure", "shear"):
-        value = checked_number(f"{name}: {part}", getattr(load, part))
-        object.__setattr__(load, part, value)
+        check_fields(self, "half-line", ("pressure", "shear"))
 
 
 LineLoad = Patch | PointForce | HalfLine

@@ -237,7 +237,7 @@ class Searched(judge_trials._Trial):
         return judge_trials._Outcome(share, 0.0, over_bar, self.verdict, "")
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("share", [0.1, *SHARES, 10.0])
 def test_sizes_are_chosen_by_effect_and_not_by_verdict(share):
     differs, agrees = (

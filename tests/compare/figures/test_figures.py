@@ -32,7 +32,7 @@ from semianalytic.scene.named import NAMED_SCENES
 @pytest.fixture(scope="module", params=SELF_SIMILAR)
 def case(request):
     solution = solved(NAMED_SCENES[request.param].scene)
-    return solution, sampled_run(solution, resolution=50).interface
+    return solution, sampled_run(solution, resolution=50, companions=0).interface
 
 
 def assert_finite(panel):
@@ -112,7 +112,7 @@ def test_figures_draw_into_axes_of_others(case):
 def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
     scene = NAMED_SCENES["preloaded"].scene
     mirrored = solved(type(scene)(scene.material, 0.3, scene.base, type(scene.load)(0.0, -1.0)))
-    history = sampled_run(mirrored, resolution=50).interface
+    history = sampled_run(mirrored, resolution=50, companions=0).interface
     upper, _ = slip_rate_figure(mirrored, history).axes
     assert "reverse slip" in [text.get_text() for text in upper.get_legend().get_texts()]
     (mesh,) = fronts_figure(mirrored, history).axes[0].collections

@@ -83,28 +83,20 @@ def test_files_describe_the_named_ones(tmp_path):
         ("friction = 0.5", "friction = 1.5", "nothing slips"),
         ("density = 1.0", "density = -1.0", "density must be positive"),
         ('patch"\nspeed = 0.3', 'half-line"\nspeed = 0.3', "unknown key load.speed"),
+        ("growth = 1", "growth = 4", "power must be 1 or 2"),
+        (
+            "33\n[load]",
+            "33\n[base]\npressure = 1\nshear = 0\n[load]",
+            "march a scene with this base",
+        ),
+        ("pressure = 1.0\nshear = 1.0", "shear = 1.0", "load.pressure is missing"),
     ],
 )
 def test_a_wrong_file_is_refused_with_its_name(tmp_path, old, new, said):
     path = tmp_path / "line.toml"
-    assert old in PATCH
-    path.write_text(PATCH.replace(old, new))
-    with pytest.raises(SceneError, match=said) as refusal:
-        find_line(path)
-    assert str(refusal.value).startswith(str(path))
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("growth = 1", "growth = 4", "power must be 1 or 2"),
-        ("[load]", "[base]\npressure = 1.0\nshear = 0.0\n[load]", "march a scene with this base"),
-        ("pressure = 1.0", "", "load.pressure is missing"),
-    ],
-)
-def test_a_wrong_growing_load_is_refused_with_its_name(tmp_path, old, new, said):
-    path = tmp_path / "growing.toml"
-    path.write_text(GROWING.replace(old, new))
+    text = PATCH if old in PATCH else GROWING
+    assert old in text
+    path.write_text(text.replace(old, new))
     with pytest.raises(SceneError, match=said) as refusal:
         find_line(path)
     assert str(refusal.value).startswith(str(path))
