@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from compare.benchmarks.entries import read_run, told_apart
 from compare.benchmarks.figures import score_figure, sheet_figure
 from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import SHEETS
+from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import judge, side_by_side
 from compare.comparison.rows import AGREES, DIFFERS
@@ -336,6 +336,9 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
     "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
+    "compare.benchmarks.figures.sheet_figure/interface": lambda: sheet_figure(
+        INTERFACE_SHEETS["tpv205"]
+    ),
     "compare.benchmarks.figures.score_figure": _scores,
     **{
         f"compare.studies.evidence.figures.{name}_figure": lambda draw=name: getattr(
