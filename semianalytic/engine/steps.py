@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.contact import Faces, Parting, Unilateral
+from semianalytic.engine.contact import Adhesion, Faces, Parting, Unilateral
 from semianalytic.engine.fields import required, sampled
 from semianalytic.engine.interface import Interface
 from semianalytic.engine.law import check_law
@@ -27,7 +27,7 @@ from semianalytic.engine.tuning import (
     TOLERANCE,
 )
 from semianalytic.engine.window import check_window
-from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.spacetime.exponentials import Antiplane, InPlane, Opening, fit_memory, fit_shared
 from semianalytic.spacetime.line import area_means
 
@@ -126,7 +126,10 @@ class Stepper:
             base, step = self._base(), self.shortest
             pressed = ActingLoads("pressure", base, loads, x, self.touching, step)
             stiff = interface.opening_impedance
-            self.unilateral = Unilateral(stiff, opening, self.grid, pressed, self.touching)
+            bonds = interface.adhesion and interface.adhesion.on(x, self.touching)
+            self.unilateral = Unilateral(stiff, opening, self.grid, pressed, self.touching, bonds)
+            if bonds is not None:
+                longest = min(longest, self._check_adhesion(bonds))
         self._bound = bound_share * 2 / (stiffness * q)
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
@@ -149,6 +152,19 @@ class Stepper:
             return memory, None, stiffness
         opening = LineMemory(fit_memory(Opening(ratio), horizon, tolerance), self.grid)
         return memory, opening, stiffness
+
+    def _check_adhesion(self, bonds: Adhesion) -> float:
+        """Return the longest step [time] in which adhesion may fall, or raise SceneError."""
+        soft = float(np.max(bonds.strength / bonds.length))
+        # the tension must fall by less than an opening rate takes off the pressure
+        longest = self.interface.opening_impedance / (2 * soft) if soft else math.inf
+        if self.shortest > longest:
+            nodes = 4 * math.ceil(len(self.grid.x) * self.shortest / longest / 4)
+            raise SceneError(
+                f"interface: adhesion falls within a gap that this grid cannot follow; take {nodes}"
+                " nodes or more, or a larger length."
+            )
+        return longest
 
     def _neighbours(self) -> NDArray[np.bool_]:
         """Return which nodes have a neighbour of the contact on either side, (n,)."""
@@ -181,7 +197,7 @@ class Stepper:
         )
         check_law(self.law, self.pressure, state)
         nothing = np.zeros(count)
-        faces = Faces(self._base(), nothing, nothing, nothing)
+        faces = Faces(self._base(), nothing, nothing, nothing, nothing)
         return self.jump(
             State(
                 **vars(faces),
@@ -214,6 +230,7 @@ class Stepper:
             gap=faces.gap,
             gap_rate=faces.gap_rate,
             closing=faces.closing,
+            opened=faces.opened,
             rate=rate,
             traction=traction,
         )
@@ -291,6 +308,7 @@ class Stepper:
             gap=faces.gap,
             gap_rate=faces.gap_rate,
             closing=faces.closing,
+            opened=faces.opened,
             time=time,
             rate=rate,
             slip=now.slip + half * (now.rate + rate),
@@ -320,8 +338,10 @@ class Stepper:
         )
 
     def _pressure(self, faces: Faces) -> Array:
-        """Return the pressure at nodes of the contact, (contact,)."""
-        return self.pressure if self.unilateral is None else faces.pressure[self.touching]
+        """Return the pressure under which friction acts, (contact,); tension counts as none."""
+        if self.unilateral is None:
+            return self.pressure
+        return np.maximum(faces.pressure[self.touching], 0.0)
 
     def _amplitudes(self, rate: Array) -> Array:
         return self.grid.amplitudes(rate - self.interface.plate_rate)
