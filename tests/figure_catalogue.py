@@ -336,9 +336,10 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
     "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
-    "compare.benchmarks.figures.sheet_figure/interface": lambda: sheet_figure(
-        INTERFACE_SHEETS["tpv205"]
-    ),
+    **{
+        f"compare.benchmarks.figures.reference_figure/{name}": partial(sheet_figure, sheet)
+        for name, sheet in INTERFACE_SHEETS.items()
+    },
     "compare.benchmarks.figures.score_figure": _scores,
     **{
         f"compare.studies.evidence.figures.{name}_figure": lambda draw=name: getattr(

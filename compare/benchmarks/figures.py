@@ -17,7 +17,7 @@ from compare.benchmarks.sheet import Sheet
 from compare.benchmarks.sheets import ALL_SHEETS
 from compare.figures.histories import march_figure
 from compare.figures.interface import prediction_figure
-from compare.figures.style import cycle, ink, marker_handle, new_figure, styled
+from compare.figures.style import cycle, describe, ink, marker_handle, new_figure, styled
 from compare.figures.whole_line import line_figure
 from semianalytic import LineSolution, Marched
 
@@ -31,17 +31,17 @@ def sheet_figure(sheet: Sheet) -> Figure:
     answer = answer_to(sheet)
     if isinstance(answer, Reference):
         assert isinstance(sheet, InterfaceSheet)
-        return _reference_figure(sheet, answer)
+        return reference_figure(sheet, answer)
     if isinstance(answer, LineSolution):
         return line_figure(answer)
     return march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
 
 
 @styled
-def _reference_figure(sheet: InterfaceSheet, answer: Reference) -> Figure:
-    """Slip rate and slip at the stations over time."""
+def reference_figure(sheet: InterfaceSheet, answer: Reference) -> Figure:
+    """Slip rate and slip at the stations of an interface over time."""
     si = sheet.units == SI
-    figure = new_figure(7, 5)
+    figure = describe(new_figure(7, 5), f"{sheet.title}: {sheet.friction_words}")
     upper, lower = figure.subplots(2, 1, sharex=True)
     colours = cycle()
     for i, x in enumerate(answer.x):
@@ -49,8 +49,9 @@ def _reference_figure(sheet: InterfaceSheet, answer: Reference) -> Figure:
         upper.plot(answer.t, answer.values["slip_rate"][:, i], **look)
         label = f"$x$ = {x / 1000:g} km" if si else f"$x$ = {x:g}"
         lower.plot(answer.t, answer.values["slip"][:, i], label=label, **look)
-    upper.set(ylabel="slip rate [m/s]" if si else "slip rate", title=sheet.title)
-    lower.set(ylabel="slip [m]" if si else "slip", xlabel="$t$ [s]" if si else "$t$")
+    upper.set(ylabel="slip rate [m/s]" if si else "slip rate $/\\ c_t$")
+    lower.set(ylabel="slip [m]" if si else "slip over half the width")
+    lower.set_xlabel("$t$ [s]" if si else "$c_t t$ over half the width")
     lower.set_xlim(0, answer.t[-1])
     lower.legend(fontsize="small", ncols=2)
     return figure
@@ -110,8 +111,8 @@ def _draw_sheet(
 
 
 def _panel_title(sheet: Sheet) -> str:
-    if sheet.is_interface:
-        return f"{sheet.name}: {sheet.title}"
+    if isinstance(sheet, InterfaceSheet):
+        return f"{sheet.name}: {sheet.friction_words}"
     problem = sheet.problem
     ratio, friction = problem.material.poisson_ratio, problem.friction
     return f"{sheet.name}: ν = {ratio:.3g}, f = {friction:.3g}"

@@ -44,6 +44,8 @@ class InterfaceSheet(Sheet):
         Order at which runs converge, so that their limit is f + (f - f_coarse) / (2^order - 1).
     level : float
         Slip rate whose first time is the arrival [length / time].
+    friction : str
+        Friction in symbols and numbers.
     """
 
     statement: str = ""
@@ -57,6 +59,7 @@ class InterfaceSheet(Sheet):
     nodes: int = 0
     order: int = 1
     level: float = 0.0
+    friction: str = ""
 
     @cached_property
     def _file(self) -> Any:
@@ -73,6 +76,11 @@ class InterfaceSheet(Sheet):
         """Options of `run` that the problem needs: the shortest step over the node distance."""
         given = self._file.options
         return {name: given[name] for name in ("step_ratio",) if name in given}
+
+    @property
+    def friction_words(self) -> str:
+        """Poisson ratio and friction, for figures."""
+        return f"ν = {self.interface.material.poisson_ratio:.3g}, {self.friction}"
 
     @property
     def document(self) -> dict[str, str]:
@@ -152,7 +160,7 @@ _SHEETS = (
     InterfaceSheet(
         "tpv101",
         "Rate-and-state rupture, SCEC TPV101 in two dimensions",
-        "friction with a state: slip rates from 1e-12 to 3 m/s, a smooth nucleation, and a rupture "
+        "friction with a state: slip rates from 1e-12 to 17 m/s, a smooth nucleation, and a rupture "
         "that ends where friction strengthens",
         SLIPPING,
         note="As UGUCA ran it. The line is periodic, and waves of the neighbouring periods are "
@@ -187,6 +195,7 @@ _SHEETS = (
         nodes=5760,
         order=2,
         level=1e-3,
+        friction="f = 0.6 at 1 µm/s, a = 0.008, b = 0.012",
     ),
     InterfaceSheet(
         "tpv205",
@@ -219,6 +228,7 @@ _SHEETS = (
         nodes=7680,
         order=1,
         level=1e-3,
+        friction="f = 0.677 to 0.525",
     ),
     InterfaceSheet(
         "two-slots",
@@ -251,6 +261,7 @@ _SHEETS = (
         nodes=9600,
         order=1,
         level=2e-3,
+        friction="f = 0.3",
     ),
 )
 INTERFACE_SHEETS: Mapping[str, InterfaceSheet] = {sheet.name: sheet for sheet in _SHEETS}
