@@ -40,6 +40,7 @@ from semianalytic.selfsimilar.solver import solve
 logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
 
 __all__ = [
+    "Adhesion",
     "Answer",
     "ComputationError",
     "Contact",
@@ -145,7 +146,7 @@ _LATER = {
     ),
     "semianalytic.dissimilar_slot.solution": ("PairSolution", "PairStatistics"),
     "semianalytic.dissimilar_slot.solver": ("solve_pair",),
-    "semianalytic.engine.contact": ("Contact",),
+    "semianalytic.engine.contact": ("Adhesion", "Contact"),
     "semianalytic.engine.fields": ("Table",),
     "semianalytic.engine.interface": ("Interface",),
     "semianalytic.engine.loads": ("FrontLoad", "InterfaceLoad"),
@@ -191,7 +192,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     )
     from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics
     from semianalytic.dissimilar_slot.solver import solve_pair
-    from semianalytic.engine.contact import Contact
+    from semianalytic.engine.contact import Adhesion, Contact
     from semianalytic.engine.described.files import InterfaceFile
     from semianalytic.engine.described.named import find_interface
     from semianalytic.engine.fields import Table

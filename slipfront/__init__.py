@@ -19,6 +19,7 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless a
 
 _NAMES = {
     "semianalytic": (
+        "Adhesion",
         "Answer",
         "ComputationError",
         "Contact",

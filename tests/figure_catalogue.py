@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 from compare.benchmarks.entries import read_run, told_apart
 from compare.benchmarks.figures import score_figure, sheet_figure
 from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import SHEETS
+from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import judge, side_by_side
 from compare.comparison.rows import AGREES, DIFFERS
@@ -332,6 +332,10 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
     "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
+    **{
+        f"compare.benchmarks.figures.reference_figure/{name}": partial(sheet_figure, sheet)
+        for name, sheet in INTERFACE_SHEETS.items()
+    },
     "compare.benchmarks.figures.score_figure": _scores,
     **{
         f"compare.studies.evidence.figures.{name}_figure": lambda draw=name: getattr(

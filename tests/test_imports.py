@@ -39,7 +39,7 @@ ARROWS = {
         "interfaces": "comparison",
         "figures": "comparison output",
         "validation": "records comparison figures output",
-        "benchmarks": "records comparison figures output",
+        "benchmarks": "records comparison interfaces figures output",
         "studies": "comparison figures output tasks",
     },
     "slipfront": {

@@ -9,7 +9,8 @@ import argparse
 from collections.abc import Sequence
 
 from compare.benchmarks.answers import DATA, changes, write_answers
-from compare.benchmarks.sheets import ALL_SHEETS, STATIONS
+from compare.benchmarks.sheet import STATIONS
+from compare.benchmarks.sheets import ALL_SHEETS
 from semianalytic.scene.errors import DataFileError
 
 
@@ -18,10 +19,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m compare.benchmarks", description=__doc__)
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--check", action="store_true", help="say which answers have changed")
-    what.add_argument("--write", action="store_true", help="compute all answers and write them")
+    what.add_argument(
+        "--write", nargs="*", choices=ALL_SHEETS, metavar="NAME", help="compute and write answers"
+    )
     options = parser.parse_args(arguments)
-    if options.write:
-        write_answers()
+    if options.write is not None:
+        write_answers(names=options.write)
         print(f"Written to {DATA}/")
         return 0
     if options.check:
@@ -33,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1 if found else 0
     print("stations x/(c_t T):", *STATIONS)
     for sheet in ALL_SHEETS.values():
-        print(f"{sheet.name:15} {sheet.title}: {', '.join(sheet.report)}")
+        print(f"{sheet.name:16} {sheet.title}: {', '.join(sheet.report)}")
     return 0
 
 

@@ -12,7 +12,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, partial
 from importlib.resources import files
 from io import StringIO
@@ -24,16 +24,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import maximum_filter1d
 from scipy.optimize import brentq
 
-from compare.benchmarks.sheets import (
-    ALL_SHEETS,
-    OPENING,
-    SI_SCALES,
-    SLIP,
-    STATIONS,
-    THRESHOLD,
-    TIMES,
-    Sheet,
+from compare.benchmarks.interfaces.reference import (
+    Reference,
+    reference_changes,
+    reference_document,
+    reference_of,
 )
+from compare.benchmarks.interfaces.sheets import InterfaceSheet
+from compare.benchmarks.sheet import OPENING, SI_SCALES, SLIP, STATIONS, THRESHOLD, TIMES, Sheet
+from compare.benchmarks.sheets import ALL_SHEETS
 from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
 from compare.output.files import write_text
@@ -61,13 +60,15 @@ DATA = Path(str(files("compare.benchmarks").joinpath("data")))
 SUMS = "SHA256SUMS"
 
 
-Answered = Solution | Marched | LineSolution
-"""Answers to sheets: of scenes, solved or marched, and of whole lines."""
+Answered = Solution | Marched | LineSolution | Reference
+"""Answers to sheets: of scenes, solved or marched, of whole lines, and of interfaces."""
 
 
 @cache
 def answer_to(sheet: Sheet, nodes: int = SCORING_NODES) -> Answered:
-    """The answer to a sheet: solved, or marched on so many nodes until T."""
+    """The answer to a sheet: solved, marched on so many nodes, or of an interface as written."""
+    if isinstance(sheet, InterfaceSheet):
+        return reference_of(written_document(sheet))
     problem = sheet.problem
     if isinstance(problem, WholeLine):
         answer = solve_line(problem)
@@ -78,6 +79,8 @@ def answer_to(sheet: Sheet, nodes: int = SCORING_NODES) -> Answered:
 
 def arrival_level(sheet: Sheet) -> float:
     """Slip rate above which, or pressure below which, a station counts as reached."""
+    if isinstance(sheet, InterfaceSheet):
+        return sheet.level
     problem = sheet.problem
     if isinstance(problem, WholeLine):
         return THRESHOLD * problem.excess
@@ -116,6 +119,8 @@ def arrival_times(sheet: Sheet, answer: Answered, x: ArrayLike) -> Array:
     name = arrival_quantity(sheet)
     if not name:
         return np.full(x.shape, math.inf)
+    if isinstance(answer, Reference):
+        return answer.arrivals_at(x)
     if isinstance(answer, Marched):
         t = answer.interface.t
         records = getattr(answer, name)(x, t[:, None]).T
@@ -192,7 +197,12 @@ def _number_of(sheet: Sheet, name: str, answer: Marched) -> Array:
 
 
 def document_of(sheet: Sheet, nodes: int = NODES) -> dict[str, Any]:
-    """The sheet and its answer as plain dictionaries, lists and numbers; None for infinity."""
+    """The sheet and its answer as plain dictionaries, lists and numbers; None for infinity.
+
+    The answer to a sheet of an interface is that of the nodes which the sheet names.
+    """
+    if isinstance(sheet, InterfaceSheet):
+        return reference_document(sheet)
     answer = answer_to(sheet, nodes)
     content, errors = content_of(sheet, answer), errors_of(sheet, answer)
     written = {
@@ -208,7 +218,7 @@ def document_of(sheet: Sheet, nodes: int = NODES) -> dict[str, Any]:
         "sheet": sheet.name,
         "title": sheet.title,
         "units": "mu = rho = c_t = T = 1",
-        "scene": problem_document(sheet.problem),
+        "scene": described_problem(sheet),
         "si_scene": problem_document(sheet.si_problem),
         "si_scales": dict(SI_SCALES),
         "stations": list(STATIONS),
@@ -218,6 +228,13 @@ def document_of(sheet: Sheet, nodes: int = NODES) -> dict[str, Any]:
         "answers": written,
         "errors": {name: _bounds(values) for name, values in errors.items()},
     }
+
+
+def described_problem(sheet: Sheet) -> dict[str, Any]:
+    """The scene, whole line or interface of a sheet as plain dictionaries, strings and numbers."""
+    if isinstance(sheet, InterfaceSheet):
+        return sheet.document
+    return problem_document(sheet.problem)
 
 
 def problem_document(problem: Scene | WholeLine) -> dict[str, Any]:
@@ -259,10 +276,11 @@ def csv_of(document: Mapping[str, Any]) -> str:
     stream.write(f"# slipfront benchmark {document['sheet']}: {document['title']}\n")
     stream.write(f"# units {document['units']}; {document['sure']}\n")
     table = csv.writer(stream, lineterminator="\n")
-    table.writerow(COLUMNS)
+    names = [name for name in QUANTITIES if name in answers]
+    table.writerow(["t", "x", *names])
     for place, x in enumerate(document["stations"]):
         for level, t in enumerate(document["times"]):
-            table.writerow([t, x, *(answers[name][level][place] for name in QUANTITIES)])
+            table.writerow([t, x, *(answers[name][level][place] for name in names)])
     return stream.getvalue()
 
 
@@ -273,21 +291,32 @@ def json_of(document: Mapping[str, Any]) -> str:
     return rows.sub(lambda row: f"[{' '.join(row[1].split())}]", text) + "\n"
 
 
-def write_answers(folder: Path = DATA) -> None:
-    """Compute all answers and write them, and `SUMS`, which `sha256sum --check` reads.
+def write_answers(folder: Path = DATA, names: Iterable[str] = ()) -> None:
+    """Compute answers and write them, and `SUMS` of all, which `sha256sum --check` reads.
+
+    Parameters
+    ----------
+    folder : Path
+    names : iterable of str
+        Sheets whose answers are computed; all of them by default.
 
     Raises
     ------
     DataFileError
-        If a file cannot be written.
+        If a file cannot be written, or one of another sheet cannot be read.
     """
-    lines = []
-    for sheet in ALL_SHEETS.values():
+    for name in list(names) or ALL_SHEETS:
+        sheet = ALL_SHEETS[name]
         document = document_of(sheet)
-        for name, text in ((_csv(sheet), csv_of(document)), (_json(sheet), json_of(document))):
-            write_text(folder / name, text)
-            lines.append(f"{hashlib.sha256(text.encode()).hexdigest()}  {name}\n")
-    write_text(folder / SUMS, "".join(sorted(lines, key=lambda line: line.split()[1])))
+        write_text(folder / _csv(sheet), csv_of(document))
+        write_text(folder / _json(sheet), json_of(document))
+    lines = []
+    for file in sorted(file for sheet in ALL_SHEETS.values() for file in answer_files(sheet)):
+        try:
+            lines.append(f"{hashlib.sha256((folder / file).read_bytes()).hexdigest()}  {file}\n")
+        except OSError as error:
+            raise DataFileError(f"{folder / file} cannot be read ({error}).") from error
+    write_text(folder / SUMS, "".join(lines))
 
 
 def _csv(sheet: Sheet) -> str:
@@ -342,6 +371,10 @@ def changes(sheet: Sheet, nodes: int = NODES, folder: Path = DATA) -> Iterator[s
     document = written_document(sheet, folder)
     if written_bytes(_csv(sheet), folder).decode() != csv_of(document):
         yield f"{_csv(sheet)} does not hold the records of {_json(sheet)}"
+    if isinstance(sheet, InterfaceSheet):
+        for change in reference_changes(sheet, reference_of(document), nodes):
+            yield f"{_json(sheet)}: {change}"
+        return
     answer = answer_to(sheet, nodes)
     content, errors = content_of(sheet, answer), errors_of(sheet, answer)
     if set(content) != set(document["answers"]):

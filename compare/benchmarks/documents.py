@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any
 
-from compare.benchmarks.answers import problem_document, written_document
+from compare.benchmarks.answers import described_problem, written_document
 from compare.benchmarks.classes import tolerances
 from compare.benchmarks.entries import Run
+from compare.benchmarks.interfaces.sheets import SI, InterfaceSheet
 from compare.benchmarks.scores import Score
-from compare.benchmarks.sheets import ALL_SHEETS, SHEETS, Sheet
+from compare.benchmarks.sheet import Sheet
+from compare.benchmarks.sheets import ALL_SHEETS, SHEETS
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
+from semianalytic import Scene
+from semianalytic.scene.units import unit
 
 _RATES = dict.fromkeys(("edge_slip_rate", "edge_amplitude", "slip_rate"), "length / time")
 _STRESSES = dict.fromkeys(("shear_traction", "pressure"), "stress")
@@ -42,7 +46,11 @@ DIMENSIONLESS = SHEETS["preloaded"].scene
 def sheets_document() -> dict[str, Any]:
     """List what each sheet asks a code to report."""
     sheets = [
-        {**asdict(sheet), "marched": sheet.is_marched, "scene": problem_document(sheet.problem)}
+        {
+            **{one.name: getattr(sheet, one.name) for one in fields(Sheet)},
+            "marched": sheet.is_marched,
+            "scene": described_problem(sheet),
+        }
         for sheet in ALL_SHEETS.values()
     ]
     units = units_document(sheets, {"scene": SCENE_DIMENSIONS}, DIMENSIONLESS)
@@ -57,7 +65,22 @@ def sheet_document(sheet: Sheet) -> dict[str, Any]:
         "system": written["units"],
         "tolerances": [asdict(one) for one in tolerances().values() if one.sheet == sheet.name],
     }
-    return {**document, "units": units_document(document, SHEET_DIMENSIONS, DIMENSIONLESS)}
+    if not isinstance(sheet, InterfaceSheet):
+        return {**document, "units": units_document(document, SHEET_DIMENSIONS, DIMENSIONLESS)}
+    dimensions = {**SHEET_DIMENSIONS, "scene": {}, "errors": _RELATIVE}
+    return {**document, "units": units_document(document, dimensions, _scene_of(sheet))}
+
+
+_RELATIVE: Dimensions = {
+    **dict.fromkeys(("slip_rate", "slip", "shear_traction"), "1"),
+    "arrivals": "time",
+}
+"""Dimensions of the stated errors of interfaces."""
+
+
+def _scene_of(sheet: InterfaceSheet) -> Scene:
+    """Return a scene in the units of an interface, for names of units."""
+    return SHEETS["preloaded"].si_scene if sheet.units == SI else DIMENSIONLESS
 
 
 def run_document(run: Run) -> dict[str, Any]:
@@ -68,8 +91,14 @@ def run_document(run: Run) -> dict[str, Any]:
         "cells": run.cells,
         "stations": [station.x for station in run.records.stations],
         "seconds": run.seconds,
-        "units": {"stations": "c_t T", "seconds": "s"},
+        "units": {"stations": _station_unit(run.sheet), "seconds": "s"},
     }
+
+
+def _station_unit(sheet: Sheet) -> str:
+    if not isinstance(sheet, InterfaceSheet):
+        return "c_t T"
+    return unit("length", _scene_of(sheet).units)
 
 
 def scores_document(scores: Sequence[Score]) -> dict[str, Any]:

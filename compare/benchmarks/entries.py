@@ -16,8 +16,10 @@ from io import StringIO
 from pathlib import Path
 from time import perf_counter
 
-from compare.benchmarks.answers import COLUMNS
-from compare.benchmarks.sheets import STATIONS, Sheet, find_sheet
+from compare.benchmarks.interfaces.entries import run_stations, simulated_stations
+from compare.benchmarks.interfaces.sheets import SI, InterfaceSheet
+from compare.benchmarks.sheet import STATIONS, Sheet
+from compare.benchmarks.sheets import find_sheet
 from compare.output.files import write_text
 from compare.records.read import read_records
 from compare.records.record import QUANTITIES, Record, Records
@@ -28,7 +30,7 @@ from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import DataFileError, SceneError
 
 LABELS = ("benchmark", "code", "version", "cells", "seconds")
-"""Labels of the comment lines of a file; cells are counted over c_t T."""
+"""Labels of the comment lines of a file; cells are counted over c_t T, or what the sheet says."""
 LEAST_CELLS = 8
 
 
@@ -41,7 +43,7 @@ class Run:
     sheet : Sheet
     code, version : str
     cells : float
-        Over c_t T; nan if the file does not say.
+        Over `Sheet.extent`; nan if the file does not say.
     seconds : float
         That it took; nan if the file does not say.
     records : Records
@@ -63,19 +65,44 @@ def run_label(code: str, cells: float) -> str:
     return code if math.isnan(cells) else f"{code} {cells:g}"
 
 
-def _simulated(sheet: Sheet, cells: int) -> SampledAnswer:
+Stations = tuple[Record, ...]
+
+
+def _simulated(sheet: Sheet, cells: int) -> Stations:
+    if isinstance(sheet, InterfaceSheet):
+        return simulated_stations(sheet, cells)
     from fem import simulate
 
-    return simulate(sheet.scene, 1.0, resolution=cells)
+    return _stations_of(simulate(sheet.scene, 1.0, resolution=cells))
 
 
-def _marched(sheet: Sheet, cells: int) -> SampledAnswer:
+def _marched(sheet: Sheet, cells: int) -> Stations:
+    if sheet.is_interface:
+        raise SceneError(f"enter: march takes scenes, and {sheet.name} is an interface; give run.")
     nodes = math.ceil(cells * sheet.scene.fastest_speed)
-    return march(sheet.scene, 1.0, nodes, companion=False)
+    return _stations_of(march(sheet.scene, 1.0, nodes, companion=False))
 
 
-CODES: Mapping[str, Callable[[Sheet, int], SampledAnswer]] = {"fem": _simulated, "march": _marched}
-"""Our own codes that can be run on a sheet."""
+def _run(sheet: Sheet, cells: int) -> Stations:
+    if not isinstance(sheet, InterfaceSheet):
+        raise SceneError(f"enter: run takes interfaces, and {sheet.name} is none; give march.")
+    return run_stations(sheet, cells)
+
+
+def _stations_of(answer: SampledAnswer) -> Stations:
+    times = answer.interface.t
+    return tuple(
+        Record(x, times, {name: getattr(answer, name)(x, times) for name in QUANTITIES})
+        for x in STATIONS
+    )
+
+
+CODES: Mapping[str, Callable[[Sheet, int], Stations]] = {
+    "fem": _simulated,
+    "march": _marched,
+    "run": _run,
+}
+"""Our own codes that can be run on a sheet: scenes by fem and march, interfaces by fem and run."""
 
 
 def enter(code: str, sheet: Sheet, cells: int) -> Run:
@@ -87,7 +114,7 @@ def enter(code: str, sheet: Sheet, cells: int) -> Run:
         A key of `CODES`.
     sheet : Sheet
     cells : int
-        Over c_t T.
+        Over c_t T, or over what the sheet of an interface says.
 
     Raises
     ------
@@ -103,14 +130,9 @@ def enter(code: str, sheet: Sheet, cells: int) -> Run:
         )
     cells = checked_count("enter: cells", cells, LEAST_CELLS, "a whole number from")
     began = perf_counter()
-    answer = CODES[code](sheet, cells)
+    stations = CODES[code](sheet, cells)
     seconds = perf_counter() - began
-    times = answer.interface.t
-    stations = tuple(
-        Record(x, times, {name: getattr(answer, name)(x, times) for name in QUANTITIES})
-        for x in STATIONS
-    )
-    records = Records(stations, source=f"slipfront {code}", spacing=1 / cells)
+    records = Records(stations, source=f"slipfront {code}", spacing=sheet.extent / cells)
     return Run(sheet, f"slipfront {code}", version("slipfront"), cells, seconds, records)
 
 
@@ -121,10 +143,11 @@ def run_text(run: Run) -> str:
     for label, value in zip(LABELS, said, strict=True):
         stream.write(f"# {label}: {value}\n")
     table = csv.writer(stream, lineterminator="\n")
-    table.writerow(COLUMNS)
+    names = [one for one in QUANTITIES if one in run.records.stations[0].values]
+    table.writerow(["t", "x", *names])
     for station in run.records.stations:
         for level, t in enumerate(station.t):
-            values = (station.values[name][level] for name in QUANTITIES)
+            values = (station.values[name][level] for name in names)
             table.writerow([f"{value:.8g}" for value in (t, station.x, *values)])
     return stream.getvalue()
 
@@ -157,9 +180,10 @@ def read_run(path: Path, sheet: Sheet | None = None) -> Run:
     if sheet is not None and named not in (None, sheet.name):
         raise DataFileError(f"{path} is of {named}, not of {sheet.name}; leave `sheet` out.")
     cells, seconds = (_number(said.get(name, "nan"), path) for name in ("cells", "seconds"))
-    records = _one_run(path)
+    sheet = sheet or find_sheet(str(named))
+    records = _one_run(path, sheet)
     return Run(
-        sheet or find_sheet(str(named)),
+        sheet,
         said.get("code", path.stem),
         said.get("version", ""),
         cells,
@@ -201,9 +225,11 @@ def _number(text: str, path: Path) -> float:
     return number
 
 
-def _one_run(path: Path) -> Records:
-    """The records of a file, which are in the units of the sheets."""
+def _one_run(path: Path, sheet: Sheet) -> Records:
+    """The records of a file, which are in the units of its sheet."""
     (records,) = read_records([path])
+    if isinstance(sheet, InterfaceSheet) and sheet.units == SI:
+        return records  # numbers with units were converted to the SI
     for name, unit in records.stated.units.items():
         raise DataFileError(
             f"{path}: {name} is in {unit.name}; hand it in where mu = rho = c_t = T = 1, without "

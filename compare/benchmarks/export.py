@@ -9,9 +9,11 @@ from pathlib import Path
 
 from compare.benchmarks.answers import SUMS, answer_files, written_bytes
 from compare.benchmarks.figures import sheet_figure
+from compare.benchmarks.interfaces.sheets import InterfaceSheet
 from compare.benchmarks.pages import (
     ANSWERS,
     FIGURE,
+    INTERFACE,
     RECORDS,
     Block,
     Code,
@@ -21,7 +23,7 @@ from compare.benchmarks.pages import (
     as_markdown,
     sheet_blocks,
 )
-from compare.benchmarks.sheets import Sheet
+from compare.benchmarks.sheet import Sheet
 from compare.benchmarks.starters import starter_inputs
 from compare.figures.saving import figure_png
 from compare.output.places import working_folder
@@ -55,6 +57,7 @@ def _sheet_files(sheet: Sheet) -> dict[str, bytes]:
         RECORDS: records,
         ANSWERS: answers,
         **{name: text.encode() for name, text in starter_inputs(sheet).items()},
+        **({INTERFACE: sheet.text.lstrip().encode()} if isinstance(sheet, InterfaceSheet) else {}),
     }
 
 
@@ -63,7 +66,7 @@ def _readme(sheets: Sequence[Sheet]) -> list[Block]:
     return [
         Heading("slipfront benchmarks", 1),
         Text(
-            "Problems of dynamic friction with exact answers: "
+            "Problems of dynamic friction with exact answers, or answers with a stated error: "
             + ", ".join(f"[{sheet.name}]({sheet.name}/{sheet.name}.md)" for sheet in sheets)
             + ". Each folder holds the sheet (Markdown, HTML), its figure, the records at the "
             f"stations ({RECORDS}), all numbers ({ANSWERS}) and inputs to start from."

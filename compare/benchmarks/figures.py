@@ -10,11 +10,14 @@ from matplotlib.figure import Figure
 
 from compare.benchmarks.answers import answer_to
 from compare.benchmarks.classes import CLASSES, tolerances
+from compare.benchmarks.interfaces.reference import Reference
+from compare.benchmarks.interfaces.sheets import SI, InterfaceSheet
 from compare.benchmarks.scores import GRADED, Score
-from compare.benchmarks.sheets import ALL_SHEETS, Sheet
+from compare.benchmarks.sheet import Sheet
+from compare.benchmarks.sheets import ALL_SHEETS
 from compare.figures.histories import march_figure
 from compare.figures.interface import prediction_figure
-from compare.figures.style import cycle, ink, marker_handle, new_figure, styled
+from compare.figures.style import cycle, describe, ink, marker_handle, new_figure, styled
 from compare.figures.whole_line import line_figure
 from semianalytic import LineSolution, Marched
 
@@ -26,9 +29,32 @@ LEAST_SHOWN = 1e-5
 def sheet_figure(sheet: Sheet) -> Figure:
     """The answer to a sheet."""
     answer = answer_to(sheet)
+    if isinstance(answer, Reference):
+        assert isinstance(sheet, InterfaceSheet)
+        return reference_figure(sheet, answer)
     if isinstance(answer, LineSolution):
         return line_figure(answer)
     return march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
+
+
+@styled
+def reference_figure(sheet: InterfaceSheet, answer: Reference) -> Figure:
+    """Slip rate and slip at the stations of an interface over time."""
+    si = sheet.units == SI
+    figure = describe(new_figure(7, 5), f"{sheet.title}: {sheet.friction_words}")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    colours = cycle()
+    for i, x in enumerate(answer.x):
+        look = {"color": colours[i % len(colours)], "ls": "-" if i < len(colours) else "--"}
+        upper.plot(answer.t, answer.values["slip_rate"][:, i], **look)
+        label = f"$x$ = {x / 1000:g} km" if si else f"$x$ = {x:g}"
+        lower.plot(answer.t, answer.values["slip"][:, i], label=label, **look)
+    upper.set(ylabel="slip rate [m/s]" if si else "slip rate $/\\ c_t$")
+    lower.set(ylabel="slip [m]" if si else "slip over half the width")
+    lower.set_xlabel("$t$ [s]" if si else "$c_t t$ over half the width")
+    lower.set_xlim(0, answer.t[-1])
+    lower.legend(fontsize="small", ncols=2)
+    return figure
 
 
 @styled
@@ -76,13 +102,17 @@ def _draw_sheet(
                 colour, marker = looks[one.label]
                 at = max(one.error, LEAST_SHOWN)
                 panel.plot(at, row, marker, color=colour, markersize=5)
-    scene = sheet.problem
-    panel.set_title(
-        f"{sheet.name}: ν = {scene.material.poisson_ratio:.3g}, f = {scene.friction:.3g}",
-        loc="left",
-    )
+    panel.set_title(_panel_title(sheet), loc="left")
     panel.set_xscale("log")
     panel.grid(axis="y", color=ink(0.1))
     panel.set_axisbelow(True)
     panel.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     panel.set_ylim(len(names) - 0.4, -0.6)
+
+
+def _panel_title(sheet: Sheet) -> str:
+    if isinstance(sheet, InterfaceSheet):
+        return f"{sheet.name}: {sheet.friction_words}"
+    problem = sheet.problem
+    ratio, friction = problem.material.poisson_ratio, problem.friction
+    return f"{sheet.name}: ν = {ratio:.3g}, f = {friction:.3g}"

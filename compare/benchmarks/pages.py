@@ -9,7 +9,8 @@ from html import escape
 
 from compare.benchmarks.answers import arrival_level, arrival_quantity, written_document
 from compare.benchmarks.classes import CLASSES, Tolerance, tolerances
-from compare.benchmarks.sheets import OPENING, SI_SCALES, STATIONS, Sheet
+from compare.benchmarks.interfaces.sheets import SI, InterfaceSheet
+from compare.benchmarks.sheet import OPENING, SI_SCALES, STATIONS, Sheet
 from compare.output.files import filled_template
 from compare.output.tables import markdown_table
 from semianalytic import IncidentWave, Patch, Pulse, Scene, ViscousFriction, WholeLine
@@ -17,6 +18,7 @@ from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
 FIGURE, RECORDS, ANSWERS = "figure.png", "records.csv", "answers.json"
+INTERFACE = "interface.toml"
 """Files beside an exported sheet."""
 
 _UNITS = {
@@ -73,11 +75,14 @@ def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
     yield Heading(f"{sheet.name}: {sheet.title}", 1)
     yield Text(f"It tests {sheet.tests}.")
     yield Heading("Problem")
-    problem = sheet.problem
-    yield Text(_line(problem) if isinstance(problem, WholeLine) else _problem(problem))
-    if sheet.note:
-        yield Text(sheet.note)
-    yield Table(("", "units μ = ρ = c_t = T = 1", "SI"), tuple(_numbers(sheet)))
+    if isinstance(sheet, InterfaceSheet):
+        yield from _interface(sheet)
+    else:
+        problem = sheet.problem
+        yield Text(_line(problem) if isinstance(problem, WholeLine) else _problem(problem))
+        if sheet.note:
+            yield Text(sheet.note)
+        yield Table(("", "units μ = ρ = c_t = T = 1", "SI"), tuple(_numbers(sheet)))
     yield Picture(FIGURE, f"The answer to {sheet.name}")
     yield Heading("What to report")
     yield from _to_report(sheet)
@@ -85,7 +90,7 @@ def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
     yield from _answer(sheet)
     bounds = [one for one in tolerances().values() if one.sheet == sheet.name]
     if bounds:
-        yield from _classes(bounds)
+        yield from _classes(sheet, bounds)
     yield Heading("Scoring")
     if not bounds:
         why = "our own codes do not take this problem" if sheet.is_line else "none are measured"
@@ -93,13 +98,25 @@ def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
     yield Code(("slipfront benchmark score FILE ...",))
 
 
-def _classes(bounds: Sequence[Tolerance]) -> Iterator[Block]:
+def _interface(sheet: InterfaceSheet) -> Iterator[Block]:
+    """Yield the statement of a problem of an interface, with its numbers."""
+    yield Text(sheet.statement)
+    yield Text(sheet.note)
+    yield Table(("", sheet.units), sheet.numbers)
+
+
+def _cells_over(sheet: Sheet) -> str:
+    """Return in words the length over which the cells of a sheet are counted."""
+    return sheet.breadth_words if isinstance(sheet, InterfaceSheet) else "c_t T"
+
+
+def _classes(sheet: Sheet, bounds: Sequence[Tolerance]) -> Iterator[Block]:
     """Yield the table of tolerance classes, and what they are."""
     yield Heading("Tolerance classes")
     yield Text(
         "The largest errors of a first-order scheme (our finite elements) on 200 (A), 100 (B) and "
-        "50 cells (C) over c_t T. Of arrivals the root of the mean square error over T, of all "
-        "else the relative L1 error over time and all stations."
+        f"50 cells (C) over {_cells_over(sheet)}. Of arrivals the root of the mean square error "
+        "over T, of all else the relative L1 error over time and all stations."
     )
     yield Table(
         ("", *CLASSES),
@@ -197,12 +214,10 @@ def _numbers(sheet: Sheet) -> Iterator[tuple[str, str, str]]:
 
 def _to_report(sheet: Sheet) -> Iterator[Block]:
     names = ", ".join(name.replace("_", " ") for name in sheet.report)
-    places = ", ".join(f"{x:g}" for x in STATIONS)
-    metres = ", ".join(f"{x * SI_SCALES['x']:g}" for x in STATIONS)
     yield Text(
-        f"{names[0].upper()}{names[1:]} over 0 < t <= T at x/(c_t T) = {places} ({metres} m), at "
-        "your own time steps, as CSV in units μ = ρ = c_t = T = 1. Columns that you do not have "
-        "may be missing; where slip rate is a mean over a step, a comment line says so."
+        f"{names[0].upper()}{names[1:]} over 0 < t <= T at {_places(sheet)}, at your own time "
+        f"steps, as CSV in units {_system(sheet)}. Columns that you do not have may be missing; "
+        "where slip rate is a mean over a step, a comment line says so."
     )
     yield Code(
         (
@@ -212,9 +227,11 @@ def _to_report(sheet: Sheet) -> Iterator[Block]:
             "# cells: 100",
             "# seconds: 12.3",
             "# slip_rate: mean over the step from t to t + 0.005",
-            "t,x,slip_rate,slip,shear_traction,pressure",
+            "t,x,slip_rate,slip,shear_traction" + ("" if sheet.is_interface else ",pressure"),
         )
     )
+    if sheet.is_interface:
+        yield Text(f"Cells are counted over {_cells_over(sheet)}.")
     if sheet.arrival:
         name, side = arrival_quantity(sheet), "below" if sheet.arrival == OPENING else "above"
         yield Text(
@@ -223,7 +240,52 @@ def _to_report(sheet: Sheet) -> Iterator[Block]:
         )
 
 
+def _places(sheet: Sheet) -> str:
+    """Return in words where the stations of a sheet are."""
+    places = ", ".join(f"{x:g}" for x in sheet.stations)
+    if isinstance(sheet, InterfaceSheet):
+        return f"x = {places}{' m' if sheet.units == SI else ''}"
+    metres = ", ".join(f"{x * SI_SCALES['x']:g}" for x in sheet.stations)
+    return f"x/(c_t T) = {places} ({metres} m)"
+
+
+def _system(sheet: Sheet) -> str:
+    """Return in words the system of units in which records are handed in."""
+    if isinstance(sheet, InterfaceSheet):
+        return "of the SI" if sheet.units == SI else sheet.units
+    return "μ = ρ = c_t = T = 1"
+
+
+def _reference(sheet: InterfaceSheet) -> Iterator[Block]:
+    """Yield what is known of the answer to a problem of an interface, and how well."""
+    document = written_document(sheet)
+    answers, errors = document["answers"], document["errors"]
+    yield Text(
+        f"{RECORDS} holds the records at the stations, {ANSWERS} the same and the arrivals; "
+        f"{INTERFACE} is the problem as `slipfront run` reads it. It is the limit of two grids, of "
+        f"{sheet.nodes // 2} and {sheet.nodes} nodes, by an order of {sheet.order}. The stated "
+        f"error is its difference from the limit of {sheet.nodes // 4} and {sheet.nodes // 2} "
+        "nodes: relative L1 over all times and stations; of arrivals the largest, in units of "
+        "time. An error of a code below it says nothing about the code."
+    )
+    yield Table(
+        ("", "stated error"),
+        tuple((name.replace("_", " "), f"{error:.2g}") for name, error in errors.items()),
+    )
+    rows = zip(sheet.stations, answers["arrivals"], answers["slip"][-1], strict=True)
+    yield Table(
+        ("x", "arrival", "slip at t = T"),
+        tuple(
+            (f"{x:g}", "never" if time is None else f"{time:.6g}", f"{slip:.7g}")
+            for x, time, slip in rows
+        ),
+    )
+
+
 def _answer(sheet: Sheet) -> Iterator[Block]:
+    if isinstance(sheet, InterfaceSheet):
+        yield from _reference(sheet)
+        return
     document = written_document(sheet)
     answers, sure = document["answers"], document["sure"]
     yield Text(

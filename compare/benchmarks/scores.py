@@ -23,7 +23,9 @@ from compare.benchmarks.answers import (
 )
 from compare.benchmarks.classes import BEYOND, COPIED, tolerance_class
 from compare.benchmarks.entries import Run, run_label
-from compare.benchmarks.sheets import CELLS, STATIONS, Sheet
+from compare.benchmarks.interfaces.reference import Reference
+from compare.benchmarks.interfaces.sheets import InterfaceSheet
+from compare.benchmarks.sheet import CELLS, Sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import QUANTITIES, Record
 from semianalytic import WholeLine
@@ -99,25 +101,31 @@ def score(run: Run) -> tuple[Score, ...]:
     """
     _check_step(run)
     sheet, answer = run.sheet, answer_to(run.sheet)
-    stations = [_until_end(one) for one in run.records.stations if 0 < one.x <= 2]
+    stations = [
+        _until_end(one, sheet.end_time) for one in run.records.stations if _is_on(sheet, one.x)
+    ]
     stations = [one for one in stations if len(one.t) > 1]
     if not stations:
-        raise DataFileError(f"{run.records.source} has no station with 0 < x <= 2 and 0 < t <= 1.")
-    note = _missing(stations)
+        where = "of the sheet" if sheet.is_interface else "with 0 < x <= 2"
+        raise DataFileError(
+            f"{run.records.source} has no station {where} and 0 < t <= {sheet.end_time:g}."
+        )
+    note = _missing(sheet, stations)
     found: list[tuple[str, float, float, str, str]] = []
     if sheet.arrival:
         error, missed = _arrival_error(sheet, answer, stations)
         words = f"{missed} station{'s' * (missed > 1)} reached by one only" if missed else ""
-        lack = _lacking(stations, arrival_quantity(sheet))
+        lack = _lacking(sheet, stations, arrival_quantity(sheet))
         graded = BEYOND if missed else tolerance_class(sheet.name, ARRIVAL, error)
         notes = "; ".join(filter(None, (note, words, lack)))
-        found.append((ARRIVAL, error, error * run.cells, "" if lack else graded, notes))
+        cells = error * sheet.end_time / sheet.crossing * run.cells
+        found.append((ARRIVAL, error, cells, "" if lack else graded, notes))
     for name in sheet.report:
         first, second = _relative_errors(run, answer, stations, name)
-        lack = _lacking(stations, name)
+        lack = _lacking(sheet, stations, name)
         graded = "" if lack else tolerance_class(sheet.name, name, first)
         found.append((name, first, second, graded, "; ".join(filter(None, (note, lack)))))
-    if _is_copied(answer, found):
+    if _is_copied(sheet, answer, found):
         nearer = f"within {EXACTLY:g} of the answer, which no code comes so near to"
         found = [
             (name, first, second, grade and COPIED, "; ".join(filter(None, (words, nearer))))
@@ -126,12 +134,23 @@ def score(run: Run) -> tuple[Score, ...]:
     return tuple(Score(sheet.name, run.code, run.cells, run.seconds, *numbers) for numbers in found)
 
 
+def _is_on(sheet: Sheet, x: float) -> bool:
+    """Return whether a sheet has an answer at a position."""
+    return bool(_near(sheet, x).any()) if sheet.is_interface else 0 < x <= 2
+
+
+def _near(sheet: Sheet, x: float) -> NDArray[np.bool_]:
+    """Return which stations of a sheet are at a position, (k,)."""
+    return np.asarray(np.abs(np.array(sheet.stations) - x) <= 1e-3 * sheet.extent)
+
+
 def _check_step(run: Run) -> None:
     """Refuse slip rates that are means over so long that they hide what they should show."""
     cells = CELLS[-1] if math.isnan(run.cells) else run.cells
-    if run.step * cells <= LONGEST_MEAN * (1 + NOTHING):
+    crossed = run.step / run.sheet.crossing * cells
+    if crossed <= LONGEST_MEAN * (1 + NOTHING):
         return
-    said = f"{run.step:g} T is {run.step * cells:.2g} cells"
+    said = f"{run.step:g} {'' if run.sheet.is_interface else 'T '}is {crossed:.2g} cells"
     if math.isnan(run.cells):
         said = f"{run.step:g} T is long, and it does not say how many cells it has (# cells: 100)"
     raise DataFileError(
@@ -140,13 +159,13 @@ def _check_step(run: Run) -> None:
     )
 
 
-def _lacking(stations: Iterable[Record], name: str) -> str:
+def _lacking(sheet: Sheet, stations: Iterable[Record], name: str) -> str:
     """Why a quantity has no class: stations or times that are not held; "" if it has enough."""
-    shares = {x: 0.0 for x in STATIONS}
+    shares = dict.fromkeys(sheet.stations, 0.0)
     for one in stations:
-        for x in STATIONS:
-            if abs(one.x - x) <= 1e-3:
-                shares[x] = max(shares[x], _share(one, name))
+        for x, near in zip(sheet.stations, _near(sheet, one.x), strict=True):
+            if near:
+                shares[x] = max(shares[x], _share(one, name, sheet.end_time))
     poor = [x for x, share in shares.items() if share < ENOUGH]
     if len(shares) - len(poor) >= ENOUGH * len(shares):
         return ""
@@ -157,7 +176,7 @@ def _lacking(stations: Iterable[Record], name: str) -> str:
     )
 
 
-def _share(record: Record, name: str) -> float:
+def _share(record: Record, name: str, end: float) -> float:
     """Part of the time from 0 to T that a record holds; gaps in it and between rows are not."""
     values = record.values.get(name)
     if values is None:
@@ -165,33 +184,39 @@ def _share(record: Record, name: str) -> float:
     steps = np.diff(record.t, prepend=0.0)
     known = np.isfinite(values)
     held = known & np.append(True, known[:-1])
-    held &= steps <= min(LONGEST_STEP, GAP * float(np.median(steps))) * (1 + NOTHING)
-    return float(steps[held].sum())
+    held &= steps <= min(end * LONGEST_STEP, GAP * float(np.median(steps))) * (1 + NOTHING)
+    return float(steps[held].sum()) / end
 
 
-def _is_copied(answer: Answered, found: Sequence[tuple[str, float, float, str, str]]) -> bool:
+def _is_copied(
+    sheet: Sheet, answer: Answered, found: Sequence[tuple[str, float, float, str, str]]
+) -> bool:
     """Whether all that a run holds is the answer itself, and that is not nothing alone."""
     errors = {name: first for name, first, *_ in found if name != ARRIVAL and not math.isnan(first)}
-    moves = any(np.abs(getattr(answer, name)(STATIONS, 1.0)).max() > NOTHING for name in errors)
+    x, end = sheet.stations, sheet.end_time
+    moves = any(np.abs(getattr(answer, name)(x, end)).max() > NOTHING for name in errors)
     return moves and max(errors.values()) < EXACTLY
 
 
-def _until_end(record: Record) -> Record:
+def _until_end(record: Record, end: float) -> Record:
     """A record over 0 < t <= T."""
-    kept = (record.t > 0) & (record.t <= 1 + NOTHING)
-    t = np.minimum(record.t[kept], 1.0)
+    kept = (record.t > 0) & (record.t <= end * (1 + NOTHING))
+    t = np.minimum(record.t[kept], end)
     return Record(record.x, t, {name: values[kept] for name, values in record.values.items()})
 
 
-def _missing(stations: Iterable[Record]) -> str:
-    """Which stations of the sheets are not among those of a run."""
-    places = np.array([one.x for one in stations])
-    missing = [x for x in STATIONS if np.min(np.abs(places - x)) > 1e-3]
+def _missing(sheet: Sheet, stations: Iterable[Record]) -> str:
+    """Which stations of a sheet are not among those of a run."""
+    held = np.any([_near(sheet, one.x) for one in stations], axis=0)
+    missing = [x for x, known in zip(sheet.stations, held, strict=True) if not known]
     return f"without x = {', '.join(f'{x:g}' for x in missing)}" if missing else ""
 
 
 def _arrival_error(sheet: Sheet, answer: Answered, stations: Iterable[Record]) -> tuple[float, int]:
-    """Root of the mean square error, and how many stations one of the two alone has reached."""
+    """Root of the mean square error over T, and how many stations one of the two alone reached.
+
+    Where slip begins at once, as in the middle of a patch, nothing is timed.
+    """
     errors, missed = [], 0
     for one in stations:
         try:
@@ -200,14 +225,16 @@ def _arrival_error(sheet: Sheet, answer: Answered, stations: Iterable[Record]) -
             return math.nan, 0
         exact = float(arrival_times(sheet, answer, [one.x])[0])
         exact = exact if exact <= one.t[-1] else math.inf
-        if math.isfinite(at) and math.isfinite(exact):
-            errors.append(at - exact)
+        if math.isfinite(at) and math.isfinite(exact) and exact > 0:
+            errors.append((at - exact) / sheet.end_time)
         missed += math.isfinite(at) != math.isfinite(exact)
     return (float(np.sqrt(np.mean(np.square(errors)))) if errors else math.nan), missed
 
 
 def scale_of(sheet: Sheet, name: str) -> float:
     """Return what an error of a quantity is relative to where the answer is zero."""
+    if isinstance(sheet, InterfaceSheet):
+        return float(np.abs(getattr(answer_to(sheet), name)(sheet.stations, sheet.end_time)).max())
     problem, rated = sheet.problem, name in ("slip_rate", "slip")
     if isinstance(problem, WholeLine):
         return problem.excess * (2 / problem.material.shear_impedance if rated else 1.0)
@@ -241,6 +268,8 @@ def _parts(
     answer: Answered, record: Record, name: str, step: float
 ) -> tuple[Array, Array, Array] | None:
     """Times, errors and exact values of a record, where it holds any."""
+    if isinstance(answer, Reference):
+        record, step = answer.at_times(record, step), 0.0
     values = record.values.get(name)
     if values is None or np.isfinite(values).sum() < 2:
         return None

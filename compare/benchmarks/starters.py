@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from compare.benchmarks.sheets import Sheet
+from compare.benchmarks.sheet import Sheet
 from compare.output.files import filled_template
 from semianalytic import Pulse, Scene, ViscousFriction
 
@@ -33,9 +33,10 @@ CONTACT, SLOT_FACES = {"low": 5, "up": 6}, {"low": 7, "up": 8}
 def starter_inputs(sheet: Sheet) -> Mapping[str, str]:
     """Texts of the inputs for a sheet by file name, code/name.
 
-    There are none where there is no slot, or where the load comes to one place after the other.
+    There are none where there is no slot, or where the load comes to one place after the other, and
+    for interfaces.
     """
-    if sheet.is_line or sheet.scene.front_slowness:
+    if sheet.is_interface or sheet.is_line or sheet.scene.front_slowness:
         return {}
     inputs = {
         f"uguca/{sheet.name}.in": uguca_parameters(sheet),

@@ -29,12 +29,17 @@ def line_of(interface: Interface, nodes: int) -> Line:
     Raises
     ------
     SceneError
-        If mean slip is held, which no body does, or a field has no value at a node.
+        If mean slip is held, which no body does, there is adhesion, or a field has no value at a
+        node.
     """
     if interface.held != math.inf:
         raise SceneError(
             "simulate: finite elements have no stiffness that holds the mean slip; leave out "
             "`held` (docs/engine.md)."
+        )
+    if interface.adhesion is not None:
+        raise SceneError(
+            "simulate: finite elements have no adhesion; leave it out to compare (docs/engine.md)."
         )
     grid = Grid(interface.length, nodes, not interface.contact.is_whole)
     x, spacing = grid.x, grid.spacing

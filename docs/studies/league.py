@@ -2,7 +2,8 @@
 
 ``python -m docs.studies.league classes`` measures the tolerance classes, for the package and for
 docs/data.  ``... league`` scores the runs of slipfront's own codes and those of other codes in
-tests/data/entrants; ``... figure`` draws them; ``... sheets`` lists the problems.
+tests/data/entrants; ``... figure`` draws them; ``... sheets`` lists the problems.  Classes and the
+league take ``--sheets NAME ...``, and keep what is known of the other sheets.
 """
 
 from __future__ import annotations
@@ -13,17 +14,20 @@ import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from compare.benchmarks.answers import DATA, written_document
-from compare.benchmarks.classes import COMMAND, FILE, Tolerance
+from compare.benchmarks.classes import COMMAND, FILE, Tolerance, tolerances
 from compare.benchmarks.entries import Run, enter, read_run
 from compare.benchmarks.figures import score_figure
 from compare.benchmarks.scores import ARRIVAL, GRADED, Score, score
-from compare.benchmarks.sheets import CELLS, SHEETS, Sheet, find_sheet
+from compare.benchmarks.sheet import CELLS, Sheet
+from compare.benchmarks.sheets import ALL_SHEETS, INTERFACE_SHEETS, SHEETS, find_sheet
 from compare.figures.saving import figure_png
 from compare.output.tables import write_rows
+from docs.studies.pages import read_data
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import SceneError, SlipfrontError
 
@@ -32,6 +36,8 @@ DOCS = ROOT / "docs" / "data"
 ENTRANTS = ROOT / "tests" / "data" / "entrants"
 LEAST_BOUND = 1e-6
 """Smallest bound of a class, where the finite elements are exact to rounding."""
+GRADED_SHEETS = (*SHEETS, *INTERFACE_SHEETS)
+"""Sheets with tolerance classes."""
 MARCH_CELLS = 100
 DRAWN = ("preloaded", "auxetic", "antiplane", "lift-off-shear")
 """Sheets shown in the figure."""
@@ -40,7 +46,7 @@ DRAWN = ("preloaded", "auxetic", "antiplane", "lift-off-shear")
 def measured_classes(sheet: Sheet) -> Iterator[Tolerance]:
     """Measure the classes of a sheet with the finite elements."""
     coarse, middle, fine = (_errors(score(enter("fem", sheet, cells))) for cells in CELLS)
-    marched = {} if sheet.is_marched else _march_errors(sheet)
+    marched = {} if _is_own_reference(sheet) else _march_errors(sheet)
     for name in fine:
         a = _bound(fine[name])
         b = max(a, _bound(middle[name]))
@@ -52,10 +58,20 @@ def _errors(scores: Iterable[Score]) -> dict[str, float]:
     return {one.quantity: one.error for one in scores}
 
 
+def _is_own_reference(sheet: Sheet) -> bool:
+    """Return whether the answer to a sheet is that of the marcher itself, and no limit of grids."""
+    return sheet.is_marched and not sheet.is_interface
+
+
+def _marcher(sheet: Sheet) -> str:
+    """Return our code of integral equations for a sheet."""
+    return "run" if sheet.is_interface else "march"
+
+
 def _march_errors(sheet: Sheet) -> dict[str, float]:
-    """Return the errors of the marcher; none if it refuses the scene."""
+    """Return the errors of the marcher, or of `run`; none if it refuses the scene."""
     try:
-        return _errors(score(enter("march", sheet, MARCH_CELLS)))
+        return _errors(score(enter(_marcher(sheet), sheet, MARCH_CELLS)))
     except SceneError:
         return {}
 
@@ -92,7 +108,7 @@ class LeagueRow:
 
 def league_rows(runs: Iterable[Run]) -> list[LeagueRow]:
     """Return the rows of runs, sorted by sheet, code and cells."""
-    order = list(SHEETS)
+    order = list(ALL_SHEETS)
     ranked = sorted(runs, key=lambda run: (order.index(run.sheet.name), run.code, run.cells))
     rows: list[LeagueRow] = []
     for run in ranked:
@@ -125,16 +141,16 @@ def _order(before: LeagueRow | None, run: Run, error: float) -> float:
 
 
 def own_runs(
-    names: Iterable[str] = tuple(SHEETS), resolutions: Iterable[int] = CELLS
+    names: Iterable[str] = GRADED_SHEETS, resolutions: Iterable[int] = CELLS
 ) -> Iterator[Run]:
     """Yield runs of slipfront's own codes on the sheets that they accept."""
     for sheet in map(find_sheet, names):
         for cells in resolutions:
             yield enter("fem", sheet, cells)
-            if sheet.is_marched:
+            if _is_own_reference(sheet):
                 continue
             try:
-                yield enter("march", sheet, cells)
+                yield enter(_marcher(sheet), sheet, cells)
             except SceneError:
                 continue
 
@@ -149,6 +165,21 @@ def others_runs(folder: Path = ENTRANTS) -> Iterator[Run]:
     """
     for path in sorted(folder.glob("*/*/*.csv")):
         yield read_run(path)
+
+
+def _known_rows() -> list[LeagueRow]:
+    """Return the rows of docs/data/league.csv."""
+    rows = []
+    for row in read_data("league", DOCS)[1]:
+        values: dict[str, Any] = {
+            key: one if key in _TEXT or one.isdigit() else float(one) for key, one in row.items()
+        }
+        rows.append(LeagueRow(**values))
+    return rows
+
+
+_TEXT = ("sheet", "code", "version", "tolerance")
+"""Columns of the league that hold no numbers."""
 
 
 def league_figure(others: Iterable[Run]) -> Figure:
@@ -178,6 +209,39 @@ def sheet_rows() -> list[SheetRow]:
     ]
 
 
+@dataclass(frozen=True)
+class InterfaceRow:
+    """One sheet of an interface: what it tests, and the stated errors of its answer.
+
+    Errors are relative, but that of arrivals is in units of time.
+    """
+
+    sheet: str
+    title: str
+    tests: str
+    nodes: int
+    order: int
+    slip: float
+    slip_rate: float
+    shear_traction: float
+    arrivals: float
+
+
+def interface_rows() -> list[InterfaceRow]:
+    """Return all sheets of interfaces with the stated errors of their answers."""
+    return [
+        InterfaceRow(
+            sheet.name,
+            sheet.title,
+            sheet.tests,
+            sheet.nodes,
+            sheet.order,
+            **written_document(sheet)["errors"],
+        )
+        for sheet in INTERFACE_SHEETS.values()
+    ]
+
+
 def _parts(sheet: Sheet) -> str:
     """Return zones and openings of a sheet over c_t in words."""
     answers = written_document(sheet)["answers"]
@@ -196,20 +260,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     program = "python -m docs.studies.league"
     parser = argparse.ArgumentParser(prog=program, description=__doc__)
     parser.add_argument("table", choices=("sheets", "classes", "league", "figure"))
+    parser.add_argument("--sheets", nargs="*", choices=GRADED_SHEETS, default=GRADED_SHEETS)
     parser.add_argument("--entrants", type=Path, default=ENTRANTS, help="where others' runs are")
     options = parser.parse_args(arguments)
     try:
         if options.table == "sheets":
             write_rows(DOCS / "benchmark-sheets.csv", sheet_rows(), command=f"{program} sheets")
+            write_rows(
+                DOCS / "benchmark-interfaces.csv", interface_rows(), command=f"{program} sheets"
+            )
         elif options.table == "classes":
-            classes = [one for sheet in SHEETS.values() for one in measured_classes(sheet)]
+            sheets = map(find_sheet, options.sheets)
+            classes = [one for sheet in sheets for one in measured_classes(sheet)]
+            kept = [one for one in tolerances().values() if one.sheet not in options.sheets]
+            classes = sorted([*kept, *classes], key=lambda one: GRADED_SHEETS.index(one.sheet))
             write_rows(DATA / FILE, classes, command=COMMAND)
             shutil.copyfile(DATA / FILE, DOCS / f"benchmark-{FILE}")
         elif options.table == "figure":
             figure = league_figure(others_runs(options.entrants))
             write_bytes(ROOT / "docs" / "figures" / "league.png", figure_png(figure))
         else:
-            rows = league_rows([*own_runs(), *others_runs(options.entrants)])
+            others = [
+                run for run in others_runs(options.entrants) if run.sheet.name in options.sheets
+            ]
+            rows = league_rows([*own_runs(options.sheets), *others])
+            rows += [one for one in _known_rows() if one.sheet not in options.sheets]
+            rows.sort(key=lambda row: GRADED_SHEETS.index(row.sheet))
             write_rows(DOCS / "league.csv", rows, command=f"{program} league")
     except SlipfrontError as error:
         parser.exit(error.exit_code, f"{error}\n")

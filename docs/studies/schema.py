@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from compare.benchmarks.classes import Tolerance
 from compare.benchmarks.scores import Score
-from compare.benchmarks.sheets import Sheet
+from compare.benchmarks.sheet import Sheet
 from compare.comparison.fields.errors import FieldError
 from compare.comparison.rows import Row
 from compare.output.files import write_text
@@ -148,7 +148,7 @@ _PAIR = _object(
     friction_law=_KIND,
     units=TEXT,
 )
-_PROBLEM: Schema = {"anyOf": [SCENE, _LINE]}
+_PROBLEM: Schema = {"anyOf": [SCENE, _LINE, _object(interface=TEXT)]}
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
 _INTERFACE = _object(
     interface={"type": "object"}, end_time=_or_null(NUMBER), options={"type": "object"}
@@ -467,15 +467,15 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "sheet": Key("name of the sheet", TEXT),
             "title": Key("title of the sheet", TEXT),
             "system": Key("system of units", TEXT),
-            "scene": Key("the scene or whole line, as its TOML file has it", _PROBLEM),
-            "si_scene": Key("the same scene in SI units", _PROBLEM),
+            "scene": Key("the scene or whole line, or the file of the interface", _PROBLEM),
+            "si_scene": Key("the same scene in SI units; null for interfaces", _or_null(_PROBLEM)),
             "si_scales": Key("factors that convert answers to SI units", _of(NUMBER)),
-            "stations": Key("positions of the stations over c_t T", _list(NUMBER)),
-            "times": Key("times over T", _list(NUMBER)),
+            "stations": Key("positions of the stations; of scenes over c_t T", _list(NUMBER)),
+            "times": Key("times; of scenes over T", _list(NUMBER)),
             "arrival": Key("event whose arrival time is asked for", TEXT),
             "sure": Key("how many digits are reliable, in words", TEXT),
             "answers": Key("answers by quantity", {"type": "object"}),
-            "errors": Key("errors of marched answers", {"type": "object"}),
+            "errors": Key("errors of marched answers, of interfaces relative", {"type": "object"}),
             "tolerances": Key("tolerances by class", _list(_row(Tolerance))),
         },
     ),

@@ -6,10 +6,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.fields import sampled
+from semianalytic.engine.law import not_negative, positive
 from semianalytic.engine.line import Grid, LineMemory
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -143,24 +146,80 @@ class Contact:
 
 
 @dataclass(frozen=True, eq=False)
+class Adhesion:
+    """Tension that a contact carries before it opens.
+
+    Faces that touch and have never parted carry tension up to the strength.  Where they part, the
+    tension falls linearly to 0 over the length; it takes strength x length / 2 per area to part
+    them.  Where they come together before, it falls in proportion to the gap.  What has parted by
+    the length touches like any other contact.  Friction acts where the faces touch, with no less
+    than no pressure: under tension only cohesion is left of it.
+
+    Parameters
+    ----------
+    strength : field
+        Largest tension [stress]; a number, a function of x or a `Table`.
+    length : field
+        Gap at which no tension is left [length].
+
+    Raises
+    ------
+    SceneError
+        If the strength is negative, or the length is not positive.
+
+    Examples
+    --------
+    >>> from semianalytic import Adhesion
+    >>> Adhesion(strength=2.0, length=1e-3)
+    Adhesion(strength=2.0, length=0.001)
+    """
+
+    strength: Any
+    length: Any
+
+    def __post_init__(self) -> None:
+        not_negative("adhesion", strength=self.strength)
+        positive("adhesion", length=self.length)
+
+    def on(self, x: Array, touching: NDArray[np.bool_]) -> Adhesion:
+        """Return strength and length at positions x (n,); slots have no strength."""
+        strength = np.zeros(len(x))
+        strength[touching] = sampled("adhesion: strength", self.strength, x[touching])
+        length = np.ones(len(x))
+        length[touching] = sampled("adhesion: length", self.length, x[touching])
+        return Adhesion(strength, length)
+
+    def tension(self, gap: Array, opened: Array) -> Array:
+        """Return the tension at gaps (n,), the largest gaps so far being (n,) [stress]."""
+        left = self.strength * np.maximum(1 - np.maximum(gap, opened) / self.length, 0.0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(np.where(gap < opened, left * gap / opened, left))
+
+
+@dataclass(frozen=True, eq=False)
 class Faces:
     """Pressure and gap of the interface at one time; arrays are (n,).
 
     Attributes
     ----------
     pressure : array
-        Contact pressure [stress], 0 where the contact is open and on slots.
+        Contact pressure [stress], 0 where the contact is open and on slots; tension of adhesion is
+        negative.
     gap, gap_rate : array
         Gap [length] and its rate [length / time].  The gap is 0 or more on the contact; on slots it
         is the change of their width.
     closing : array
-        Work per area that the contact has taken from the bodies in closing [stress length].
+        Work per area that the contact has taken from the bodies in closing, and that adhesion has
+        taken [stress length].
+    opened : array
+        Largest gap so far where the bodies touch, 0 on slots [length].
     """
 
     pressure: Array
     gap: Array
     gap_rate: Array
     closing: Array
+    opened: Array
 
     @property
     def is_open(self) -> NDArray[np.bool_]:
@@ -175,7 +234,8 @@ class Unilateral:
     (`spacetime.exponentials.Opening`).  Slip does not change the pressure between identical bodies,
     so each step computes the pressure before friction.  The gap follows the backward Euler rule, by
     which p U <= 0 at every node and step: the contact never gives energy to the bodies, which it
-    does with the trapezoidal rule.
+    does with the trapezoidal rule.  Adhesion takes at the end of the step the tension that its gap
+    has then, by which it gives back no more than it took.
 
     Parameters
     ----------
@@ -189,6 +249,8 @@ class Unilateral:
         Pressure that an uncut line carries, and that of slot faces, (n,) each [stress].
     touching : (n,) array of bool
         Whether the bodies touch.
+    adhesion : Adhesion, optional
+        Tension that the contact carries, at the nodes.
     """
 
     def __init__(
@@ -198,9 +260,10 @@ class Unilateral:
         grid: Grid,
         loads: Callable[..., tuple[Array, Array]],
         touching: NDArray[np.bool_],
+        adhesion: Adhesion | None = None,
     ) -> None:
         self.impedance, self.memory, self.loads = impedance, memory, loads
-        self.grid, self.touching = grid, touching
+        self.grid, self.touching, self.adhesion = grid, touching, adhesion
 
     def jump(self, now: Faces, time: float, push: Array | float = 0.0) -> Faces:
         """Return pressure and opening rate after loads have jumped, with the gap as it is.
@@ -210,9 +273,9 @@ class Unilateral:
         held = self.held(now)[0]
         line, slot = self.loads(time, after=True)
         least = np.where(now.gap > 0, -math.inf, 0.0)
-        pressure, rate = self.balance(line + push, slot, held, least)
+        pressure, rate = self.balance(line + push, slot, held, least, now, 0.0)
         self.memory.exchange(self.grid.amplitudes(rate - now.gap_rate))
-        return Faces(pressure, now.gap, rate, now.closing)
+        return Faces(pressure, now.gap, rate, now.closing, now.opened)
 
     def step(self, now: Faces, time: float, length: float, path: float, sweeps: int) -> Faces:
         """Return pressure and gap one step later, and advance the memory to the same time.
@@ -246,18 +309,66 @@ class Unilateral:
         if now.is_open[self.touching].any():
             return True
         left = self.loads(time)[0] + push + self.impedance * self.grid.values(self.held(now)[0])
+        if self.adhesion is not None:
+            left = left + self.adhesion.tension(now.gap, now.opened)
         return bool((left[self.touching] < 0).any())
 
     def balance(
-        self, line: Array, slot: Array, convolution: Array, least: Array
+        self,
+        line: Array,
+        slot: Array,
+        convolution: Array,
+        least: Array,
+        now: Faces,
+        length: float,
     ) -> tuple[Array, Array]:
-        """Return pressure and opening rate, given the convolution and the rate that closes."""
+        """Return pressure and opening rate at the end of a step.
+
+        Parameters
+        ----------
+        line, slot : (n,) arrays
+            Pressure that an uncut line carries, and that of slot faces [stress].
+        convolution : (rows, m) array
+        least : (n,) array
+            Opening rate at which the gap closes within the step [length / time].
+        now : Faces
+            Pressure and gap at the beginning of the step.
+        length : float
+            Its length [time].
+        """
         stopping = line + self.impedance * self.grid.values(convolution)
         freed = -stopping / self.impedance
+        tension = 0.0 * stopping
+        if self.adhesion is not None:
+            freed = np.where(self.touching, self._parted(stopping, now, length), freed)
+            gap = now.gap + length * np.maximum(freed, least)
+            tension = self.adhesion.tension(gap, now.opened) * self.touching
         rate = np.where(self.touching, np.maximum(freed, least), freed + slot / self.impedance)
         # An open node has a pressure of exactly 0, since rounding could make p U positive.
         held = self.touching & (least >= freed)
-        return np.where(held, np.maximum(stopping + self.impedance * rate, 0.0), 0.0), rate
+        floor = np.where((now.opened > 0) | (now.gap > 0), 0.0, -tension)
+        closed = np.maximum(stopping + self.impedance * rate, floor)
+        return np.where(held, closed, 0.0 - tension), rate
+
+    def _parted(self, stopping: Array, now: Faces, length: float) -> Array:
+        """Return the opening rate (n,) of nodes that adhesion holds, if the gap does not close.
+
+        The pressure stopping + Z U is then that of the tension at the gap g + length U.  On the way
+        back the tension is in proportion to the gap; beyond the largest gap so far it falls.
+        """
+        assert self.adhesion is not None
+        strength, reach, z = self.adhesion.strength, self.adhesion.length, self.impedance
+        gap, opened, soft = now.gap, now.opened, strength / reach
+        with np.errstate(invalid="ignore", divide="ignore"):
+            left = strength * np.maximum(1 - opened / reach, 0.0)
+            stiff = np.where(opened > 0, left / opened, 0.0)
+        back = -(stopping + stiff * gap) / (z + stiff * length)
+        ahead = -(stopping + strength - soft * gap) / (z - soft * length)
+        free = -stopping / z
+        intact = opened == 0
+        grows = np.where(intact, stopping < -strength, gap + length * back > opened)
+        ahead = np.where((gap + length * ahead > reach) | (opened >= reach), free, ahead)
+        return np.where(grows, ahead, np.where(intact, 0.0, back))
 
 
 class Parting:
@@ -289,7 +400,12 @@ class Parting:
     def sweep(self, push: Array | float = 0.0) -> Array:
         """Find the opening rate anew under a pressure that slip exerts; return the pressure."""
         self._pressure, self._rate = self._unilateral.balance(
-            self._line + push, self._slot, self.convolutions[0], self._least
+            self._line + push,
+            self._slot,
+            self.convolutions[0],
+            self._least,
+            self._now,
+            self._length,
         )
         self._amplitudes = self._unilateral.grid.amplitudes(self._rate)
         return self._pressure
@@ -301,4 +417,5 @@ class Parting:
         gap = now.gap + self._length * rate
         gap[on] = np.where(rate > self._least, np.maximum(gap, 0.0), 0.0)[on]
         closing = now.closing - self._length * self._pressure * rate
-        return Faces(self._pressure, gap, rate, closing)
+        opened = np.where(on, np.maximum(now.opened, gap), 0.0)
+        return Faces(self._pressure, gap, rate, closing, opened)

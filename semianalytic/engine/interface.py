@@ -8,7 +8,7 @@ from typing import Any
 
 from semianalytic.dissimilar.kernels import BodyPair
 from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
-from semianalytic.engine.contact import Contact
+from semianalytic.engine.contact import Adhesion, Contact
 from semianalytic.engine.fields import check_field
 from semianalytic.engine.hilbert import comes_back
 from semianalytic.engine.law import InterfaceLaw
@@ -59,6 +59,8 @@ class Interface:
         Whether everything is even in x, so that only x > 0 is computed.
     lower_material : Material, optional
         The solid on y < 0 if it is another one.  Slip then changes the pressure (in-plane only).
+    adhesion : Adhesion, optional
+        Tension that the contact carries before it opens; none by default.
 
     Raises
     ------
@@ -87,6 +89,7 @@ class Interface:
     held: float = math.inf
     even: bool = False
     lower_material: Material | None = None
+    adhesion: Adhesion | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.material, Material):
@@ -111,6 +114,14 @@ class Interface:
         for load in self.loads:
             if isinstance(load, FrontLoad):
                 self._check_front(load)
+        if not isinstance(self.adhesion, Adhesion | None):
+            raise SceneError(
+                f"interface: adhesion must be an Adhesion, got {shown(self.adhesion)}."
+            )
+        if self.adhesion is not None and not self.may_open:
+            raise SceneError(
+                "interface: nothing opens without a load that has a pressure; leave out adhesion."
+            )
         if self.mode == "antiplane" and self.may_open:
             raise SceneError(
                 "interface: loads of an antiplane interface have no pressure; leave it out or set "

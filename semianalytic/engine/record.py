@@ -158,6 +158,8 @@ def fingerprint(stepper: Stepper) -> str:
     laid = [stepper.pressure, stepper.shear, stepper.touching, *stepper.loads(stepper.shortest)]
     if stepper.unilateral is not None:
         laid += stepper.unilateral.loads(stepper.shortest)
+        if stepper.unilateral.adhesion is not None:
+            laid += [stepper.unilateral.adhesion.strength, stepper.unilateral.adhesion.length]
     if is_dataclass(stepper.law):
         laid += [
             value

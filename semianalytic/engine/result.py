@@ -20,7 +20,7 @@ from semianalytic.scene.extras import needing
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront interface run 3"
+FORMAT = "slipfront interface run 4"
 _UNITS = {
     "slip": ("length", "relative slip, upper minus lower side"),
     "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
@@ -51,8 +51,9 @@ class Run:
         Slip [length], slip rate [length / time], shear traction [stress] and state of friction;
         the state is nan on slots.
     pressure, gap : (m, n) arrays
-        Contact pressure [stress], 0 where the contact is open and on slots; gap [length], 0 or more
-        on the contact, and the change of their width on slots.
+        Contact pressure [stress], 0 where the contact is open and on slots, and negative where
+        adhesion holds; gap [length], 0 or more on the contact, and the change of their width on
+        slots.
     onset : (n,) array
         Time at which slip began [time]: when |slip rate| first exceeded the `slipping` of `run`;
         nan where it never did, and on slots.
@@ -138,7 +139,8 @@ class Run:
         """Work that the contact has taken from the bodies, per width [stress length^2].
 
         "friction" is the work of slip; "closing" is the work of the pressure on faces that meet,
-        which is not negative and tends to 0 as the grid is refined.
+        which is not negative and tends to 0 as the grid is refined, and that of adhesion, which is
+        strength x length / 2 per area that has parted.
         """
         weights = self._weights
         kept = {"friction": self.checkpoint["work"], "closing": self.checkpoint["closing"]}

@@ -296,6 +296,9 @@ def _resolution(stepper: Stepper, pressure: Array, state: Array, fastest: float)
         if doubt:
             return f"unresolved: {doubt}"
     weakening = stepper.law.weakening(pressure)
+    if stepper.unilateral is not None and stepper.unilateral.adhesion is not None:
+        bonds = stepper.unilateral.adhesion
+        weakening = max(weakening, float(np.max(bonds.strength / bonds.length)))
     if not weakening > 0:
         return "done"
     bodies = (stepper.interface.material, stepper.interface.lower_material)

@@ -10,7 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from semianalytic.engine.contact import Contact
+from semianalytic.engine.contact import Adhesion, Contact
 from semianalytic.engine.described.parameters import interface_document, interface_parameters
 from semianalytic.engine.fields import RESERVED, Expression, Table
 from semianalytic.engine.interface import Interface
@@ -43,6 +43,11 @@ _INTERFACE = ("length", "pressure", "shear", "mode", "rate", "plate_rate", "held
 _TAKEN = (*_INTERFACE, *(one.name for one in fields(Material)))
 """Names of parameters that named numbers cannot have."""
 _FIELDS = ("pressure", "shear", "rate")
+_ADHESION = ("strength", "length")
+_PARTS = (
+    *("summary", "material", "lower_material", "law", "contact"),
+    *("adhesion", "load", "run", "numbers"),
+)
 _TRACTIONS = ("shear", "pressure")
 _RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
 
@@ -127,8 +132,7 @@ class _Around(NamedTuple):
 
 def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     """Make the interface of a document."""
-    parts = ("summary", "material", "lower_material", "law", "contact", "load", "run", "numbers")
-    _known("", document, (*_INTERFACE, *parts), ("length", "material", "law", "run"))
+    _known("", document, (*_INTERFACE, *_PARTS), ("length", "material", "law", "run"))
     around = _Around(folder, _numbers(document.get("numbers", {})))
     given: dict[str, Any] = {
         name: _solid(name, document[name])
@@ -141,6 +145,11 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     for key in _FIELDS:
         if key in given:
             given[key] = _field(key, given[key], around)
+    if "adhesion" in document:
+        table = _table("adhesion", document["adhesion"])
+        _known("adhesion.", table, _ADHESION, _ADHESION)
+        bonds = {key: _field(f"adhesion.{key}", one, around) for key, one in table.items()}
+        given["adhesion"] = Adhesion(**bonds)
     loads = document.get("load", [])
     loads = [loads] if isinstance(loads, dict) else loads
     if not isinstance(loads, list):

@@ -26,6 +26,8 @@ _OWN: Mapping[str, str] = {
     "plate_rate": "length / time",
 }
 """Dimensions of the numbers of an interface itself."""
+_ADHESION: Mapping[str, str] = {"strength": "stress", "length": "length"}
+"""Dimensions of the numbers of adhesion."""
 _POINTS, _TIMES = 257, 9
 """Positions and times at which functions are sampled to tell one interface from another."""
 
@@ -65,6 +67,7 @@ def interface_parameters(interface: Interface) -> dict[str, Parameter]:
         if getattr(interface, solid) is not None:
             _add_numbers(found, prefix, getattr(interface, solid), (solid,), PARAMETERS)
     _add_numbers(found, "law_", interface.law, ("law",), DIMENSIONS)
+    _add_numbers(found, "adhesion_", interface.adhesion, ("adhesion",), _ADHESION)
     for number, load in enumerate(interface.loads):
         prefix = "load_" if len(interface.loads) == 1 else f"load_{number + 1}_"
         _add_load(found, prefix, load, ("loads", number))

@@ -12,7 +12,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from compare.benchmarks.sheets import ALL_SHEETS, Sheet, find_sheet
+from compare.benchmarks.sheet import Sheet
+from compare.benchmarks.sheets import ALL_SHEETS, find_sheet
 from compare.output.places import check_file, working_folder
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
@@ -135,10 +136,17 @@ def score(
 @app.command()
 def enter(
     code: Annotated[
-        str, typer.Argument(metavar="CODE", help="fem or march.", autocompletion=one_of(*CODES))
+        str,
+        typer.Argument(
+            metavar="CODE",
+            help="fem or march; for interfaces fem or run.",
+            autocompletion=one_of(*CODES),
+        ),
     ],
     name: SheetName,
-    cells: Annotated[int, typer.Option(help="Cells over c_t T.")] = 100,
+    cells: Annotated[
+        int, typer.Option(help="Cells over c_t T, or over what the sheet says.")
+    ] = 100,
     output: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="File to write; CODE-NAME-CELLS.csv by default."),

@@ -19,7 +19,7 @@ MESH_NAMES = {
     "mesh": ("squares", "graded", "triangles"),
 }
 CHARTED = ("preloaded", "remote-shock", "auxetic", "ramp")
-CODES = ("fem", "march")
+CODES = ("fem", "march", "run")
 LOADINGS = ("both", "preload", "remote")
 FORMATS = ("gif", "mp4")
 """Choices of options.  They repeat those of the functions, whose modules import numpy: importing

@@ -25,7 +25,8 @@ from compare.benchmarks.answers import (
     written_bytes,
     written_document,
 )
-from compare.benchmarks.sheets import ALL_SHEETS, SHEETS, STATIONS, TIMES
+from compare.benchmarks.sheet import STATIONS, TIMES
+from compare.benchmarks.sheets import ALL_SHEETS, SHEETS
 from semianalytic.reference import (
     antiplane_edge_speed,
     antiplane_slip,

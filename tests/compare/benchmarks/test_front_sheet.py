@@ -10,7 +10,8 @@ from compare.benchmarks.entries import enter
 from compare.benchmarks.export import exported
 from compare.benchmarks.pages import as_markdown, sheet_blocks
 from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import FRONT_SHEETS, SI_SCALES, STATIONS, find_sheet, in_si
+from compare.benchmarks.sheet import SI_SCALES, STATIONS, in_si
+from compare.benchmarks.sheets import FRONT_SHEETS, find_sheet
 from semianalytic import SceneError, Tractions, find_scene, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 

@@ -8,7 +8,8 @@ from compare.benchmarks.entries import enter, read_run
 from compare.benchmarks.export import exported
 from compare.benchmarks.pages import as_markdown, sheet_blocks
 from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import ALL_SHEETS, LINE_SHEETS, SI_SCALES, STATIONS, find_sheet
+from compare.benchmarks.sheet import SI_SCALES, STATIONS
+from compare.benchmarks.sheets import ALL_SHEETS, LINE_SHEETS, find_sheet
 from semianalytic import SceneError, solve_line
 
 SHEET = LINE_SHEETS["whole-line-patch"]

@@ -4,14 +4,8 @@ import numpy as np
 import pytest
 
 from compare.benchmarks.answers import answer_to, content_of
-from compare.benchmarks.sheets import (
-    SHEETS,
-    SI_SCALES,
-    STATIONS,
-    TIMES,
-    find_sheet,
-    in_si,
-)
+from compare.benchmarks.sheet import SI_SCALES, STATIONS, TIMES, in_si
+from compare.benchmarks.sheets import SHEETS, find_sheet
 from compare.records.record import QUANTITIES
 from semianalytic import march, solve
 from semianalytic.scene.errors import SceneError

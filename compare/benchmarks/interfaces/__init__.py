@@ -1,0 +1,1 @@
+"""Problem sheets of interfaces: rate-and-state friction, slip weakening, finite contacts."""

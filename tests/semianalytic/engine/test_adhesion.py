@@ -1,0 +1,226 @@
+"""Contacts that carry tension before they open."""
+
+import math
+
+import numpy as np
+import pytest
+
+import semianalytic as sf
+from compare.interfaces.lines import line_of
+from semianalytic.engine.described.parameters import interface_parameters
+from semianalytic.engine.steps import Stepper
+
+ROCK = sf.Material(1.0, 1.0, 0.25)
+
+
+def pulled(tension, adhesion, pressure=0.5, length=1.0, law=None, history=None, **more):
+    """An interface under a tension that acts everywhere."""
+    load = sf.InterfaceLoad(pressure=-tension, **({"history": history} if history else {}))
+    law = law or sf.Coulomb(0.3)
+    return sf.Interface(ROCK, law, length, pressure, loads=[load], adhesion=adhesion, **more)
+
+
+def parting(face, tension, t):
+    """Gap (n,) at times t (n,): Z g' = tension - pressure - strength (1 - g / length)."""
+    bonds, z = face.adhesion, face.opening_impedance
+    rest, soft = tension - face.pressure - bonds.strength, bonds.strength / bonds.length
+    apart = z / soft * math.log(1 + soft * bonds.length / rest)
+    together = rest / soft * np.expm1(soft * np.minimum(t, apart) / z)
+    return np.where(t > apart, bonds.length + (tension - face.pressure) / z * (t - apart), together)
+
+
+def test_faces_under_uniform_tension_part_as_in_closed_form():
+    face, t = pulled(3.0, sf.Adhesion(1.0, 0.5)), np.linspace(0.02, 0.6, 30)
+    errors = []
+    for nodes in (32, 64):
+        done = sf.run(face, 0.6, nodes, times=t, estimate=False)
+        gap = parting(face, 3.0, t)
+        errors.append(np.abs(done.gap[:, 0] - gap).max() / gap.max())
+        held = gap < 0.5
+        assert held.sum() > 5
+        tension = 1 - gap[held] / 0.5
+        assert -done.pressure[held, 0] == pytest.approx(tension, abs=5 * errors[-1])
+        assert np.abs(done.pressure[~held]).max() == 0.0
+        # parting takes strength x length / 2, by the backward rule too little at first order
+        assert done.work["closing"] == pytest.approx(0.25, abs=0.5 / nodes)
+    assert errors[1] < 0.003
+    assert errors[0] / errors[1] == pytest.approx(2, abs=0.1)
+
+
+def test_tension_below_the_strength_is_carried():
+    face = pulled(1.49, sf.Adhesion(1.0, 0.5))
+    done = sf.run(face, 0.5, 16, estimate=False)
+    assert done.gap.max() == 0.0
+    assert done.pressure[1:] == pytest.approx(-0.99, abs=1e-12)
+    assert sf.run(pulled(1.51, sf.Adhesion(1.0, 0.5)), 0.5, 16, estimate=False).gap.max() > 0.01
+
+
+def test_under_tension_only_cohesion_resists_slip():
+    for shear, slips in ((0.19, False), (0.21, True)):
+        law = sf.Coulomb(0.3, cohesion=0.2)
+        face = pulled(1.0, sf.Adhesion(1.0, 0.5), law=law, shear=shear)
+        done = sf.run(face, 0.5, 16, estimate=False)
+        assert (done.slip.max() > 0) == slips
+        assert done.gap.max() == 0.0
+
+
+def test_adhesion_without_strength_is_none():
+    burst = sf.InterfaceLoad(
+        pressure=lambda x, t: -3 * np.exp(-2 * x**2 - 4 * (t - 1) ** 2), history=None
+    )
+    runs = []
+    for adhesion in (None, sf.Adhesion(0.0, 0.1)):
+        face = sf.Interface(ROCK, sf.Coulomb(0.3), 16.0, 1.0, 0.1, loads=[burst], adhesion=adhesion)
+        runs.append(sf.run(face, 2.5, 64, estimate=False))
+    assert runs[0].gap.max() > 0.1
+    for name in ("gap", "pressure", "slip", "shear_traction"):
+        assert np.array_equal(getattr(runs[0], name), getattr(runs[1], name))
+
+
+def test_what_has_parted_carries_no_tension_when_it_has_closed():
+    pull = sf.Pulse(0.5)
+    again = sf.InterfaceLoad(pressure=lambda x, t: -0.8 * (t > 4) + 0 * x, history=None)
+    face = sf.Interface(
+        *(ROCK, sf.Coulomb(0.3), 1.0, 0.5),
+        loads=[sf.InterfaceLoad(pressure=-3.0, history=pull), again],
+        adhesion=sf.Adhesion(1.0, 0.1),
+    )
+    done = sf.run(face, 5.0, 16, times=[0.5, 3.9, 5.0], estimate=False)
+    assert done.gap[0].min() > 0.1
+    assert done.gap[1].max() == 0.0
+    assert done.gap[2].min() > 0.05
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_adhesion_gives_back_no_more_than_it_took(seed):
+    """Every step dissipates at every node: the work taken, less what can be given back, grows.
+
+    Faces come together before they have parted as well, and slip.
+    """
+    draw = np.random.default_rng(seed)
+    size, place, pace = draw.uniform(1.5, 3.0, 6), draw.uniform(-4, 4, 6), draw.uniform(2, 9, 6)
+
+    def pressure(x, t):
+        waves = size * np.sin(pace * t) * np.exp(-((x[:, None] - place) ** 2))
+        return -waves.sum(axis=1) * min(t, 1.0)
+
+    load = sf.InterfaceLoad(pressure=pressure, history=None)
+    face = sf.Interface(
+        *(ROCK, sf.Coulomb(0.3), 8.0, 0.3, 0.2), loads=[load], adhesion=sf.Adhesion(1.0, 0.3)
+    )
+    stepper = Stepper(face, 64, 0.4, end_time=4.0)
+    bonds, now, turned = stepper.unilateral.adhesion, stepper.begin(), 0
+
+    def lost(state):
+        return state.closing - 0.5 * bonds.tension(state.gap, state.opened) * state.gap
+
+    while now.time < 4.0:
+        length, rung = stepper.length(now)
+        before, now = now, stepper.step(now, length, rung)
+        back = (now.gap < before.gap) & (now.gap > 0) & (now.opened < 0.3)
+        turned += int(back.sum())
+        assert np.all(lost(now) >= lost(before) - 1e-13)
+        assert np.all((now.pressure >= -1.0 - 1e-12) & (now.gap >= 0))
+        assert np.all(now.pressure[now.gap > 0] <= 0)
+    assert turned > 50
+    assert now.opened.max() > 0.3
+
+
+def griffith(strength, nodes, ramp=60.0):
+    """Tension at which the contacts beside slots begin to part, over that of Griffith's crack."""
+    intensity = 8 * math.tan(math.pi / 8)  # K^2 of slots |x| < 1 of period 8 under unit tension
+    length = 0.75 * intensity / strength  # so that strength x length / 2 = K^2 (1 - nu) / (2 mu)
+    beside = sf.Contact([(-math.inf, -1.0), (1.0, math.inf)])
+    face = pulled(
+        1.0,
+        sf.Adhesion(strength, length),
+        *(0.0, 8.0),
+        history=lambda t: 1.2 * min(t / ramp, 1.0),
+        contact=beside,
+        even=True,
+    )
+    done = sf.run(face, ramp, nodes, times=np.linspace(0, ramp, 601), estimate=False)
+    edge = np.flatnonzero(done.touching)[0]
+    return 1.2 * done.t[np.argmax(done.gap[:, edge] >= length)] / ramp
+
+
+@pytest.mark.slow
+def test_slots_grow_under_the_tension_of_griffith():
+    """The zone of falling tension is 0.05 of the slot, which makes the strength matter little."""
+    assert griffith(6.0, 512) == pytest.approx(1.0, abs=0.02)
+    assert griffith(3.0, 256) == pytest.approx(0.97, abs=0.02)
+
+
+def test_an_interrupted_run_goes_on_with_the_same_digits():
+    def pulled_at_once(strength):
+        load = sf.InterfaceLoad(pressure=lambda x: -2.5 * np.exp(-(x**2)))
+        bonds = sf.Adhesion(strength, 0.3)
+        return sf.Interface(ROCK, sf.Coulomb(0.3), 8.0, 0.5, loads=[load], adhesion=bonds)
+
+    face = pulled_at_once(1.0)
+    whole = sf.run(face, 1.0, 64, estimate=False)
+    half = sf.run(face, 1.0, 64, estimate=False, progress=lambda t, end: t > 0.4)
+    assert half.status.startswith("interrupted")
+    assert half.checkpoint["opened"].max() > 0.3
+    done = sf.run(face, 1.0, 64, estimate=False, go_on=half)
+    assert np.array_equal(done.gap[-1], whole.gap[-1])
+    with pytest.raises(sf.DataFileError, match="another interface"):
+        sf.run(pulled_at_once(1.1), 1.0, 64, estimate=False, go_on=half)
+
+
+FILE = """
+length = 8.0
+pressure = 0.5
+load = {pressure = "-3.0 * exp(-x**2)"}
+[material]
+shear_modulus = 1.0
+density = 1.0
+poisson_ratio = 0.25
+[law]
+kind = "coulomb"
+friction = 0.3
+[adhesion]
+strength = "1 + 0.1 * (x > 0)"
+length = 0.5
+[run]
+end_time = 1.0
+"""
+
+
+def test_files_and_surveys_know_it(tmp_path):
+    (tmp_path / "a.toml").write_text(FILE)
+    face = sf.find_interface(tmp_path / "a.toml").interface
+    named = interface_parameters(face)
+    assert named["adhesion_length"].value == 0.5
+    assert named["adhesion_strength_factor"].value == 1.0
+    done = sf.run(face, 0.2, 64, estimate=False)
+    assert done.pressure.min() < -1.0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("length = 0.5", "length = 0.0"), "adhesion: length must be positive"),
+        (('"1 + 0.1 * (x > 0)"', "-1.0"), "adhesion: strength must be 0 or more"),
+        (("length = 0.5", ""), "adhesion.length is missing"),
+        (("length = 0.5", "length = 0.5\nreach = 1.0"), "unknown key adhesion.reach"),
+        (("load =", "#"), "nothing opens without a load"),
+    ],
+)
+def test_adhesion_that_means_nothing_is_refused(tmp_path, change, message):
+    (tmp_path / "a.toml").write_text(FILE.replace(*change))
+    with pytest.raises(sf.SceneError, match=message):
+        sf.find_interface(tmp_path / "a.toml")
+
+
+def test_grids_that_cannot_follow_it_are_told():
+    with pytest.raises(sf.SceneError, match=r"cannot follow; take \d+ nodes or more"):
+        sf.run(pulled(3.0, sf.Adhesion(1.0, 1e-3)), 0.5, 16, estimate=False)
+    # tension that falls within two node distances: mu / (strength / length) is 2 h
+    coarse = sf.run(pulled(3.0, sf.Adhesion(1.0, 0.25)), 0.1, 8, estimate=False)
+    assert "falls over 2 node distances" in coarse.status
+
+
+def test_finite_elements_refuse_it():
+    with pytest.raises(sf.SceneError, match="finite elements have no adhesion"):
+        line_of(pulled(3.0, sf.Adhesion(1.0, 0.5)), 16)
