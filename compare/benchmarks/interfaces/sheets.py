@@ -160,8 +160,8 @@ _SHEETS = (
     InterfaceSheet(
         "tpv101",
         "Rate-and-state rupture, SCEC TPV101 in two dimensions",
-        "friction with a state: slip rates from 1e-12 to 17 m/s, a smooth nucleation, and a rupture "
-        "that ends where friction strengthens",
+        "friction with a state: slip rates from 1e-12 to 17 m/s, a smooth nucleation, and a "
+        "rupture that ends where friction strengthens",
         SLIPPING,
         note="As UGUCA ran it. The line is periodic, and waves of the neighbouring periods are "
         "part of the problem.",
