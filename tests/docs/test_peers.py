@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from docs.studies.peers import cracklet, rows, sem2dpack, uguca
+from docs.studies.peers import adhesion, cracklet, rows, sem2dpack, uguca
 from semianalytic.engine.law import check_law
 
 ROW = rows.Row("A", "case", "slip", "1 m", "2 m", 0.01, None, 0.02, None, 3.0, 4.0, "command")
@@ -88,3 +88,27 @@ def test_rows_of_uguca_are_held_against_its_limit_and_our_finest_grid() -> None:
     assert row.their_change == pytest.approx(fine, rel=1e-2)
     assert row.our_change == pytest.approx(3 * ours_fine, rel=1e-2)
     assert (row.their_seconds, row.our_seconds) == (3.0, 3.0)
+
+
+def test_rows_of_a_cut_hold_errors_to_the_other_code_and_changes_of_the_own() -> None:
+    """Fields 1 + 1/n of one code and 1 - 1/n of the other, on n nodes."""
+    known, found = (
+        {
+            nodes: (dict.fromkeys(adhesion.QUANTITIES, np.full((20, 256), 1 + sign / nodes)), cost)
+            for nodes in adhesion.GRIDS
+        }
+        for sign, cost in ((1, 9.0), (-1, 2.0))
+    )
+    first, second, *_ = adhesion.rows_of(known, found)
+    assert first.their_error == pytest.approx(1 / 256 + 1 / 2048, rel=0.01)
+    assert first.their_change is None
+    assert second.our_change == pytest.approx(1 / 512, rel=0.01)
+    assert (second.their_seconds, second.our_seconds) == (9.0, 2.0)
+
+
+def test_our_cut_grows_under_tension() -> None:
+    """The cut of the comparison with UGUCA has grown to four times its length at the end."""
+    fields, _ = adhesion.ours(256)
+    assert fields["gap"].shape == (20, 256)
+    assert (fields["gap"][-1] > adhesion.GAP).sum() > 4 * 32
+    assert -1.0 <= fields["pressure"].min() < -0.8
