@@ -124,8 +124,9 @@ class FrontLoad:
     at : float
         Where the front is at t = 0 [length].  What it has passed is loaded from t = 0 on: a wave of
         negative angle therefore begins at the end of the line, or of the contacts.
-    material : Material, optional
-        The solid, which `Interface` sets.
+    material, lower : Material, optional
+        The solid, and the one on y < 0 if it is another one, which `Interface` sets.  The step of a
+        wave is then that of the bonded line (`dissimilar.bonded`).
 
     Raises
     ------
