@@ -355,7 +355,9 @@ class Expression:
             case ast.UnaryOp(op=op, operand=one) if type(op) in _OPERATORS:
                 return _OPERATORS[type(op)](self._value(one, known))
             case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _OPERATORS:
-                return _OPERATORS[type(op)](self._value(left, known), self._value(right, known))
+                holds = _OPERATORS[type(op)](self._value(left, known), self._value(right, known))
+                # a number, because the sum of two truth values of numpy is 1 where both hold
+                return 1.0 * holds
             case ast.Call(func=ast.Name(id=name), args=given, keywords=[]) if name in _FUNCTIONS:
                 try:
                     return _FUNCTIONS[name](*(self._value(one, known) for one in given))

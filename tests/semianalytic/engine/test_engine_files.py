@@ -152,6 +152,9 @@ def test_unknown_names_and_saved_files(folder, capsys):
 def test_expressions():
     assert Expression("2 * x**2 - -1", ("x",))(3.0) == 19
     assert Expression("where(abs(x) < 1, 1, 2)", ("x",))(np.array([0.0, 3.0])).tolist() == [1, 2]
+    # comparisons are numbers: where two hold, their sum is 2, and each has a negative
+    both = Expression("(abs(x) < 1) + (x > 0) - -(x > 5)", ("x",))
+    assert both(np.array([-2.0, -0.5, 0.5, 7.0])).tolist() == [0, 1, 2, 2]
     for bad in ("x.real", "[1]", "x if x else 1", "'a'", "y", "exp", "exp(x=1)", "1j", "True"):
         with pytest.raises(sf.SceneError):
             Expression(bad, ("x",))
