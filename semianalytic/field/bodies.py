@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,13 +11,19 @@ from numpy.typing import ArrayLike
 from semianalytic.cut.load import normal_load
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
-from semianalytic.field.body import is_singular, reflected, upper
+from semianalytic.field.body import (
+    Sent,
+    checked_points,
+    fields_of,
+    points_around,
+    reflected_fields,
+)
 from semianalytic.field.cells import Primitives
+from semianalytic.field.sources import Step
 from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.contact import traction_ahead
-from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene
 
@@ -103,70 +108,41 @@ class Bodies:
         coarser makes, near the edge as well.
         """
         coarse = replace(self, tolerance=tuning.COARSER * self.tolerance)
-        rng, slowest = np.random.default_rng(0), self._shear.reach
-        angle, share = rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
-        radius, angle = 2 * (2 * slowest) ** -share, 2 * np.pi * angle
-        at = radius * np.cos(angle), radius * np.sin(angle), 1 / self.scene.material.shear_speed
+        at = *points_around(self._shear.reach), 1 / self.scene.material.shear_speed
         rows, step = self._rows(*at), self.scene.superposition.taken_off
         largest = max(abs(step.pressure), abs(step.shear)) / self.stress_unit
         least = min(largest, 1.0) or 1.0  # a base may be far more than what changes
         change = np.abs(rows - coarse._rows(*at)) / (least + np.abs(rows))
-        cells = tuning.COARSE_ERROR if self._shear.is_coarse else tuning.CELL_ERROR
+        cells = tuning.COARSE_ERROR if self._shear.source.is_coarse else tuning.CELL_ERROR
         return cells + float(change.max())
 
     def _rows(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the rows of `body.upper` in either body, those of antiplane shear last."""
-        points = [np.asarray(one, dtype=float) for one in (x, y, t)]
-        if not all(np.all(np.isfinite(one)) for one in points):
-            raise SceneError("positions and times must be finite numbers.")
-        x, y, t = np.broadcast_arrays(*points)
-        rows = np.zeros((11 if self.scene.antiplane else 7, *x.shape))
-        begun = t > 0
-        time, below = self.scene.material.shear_speed * t[begun], np.signbit(y[begun])
-        at = *_scaled(x[begun], np.abs(y[begun]), time), below
-        waved = np.empty((len(rows), len(time)))
-        for start in range(0, len(time), tuning.POINTS_AT_ONCE):
-            part = slice(start, start + tuning.POINTS_AT_ONCE)
-            waved[:, part] = self._finite_or_not(*(one[part] for one in at))
-        waved[[5, 6, 10] if self.scene.antiplane else [5, 6]] *= time
-        rows[:, begun] = waved
-        before = ~begun
-        if before.any() and self.shear.load.slowness > 0:
-            speed = self.scene.material.shear_speed
-            place = x[before], np.abs(y[before]), speed * t[before]
-            below = np.signbit(y[before])
-            rows[:, before] = self._in_body(below, lambda part: reflected(part, *place))
-        return rows
-
-    def _finite_or_not(self, x: Array, y: Array, t: Array, below: np.ndarray) -> Array:
-        """Return the rows at points (m,), infinite with the right sign where they are singular."""
-        rows = self._near(x, y, t, below, tuning.CLOSE[0])
-        singular = np.zeros(x.shape, dtype=bool)
-        for part in (self._shear, self._normal):
-            if part is not None:
-                singular |= is_singular(part, x, y, t)
-        if singular.any():
-            few = rows[:, singular]
-            at = x[singular], y[singular], t[singular], below[singular]
-            grown = few - self._near(*at, tuning.CLOSE[1])
-            large = np.abs(grown) > tuning.GROWN * (1 + np.abs(few))
-            rows[:, singular] = np.where(large, np.copysign(np.inf, grown), few)
-        return rows
-
-    def _near(self, x: Array, y: Array, t: Array, below: np.ndarray, close: float) -> Array:
-        """Return the rows at points (m,), those on a singularity at the distance `close`."""
-        return self._in_body(below, lambda part: upper(part, x, y, t, close))
-
-    def _in_body(self, below: np.ndarray, in_upper: Callable[[Primitives], Array]) -> Array:
-        """Return the rows in either body from those of shear and pressure in the upper one."""
+        x, y, t = checked_points(x, y, t)
         antiplane = self.scene.antiplane
-        rows = np.zeros((11 if antiplane else 7, len(below)))
-        sheared, signs = (slice(7, 11), _ALONG) if antiplane else (slice(0, 7), _SHEARED)
-        rows[sheared] = in_upper(self._shear) * np.where(below, signs[:, None], 1)
-        if self._normal is not None:
-            mirrored = np.where(below, -_SHEARED[:, None], 1)
-            rows[:7] += in_upper(self._normal) * mirrored
+        count, moved = (11, (5, 6, 10)) if antiplane else (7, (5, 6))
+        rows = np.zeros((count, *x.shape))
+        time, lower = self.scene.material.shear_speed * t, np.signbit(y)
+        for below in (False, True):
+            parts = self._sent(below)
+            here = (t > 0) & (lower == below)
+            at = x[here], np.abs(y[here]), time[here]
+            rows[:, here] = fields_of(parts, count, moved, at)
+            before = (t <= 0) & (lower == below)
+            if self.shear.load.slowness > 0:
+                at = x[before], np.abs(y[before]), time[before]
+                rows[:, before] = reflected_fields(parts, count, at)
         return rows
+
+    def _sent(self, below: bool) -> list[Sent]:
+        """Return what shear and pressure send into the upper body, or into the one below."""
+        antiplane, none = self.scene.antiplane, np.ones(4 if self.scene.antiplane else 7)
+        sheared, signs = (slice(7, 11), _ALONG) if antiplane else (slice(0, 7), _SHEARED)
+        parts = [Sent(self._shear, sheared, signs if below else none)]
+        if self._normal is not None:
+            mirrored = -_SHEARED if below else np.ones(7)
+            parts.append(Sent(self._normal, slice(0, 7), mirrored))
+        return parts
 
     @cached_property
     def _shear(self) -> Primitives:
@@ -185,21 +161,9 @@ class Bodies:
     def _primitives(self, fields: ZoneFields) -> Primitives:
         rule = rule_for(self.tolerance)
         longer = replace(rule, reach=rule.reach + tuning.LONGER)
-        return Primitives(Transform(replace(fields, rule=longer, tail=True)))
+        return Primitives(Step(Transform(replace(fields, rule=longer, tail=True))))
 
 
 def _along(load: IncidentWave, amount: ArrayLike, count: int) -> Array:
     """Return an amount of motion (...) along the direction of a wave's motion, (count, ...)."""
     return np.stack([part * np.asarray(amount) for part in load.polarisation()[:count]])
-
-
-def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
-    """Return the positions (m,) at t = 1 with the same fields, and times 1.
-
-    Fields depend on x / t and y / t alone; displacement is proportional to t besides.  Positions
-    are limited to `FARTHEST`, and are put at the edge within `NEAREST` of it.
-    """
-    with np.errstate(over="ignore"):
-        x, y = (np.clip(one / t, -tuning.FARTHEST, tuning.FARTHEST) for one in (x, y))
-    at_edge = np.hypot(x, y) < tuning.NEAREST
-    return np.where(at_edge, 0.0, x), np.where(at_edge, 0.0, y), np.ones_like(t)
