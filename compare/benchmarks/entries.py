@@ -17,7 +17,7 @@ from pathlib import Path
 from time import perf_counter
 
 from compare.benchmarks.answers import COLUMNS
-from compare.benchmarks.sheets import STATIONS, Sheet, find_sheet
+from compare.benchmarks.sheets import PAIRS, STATIONS, Sheet, find_sheet
 from compare.output.files import write_text
 from compare.records.read import read_records
 from compare.records.record import QUANTITIES, Record, Records
@@ -66,7 +66,8 @@ def run_label(code: str, cells: float) -> str:
 def _simulated(sheet: Sheet, cells: int) -> SampledAnswer:
     from fem import simulate
 
-    return simulate(sheet.scene, 1.0, resolution=cells)
+    lower = PAIRS[sheet.name].lower if sheet.is_pair else None
+    return simulate(sheet.scene, 1.0, resolution=cells, lower_material=lower)
 
 
 def _marched(sheet: Sheet, cells: int) -> SampledAnswer:
@@ -100,6 +101,11 @@ def enter(code: str, sheet: Sheet, cells: int) -> Run:
         raise SceneError(
             f"enter: {code} takes scenes with a slot, and {sheet.name} has none; hand in records "
             "of another code, or choose another sheet."
+        )
+    if sheet.is_pair and code == "march":
+        raise SceneError(
+            f"enter: march knows identical bodies only, and {sheet.name} is of two; enter fem, or "
+            "hand in records of slipfront run (docs/engine.md)."
         )
     cells = checked_count("enter: cells", cells, LEAST_CELLS, "a whole number from")
     began = perf_counter()

@@ -14,9 +14,10 @@ from compare.benchmarks.scores import GRADED, Score
 from compare.benchmarks.sheets import ALL_SHEETS, Sheet
 from compare.figures.histories import march_figure
 from compare.figures.interface import prediction_figure
+from compare.figures.pairs import pair_figure
 from compare.figures.style import cycle, ink, marker_handle, new_figure, styled
 from compare.figures.whole_line import line_figure
-from semianalytic import LineSolution, Marched
+from semianalytic import LineSolution, Marched, Pair, PairSolution
 
 MARKERS = "osD^vPX<>*"
 LEAST_SHOWN = 1e-5
@@ -28,6 +29,8 @@ def sheet_figure(sheet: Sheet) -> Figure:
     answer = answer_to(sheet)
     if isinstance(answer, LineSolution):
         return line_figure(answer)
+    if isinstance(answer, PairSolution):
+        return pair_figure(answer)
     return march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
 
 
@@ -76,7 +79,8 @@ def _draw_sheet(
                 colour, marker = looks[one.label]
                 at = max(one.error, LEAST_SHOWN)
                 panel.plot(at, row, marker, color=colour, markersize=5)
-    scene = sheet.problem
+    scene = sheet.problem if sheet.is_line else sheet.scene
+    assert not isinstance(scene, Pair)
     panel.set_title(
         f"{sheet.name}: ν = {scene.material.poisson_ratio:.3g}, f = {scene.friction:.3g}",
         loc="left",

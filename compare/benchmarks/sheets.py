@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from semianalytic import (
     Material,
     MovingLoad,
+    Pair,
     Patch,
     Scene,
     Tractions,
@@ -24,6 +25,7 @@ from semianalytic import (
     WholeLine,
     find_line,
 )
+from semianalytic.dissimilar.described import pair_of
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import LINES, find_scene
@@ -85,8 +87,17 @@ class Sheet:
 
     @property
     def scene(self) -> Scene:
-        """The scene of the problem in units mu = rho = c_t = 1."""
-        return find_scene(self.name)
+        """The scene of the problem in units mu = rho = c_t = 1.
+
+        Of two different bodies it is the upper one on its own kind, which has friction, tractions
+        and scales of the problem.
+        """
+        return PAIRS[self.name].alike if self.is_pair else find_scene(self.name)
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether the problem is of two different bodies; all units are those of the upper one."""
+        return self.name in PAIRS
 
     @property
     def is_line(self) -> bool:
@@ -94,8 +105,10 @@ class Sheet:
         return self.name in LINES
 
     @property
-    def problem(self) -> Scene | WholeLine:
-        """The scene, or the whole line, in units mu = rho = c_t = 1."""
+    def problem(self) -> Scene | Pair | WholeLine:
+        """The scene, the two bodies or the whole line, in units mu = rho = c_t = 1."""
+        if self.is_pair:
+            return PAIRS[self.name]
         if not self.is_line:
             return self.scene
         line = find_line(self.name)
@@ -103,9 +116,11 @@ class Sheet:
         return line
 
     @property
-    def si_problem(self) -> Scene | WholeLine:
+    def si_problem(self) -> Scene | Pair | WholeLine:
         """The problem in metres, seconds, kilograms and pascals."""
         problem = self.problem
+        if isinstance(problem, Pair):
+            return pair_in_si(problem)
         return line_in_si(problem) if isinstance(problem, WholeLine) else in_si(problem)
 
     @property
@@ -229,7 +244,36 @@ FRONT_SHEETS: Mapping[str, Sheet] = {
     )
 }
 """Problems with a slot and a load with a moving front, without measured tolerance classes."""
-ALL_SHEETS: Mapping[str, Sheet] = {**SHEETS, **LINE_SHEETS, **FRONT_SHEETS}
+_GOUGE, _ROCK = Material(1.0, 1.0, 0.25), Material(2.5, 1.2, 0.25)
+"""A slow solid on a fast one, with the ratios of gouge and rock."""
+PAIRS: Mapping[str, Pair] = {
+    "pair-slip": Pair(_GOUGE, _ROCK, 0.2, Tractions(2.0, 0.0), Tractions(0.3, 1.0)),
+    "pair-opening": Pair(_GOUGE, _ROCK, 0.3, Tractions(1.0, 0.0), Tractions(-1.0, 0.5)),
+}
+"""Problems of two different bodies, in units of the upper one."""
+PAIR_SHEETS: Mapping[str, Sheet] = {
+    "pair-slip": Sheet(
+        "pair-slip",
+        "Slip between two different bodies",
+        "slip that changes the pressure it feels: both tractions of the contact are unknown at "
+        "once, and their edge turns as it grows",
+        (*SLIPPING, "pressure"),
+        note="Friction is below the threshold above which waves grow along this interface however "
+        "fine the grid, for slip of either sense, so that a delay is neither needed nor wanted.",
+    ),
+    "pair-opening": Sheet(
+        "pair-opening",
+        "Two different bodies that part and slip",
+        "separation and slip that drive each other: the contact opens from its edge, and slips "
+        "ahead of the opening under a pressure that falls to nothing there",
+        (*SLIPPING, "pressure"),
+        note="Where the contact is open, slip is the difference of the tangential displacements.",
+    ),
+}
+"""Problems of two different bodies, whose classes are those of our finite elements too."""
+RATED_SHEETS: Mapping[str, Sheet] = {**SHEETS, **PAIR_SHEETS}
+"""Problems with tolerance classes."""
+ALL_SHEETS: Mapping[str, Sheet] = {**SHEETS, **LINE_SHEETS, **FRONT_SHEETS, **PAIR_SHEETS}
 
 
 def find_sheet(name: str) -> Sheet:
@@ -276,6 +320,15 @@ def in_si(scene: Scene) -> Scene:
         friction_law=law,
         units=SI,
     )
+
+
+def pair_in_si(pair: Pair) -> Pair:
+    """Two bodies in units mu = rho = c_t = T = 1 of the upper one in those of the SI."""
+    scene, lower = in_si(pair.alike), pair.lower
+    body = Material(
+        SI_SHEAR_MODULUS * lower.shear_modulus, SI_DENSITY * lower.density, lower.poisson_ratio
+    )
+    return pair_of(scene, body)
 
 
 def line_in_si(line: WholeLine) -> WholeLine:

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from compare.comparison.scales import scene_fronts
 from compare.figures.fronts import Front, Moving, Window, fronts, moving_parts, reach
+from compare.figures.pairs import pair_words
 from compare.figures.quantities import Array, Quantity
 from compare.figures.style import (
     BLACK,
@@ -143,13 +144,8 @@ class FieldPicture:
 
 def _words(fields: Fields) -> str:
     """Return what a picture says of the bodies, friction and load."""
-    words = scene_words(scene_of(fields))
-    if not isinstance(fields, PairSolution):
-        return words
-    upper, lower = materials_of(fields)
-    moduli = lower.shear_modulus / upper.shear_modulus, lower.density / upper.density
     return (
-        f"{words},  lower body: {moduli[0]:.3g} μ, {moduli[1]:.3g} ρ, ν = {lower.poisson_ratio:.3g}"
+        pair_words(fields.pair) if isinstance(fields, PairSolution) else scene_words(fields.scene)
     )
 
 

@@ -21,7 +21,7 @@ from compare.benchmarks.classes import COMMAND, FILE, Tolerance
 from compare.benchmarks.entries import Run, enter, read_run
 from compare.benchmarks.figures import score_figure
 from compare.benchmarks.scores import ARRIVAL, GRADED, Score, score
-from compare.benchmarks.sheets import CELLS, SHEETS, Sheet, find_sheet
+from compare.benchmarks.sheets import CELLS, RATED_SHEETS, Sheet, find_sheet
 from compare.figures.saving import figure_png
 from compare.output.tables import write_rows
 from semianalytic.results.files import write_bytes
@@ -92,7 +92,7 @@ class LeagueRow:
 
 def league_rows(runs: Iterable[Run]) -> list[LeagueRow]:
     """Return the rows of runs, sorted by sheet, code and cells."""
-    order = list(SHEETS)
+    order = list(RATED_SHEETS)
     ranked = sorted(runs, key=lambda run: (order.index(run.sheet.name), run.code, run.cells))
     rows: list[LeagueRow] = []
     for run in ranked:
@@ -125,7 +125,7 @@ def _order(before: LeagueRow | None, run: Run, error: float) -> float:
 
 
 def own_runs(
-    names: Iterable[str] = tuple(SHEETS), resolutions: Iterable[int] = CELLS
+    names: Iterable[str] = tuple(RATED_SHEETS), resolutions: Iterable[int] = CELLS
 ) -> Iterator[Run]:
     """Yield runs of slipfront's own codes on the sheets that they accept."""
     for sheet in map(find_sheet, names):
@@ -174,7 +174,8 @@ class SheetRow:
 def sheet_rows() -> list[SheetRow]:
     """Return all sheets with the exact answers that the package exports."""
     return [
-        SheetRow(sheet.name, sheet.title, sheet.tests, _parts(sheet)) for sheet in SHEETS.values()
+        SheetRow(sheet.name, sheet.title, sheet.tests, _parts(sheet))
+        for sheet in RATED_SHEETS.values()
     ]
 
 
@@ -202,7 +203,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.table == "sheets":
             write_rows(DOCS / "benchmark-sheets.csv", sheet_rows(), command=f"{program} sheets")
         elif options.table == "classes":
-            classes = [one for sheet in SHEETS.values() for one in measured_classes(sheet)]
+            classes = [one for sheet in RATED_SHEETS.values() for one in measured_classes(sheet)]
             write_rows(DATA / FILE, classes, command=COMMAND)
             shutil.copyfile(DATA / FILE, DOCS / f"benchmark-{FILE}")
         elif options.table == "figure":

@@ -10,7 +10,7 @@ from compare.benchmarks.answers import answer_to
 from compare.benchmarks.classes import CLASSES, tolerance_class, tolerances
 from compare.benchmarks.entries import Run, enter, read_run, told_apart, write_run
 from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import SHEETS, STATIONS
+from compare.benchmarks.sheets import RATED_SHEETS, SHEETS, STATIONS
 from compare.records.record import QUANTITIES, Record, Records
 from docs.studies.league import ROOT, league_rows
 from semianalytic import solve
@@ -190,8 +190,8 @@ def test_our_own_codes_enter_by_the_same_door(tmp_path, code):
 
 def test_classes_are_those_of_the_finite_elements():
     bounds = tolerances()
-    assert {sheet for sheet, _ in bounds} == set(SHEETS)
-    for sheet in SHEETS.values():
+    assert {sheet for sheet, _ in bounds} == set(RATED_SHEETS)
+    for sheet in RATED_SHEETS.values():
         asked = {*sheet.report, *(("arrival",) if sheet.arrival else ())}
         assert {name for one, name in bounds if one == sheet.name} == asked
     for one in bounds.values():
