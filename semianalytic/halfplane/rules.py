@@ -173,12 +173,12 @@ def _stepped(x: Array, first: int, values: Array) -> Array:
     if not near.all():
         # Positions beyond the nodes, which may be infinite, are not in the table.
         result[~near] = _sinc_step(x[~near, None] - (first + np.arange(count))) @ values
-    most = 2 ** int(np.ceil(np.log2(count + 1)))
+    most = 2 ** int(np.ceil(np.log2(count)))
     orders = np.arange(_STEP_TERMS) * np.arccos(2 * (x[near] - whole)[:, None] - 1)
-    # The integral of sinc from -inf to x - k, for more k than there are.
-    steps = np.cos(orders) @ _step_table(most)
+    # The integral of sinc from -inf to x - k, for `count` more k on either side.
+    steps = np.cos(orders) @ _step_table(most)[:, most - count : most + count + 1]
     chosen = np.lib.stride_tricks.sliding_window_view(steps, count, axis=1)
-    result[near] = chosen[np.arange(len(whole)), (most + first - whole).astype(int)] @ values
+    result[near] = chosen[np.arange(len(whole)), (count + first - whole).astype(int)] @ values
     return result
 
 
