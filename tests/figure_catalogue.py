@@ -44,6 +44,7 @@ from compare.studies.chart.study import SCENES as CHARTED
 from compare.studies.chart.study import read_points
 from compare.studies.dissimilar.figure import growth_figure
 from compare.studies.dissimilar.pairs import NAMED
+from compare.studies.dissimilar.pairs import SCENES as PAIRS
 from compare.studies.dissimilar.points import GrowthPoint, NamedPoint, ThresholdPoint
 from compare.studies.evidence import figures as evidence
 from compare.studies.evidence.study import SceneEvidence, published_answer
@@ -66,7 +67,7 @@ from docs.studies.judge.figure import judge_figure
 from docs.studies.judge.spoils import SPOILS
 from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 from fem import simulate
-from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line
+from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line, solve_pair
 from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -108,6 +109,12 @@ def _field(name, of):
     solution = solved(name)
     quantity = find_quantity(of, solution.scene)
     return field_figure(solution, quantity, 1.0, reach(solution, 1.0), 40)
+
+
+def _field_of_pair():
+    answer = solve_pair(PAIRS["slip and opening"])
+    quantity = find_quantity("max-shear", answer.pair.alike)
+    return field_figure(answer, quantity, 1.0, reach(answer, 1.0), 40)
 
 
 def _record():
@@ -329,6 +336,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         f"compare.figures.fields.FieldPicture/{of} of {name}": partial(_field, name, of)
         for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))
     },
+    "compare.figures.fields.FieldPicture/max-shear of a pair": _field_of_pair,
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
     "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),

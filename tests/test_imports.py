@@ -24,7 +24,7 @@ ARROWS = {
         "spacetime": "scene results halfplane field",
         "engine": "scene results spacetime dissimilar",
         "dissimilar": "scene halfplane",
-        "dissimilar_slot": "scene results halfplane selfsimilar dissimilar",
+        "dissimilar_slot": "scene results halfplane field selfsimilar dissimilar",
         "whole_line": "scene results halfplane selfsimilar",
         "reference": "scene halfplane dissimilar",
         "sweeps": "scene results halfplane cut selfsimilar",

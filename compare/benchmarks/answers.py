@@ -1,8 +1,8 @@
 """Answers to the problem sheets: numbers, records at the stations, and files with checksums.
 
-What is self-similar is solved to `RTOL` and written to twelve digits, ten of them sure; what is
-marched to as many decimals as its error estimates leave, and one more.  Everything is in units
-mu = rho = c_t = T = 1.
+What is self-similar is solved to `RTOL` and written to twelve digits, ten of them sure, or between
+different bodies to `PAIR_RTOL`, nine of them sure; what is marched is written to as many decimals
+as its error estimates leave, and one more.  Everything is in units mu = rho = c_t = T = 1.
 """
 
 from __future__ import annotations
@@ -37,7 +37,20 @@ from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
 from compare.output.files import write_text
 from compare.records.record import QUANTITIES
-from semianalytic import LineSolution, Marched, Scene, Solution, WholeLine, march, solve, solve_line
+from semianalytic import (
+    LineSolution,
+    Marched,
+    Pair,
+    PairSolution,
+    Scene,
+    Solution,
+    WholeLine,
+    march,
+    solve,
+    solve_line,
+    solve_pair,
+)
+from semianalytic.dissimilar.described import pair_document
 from semianalytic.results.answer import TOTALS
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import scene_document
@@ -45,7 +58,7 @@ from semianalytic.whole_line.named import line_document
 
 Array = NDArray[np.float64]
 
-RTOL = 1e-12
+RTOL, PAIR_RTOL = 1e-12, 1e-10
 NODES = 4000
 """Nodes of the march that is written; runs are scored against one on `SCORING_NODES`."""
 SCORING_NODES = 1000
@@ -60,8 +73,9 @@ DATA = Path(str(files("compare.benchmarks").joinpath("data")))
 SUMS = "SHA256SUMS"
 
 
-Answered = Solution | Marched | LineSolution | Reference
-"""Answers to sheets: of scenes, solved or marched, of whole lines, and of interfaces."""
+Answered = Solution | Marched | LineSolution | PairSolution | Reference
+"""Answers to sheets: of scenes, solved or marched, of whole lines, of different bodies, and of
+interfaces."""
 
 
 @cache
@@ -74,6 +88,8 @@ def answer_to(sheet: Sheet, nodes: int = SCORING_NODES) -> Answered:
         answer = solve_line(problem)
         assert isinstance(answer, LineSolution)  # half-lines are scenes
         return answer
+    if isinstance(problem, Pair):
+        return solve_pair(problem, rtol=PAIR_RTOL)
     return march(sheet.scene, 1.0, nodes) if sheet.is_marched else solve(sheet.scene, rtol=RTOL)
 
 
@@ -84,8 +100,8 @@ def arrival_level(sheet: Sheet) -> float:
     problem = sheet.problem
     if isinstance(problem, WholeLine):
         return THRESHOLD * problem.excess
-    held = problem.superposition.in_place.pressure
-    unit = held if sheet.arrival == OPENING else stress_scale(problem)
+    held = sheet.scene.superposition.in_place.pressure
+    unit = held if sheet.arrival == OPENING else stress_scale(sheet.scene)
     return THRESHOLD * unit
 
 
@@ -129,7 +145,7 @@ def arrival_times(sheet: Sheet, answer: Answered, x: ArrayLike) -> Array:
     return np.where(times <= 1, times, math.inf)
 
 
-def _arrival_speed(sheet: Sheet, solution: Solution | LineSolution) -> float:
+def _arrival_speed(sheet: Sheet, solution: Solution | LineSolution | PairSolution) -> float:
     """Return the speed of the farthest point that counts as reached [length / time]."""
     name = arrival_quantity(sheet)
 
@@ -151,15 +167,16 @@ def content_of(sheet: Sheet, answer: Answered) -> dict[str, Array]:
     -------
     dict
         Where the sheet is solved: "zones", rows of inner and outer edge over c_t and sense;
-        "openings", rows of inner and outer edge; "edge_slip_rate"; "K_I" and "K_II" or "K_III" at
-        T.  "arrivals" at the stations, inf where there is none; totals at T; and each quantity at
-        `TIMES` and `STATIONS`, (33, 5).
+        "openings", rows of inner and outer edge; "edge_slip_rate"; for identical bodies "K_I" and
+        "K_II" or "K_III" at T.  "arrivals" at the stations, inf where there is none; totals at T;
+        and each quantity at `TIMES` and `STATIONS`, (33, 5).
     """
     content: dict[str, Any] = {}
-    if isinstance(answer, Solution):
+    if isinstance(answer, Solution | PairSolution):
         content["zones"] = [(zone.inner, zone.outer, zone.sense) for zone in answer.zones]
         content["openings"] = [(part.inner, part.outer) for part in answer.openings]
         content["edge_slip_rate"] = answer.edge_slip_rate
+    if isinstance(answer, Solution):
         modes = (f"K_{mode}" for mode in ("I", answer.scene.shear_mode))
         content.update(zip(modes, answer.stress_intensity(1.0), strict=True))
     if isinstance(answer, LineSolution):
@@ -212,7 +229,7 @@ def document_of(sheet: Sheet, nodes: int = NODES) -> dict[str, Any]:
     sure = (
         "the last digit or two in doubt, see errors in the JSON file"
         if errors
-        else "ten digits of twelve"
+        else f"{'nine' if sheet.is_pair else 'ten'} digits of twelve"
     )
     return {
         "sheet": sheet.name,
@@ -231,14 +248,16 @@ def document_of(sheet: Sheet, nodes: int = NODES) -> dict[str, Any]:
 
 
 def described_problem(sheet: Sheet) -> dict[str, Any]:
-    """The scene, whole line or interface of a sheet as plain dictionaries, strings and numbers."""
+    """The problem of a sheet as plain dictionaries, strings and numbers."""
     if isinstance(sheet, InterfaceSheet):
         return sheet.document
     return problem_document(sheet.problem)
 
 
-def problem_document(problem: Scene | WholeLine) -> dict[str, Any]:
-    """A scene or a whole line as plain dictionaries, strings and numbers."""
+def problem_document(problem: Scene | Pair | WholeLine) -> dict[str, Any]:
+    """A scene, two bodies or a whole line as plain dictionaries, strings and numbers."""
+    if isinstance(problem, Pair):
+        return pair_document(problem)
     return line_document(problem) if isinstance(problem, WholeLine) else scene_document(problem)
 
 

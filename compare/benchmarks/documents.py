@@ -30,8 +30,9 @@ ANSWER_DIMENSIONS: Dimensions = {
     **_RATES,
     **_STRESSES,
 }
+_PROBLEM: Dimensions = {**SCENE_DIMENSIONS, "lower_material": SCENE_DIMENSIONS["material"]}
 SHEET_DIMENSIONS: Dimensions = {
-    "scene": SCENE_DIMENSIONS,
+    "scene": _PROBLEM,
     "stations": "length",
     "times": "time",
     "answers": ANSWER_DIMENSIONS,
@@ -53,7 +54,7 @@ def sheets_document() -> dict[str, Any]:
         }
         for sheet in ALL_SHEETS.values()
     ]
-    units = units_document(sheets, {"scene": SCENE_DIMENSIONS}, DIMENSIONLESS)
+    units = units_document(sheets, {"scene": _PROBLEM}, DIMENSIONLESS)
     return {"sheets": sheets, "units": {"sheets": units}}
 
 

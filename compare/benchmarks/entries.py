@@ -18,7 +18,7 @@ from time import perf_counter
 
 from compare.benchmarks.interfaces.entries import run_stations, simulated_stations
 from compare.benchmarks.interfaces.sheets import SI, InterfaceSheet
-from compare.benchmarks.sheet import STATIONS, Sheet
+from compare.benchmarks.sheet import PAIRS, STATIONS, Sheet
 from compare.benchmarks.sheets import find_sheet
 from compare.output.files import write_text
 from compare.records.read import read_records
@@ -73,7 +73,8 @@ def _simulated(sheet: Sheet, cells: int) -> Stations:
         return simulated_stations(sheet, cells)
     from fem import simulate
 
-    return _stations_of(simulate(sheet.scene, 1.0, resolution=cells))
+    lower = PAIRS[sheet.name].lower if sheet.is_pair else None
+    return _stations_of(simulate(sheet.scene, 1.0, resolution=cells, lower_material=lower))
 
 
 def _marched(sheet: Sheet, cells: int) -> Stations:
@@ -127,6 +128,11 @@ def enter(code: str, sheet: Sheet, cells: int) -> Run:
         raise SceneError(
             f"enter: {code} takes scenes with a slot, and {sheet.name} has none; hand in records "
             "of another code, or choose another sheet."
+        )
+    if sheet.is_pair and code == "march":
+        raise SceneError(
+            f"enter: march knows identical bodies only, and {sheet.name} is of two; enter fem, or "
+            "hand in records of slipfront run (docs/engine.md)."
         )
     cells = checked_count("enter: cells", cells, LEAST_CELLS, "a whole number from")
     began = perf_counter()

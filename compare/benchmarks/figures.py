@@ -17,9 +17,10 @@ from compare.benchmarks.sheet import Sheet
 from compare.benchmarks.sheets import ALL_SHEETS
 from compare.figures.histories import march_figure
 from compare.figures.interface import prediction_figure
+from compare.figures.pairs import pair_figure
 from compare.figures.style import cycle, describe, ink, marker_handle, new_figure, styled
 from compare.figures.whole_line import line_figure
-from semianalytic import LineSolution, Marched
+from semianalytic import LineSolution, Marched, Pair, PairSolution
 
 MARKERS = "osD^vPX<>*"
 LEAST_SHOWN = 1e-5
@@ -34,6 +35,8 @@ def sheet_figure(sheet: Sheet) -> Figure:
         return reference_figure(sheet, answer)
     if isinstance(answer, LineSolution):
         return line_figure(answer)
+    if isinstance(answer, PairSolution):
+        return pair_figure(answer)
     return march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
 
 
@@ -113,6 +116,7 @@ def _draw_sheet(
 def _panel_title(sheet: Sheet) -> str:
     if isinstance(sheet, InterfaceSheet):
         return f"{sheet.name}: {sheet.friction_words}"
-    problem = sheet.problem
+    problem = sheet.problem if sheet.is_line else sheet.scene
+    assert not isinstance(problem, Pair)
     ratio, friction = problem.material.poisson_ratio, problem.friction
     return f"{sheet.name}: ν = {ratio:.3g}, f = {friction:.3g}"

@@ -13,7 +13,16 @@ from compare.benchmarks.interfaces.sheets import SI, InterfaceSheet
 from compare.benchmarks.sheet import OPENING, SI_SCALES, STATIONS, Sheet
 from compare.output.files import filled_template
 from compare.output.tables import markdown_table
-from semianalytic import IncidentWave, Patch, Pulse, Scene, ViscousFriction, WholeLine
+from semianalytic import (
+    IncidentWave,
+    Material,
+    Pair,
+    Patch,
+    Pulse,
+    Scene,
+    ViscousFriction,
+    WholeLine,
+)
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
@@ -79,7 +88,10 @@ def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
         yield from _interface(sheet)
     else:
         problem = sheet.problem
-        yield Text(_line(problem) if isinstance(problem, WholeLine) else _problem(problem))
+        if isinstance(problem, Pair):
+            yield Text(_problem(problem.alike, _DIFFERENT))
+        else:
+            yield Text(_line(problem) if isinstance(problem, WholeLine) else _problem(problem))
         if sheet.note:
             yield Text(sheet.note)
         yield Table(("", "units μ = ρ = c_t = T = 1", "SI"), tuple(_numbers(sheet)))
@@ -140,7 +152,13 @@ def _line(line: WholeLine) -> str:
     )
 
 
-def _problem(scene: Scene) -> str:
+_SAME = "Two half-planes of one elastic solid, y > 0 and y < 0,"
+_DIFFERENT = (
+    "Two half-planes of different elastic solids, y > 0 (μ, ρ, ν) and y < 0 (μ_2, ρ_2, ν_2),"
+)
+
+
+def _problem(scene: Scene, bodies: str = _SAME) -> str:
     """The statement in words."""
     along = "along z, the edge" if scene.antiplane else "along x"
     load, start = scene.load, _slot_load(scene)
@@ -157,10 +175,10 @@ def _problem(scene: Scene) -> str:
     until = f", until {history.duration:g} T" if isinstance(history, Pulse) else ""
     film = " + viscosity |V|" if isinstance(scene.friction_law, ViscousFriction) else ""
     return (
-        "Two half-planes of one elastic solid, y > 0 and y < 0, touch on x > 0; x < 0 is an open "
-        f"slot. On the contact Coulomb's law holds, strength f p{film}; it carries no tension. "
-        f"{start}{until}. Shear and slip act {along}. Pressure is positive in compression; slip V "
-        "and its rate are those of the upper face less the lower one; tractions are the whole ones."
+        f"{bodies} touch on x > 0; x < 0 is an open slot. On the contact Coulomb's law holds, "
+        f"strength f p{film}; it carries no tension. {start}{until}. Shear and slip act {along}. "
+        "Pressure is positive in compression; slip V and its rate are those of the upper face less "
+        "the lower one; tractions are the whole ones."
     )
 
 
@@ -180,6 +198,13 @@ def _slot_load(scene: Scene) -> str:
 def _numbers(sheet: Sheet) -> Iterator[tuple[str, str, str]]:
     """Rows of all numbers in both systems of units."""
     plain, si = sheet.problem, sheet.si_problem
+    if isinstance(plain, Pair) and isinstance(si, Pair):
+        below = plain.lower, si.lower
+        plain, si = plain.alike, si.alike
+    else:
+        below = None
+    assert not isinstance(plain, Pair)
+    assert not isinstance(si, Pair)
     rows: list[tuple[str, float, float, str]] = [
         ("shear modulus μ", plain.material.shear_modulus, si.material.shear_modulus, "stress"),
         ("density ρ", plain.material.density, si.material.density, "mass / length^3"),
@@ -207,9 +232,22 @@ def _numbers(sheet: Sheet) -> Iterator[tuple[str, str, str]]:
         yield label, f"{value:g}", f"{in_si:g} {named}"
     nu = plain.material.poisson_ratio
     yield "Poisson ratio ν", "1/3" if abs(3 * nu - 1) < 1e-12 else f"{nu:g}", "the same"
+    if below is not None:
+        yield from _numbers_below(*below)
     yield "friction f", f"{plain.friction:g}", "the same"
     if isinstance(plain.load, IncidentWave):
         yield "angle theta", f"{plain.load.angle:g} degrees", "the same"
+
+
+def _numbers_below(plain: Material, si: Material) -> Iterator[tuple[str, str, str]]:
+    """Rows of the lower body, in both systems of units."""
+    yield (
+        "shear modulus μ_2 of the lower body",
+        f"{plain.shear_modulus:g}",
+        f"{si.shear_modulus:g} Pa",
+    )
+    yield "density ρ_2 of the lower body", f"{plain.density:g}", f"{si.density:g} kg/m^3"
+    yield "Poisson ratio ν_2 of the lower body", f"{plain.poisson_ratio:g}", "the same"
 
 
 def _to_report(sheet: Sheet) -> Iterator[Block]:

@@ -238,7 +238,7 @@ def scale_of(sheet: Sheet, name: str) -> float:
     problem, rated = sheet.problem, name in ("slip_rate", "slip")
     if isinstance(problem, WholeLine):
         return problem.excess * (2 / problem.material.shear_impedance if rated else 1.0)
-    return (slip_rate_scale if rated else stress_scale)(problem)
+    return (slip_rate_scale if rated else stress_scale)(sheet.scene)
 
 
 def _relative_errors(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from semianalytic import (
     Material,
     MovingLoad,
+    Pair,
     Patch,
     Scene,
     Tractions,
@@ -23,6 +24,7 @@ from semianalytic import (
     WholeLine,
     find_line,
 )
+from semianalytic.dissimilar.described import pair_of
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import LINES, find_scene
@@ -54,6 +56,14 @@ SI_SCALES: Mapping[str, float] = {
 }
 """Factors that convert numbers in units mu = rho = c_t = T = 1 to SI units."""
 
+_GOUGE, _ROCK = Material(1.0, 1.0, 0.25), Material(2.5, 1.2, 0.25)
+"""A slow solid on a fast one, with the ratios of gouge and rock."""
+PAIRS: Mapping[str, Pair] = {
+    "pair-slip": Pair(_GOUGE, _ROCK, 0.2, Tractions(2.0, 0.0), Tractions(0.3, 1.0)),
+    "pair-opening": Pair(_GOUGE, _ROCK, 0.3, Tractions(1.0, 0.0), Tractions(-1.0, 0.5)),
+}
+"""Problems of two different bodies, in units of the upper one."""
+
 
 @dataclass(frozen=True)
 class Sheet:
@@ -84,8 +94,17 @@ class Sheet:
 
     @property
     def scene(self) -> Scene:
-        """The scene of the problem in units mu = rho = c_t = 1."""
-        return find_scene(self.name)
+        """The scene of the problem in units mu = rho = c_t = 1.
+
+        Of two different bodies it is the upper one on its own kind, which has friction, tractions
+        and scales of the problem.
+        """
+        return PAIRS[self.name].alike if self.is_pair else find_scene(self.name)
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether the problem is of two different bodies; all units are those of the upper one."""
+        return self.name in PAIRS
 
     @property
     def is_line(self) -> bool:
@@ -123,8 +142,10 @@ class Sheet:
         return 1.0
 
     @property
-    def problem(self) -> Scene | WholeLine:
-        """The scene, or the whole line, in units mu = rho = c_t = 1."""
+    def problem(self) -> Scene | Pair | WholeLine:
+        """The scene, the two bodies or the whole line, in units mu = rho = c_t = 1."""
+        if self.is_pair:
+            return PAIRS[self.name]
         if not self.is_line:
             return self.scene
         line = find_line(self.name)
@@ -132,9 +153,11 @@ class Sheet:
         return line
 
     @property
-    def si_problem(self) -> Scene | WholeLine:
+    def si_problem(self) -> Scene | Pair | WholeLine:
         """The problem in metres, seconds, kilograms and pascals."""
         problem = self.problem
+        if isinstance(problem, Pair):
+            return pair_in_si(problem)
         return line_in_si(problem) if isinstance(problem, WholeLine) else in_si(problem)
 
     @property
@@ -182,6 +205,15 @@ def in_si(scene: Scene) -> Scene:
         friction_law=law,
         units=SI,
     )
+
+
+def pair_in_si(pair: Pair) -> Pair:
+    """Two bodies in units mu = rho = c_t = T = 1 of the upper one in those of the SI."""
+    scene, lower = in_si(pair.alike), pair.lower
+    body = Material(
+        SI_SHEAR_MODULUS * lower.shear_modulus, SI_DENSITY * lower.density, lower.poisson_ratio
+    )
+    return pair_of(scene, body)
 
 
 def line_in_si(line: WholeLine) -> WholeLine:

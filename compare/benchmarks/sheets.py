@@ -115,7 +115,35 @@ FRONT_SHEETS: Mapping[str, Sheet] = {
     )
 }
 """Problems with a slot and a load with a moving front, without measured tolerance classes."""
-ALL_SHEETS: Mapping[str, Sheet] = {**SHEETS, **LINE_SHEETS, **FRONT_SHEETS, **INTERFACE_SHEETS}
+PAIR_SHEETS: Mapping[str, Sheet] = {
+    "pair-slip": Sheet(
+        "pair-slip",
+        "Slip between two different bodies",
+        "slip that changes the pressure it feels: both tractions of the contact are unknown at "
+        "once, and their edge turns as it grows",
+        (*SLIPPING, "pressure"),
+        note="Friction is below the threshold above which waves grow along this interface however "
+        "fine the grid, for slip of either sense, so that a delay is neither needed nor wanted.",
+    ),
+    "pair-opening": Sheet(
+        "pair-opening",
+        "Two different bodies that part and slip",
+        "separation and slip that drive each other: the contact opens from its edge, and slips "
+        "ahead of the opening under a pressure that falls to nothing there",
+        (*SLIPPING, "pressure"),
+        note="Where the contact is open, slip is the difference of the tangential displacements.",
+    ),
+}
+"""Problems of two different bodies, whose classes are those of our finite elements too."""
+RATED_SHEETS: Mapping[str, Sheet] = {**SHEETS, **PAIR_SHEETS, **INTERFACE_SHEETS}
+"""Problems with tolerance classes."""
+ALL_SHEETS: Mapping[str, Sheet] = {
+    **SHEETS,
+    **LINE_SHEETS,
+    **FRONT_SHEETS,
+    **PAIR_SHEETS,
+    **INTERFACE_SHEETS,
+}
 
 
 def find_sheet(name: str) -> Sheet:

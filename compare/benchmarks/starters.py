@@ -14,14 +14,16 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from compare.benchmarks.sheet import Sheet
+from compare.benchmarks.sheet import PAIRS, Sheet
 from compare.output.files import filled_template
 from semianalytic import Pulse, Scene, ViscousFriction
 
 CELLS = 40
 LENGTH, SLOT = 5.2, 2.2
 """Period of UGUCA's interface, and the part of it that is slot, over c_t T: no wave of the far edge
-reaches a station until T."""
+reaches a station until T, unless it is faster than 2 c_t.  Different bodies have faster ones, and
+lengths larger in proportion."""
+FASTEST = 2.0
 SCALE = 100.0
 LEFT, RIGHT, DEPTH = 2.0, 1.5, 1.0
 """Extents of SEM2DPACK's blocks, over c_t T; no reflection reaches a station until T."""
@@ -34,7 +36,7 @@ def starter_inputs(sheet: Sheet) -> Mapping[str, str]:
     """Texts of the inputs for a sheet by file name, code/name.
 
     There are none where there is no slot, or where the load comes to one place after the other, and
-    for interfaces.
+    for interfaces; and none for SEM2DPACK where the bodies differ.
     """
     if sheet.is_interface or sheet.is_line or sheet.scene.front_slowness:
         return {}
@@ -42,7 +44,7 @@ def starter_inputs(sheet: Sheet) -> Mapping[str, str]:
         f"uguca/{sheet.name}.in": uguca_parameters(sheet),
         "uguca/uguca_sheet.cc": filled_template("compare.benchmarks", "uguca_sheet.cc"),
     }
-    for name, text in sem2dpack_files(sheet).items():
+    for name, text in ({} if sheet.is_pair else sem2dpack_files(sheet)).items():
         inputs[f"sem2dpack/{name}"] = text
     return inputs
 
@@ -54,7 +56,10 @@ def _shear_until(scene: Scene) -> float:
 
 
 def _is_pressed(scene: Scene) -> bool:
-    """Whether the load changes the pressure, so that both bodies have to be there."""
+    """Whether the load changes the pressure, so that both bodies have to be there.
+
+    Those of the sheets that differ are pressed.
+    """
     return scene.superposition.taken_off.pressure != 0
 
 
@@ -65,6 +70,10 @@ def uguca_parameters(sheet: Sheet) -> str:
     fields = [f"cohesion_{axis}", "cohesion_1", f"top_disp_{axis}", f"top_velo_{axis}"]
     if pressed:
         fields += ["bot_disp_0", "bot_velo_0"]
+    lower, wider = scene.material, 1.0
+    if sheet.is_pair:
+        lower = PAIRS[sheet.name].lower
+        wider = max(1.0, lower.longitudinal_speed / FASTEST)
     lines = (
         ("string", "name", sheet.name),
         ("string", "kernels", "kernels/"),
@@ -72,9 +81,12 @@ def uguca_parameters(sheet: Sheet) -> str:
         ("int", "pressed", int(pressed)),
         ("int", "cells", CELLS),
         ("int", "steps_per_cell", 4),
-        ("double", "length", LENGTH),
-        ("int", "slot_nodes", round(SLOT * CELLS)),
+        ("double", "length", round(wider * LENGTH * CELLS) / CELLS),
+        ("int", "slot_nodes", round(wider * SLOT * CELLS)),
         ("double", "poisson_ratio", repr(scene.material.poisson_ratio)),
+        ("double", "lower_shear_modulus", lower.shear_modulus),
+        ("double", "lower_density", lower.density),
+        ("double", "lower_poisson_ratio", repr(lower.poisson_ratio)),
         ("double", "friction", scene.friction),
         ("double", "viscosity", law.viscosity if isinstance(law, ViscousFriction) else 0.0),
         ("double", "contact_pressure", held.pressure),

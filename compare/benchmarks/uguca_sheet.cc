@@ -56,7 +56,9 @@ int main(int, char * argv[]) {
   int nodes = std::lround(length * cells);
   bool antiplane = axis == 2, pressed = in.get<int>("pressed");
   std::unique_ptr<Mesh> mesh(antiplane ? new Mesh(length, nodes, length, 1) : new Mesh(length, nodes));
-  Material upper(2 * (1 + nu), nu, 1.), lower(2 * (1 + nu), nu, 1.);
+  double lower_nu = number("lower_poisson_ratio");
+  Material upper(2 * (1 + nu), nu, 1.);
+  Material lower(2 * number("lower_shear_modulus") * (1 + lower_nu), lower_nu, number("lower_density"));
   upper.readPrecomputedKernels(in.get<std::string>("kernels"));
   lower.readPrecomputedKernels(in.get<std::string>("kernels"));
 

@@ -12,7 +12,8 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
 from compare.comparison.scales import scene_fronts
-from compare.figures.fronts import Front, Window, fronts, moving_parts, reach
+from compare.figures.fronts import Front, Moving, Window, fronts, moving_parts, reach
+from compare.figures.pairs import pair_words
 from compare.figures.quantities import Array, Quantity
 from compare.figures.style import (
     BLACK,
@@ -28,7 +29,8 @@ from compare.figures.style import (
     outline,
     scene_words,
 )
-from semianalytic.results.answer import WholeFields
+from compare.output.bodies import Fields, fastest_speed, materials_of, scene_of
+from semianalytic import PairSolution
 from semianalytic.scene.units import unit
 
 SHOWN = 0.995
@@ -41,7 +43,7 @@ INK = {"size": ("white", "#333333"), "sign": ("#333333", "white"), "light": (ORA
 
 
 def field_figure(
-    fields: WholeFields,
+    fields: Fields,
     quantity: Quantity,
     time: float,
     window: Window | None = None,
@@ -51,7 +53,7 @@ def field_figure(
 
     Parameters
     ----------
-    fields : WholeFields
+    fields : Fields
     quantity : Quantity
         Quantity to draw, from `find_quantity`.
     time : float
@@ -78,7 +80,7 @@ class FieldPicture:
 
     @look()
     def __init__(
-        self, fields: WholeFields, quantity: Quantity, window: Window, points: int, time: float
+        self, fields: Fields, quantity: Quantity, window: Window, points: int, time: float
     ) -> None:
         self.fields, self.quantity, self.window = fields, quantity, window
         self._x, self._y = _middles(window, points)
@@ -94,7 +96,7 @@ class FieldPicture:
         self.figure.colorbar(
             image,
             ax=self.panel,
-            label=quantity.labelled(fields.scene),
+            label=quantity.labelled(scene_of(fields)),
             location="right" if tall > WIDE else "bottom",
             shrink=0.9,
             aspect=20 if tall > WIDE else 40,
@@ -119,7 +121,7 @@ class FieldPicture:
         return float(self.quantity.at(self.fields, np.ones(1), np.ones(1), 0.0)[0])
 
     def _draw(self, values: Array, time: float) -> AxesImage:
-        panel, scene = self.panel, self.fields.scene
+        panel, scene = self.panel, scene_of(self.fields)
         image = panel.imshow(
             np.clip(values, self._norm.vmin, self._norm.vmax),  # clips infinite values too
             extent=self.window,
@@ -136,8 +138,29 @@ class FieldPicture:
         panel.set(xlabel=f"x [{length}]", ylabel=f"y [{length}]")
         panel.set(xlim=self.window[:2], ylim=self.window[2:])
         moment = f"t = {time:.4g} {unit('time', scene.units) if scene.units else ''}"
-        describe(self.figure, f"{scene_words(scene)},  {moment}")
+        describe(self.figure, f"{_words(self.fields)},  {moment}")
         return image
+
+
+def _words(fields: Fields) -> str:
+    """Return what a picture says of the bodies, friction and load."""
+    return (
+        pair_words(fields.pair) if isinstance(fields, PairSolution) else scene_words(fields.scene)
+    )
+
+
+def _rayleigh_fronts(fields: Fields, parts: list[Moving], time: float) -> list[float]:
+    """Return the places of Rayleigh fronts: on the slot, and where slip or opening covers one.
+
+    Between different bodies that slip there is no such wave, and none is marked in their openings.
+    """
+    if isinstance(fields, PairSolution):
+        return [-body.rayleigh_speed * time for body in materials_of(fields)]
+    speeds = scene_fronts(fields.scene)
+    if "Rayleigh" not in speeds:
+        return []
+    place = speeds["Rayleigh"] * time
+    return [-place, *([place] if any(part.covers(place) for part in parts) else [])]
 
 
 def _middles(window: Window, points: int) -> tuple[Array, Array]:
@@ -186,10 +209,9 @@ def draw_front(panel: Axes, front: Front, window: Window, colour: str, around: s
         )
 
 
-def draw_interface(panel: Axes, fields: WholeFields, time: float) -> list[Line2D]:
+def draw_interface(panel: Axes, fields: Fields, time: float) -> list[Line2D]:
     """Draw slot, slip, open parts and Rayleigh fronts on y = 0, and return their legend entries."""
-    scene, speeds = fields.scene, scene_fronts(fields.scene)
-    far = 1e3 * scene.fastest_speed * time
+    far = 1e3 * fastest_speed(fields) * time
     bar: dict[str, Any] = {"linewidth": 2.5, "solid_capstyle": "butt"}
     slot = bar | {"color": BLACK, "path_effects": outline("white", 4.0)}
     panel.plot([-far, 0], [0, 0], **slot)
@@ -199,9 +221,8 @@ def draw_interface(panel: Axes, fields: WholeFields, time: float) -> list[Line2D
         moving = bar | {"color": SENSE_COLOURS[part.kind], "path_effects": outline(BLACK, 4.0)}
         panel.plot([part.start, min(part.end, far)], [0, 0], **moving)
         handles[part.kind] = Line2D([], [], label=part.kind, **moving)
-    if "Rayleigh" in speeds:
-        place = speeds["Rayleigh"] * time
-        places = [-place, *([place] if any(part.covers(place) for part in parts) else [])]
+    places = _rayleigh_fronts(fields, parts, time)
+    if places:
         at = np.zeros(len(places))
         panel.plot(places, at, "D", color=ORANGE, markersize=5, markeredgecolor=BLACK, zorder=3)
         handles["Rayleigh"] = marker_handle("Rayleigh front", ORANGE, "D", 5)

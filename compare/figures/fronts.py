@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from compare.comparison.fields.fronts import StraightFront
-from compare.comparison.scales import scene_fronts
+from compare.comparison.scales import scene_fronts, wave_speeds
 from compare.figures.quantities import Array
-from semianalytic.results.answer import WholeFields
+from compare.output.bodies import Fields, fastest_speed, materials_of
+from semianalytic import PairSolution
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene
 
@@ -64,13 +65,13 @@ class Front:
     sides: tuple[int, ...] = (1, -1)
 
 
-def reach(fields: WholeFields, time: float) -> Window:
+def reach(fields: Fields, time: float) -> Window:
     """Return the window of everything the waves have reached at a time [time], with a margin."""
-    far = MARGIN * fields.scene.fastest_speed * time
+    far = MARGIN * fastest_speed(fields) * time
     return -far, far, -far, far
 
 
-def moving_parts(fields: WholeFields, time: float) -> list[Moving]:
+def moving_parts(fields: Fields, time: float) -> list[Moving]:
     """Return the slipping and open parts of the contact at a time [time]."""
     slipping = [
         Moving("slip" if zone.sense > 0 else "reverse slip", zone.start, zone.end)
@@ -79,7 +80,7 @@ def moving_parts(fields: WholeFields, time: float) -> list[Moving]:
     return slipping + [Moving("open", one.start, one.end) for one in fields.openings_at(time)]
 
 
-def fronts(fields: WholeFields, time: float) -> Iterator[Front]:
+def fronts(fields: Fields, time: float) -> Iterator[Front]:
     """Yield the wave fronts at a time [time], for loads that start at t = 0.
 
     They are circles about the edge of the slot; plane waves of the loads on the slot faces; S waves
@@ -87,12 +88,11 @@ def fronts(fields: WholeFields, time: float) -> Iterator[Front]:
     zone edges that move faster than the waves (Mach fronts).  Those of a load whose front moves
     over the slot are inclined, and an incident wave has its own.
     """
+    if isinstance(fields, PairSolution):
+        yield from _of_pair(fields, time)
+        return
     scene, speeds = fields.scene, scene_fronts(fields.scene)
-    angle = np.linspace(0.0, np.pi, 361)
-    for name, share in (("P", 0.36), ("S", 0.30)):
-        if name in speeds:
-            radius = speeds[name] * time
-            yield Front(name, radius * np.cos(angle), radius * np.sin(angle), share)
+    yield from _circles(speeds, time)
     if scene.front_slowness:
         yield from _of_moving_load(scene, speeds, time)
     elif isinstance(scene.load, IncidentWave):
@@ -112,11 +112,56 @@ def fronts(fields: WholeFields, time: float) -> Iterator[Front]:
     parts = moving_parts(fields, time)
     if "P" in speeds and any(part.covers(speeds["P"] * time) for part in parts):
         yield _tangent("head wave", speeds["P"], slow, time, 0.4)
-    edges = sorted({place / time for part in parts for place in (part.start, part.end)})
-    for speed in edges:
+    for speed in _edge_speeds(parts, time):
         for name in ("S", "P"):
             if name in speeds and speeds[name] < speed < np.inf:
                 yield _tangent("Mach front", speed, speeds[name], time, 0.0)
+
+
+def _circles(
+    speeds: Mapping[str, float], time: float, sides: tuple[int, ...] = (1, -1)
+) -> Iterator[Front]:
+    """Yield the circles of the P and the S wave about the edge of the slot."""
+    angle = np.linspace(0.0, np.pi, 361)
+    for name, share in (("P", 0.36), ("S", 0.30)):
+        if name in speeds:
+            radius = speeds[name] * time
+            yield Front(name, radius * np.cos(angle), radius * np.sin(angle), share, sides)
+
+
+def _edge_speeds(parts: Sequence[Moving], time: float) -> list[float]:
+    """Return the speeds of the edges of moving parts, each once, in increasing order."""
+    return sorted({place / time for part in parts for place in (part.start, part.end)})
+
+
+def _of_pair(fields: PairSolution, time: float) -> Iterator[Front]:
+    """Yield the fronts in two different bodies.
+
+    Whatever runs along the contact faster than a wave of a body, a wave of either body or the edge
+    of a zone, sends head waves or Mach fronts into that body.
+    """
+    load, far = fields.pair.load, fastest_speed(fields)
+    signals = [wave_speeds(body) for body in materials_of(fields)]
+    edges = _edge_speeds(moving_parts(fields, time), time)
+    for speeds, side in zip(signals, (1, -1), strict=True):
+        yield from _circles(speeds, time, (side,))
+        for name, size in (("P", load.pressure), ("S", load.shear)):
+            if size:
+                x = np.array([-1e3 * far, -0.8 * far, 0.0]) * time
+                yield Front(f"plane {name}", x, np.full(3, speeds[name] * time), 0.5, (side,))
+        head = _tangent("head wave", -speeds["P"], speeds["S"], time, 0.4)
+        yield replace(head, sides=(side,))
+        name = "head wave"  # of the first one alone, for the others are close to it
+        for wave in ("P", "S"):
+            for speed in sorted({own[kind] for own in signals for kind in ("P", "S")})[::-1]:
+                if speed > speeds[wave]:
+                    head = _tangent(name, speed, speeds[wave], time, 0.4)
+                    yield replace(head, sides=(side,))
+                    name = ""
+            for speed in edges:
+                if speed > speeds[wave]:
+                    mach = _tangent("Mach front", speed, speeds[wave], time, 0.0)
+                    yield replace(mach, sides=(side,))
 
 
 def _of_moving_load(scene: Scene, speeds: Mapping[str, float], time: float) -> Iterator[Front]:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.scales import stress_scale
+from compare.output.bodies import Fields
 from compare.output.field_files import in_parts
 from semianalytic import Scene, SceneError, fringes
 from semianalytic.field.derived import principal_difference
-from semianalytic.results.answer import WholeFields
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import unit
 
@@ -32,7 +32,7 @@ class Quantity:
     label : str
         Label of a colour bar, without its unit.
     field : str
-        Name of the method of `WholeFields` that supplies the field.
+        Name of the method of `Fields` that supplies the field.
     of : callable
         Function that computes the scalar from the rows of that field.
     kind : str
@@ -44,7 +44,7 @@ class Quantity:
     of: Callable[[Array], Array]
     kind: Literal["size", "sign", "light"] = "sign"
 
-    def at(self, fields: WholeFields, x: Array, y: Array, t: float) -> Array:
+    def at(self, fields: Fields, x: Array, y: Array, t: float) -> Array:
         """Return the scalar at points (n,) [length] and a time [time]."""
         return self.of(in_parts(getattr(fields, self.field), x, y, t))
 

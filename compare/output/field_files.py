@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.output.bodies import Fields, scene_of
 from compare.output.files import write_text
 from semianalytic.field.derived import strain
-from semianalytic.results.answer import WholeFields
 from semianalytic.scene.units import unit
 
 Array = NDArray[np.float64]
@@ -73,7 +73,7 @@ def in_parts(field: Callable[[Array, Array, float], Array], x: Array, y: Array, 
     return np.concatenate([field(*part, t) for part in parts], axis=-1)
 
 
-def record_fields(fields: WholeFields, x: float, y: float, t: Array) -> FieldRecord:
+def record_fields(fields: Fields, x: float, y: float, t: Array) -> FieldRecord:
     """Record all fields at a point (x, y) [length] at times t (n,) [time].
 
     Strain follows from the change of stress since t = 0 by Hooke's law in plane strain.  Where
@@ -88,7 +88,7 @@ def record_fields(fields: WholeFields, x: float, y: float, t: Array) -> FieldRec
         fields.velocity(x, y, t),
         fields.displacement(x, y, t),
         stress,
-        strain(stress - base, fields.scene.material),
+        strain(stress - base, scene_of(fields, y).material),
     )
 
 
@@ -120,7 +120,7 @@ def write_record(path: Path, record: FieldRecord, units: str, command: str) -> N
 
 def write_frames(
     folder: Path,
-    fields: WholeFields,
+    fields: Fields,
     times: Sequence[float],
     window: tuple[float, float, float, float],
     grid: tuple[int, int],
@@ -135,7 +135,7 @@ def write_frames(
     Parameters
     ----------
     folder : Path
-    fields : WholeFields
+    fields : Fields
     times : sequence of float
         Times of the frames [time].
     window : (x0, x1, y0, y1)

@@ -24,7 +24,7 @@ from compare.benchmarks.entries import Run, enter, read_run
 from compare.benchmarks.figures import score_figure
 from compare.benchmarks.scores import ARRIVAL, GRADED, Score, score
 from compare.benchmarks.sheet import CELLS, Sheet
-from compare.benchmarks.sheets import ALL_SHEETS, INTERFACE_SHEETS, SHEETS, find_sheet
+from compare.benchmarks.sheets import INTERFACE_SHEETS, RATED_SHEETS, find_sheet
 from compare.figures.saving import figure_png
 from compare.output.tables import write_rows
 from docs.studies.pages import read_data
@@ -36,8 +36,6 @@ DOCS = ROOT / "docs" / "data"
 ENTRANTS = ROOT / "tests" / "data" / "entrants"
 LEAST_BOUND = 1e-6
 """Smallest bound of a class, where the finite elements are exact to rounding."""
-GRADED_SHEETS = (*SHEETS, *INTERFACE_SHEETS)
-"""Sheets with tolerance classes."""
 MARCH_CELLS = 100
 DRAWN = ("preloaded", "auxetic", "antiplane", "lift-off-shear")
 """Sheets shown in the figure."""
@@ -108,7 +106,7 @@ class LeagueRow:
 
 def league_rows(runs: Iterable[Run]) -> list[LeagueRow]:
     """Return the rows of runs, sorted by sheet, code and cells."""
-    order = list(ALL_SHEETS)
+    order = list(RATED_SHEETS)
     ranked = sorted(runs, key=lambda run: (order.index(run.sheet.name), run.code, run.cells))
     rows: list[LeagueRow] = []
     for run in ranked:
@@ -141,7 +139,7 @@ def _order(before: LeagueRow | None, run: Run, error: float) -> float:
 
 
 def own_runs(
-    names: Iterable[str] = GRADED_SHEETS, resolutions: Iterable[int] = CELLS
+    names: Iterable[str] = tuple(RATED_SHEETS), resolutions: Iterable[int] = CELLS
 ) -> Iterator[Run]:
     """Yield runs of slipfront's own codes on the sheets that they accept."""
     for sheet in map(find_sheet, names):
@@ -205,7 +203,8 @@ class SheetRow:
 def sheet_rows() -> list[SheetRow]:
     """Return all sheets with the exact answers that the package exports."""
     return [
-        SheetRow(sheet.name, sheet.title, sheet.tests, _parts(sheet)) for sheet in SHEETS.values()
+        SheetRow(sheet.name, sheet.title, sheet.tests, _parts(sheet))
+        for sheet in RATED_SHEETS.values()
     ]
 
 
@@ -260,7 +259,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     program = "python -m docs.studies.league"
     parser = argparse.ArgumentParser(prog=program, description=__doc__)
     parser.add_argument("table", choices=("sheets", "classes", "league", "figure"))
-    parser.add_argument("--sheets", nargs="*", choices=GRADED_SHEETS, default=GRADED_SHEETS)
+    parser.add_argument(
+        "--sheets", nargs="*", choices=tuple(RATED_SHEETS), default=tuple(RATED_SHEETS)
+    )
     parser.add_argument("--entrants", type=Path, default=ENTRANTS, help="where others' runs are")
     options = parser.parse_args(arguments)
     try:
@@ -273,7 +274,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sheets = map(find_sheet, options.sheets)
             classes = [one for sheet in sheets for one in measured_classes(sheet)]
             kept = [one for one in tolerances().values() if one.sheet not in options.sheets]
-            classes = sorted([*kept, *classes], key=lambda one: GRADED_SHEETS.index(one.sheet))
+            ranks = list(RATED_SHEETS)
+            classes = sorted([*kept, *classes], key=lambda one: ranks.index(one.sheet))
             write_rows(DATA / FILE, classes, command=COMMAND)
             shutil.copyfile(DATA / FILE, DOCS / f"benchmark-{FILE}")
         elif options.table == "figure":
@@ -285,7 +287,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             ]
             rows = league_rows([*own_runs(options.sheets), *others])
             rows += [one for one in _known_rows() if one.sheet not in options.sheets]
-            rows.sort(key=lambda row: GRADED_SHEETS.index(row.sheet))
+            ranks = list(RATED_SHEETS)
+            rows.sort(key=lambda row: ranks.index(row.sheet))
             write_rows(DOCS / "league.csv", rows, command=f"{program} league")
     except SlipfrontError as error:
         parser.exit(error.exit_code, f"{error}\n")

@@ -196,6 +196,17 @@ _POINTS = Key(
 )
 _ZONE = _object(inner=NUMBER, outer=NUMBER, sense=WHOLE, inner_regime=TEXT, outer_regime=TEXT)
 
+_FIELD = {
+    "method": _METHOD,
+    "error_estimate": _ESTIMATE,
+    "of": Key("quantity drawn", TEXT),
+    "time": Key("time of the picture", NUMBER),
+    "window": Key("region shown", _object(x0=NUMBER, x1=NUMBER, y0=NUMBER, y1=NUMBER)),
+    "frames": Key("number of frames of the animation", WHOLE),
+    "gauges": Key("gauges recorded, in the order of the files", _list(_object(x=NUMBER, y=NUMBER))),
+}
+"""Keys of ``slipfront field`` for bodies alike and different."""
+
 DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "solve": (
         {
@@ -387,18 +398,8 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         },
     ),
     "field": (
-        {
-            "scene": _SCENE_KEY,
-            "method": _METHOD,
-            "error_estimate": _ESTIMATE,
-            "of": Key("quantity drawn", TEXT),
-            "time": Key("time of the picture", NUMBER),
-            "window": Key("region shown", _object(x0=NUMBER, x1=NUMBER, y0=NUMBER, y1=NUMBER)),
-            "frames": Key("number of frames of the animation", WHOLE),
-            "gauges": Key(
-                "gauges recorded, in the order of the files", _list(_object(x=NUMBER, y=NUMBER))
-            ),
-        },
+        {"scene": _SCENE_KEY, **_FIELD},
+        {"pair": Key("two different bodies, as their TOML file has them", _PAIR), **_FIELD},
     ),
     "validate": (
         {

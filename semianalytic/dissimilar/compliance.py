@@ -220,14 +220,28 @@ class Compliance:
         # A real -(v - s) becomes complex with imaginary part +0: the upper side of the cut.
         return self._entries(-v.astype(complex), list((-from_fronts).astype(complex)))
 
-    def _entries(self, k: Complex, plus: list[Complex]) -> Entries:
-        """Return the sums over both bodies, times R_1 R_2, given the four sums of front and k."""
+    def beside(self, place: float, offset: Complex) -> tuple[Entries, tuple[Roots, Roots]]:
+        """Return the matrix at k = place + offset, Re k < 0 <= Im k, and the roots of both bodies.
+
+        The distances from a front at -k = `place` are exact.
+        """
+        k = place + offset
+        plus = [(s + place) + offset for s in self.fronts.tolist()]
+        return self._entries(k, plus), self._roots(k, plus)
+
+    def _roots(self, k: Complex, plus: list[Complex]) -> tuple[Roots, Roots]:
+        """Return the roots of both bodies, given the four sums of front and k."""
         square, fronts = k * k, self.fronts.tolist()
         alpha, beta, alpha_two, beta_two = (
             np.sqrt(s - k) * np.sqrt(near) for s, near in zip(fronts, plus, strict=True)
         )
-        one = Roots(self.upper, alpha, beta, square)
-        two = Roots(self.lower, alpha_two, beta_two, square)
+        return Roots(self.upper, alpha, beta, square), Roots(
+            self.lower, alpha_two, beta_two, square
+        )
+
+    def _entries(self, k: Complex, plus: list[Complex]) -> Entries:
+        """Return the sums over both bodies, times R_1 R_2, given the four sums of front and k."""
+        square, (one, two) = k * k, self._roots(k, plus)
         mixed = one.normal * two.tangential + two.normal * one.tangential
         determinant = one.determinant * two.rayleigh + two.determinant * one.rayleigh + mixed
         return Entries(

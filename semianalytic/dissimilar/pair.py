@@ -9,7 +9,7 @@ from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
 from semianalytic.scene.quantities import made_in_si, with_quantities
-from semianalytic.scene.scene import Material, Tractions
+from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.scene.units import SI
 
 LARGEST_CONTRAST = 1e5
@@ -105,6 +105,18 @@ class Pair:
     def compliance(self) -> Compliance:
         """Compliance of both bodies, in units of slowness and modulus of the upper one."""
         return compliance_of(self.upper, self.lower)
+
+    @property
+    def alike(self) -> Scene:
+        """The scene of the upper body on one of its own kind, with the same friction and load."""
+        return Scene(
+            self.upper,
+            self.friction,
+            self.base,
+            self.load,
+            friction_law=self.friction_law,
+            units=self.units,
+        )
 
     @property
     def exchanged(self) -> Pair:

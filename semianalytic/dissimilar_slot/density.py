@@ -204,6 +204,17 @@ class Density:
         sums = (1 / differences).T @ self.masses
         return np.asarray(self.constant + points.v[:, None] * (sums + self._of_poles(points.v)))
 
+    def above(self, place: float, offset: Complex) -> Values:
+        """Return z(k), (m, 2), at k = place + offset (m,), anywhere on and above the axis."""
+        k = place + offset
+        total = self._of_poles(-k)
+        start = 0
+        for part in self.parts:
+            masses = self.masses[start : start + part.panel.count]
+            total = total + part.panel.above(masses, place, offset)
+            start += part.panel.count
+        return np.asarray(self.constant - k[:, None] * total)
+
     def _from(self, stretch: Stretch, points: Points, part: OnPanel) -> Values:
         """Return the nodes of a panel less the points, (n, m).
 

@@ -20,8 +20,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.dissimilar.compliance import Entries
-from semianalytic.dissimilar.stretch import Points, Stretch
+from semianalytic.dissimilar.compliance import Complex, Entries
+from semianalytic.dissimilar.stretch import Points, Stretch, Values
 from semianalytic.dissimilar_slot.interface import Interface
 from semianalytic.dissimilar_slot.zones import Zone, neighbours
 from semianalytic.halfplane.rayleigh import Array
@@ -35,6 +35,8 @@ which 0.2 and 0.4 give the same smallest singular value within a tenth."""
 _BEHIND_POLE = 2.0
 """Slowness at which an opening that reaches the contact edge is cut, over that of a Rayleigh
 wave."""
+_SAME = 1e-13
+"""Distance in x below which a point is taken to be a node at this distance."""
 _SLOWEST_DECAY = 0.05
 """Least decay of phi at the end of a panel; an exponent nearer to -1 would need thousands of
 points."""
@@ -160,6 +162,54 @@ class Panel:
             rows, columns = rows * cosh, columns / cosh[: self.count]
         return np.asarray(kernel * rows[:, None] * columns)
 
+    def above(self, masses: Values, place: float, offset: Complex) -> Values:
+        """Return int J(w) / (w - v) dw at -v = place + offset on and above the axis, (m, f).
+
+        As in `own_kernel` the integral of the sinc series is exact: it has the factor
+        1 - exp(-i pi (y - x_j) / h) of node x_j, y being the coordinate of v, Im y <= 0, which
+        tends to 1 off the axis, and on it makes the limit from above.
+
+        Parameters
+        ----------
+        masses : (n, f) array
+            J dw at the nodes.
+        place : float
+        offset : (m,) array
+        """
+        points, h, nodes = self.points, self.spacing, slice(0, self.count)
+        left, right = self.stretch.left, self.stretch.right
+        from_left = -((left + place) + offset)
+        if right is None:
+            difference = points.from_left[nodes] - from_left[:, None]
+            y = np.log(from_left / left)
+        else:
+            to_right = (right + place) + offset
+            difference = np.where(
+                (np.abs(from_left) < np.abs(to_right))[:, None],
+                points.from_left[nodes] - from_left[:, None],
+                to_right[:, None] - points.to_right[nodes],
+            )
+            y = np.log(from_left) - np.log(to_right)
+        nearest = np.clip(np.rint(y.real / h).astype(int) - self.first, 0, self.count - 1)
+        x = self.x[nearest]
+        away = x - y
+        close = np.abs(away) < h / 2
+        rows, there = np.arange(len(y)), nearest[close]
+        difference[rows[close], there] = np.inf
+        kernel = 1 / difference
+        signs = (-1.0) ** (self.first + np.arange(self.count))
+        total = kernel @ masses
+        total -= np.exp(-1j * np.pi / h * y)[:, None] * (kernel @ (masses * signs[:, None]))
+        # The node that is closest, without the difference of two large numbers.
+        away = np.where(np.abs(away) < _SAME, _SAME, away)[close]
+        apart = self.jacobian[there] * -np.expm1(-away)
+        if right is not None:
+            apart = self.jacobian[there] * 2 * np.sinh(away / 2)
+            apart *= np.cosh(x[close] / 2) / np.cosh(y[close] / 2)
+        factor = -np.expm1(1j * np.pi / h * away) / apart
+        total[close] += factor[:, None] * masses[there]
+        return np.asarray(total)
+
     def other_kernel(self, source: Panel) -> Array:
         """Return the weights of `own_kernel` for densities phi of another panel, (2 n - 1, m)."""
         common = max(self.stretch.left, source.stretch.left)  # an end between the two, or of both
@@ -211,6 +261,11 @@ def rule_for(tolerance: float) -> Rule:
     measured on the zones of docs/dissimilar.md, h = 0.4 ... 0.8 and c = 1e-4 ... 1e-10.
     """
     return Rule(float(np.pi**2 / np.log(0.3 / tolerance)), float(tolerance**0.66))
+
+
+def tolerance_of(spacing: float) -> float:
+    """Return the tolerance of the rule with a spacing, the inverse of `rule_for`."""
+    return float(0.3 * np.exp(-(np.pi**2) / spacing))
 
 
 def panels_of(interface: Interface, zones: Sequence[Zone], rule: Rule) -> tuple[Panel, ...]:

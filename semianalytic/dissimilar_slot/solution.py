@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +29,9 @@ from semianalytic.scene.checks import checked_number
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone, over_slowness
+
+if TYPE_CHECKING:  # imported where it is asked for, for a quick import
+    from semianalytic.dissimilar_slot.bodies import PairBodies
 
 
 @dataclass(frozen=True)
@@ -176,6 +180,57 @@ class PairSolution:
         margin = strength - np.abs(self.shear_traction(x, t))
         film = isinstance(law, ViscousFriction) and law.viscosity > 0
         return np.where(self._is_open(x, t), 0.0, margin) if film else margin
+
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Particle velocity v_x, v_y anywhere in both bodies, (2, ...) [length / time].
+
+        Positions and times broadcast: y > 0 is the upper body, y < 0 the lower one, and 0.0 and
+        -0.0 are their faces, those of the slot x < 0 included.  Infinite, with its sign, at the
+        Rayleigh fronts of the slot and at other singular points.
+
+        Raises
+        ------
+        SceneError
+            If a position or a time is not finite.
+
+        Examples
+        --------
+        >>> import semianalytic as sa
+        >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+        >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
+        >>> answer = sa.solve_pair(pair, rtol=1e-6)
+        >>> answer.velocity(1.0, [0.0, -0.0], 2e-3)[0].round(3)  # the slip rate is 0.25
+        array([ 0.214, -0.036])
+        """
+        return self._bodies.velocity(x, y, t)
+
+    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Stress sigma_xx, sigma_yy, sigma_xy anywhere in both bodies, (3, ...), tension positive
+        [stress]; positions, times and errors as `velocity`.
+
+        The base tractions are part of sigma_yy and sigma_xy; they do not determine the initial
+        sigma_xx, so that one is the change since t = 0.
+        """
+        return self._bodies.stress(x, y, t)
+
+    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Displacement u_x, u_y since t = 0 anywhere in both bodies, (2, ...) [length]; positions,
+        times and errors as `velocity`."""
+        return self._bodies.displacement(x, y, t)
+
+    @cached_property
+    def field_error(self) -> float:
+        """Estimate of the error of fields in the bodies, relative to themselves plus the load.
+
+        It adds the change on a coarser rule at some points and the error of the zone edges.
+        """
+        return self._bodies.error + self.error_estimate
+
+    @cached_property
+    def _bodies(self) -> PairBodies:
+        from semianalytic.dissimilar_slot.bodies import PairBodies
+
+        return PairBodies(self.pair, self.profile.density, self.stress_unit)
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,13 +11,21 @@ from numpy.typing import ArrayLike
 from semianalytic.cut.load import normal_load
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
-from semianalytic.field.body import ALONG, PLANE, Quantity, is_singular, reflected, upper
+from semianalytic.field.body import (
+    PLANE,
+    Quantity,
+    Sent,
+    checked_points,
+    fields_of,
+    points_around,
+    reflected_fields,
+)
 from semianalytic.field.cells import Primitives
+from semianalytic.field.sources import Step
 from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.contact import traction_ahead
-from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene
 
@@ -102,10 +109,7 @@ class Bodies:
         coarser makes, near the edge as well.
         """
         coarse = replace(self, tolerance=tuning.COARSER * self.tolerance)
-        rng, slowest = np.random.default_rng(0), self._shear.reach
-        angle, share = rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
-        radius, angle = 2 * (2 * slowest) ** -share, 2 * np.pi * angle
-        at = radius * np.cos(angle), radius * np.sin(angle), 1 / self.scene.material.shear_speed
+        at = *points_around(self._shear.reach), 1 / self.scene.material.shear_speed
         rows, coarser = (
             np.concatenate([one._rows(quantity, *at) for quantity in PLANE])
             for one in (self, coarse)
@@ -114,74 +118,27 @@ class Bodies:
         largest = max(abs(step.pressure), abs(step.shear)) / self.stress_unit
         least = min(largest, 1.0) or 1.0  # a base may be far more than what changes
         change = np.abs(rows - coarser) / (least + np.abs(rows))
-        cells = tuning.COARSE_ERROR if self._shear.is_coarse else tuning.CELL_ERROR
+        cells = tuning.COARSE_ERROR if self._shear.source.is_coarse else tuning.CELL_ERROR
         return cells + float(change.max())
 
     def _rows(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the rows of a quantity in either body, those of antiplane shear last."""
-        points = [np.asarray(one, dtype=float) for one in (x, y, t)]
-        if not all(np.all(np.isfinite(one)) for one in points):
-            raise SceneError("positions and times must be finite numbers.")
-        x, y, t = np.broadcast_arrays(*points)
-        begun = t > 0
-        time, below = self.scene.material.shear_speed * t[begun], np.signbit(y[begun])
-        at = *_scaled(x[begun], np.abs(y[begun]), time), below
-        waved = np.empty((self._count(quantity), len(time)))
-        for start in range(0, len(time), tuning.POINTS_AT_ONCE):
-            part = slice(start, start + tuning.POINTS_AT_ONCE)
-            waved[:, part] = self._finite_or_not(quantity, *(one[part] for one in at))
-        if quantity == "displacement":
-            waved *= time
+        x, y, t = checked_points(x, y, t)
+        time, begun = self.scene.material.shear_speed * t, t > 0
+        waved = fields_of(self._sent, quantity, (x[begun], y[begun], time[begun]))
         rows = np.zeros((len(waved), *x.shape))
         rows[:, begun] = waved
         before = ~begun
         if before.any() and self.shear.load.slowness > 0:
-            speed = self.scene.material.shear_speed
-            place = x[before], np.abs(y[before]), speed * t[before]
-            below = np.signbit(y[before])
-            rows[:, before] = self._in_body(
-                quantity, below, lambda part: reflected(part, *place, quantity)
-            )
+            at = x[before], y[before], time[before]
+            rows[:, before] = reflected_fields(self._sent, quantity, at)
         return rows
 
-    def _count(self, quantity: Quantity) -> int:
-        """Return the number of rows of a quantity."""
-        every = [PLANE[quantity], *([ALONG[quantity]] if self.scene.antiplane else [])]
-        return sum(rows.stop - rows.start for rows in every)
-
-    def _finite_or_not(
-        self, quantity: Quantity, x: Array, y: Array, t: Array, below: np.ndarray
-    ) -> Array:
-        """Return the rows at points (m,), infinite with the right sign where they are singular."""
-        rows = self._near(quantity, x, y, t, below, tuning.CLOSE[0])
-        singular = np.zeros(x.shape, dtype=bool)
-        for part in (self._shear, self._normal):
-            if part is not None:
-                singular |= is_singular(part, x, y, t)
-        if singular.any():
-            few = rows[:, singular]
-            at = x[singular], y[singular], t[singular], below[singular]
-            grown = few - self._near(quantity, *at, tuning.CLOSE[1])
-            large = np.abs(grown) > tuning.GROWN * (1 + np.abs(few))
-            rows[:, singular] = np.where(large, np.copysign(np.inf, grown), few)
-        return rows
-
-    def _near(
-        self, quantity: Quantity, x: Array, y: Array, t: Array, below: np.ndarray, close: float
-    ) -> Array:
-        """Return the rows at points (m,), those on a singularity at the distance `close`."""
-        return self._in_body(quantity, below, lambda part: upper(part, x, y, t, close, quantity))
-
-    def _in_body(
-        self, quantity: Quantity, below: np.ndarray, in_upper: Callable[[Primitives], Array]
-    ) -> Array:
-        """Return the rows in either body from those of shear and pressure in the upper one."""
-        in_plane, along = _SHEARED[PLANE[quantity], None], _ALONG[ALONG[quantity], None]
-        signs = along if self.scene.antiplane else in_plane
-        sheared = in_upper(self._shear) * np.where(below, signs, 1)
-        normal = 0.0 if self._normal is None else in_upper(self._normal)
-        normal = normal * np.where(below, -in_plane, 1)
-        return np.concatenate([normal, sheared]) if self.scene.antiplane else sheared + normal
+    @cached_property
+    def _sent(self) -> tuple[Sent, ...]:
+        """What shear and, if the pressure changes, pressure send into the bodies."""
+        sheared = Sent(self._shear, _ALONG if self.scene.antiplane else _SHEARED)
+        return (sheared,) if self._normal is None else (sheared, Sent(self._normal, -_SHEARED))
 
     @cached_property
     def _shear(self) -> Primitives:
@@ -200,21 +157,9 @@ class Bodies:
     def _primitives(self, fields: ZoneFields) -> Primitives:
         rule = rule_for(self.tolerance)
         longer = replace(rule, reach=rule.reach + tuning.LONGER)
-        return Primitives(Transform(replace(fields, rule=longer, tail=True)))
+        return Primitives(Step(Transform(replace(fields, rule=longer, tail=True))))
 
 
 def _along(load: IncidentWave, amount: ArrayLike, count: int) -> Array:
     """Return an amount of motion (...) along the direction of a wave's motion, (count, ...)."""
     return np.stack([part * np.asarray(amount) for part in load.polarisation()[:count]])
-
-
-def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
-    """Return the positions (m,) at t = 1 with the same fields, and times 1.
-
-    Fields depend on x / t and y / t alone; displacement is proportional to t besides.  Positions
-    are limited to `FARTHEST`, and are put at the edge within `NEAREST` of it.
-    """
-    with np.errstate(over="ignore"):
-        x, y = (np.clip(one / t, -tuning.FARTHEST, tuning.FARTHEST) for one in (x, y))
-    at_edge = np.hypot(x, y) < tuning.NEAREST
-    return np.where(at_edge, 0.0, x), np.where(at_edge, 0.0, y), np.ones_like(t)

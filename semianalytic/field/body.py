@@ -15,15 +15,19 @@ t > p x + y (s^2 - p^2)^1/2 on, and the real k_s is the one on the side of k = -
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from semianalytic.field import tuning
 from semianalytic.field.cells import Primitives
+from semianalytic.field.sources import Source
 from semianalytic.field.waves import P_WAVE, S_WAVE, SHEAR, SUMS, Complex
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.scene.errors import SceneError
 
 Quantity = Literal["velocity", "stress", "displacement"]
 PLANE: Mapping[Quantity, slice] = {
@@ -38,6 +42,138 @@ ALONG: Mapping[Quantity, slice] = {
     "displacement": slice(3, 4),
 }
 """Its rows in antiplane shear."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sent:
+    """What one source sends into the bodies, as a part of their fields.
+
+    Attributes
+    ----------
+    primitives : Primitives
+    mirrored : (7,) or (4,) array
+        Signs that turn all its fields in the upper half-plane into those of a lower body, which is
+        its mirror image; 4 in antiplane shear.
+    """
+
+    primitives: Primitives
+    mirrored: Array
+
+    @property
+    def antiplane(self) -> bool:
+        """Whether it sends the wave of antiplane shear."""
+        return self.primitives.source.antiplane
+
+
+def fields_of(parts: Sequence[Sent], quantity: Quantity, at: tuple[Array, Array, Array]) -> Array:
+    """Return the rows (q, m) of a quantity, those of antiplane shear, if a part sends it, last.
+
+    Parameters
+    ----------
+    parts : sequence of Sent
+    quantity : {"velocity", "stress", "displacement"}
+    at : three (m,) arrays
+        x, y and t > 0; points whose y has a negative sign, -0.0 included, are in the lower body.
+    """
+    x, y, time = at
+    scaled = *_scaled(x, np.abs(y), time), np.signbit(y)
+    rows = np.empty((_count(parts, quantity), len(time)))
+    for start in range(0, len(time), tuning.POINTS_AT_ONCE):
+        part = slice(start, start + tuning.POINTS_AT_ONCE)
+        rows[:, part] = _finite_or_not(parts, quantity, *(one[part] for one in scaled))
+    if quantity == "displacement":  # it is of degree 1, the others are of degree 0
+        rows *= time
+    return rows
+
+
+def reflected_fields(
+    parts: Sequence[Sent], quantity: Quantity, at: tuple[Array, Array, Array]
+) -> Array:
+    """Return the rows (q, m) of `fields_of` at times t <= 0."""
+    x, y, t = at
+    place = x, np.abs(y), t
+    return _added(parts, quantity, np.signbit(y), lambda part: reflected(part, *place, quantity))
+
+
+def _count(parts: Sequence[Sent], quantity: Quantity) -> int:
+    """Return the number of rows of a quantity."""
+    every = [PLANE[quantity], *([ALONG[quantity]] if any(one.antiplane for one in parts) else [])]
+    return sum(rows.stop - rows.start for rows in every)
+
+
+def _added(
+    parts: Sequence[Sent],
+    quantity: Quantity,
+    below: np.ndarray,
+    in_upper: Callable[[Primitives], Array],
+) -> Array:
+    """Return the rows (q, m) in either body from what each part sends into the upper one."""
+    in_plane, along = PLANE[quantity], ALONG[quantity]
+    rows, count = np.zeros((_count(parts, quantity), len(below))), in_plane.stop - in_plane.start
+    for part in parts:
+        signs = part.mirrored[along if part.antiplane else in_plane, None]
+        own = slice(count, None) if part.antiplane else slice(count)
+        rows[own] += in_upper(part.primitives) * np.where(below, signs, 1)
+    return rows
+
+
+def _near(parts: Sequence[Sent], quantity: Quantity, at: tuple[Array, ...], close: float) -> Array:
+    """Return the rows at points (m,), those on a singularity at the distance `close`."""
+    x, y, t, below = at
+    return _added(parts, quantity, below, lambda part: upper(part, x, y, t, close, quantity))
+
+
+def _finite_or_not(
+    parts: Sequence[Sent], quantity: Quantity, x: Array, y: Array, t: Array, below: np.ndarray
+) -> Array:
+    """Return the rows at points (m,), infinite with the right sign where they are singular."""
+    rows = _near(parts, quantity, (x, y, t, below), tuning.CLOSE[0])
+    singular = np.zeros(x.shape, dtype=bool)
+    for part in parts:
+        singular |= is_singular(part.primitives, x, y, t)
+    if singular.any():
+        few = rows[:, singular]
+        at = x[singular], y[singular], t[singular], below[singular]
+        grown = few - _near(parts, quantity, at, tuning.CLOSE[1])
+        large = np.abs(grown) > tuning.GROWN * (1 + np.abs(few))
+        rows[:, singular] = np.where(large, np.copysign(np.inf, grown), few)
+    return rows
+
+
+def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
+    """Return the positions (m,) at t = 1 with the same fields, and times 1.
+
+    Fields depend on x / t and y / t alone; displacement is proportional to t besides.  Positions
+    are limited to `FARTHEST`, and are put at the edge within `NEAREST` of it.
+    """
+    with np.errstate(over="ignore"):
+        x, y = (np.clip(one / t, -tuning.FARTHEST, tuning.FARTHEST) for one in (x, y))
+    at_edge = np.hypot(x, y) < tuning.NEAREST
+    return np.where(at_edge, 0.0, x), np.where(at_edge, 0.0, y), np.ones_like(t)
+
+
+def checked_points(x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Array, Array, Array]:
+    """Return positions and times as arrays of one shape; raise SceneError if one is not finite."""
+    points = [np.asarray(one, dtype=float) for one in (x, y, t)]
+    if not all(np.all(np.isfinite(one)) for one in points):
+        raise SceneError("positions and times must be finite numbers.")
+    x, y, t = np.broadcast_arrays(*points)
+    return x, y, t
+
+
+def points_around(reach: float) -> tuple[Array, Array]:
+    """Return x and y (m,) of random points within twice the reach of waves, at which rules are
+    compared; half of them are near the edge.
+
+    Parameters
+    ----------
+    reach : float
+        Slowness of the slowest front or zone edge, over that of the unit of speed.
+    """
+    rng = np.random.default_rng(0)
+    angle, share = rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
+    radius, angle = 2 * (2 * reach) ** -share, 2 * np.pi * angle
+    return radius * np.cos(angle), radius * np.sin(angle)
 
 
 class Wave(NamedTuple):
@@ -64,9 +200,9 @@ class Wave(NamedTuple):
         return np.concatenate([self.fields @ parts, self.moved(parts, x, y, t)])
 
 
-def waves(primitives: Primitives) -> tuple[Wave, ...]:
+def waves(source: Source) -> tuple[Wave, ...]:
     """Return the waves: P and S, or that of antiplane shear."""
-    if len(primitives.slownesses) == 1:
+    if source.antiplane:
 
         def by_s_along(parts: Array, x: Array, y: Array, t: Array) -> Array:
             one, k, beta = parts
@@ -74,7 +210,7 @@ def waves(primitives: Primitives) -> tuple[Wave, ...]:
 
         # The densities are those of v_z, sigma_xz and sigma_yz themselves.
         return (Wave(1.0, np.eye(3), np.eye(3), by_s_along),)
-    a = primitives.slownesses[0]
+    a = source.slownesses[0]
     # Columns: P_v times 1, k, 1 / k, alpha, alpha / k.
     of_p = np.zeros((5, 5))
     of_p[0, 0], of_p[1, 4] = 1, -1
@@ -93,7 +229,7 @@ def waves(primitives: Primitives) -> tuple[Wave, ...]:
         along = t * one + x * k - y * (over - square_over)
         return np.stack([along, t * k_over + x * square_over - y * k])
 
-    every = np.eye(len(primitives.behind_front))
+    every = np.eye(len(source.behind))
     return Wave(a, every[P_WAVE], of_p, by_p), Wave(1.0, every[S_WAVE], of_s, by_s)
 
 
@@ -125,9 +261,9 @@ def is_singular(primitives: Primitives, x: Array, y: Array, t: Array) -> np.ndar
     edge = (x == 0) & (y == 0)
     away = np.where(edge, t, x)
     at_front = [
-        (t >= primitives.front * away + np.sqrt(s**2 - primitives.front**2) * y)
-        & primitives.at_centre(slowness(away, y, t, s, primitives.front))
-        for s in primitives.slownesses
+        (t >= primitives.source.front * away + np.sqrt(s**2 - primitives.source.front**2) * y)
+        & primitives.at_centre(slowness(away, y, t, s, primitives.source.front))
+        for s in primitives.source.slownesses
     ]
     return edge | np.logical_or.reduce(at_front)
 
@@ -141,14 +277,14 @@ def upper(
     `close` from the singularity are returned, at the contact edge ahead of it.
     """
     x = np.where((x == 0) & (y == 0), close * t, x)
-    along = len(primitives.slownesses) == 1
+    along = primitives.source.antiplane
     chosen = (ALONG if along else PLANE)[quantity]
     near = np.zeros(len(x), dtype=bool) if along else t > tuning.NEAR_EDGE * np.hypot(x, y)
     result = np.zeros((chosen.stop - chosen.start, len(x)))
-    for wave in waves(primitives):
-        here = np.flatnonzero(arrives(x, y, t, wave.slowness, primitives.front) & ~near)
+    for wave in waves(primitives.source):
+        here = np.flatnonzero(arrives(x, y, t, wave.slowness, primitives.source.front) & ~near)
         at = x[here], y[here], t[here]
-        k = slowness(*at, wave.slowness, primitives.front)
+        k = slowness(*at, wave.slowness, primitives.source.front)
         if chosen.stop <= len(wave.fields):
             # What is asked for is added up per cell, not per point.
             result[:, here] += primitives(k, close, wave.fields[chosen] @ wave.parts)
@@ -165,12 +301,14 @@ def reflected(primitives: Primitives, x: Array, y: Array, t: Array, quantity: Qu
 
     They are the plane waves of a load that comes along the slot, and 0 without one.
     """
-    along = len(primitives.slownesses) == 1
+    along = primitives.source.antiplane
     result = np.zeros((4 if along else 7, len(x)))
-    if primitives.front:
-        for wave in waves(primitives):
-            here = np.flatnonzero(arrives(x, y, t, wave.slowness, primitives.front))
-            parts = wave.parts @ np.repeat(primitives.behind_front.imag[:, None], len(here), axis=1)
+    if primitives.source.front:
+        for wave in waves(primitives.source):
+            here = np.flatnonzero(arrives(x, y, t, wave.slowness, primitives.source.front))
+            parts = wave.parts @ np.repeat(
+                primitives.source.behind.imag[:, None], len(here), axis=1
+            )
             result[:, here] += wave.rows(parts, x[here], y[here], t[here])
     return result[(ALONG if along else PLANE)[quantity]] / np.pi
 
@@ -181,8 +319,8 @@ def _beside_edge(primitives: Primitives, x: Array, y: Array, t: Array, close: fl
     The densities of both are added before they are integrated up to k_P; the S wave is then
     integrated on to k_S.
     """
-    k_p, a = slowness(x, y, t, primitives.slownesses[0]), primitives.slownesses[0]
-    every = np.eye(len(primitives.behind_front))
+    k_p, a = slowness(x, y, t, primitives.source.slownesses[0]), primitives.source.slownesses[0]
+    every = np.eye(len(primitives.source.behind))
     *fields, k_x, k_y, y_x, y_y = primitives(k_p, close, every[SUMS])
     v_x, v_y, *_ = fields
     moved = [t * v_x + x * k_x - y * y_x, t * v_y + x * k_y - y * y_y]

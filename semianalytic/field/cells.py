@@ -11,22 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, cmp_to_key, lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from semianalytic.field import tuning
-from semianalytic.field.transform import Centre, Transform, powers
-from semianalytic.field.waves import (
-    SHEAR,
-    Complex,
-    Slowness,
-    densities,
-    plane_wave,
-    reflected_wave,
-)
-from semianalytic.halfplane.rayleigh import Array, Mode
+from semianalytic.field.sources import Source
+from semianalytic.field.transform import powers
+from semianalytic.field.waves import Complex
+from semianalytic.halfplane.rayleigh import Array
 
 
 class Cell(NamedTuple):
@@ -61,15 +55,6 @@ def _pattern(degree: int, per_side: int) -> tuple[Complex, Complex]:
     return nodes, np.asarray(np.linalg.pinv(powers), dtype=complex)
 
 
-def _order(one: Centre, other: Centre) -> int:
-    """Return -1 or 1 if a centre lies left or right of another, however close, and 0 at the same
-    point.
-
-    Places tie where an edge is closer to a front than the rounding of its slowness.
-    """
-    return int(np.sign(other.distance(one)))
-
-
 _Link = tuple[Cell, complex, complex]
 """Cell from which another takes its constant, and a common point of both, as ln(k - centre) of the
 other and of the first."""
@@ -81,49 +66,11 @@ class Primitives:
 
     Attributes
     ----------
-    transform : Transform
+    source : Source
     """
 
-    transform: Transform
+    source: Source
     _cells: dict[Cell, Complex] = field(default_factory=dict, repr=False)
-
-    @cached_property
-    def centres(self) -> list[Centre]:
-        """The singular points, from left to right."""
-        fields = self.transform.fields
-        factors = fields.factors
-        ends = [Centre(-1, end, index) for index, end in enumerate(fields.panels.left)]
-        if fields.layout.slips_at_c and all(end.first[3] for end in fields.panels.left):
-            ends.append(Centre(-1, factors.front_c))
-            ends.sort(key=lambda centre: centre.place, reverse=True)
-        right = [*factors.cuts, factors.front_c] if factors.has_rayleigh_wave else [factors.front_b]
-        if factors.has_rayleigh_wave:
-            right.insert(0, factors.front_a)
-        every = [*ends, self.parting, *(Centre(1, point) for point in right)]
-        pole = self.transform.pole
-        if pole is not None and all(one.distance(pole) != 0.0 for one in every):
-            every.append(pole)
-        return sorted(every, key=cmp_to_key(_order))
-
-    @cached_property
-    def parting(self) -> Centre:
-        """The pole of the densities between -a and a, which parts what is ahead from what is
-        behind.
-
-        It is 0, or the pole of a load whose front is faster than all waves.
-        """
-        pole = self.transform.pole
-        if pole is None or not abs(pole.place) < self.slownesses[0]:
-            return Centre(0)
-        return pole
-
-    @cached_property
-    def _places(self) -> Array:
-        return np.array([centre.place for centre in self.centres])
-
-    @cached_property
-    def _zero(self) -> int:
-        return next(i for i, centre in enumerate(self.centres) if centre is self.parting)
 
     @property
     def reach(self) -> float:
@@ -133,51 +80,36 @@ class Primitives:
     @cached_property
     def _extent(self) -> float:
         """Value of |k| from which on all centres are near 0."""
-        return 2 * float(np.abs(self._places).max())
+        return 2 * float(np.abs(self.source.places).max())
 
     @cached_property
     def _gaps(self) -> Array:
         """Distances (c, 2) of each centre to its neighbours on the right and on the left."""
-        between = [a.distance(b) for a, b in zip(self.centres, self.centres[1:], strict=False)]
-        return np.array([[*between, 2 * self._extent], [2 * self._extent, *between]]).T
+        between, far = self.source.between, 2 * self._extent
+        return np.array([[*between, far], [far, *between]]).T
 
     @cached_property
     def _tops(self) -> Array:
         """Logarithms (c, 2) of the radius of each side of a centre beside the axis."""
         return np.log(self._gaps / (2 * np.cos(_STEP)))
 
-    @property
-    def front(self) -> float:
-        """Slowness p of the front of the load along the slot; 0 unless it comes along it, p > 0."""
-        return max(self.transform.fields.load.slowness, 0.0)
-
-    @property
-    def behind_front(self) -> Complex:
-        """All integrals behind the plane wave of a load that comes along the slot."""
-        return self._behind
-
-    @property
-    def slownesses(self) -> tuple[float, ...]:
-        """Slownesses of the waves: a and b, in antiplane shear b."""
-        return (1.0,) if self._mode == "III" else (self.transform.fields.factors.a, 1.0)
-
     def _nearest(self, k: Complex) -> np.ndarray:
         """Return the centres (m,) nearest to points."""
-        return np.searchsorted((self._places[1:] + self._places[:-1]) / 2, k.real)
+        return np.searchsorted((self.source.places[1:] + self.source.places[:-1]) / 2, k.real)
 
     def at_centre(self, k: Complex) -> np.ndarray:
         """Return (m,) whether points coincide with a centre to rounding."""
         result = np.zeros(k.shape, dtype=bool)
         # Only points beside the axis can coincide with one on it.
         few = np.flatnonzero(np.abs(k.imag) <= tuning.SAME * self._extent)
-        places = self._places[self._nearest(k[few])]
+        places = self.source.places[self._nearest(k[few])]
         result[few] = np.abs(k[few] - places) <= tuning.SAME * np.abs(places)
         return result
 
     def located(self, k: Complex, close: float) -> tuple[np.ndarray, Complex]:
         """Return the cells (4, m) of points (m,), and ln(k - centre), no closer than `close`."""
         centre, far = self._nearest(k), np.abs(k) > self._extent
-        offset = np.where(far, k, k - self._places[centre])
+        offset = np.where(far, k, k - self.source.places[centre])
         offset = np.where(self.at_centre(k), close, offset)
         log = np.log(np.abs(offset)) + 1j * np.angle(offset)
         left = ~far & (log.imag > np.pi / 2)
@@ -212,7 +144,7 @@ class Primitives:
             k = np.array([np.exp(inner) * (1 - 1e-12)])
             key, log = self.located(k, tuning.CLOSE[0])
             return Cell(*key[:, 0].tolist()), inner, complex(log[0])
-        home = int(centre >= self._zero)
+        home = int(centre >= self.source.parting)
         base = 0 if left == home else self._level(centre, left, self._tops[centre].min())
         if level != base:
             step = -1 if level > base else 1
@@ -227,7 +159,7 @@ class Primitives:
             return Cell(centre, home, level, sector), between, between
         if sector:
             return cell._replace(sector=sector - 1), middle - turn, middle - turn
-        if centre == self._zero:
+        if centre == self.source.parting:
             return None
         half = np.log(self._gaps[centre, left] / 2)
         next_one = centre - 1 if left else centre + 1
@@ -258,7 +190,7 @@ class Primitives:
         one another.
         """
         cells, count = list(links), len(self._pattern[1])
-        fresh = np.empty((len(cells), count + 1, len(self._ahead)), dtype=complex)
+        fresh = np.empty((len(cells), count + 1, len(self.source.ahead)), dtype=complex)
         middles = np.array([self._middle(cell) for cell in cells])
         offsets = np.exp(middles[:, None] + _HALF * self._pattern[0])
         offsets = offsets.real + 1j * np.maximum(offsets.imag, 0.0)
@@ -275,15 +207,15 @@ class Primitives:
 
     def _coefficients(self, owner: int, offsets: Complex, scale: float) -> Complex:
         """Return the polynomials (c, n, f) of cells around a centre, with arbitrary constants."""
-        matrix = self._pattern[1]
-        values = self._densities(owner, offsets, scale)
+        matrix, kept = self._pattern[1], self.source.kept
+        values = self.source.densities(owner, offsets, scale)
         integrands = np.ascontiguousarray(np.moveaxis(values * (offsets * _HALF), 0, -1))
         grown = matrix @ integrands
         grown /= np.arange(1.0, len(matrix) + 1)[:, None]
         coefs = np.concatenate([np.zeros_like(grown[:, :1]), grown], axis=1)
-        if self.kept is not None:
-            series = matrix @ values[self.kept][..., None]
-            coefs[:, :-1, self.kept], coefs[:, -1, self.kept] = series[..., 0], 0.0
+        if kept is not None:
+            series = matrix @ values[kept][..., None]
+            coefs[:, :-1, kept], coefs[:, -1, kept] = series[..., 0], 0.0
         return coefs
 
     def _add_constants(
@@ -294,10 +226,10 @@ class Primitives:
         A constant is that of the cell before, and what polynomials without constants differ by: its
         digits do not depend on which cells are formed together.
         """
-        numbers = {cell: number for number, cell in enumerate(links)}
+        numbers, kept = {cell: number for number, cell in enumerate(links)}, self.source.kept
         count, own, there = fresh.shape[1] - 1, np.copy(middles), np.copy(middles)
         others = np.zeros_like(fresh[:, 1:])
-        constants: list[Complex] = [self._ahead] * len(links)
+        constants: list[Complex] = [self.source.ahead] * len(links)
         before: list[int | None] = [None] * len(links)
         for number, (cell, link) in enumerate(links.items()):
             if link is None:
@@ -317,58 +249,15 @@ class Primitives:
             # the earlier one comes first, so that it has its constant
             constant = constants[number] if earlier is None else fresh[earlier, 0]
             continuing = constant + changes[number]
-            if self.kept is not None:
-                continuing[self.kept] = fresh[number, 0, self.kept]
+            if kept is not None:
+                continuing[kept] = fresh[number, 0, kept]
             fresh[number, 0] = continuing
-
-    @property
-    def kept(self) -> int | None:
-        """Row of a density that is kept without integration, if there is one."""
-        return SHEAR if self._mode != "III" else None
-
-    @property
-    def is_coarse(self) -> bool:
-        """Whether the rule has so few digits that polynomials of a lower degree hold them."""
-        return self.transform.fields.rule.tolerance > tuning.COARSE_FROM
 
     @cached_property
     def _pattern(self) -> tuple[Complex, Complex]:
-        if self.is_coarse:
+        if self.source.is_coarse:
             return _pattern(tuning.COARSE_DEGREE, tuning.COARSE_NODES)
         return _pattern(tuning.DEGREE, tuning.NODES_PER_SIDE)
-
-    @property
-    def _mode(self) -> Mode:
-        return self.transform.fields.factors.mode
-
-    @cached_property
-    def _ahead(self) -> Complex:
-        """All integrals where no wave from the edge has come, x > 0: slip ahead of all waves."""
-        factors, load = self.transform.fields.factors, self.transform.fields.load
-        far = float(np.asarray(load.far_slip_rate).ravel()[0])
-        return -plane_wave(far, self._mode, factors.a)
-
-    @cached_property
-    def _behind(self) -> Complex:
-        """All integrals where no wave from the edge has come, x < 0: plane waves of the load."""
-        factors, load = self.transform.fields.factors, self.transform.fields.load
-        if self.transform.pole is not None:
-            if self.parting is not self.transform.pole:  # no plane wave is ahead of others
-                return self._ahead
-            reflected = reflected_wave(factors, self._mode, load.load_shear, load.slowness)
-            return self._ahead - reflected
-        at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
-        return self._ahead - plane_wave(at_zero, self._mode, factors.a)
-
-    def _densities(self, owner: int, offset: Complex, scale: float) -> Complex:
-        """Return all densities (f, ...) at centre + offset."""
-        centre = self.centres[owner] if owner >= 0 else Centre(0)
-        factors = self.transform.fields.factors
-        fronts = np.array([factors.a, 1.0, factors.in_plane.c])
-        left, right = (offset + gaps[:, None, None] for gaps in centre.fronts(fronts))
-        at = Slowness(factors, centre.place + offset, left, right)
-        values = self.transform.near(centre, offset, scale)
-        return densities(at, values, factors.mode)
 
     def __call__(self, k: Complex, close: float, mix: Array | Complex) -> Array:
         """Return sums (g, m) of integrals at k (m,), Im k >= 0: their imaginary parts.
@@ -376,12 +265,12 @@ class Primitives:
         The rows of `mix` (g, f) hold the factors of all densities; the integral of S_v is S_v
         itself.  Where integrals are singular, they are taken at the distance `close`.
         """
-        parting = self.parting.place
-        still = (k.imag == 0) & (np.abs(k.real) < self.transform.fields.factors.a) & (k != parting)
+        parting, (left, right) = self.source.places[self.source.parting], self.source.still
+        still = (k.imag == 0) & (left < k.real) & (k.real < right) & (k != parting)
         if not still.any():
             return self._looked_up(k, close, mix)
         result = np.empty((len(mix), len(k)))
-        ahead, behind = (mix @ self._ahead).imag, (mix @ self._behind).imag
+        ahead, behind = (mix @ self.source.ahead).imag, (mix @ self.source.behind).imag
         result[:, still] = np.where(k[still].real < parting, ahead[:, None], behind[:, None])
         result[:, ~still] = self._looked_up(k[~still], close, mix)
         return result

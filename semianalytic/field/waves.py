@@ -10,7 +10,13 @@ alone, those of v_x in either wave:
     P   -(alpha / k) P_v   (1 - 2 a^2 + 2 k^2) / k P_v    (q / k) P_v    -2 alpha P_v
     S   (k / beta) S_v     2 k S_v                        -2 k S_v       -(q / beta) S_v
 
-(b = mu = 1, alpha = (a^2 - k^2)^1/2, beta = (1 - k^2)^1/2, q = 1 - 2 k^2).  Displacement takes the
+(b = mu = 1, alpha = (a^2 - k^2)^1/2, beta = (1 - k^2)^1/2, q = 1 - 2 k^2).  Both together move the
+surface at the rates V_x = k (P_v + S_v) and V_y = k^2 S_v / beta - alpha P_v, so that
+
+    P_v = (k V_x - beta V_y) / (alpha beta + k^2),
+    S_v = beta (V_y + alpha V_x / k) / (alpha beta + k^2)
+
+whatever the tractions are that move it.  Displacement takes the
 same densities with the phase t + k x - alpha y, t + k x - beta y as a factor.  Beside the edge,
 where k is large, the two waves nearly cancel; their sums are formed without that cancellation.  In
 antiplane shear there is one wave, of v_z = -S / k, sigma_xz = -S and sigma_yz = T / k.
@@ -67,6 +73,21 @@ class Slowness:
         return -1j * np.sqrt(self.from_left[1]) * np.sqrt(self.from_right[1])
 
     @cached_property
+    def bulk(self) -> Complex:
+        """The function alpha beta + k^2, without cancellation; it has no zero."""
+        z, product, a = np.square(self.k), self.alpha * self.beta, self.factors.a
+        direct, difference = product + z, product - z
+        cancels = np.abs(direct) < np.abs(difference)
+        rest = a * a - z * (1 + a * a)
+        return np.where(cancels, rest / np.where(cancels, difference, 1.0), direct)
+
+    @cached_property
+    def coupling(self) -> Complex:
+        """The function 2 alpha beta - q, without cancellation for large k."""
+        z, square = np.square(self.k), self.factors.a**2
+        return (4 * square - 1 - 4 * square * z) / (2 * self.alpha * self.beta + self.q)
+
+    @cached_property
     def q(self) -> Complex:
         """The polynomial 1 - 2 k^2."""
         return 1 - 2 * np.square(self.k)
@@ -95,31 +116,45 @@ def densities(at: Slowness, transform: Complex, mode: Mode) -> Complex:
 
     The table in the module's docstring gives them.
     """
-    k, alpha, beta, q, a = at.k, at.alpha, at.beta, at.q, at.factors.a
-    rate, z = transform / at.impedance(mode), np.square(k)
+    k, rate, none = at.k, transform / at.impedance(mode), np.zeros_like(transform)
     if mode == "III":
         return np.stack([-rate / k, -rate, transform / k])
-    difference = (a * a - 1) / (alpha + beta)  # alpha - beta
-    static = (4 * a * a - 1 - 4 * a * a * z) / (2 * alpha * beta + q)  # 2 alpha beta - q
-    none = np.zeros_like(k)
+    coupling = at.coupling
     if mode == "II":
-        compression, shear = -2 * k * rate, -q / k * rate
-        sums = [-rate / k, rate * static / beta, -4 * (1 - a * a) * rate, none, transform / k]
-        across = [-rate * (2 * z * difference + beta) / k, (2 * a * a - 1) * rate]
-    else:
-        compression, shear = q / alpha * rate, -2 * beta * rate
-        press = transform / k
-        stretch = 2 * (1 - a * a) * q / (alpha * k) * rate - press
-        sums = [-rate * static / alpha, -rate / k, stretch, press, none]
-        across = [-rate, -rate * (alpha - 2 * z * difference) / k]
+        return radiated(at, (-rate, k * coupling / at.beta * rate), (transform, none))
+    return radiated(at, (-k * coupling / at.alpha * rate, -rate), (none, transform))
+
+
+def radiated(
+    at: Slowness, motion: tuple[Complex, Complex], tractions: tuple[Complex, Complex]
+) -> Complex:
+    """Return all in-plane densities (20, ...) from the motion of the surface and its tractions.
+
+    Parameters
+    ----------
+    at : Slowness
+    motion : pair of (...) arrays
+        Transforms of the rates V_x and V_y of the surface.
+    tractions : pair of (...) arrays
+        Transforms of the changes of sigma_xy and sigma_yy on it.
+    """
+    k, alpha, beta, bulk, a = at.k, at.alpha, at.beta, at.bulk, at.factors.a
+    (v_x, v_y), z = motion, np.square(k)
+    compression = (k * v_x - beta * v_y) / bulk
+    shear = beta * (v_y + alpha * v_x / k) / bulk
+    along, across, shearing, press = (part / k for part in (*motion, *tractions))
+    difference = (a * a - 1) / (alpha + beta)  # alpha - beta
+    sums = [along, across, 4 * (1 - a * a) * v_x + (1 - 2 * a * a) * press, press, shearing]
     return np.stack(
         [
             shear,
             *(compression * factor for factor in (1, k, 1 / k, alpha, alpha / k)),
             *(shear * factor for factor in (1, k, k / beta, 1 / beta, z / beta)),
             *sums,
-            *(k * velocity for velocity in sums[:2]),
-            *across,
+            v_x,
+            v_y,
+            (alpha * along - beta * difference * v_y) / bulk,
+            (a * a * beta * across - alpha * difference * v_x) / bulk,
         ]
     )
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,21 +12,23 @@ import typer
 from rich.console import Console
 
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
+from compare.comparison.pair_documents import PAIR_DIMENSIONS
 from compare.comparison.prediction import method_of
+from compare.output.bodies import Fields, scene_of
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
-from compare.records.units import si_size
-from semianalytic import Marched, Scene, Solution, march, solve
+from semianalytic import Marched, PairSolution, Scene, Solution, march, solve, solve_pair
+from semianalytic.dissimilar.described import pair_document, pair_of
 from semianalytic.prediction import chosen_method
-from semianalytic.results.answer import WholeFields
-from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
-from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
+from semianalytic.scene.named import find_blocks, override_scene, scene_folder, scene_label
 from semianalytic.scene.scene import scene_document
-from semianalytic.scene.units import measure, unit
+from semianalytic.scene.units import unit
 from slipfront.cli.marching import check_rtol
 from slipfront.cli.options import (
+    LOWER_OPTIONS,
     MARCH_OPTIONS,
     SCENE_OPTIONS,
     AsJson,
@@ -39,11 +39,25 @@ from slipfront.cli.options import (
     SceneArgument,
     asked,
     in_bytes,
+    lower_body,
     measured_option,
     option_name,
     with_options,
 )
 from slipfront.cli.scenes.completion import FORMATS, QUANTITIES, one_of
+from slipfront.cli.scenes.pairs import check_pair_options
+from slipfront.cli.scenes.requests import (
+    GRID,
+    MOST_FRAMES,
+    MOST_POINTS,
+    MOST_SAMPLES,
+    Request,
+    cells_of,
+    count_of,
+    fringe_stress,
+    place_of,
+    window_of,
+)
 from slipfront.cli.solve_command import check_converged
 from slipfront.cli.terminal import print_json
 
@@ -51,13 +65,9 @@ if TYPE_CHECKING:
     from compare.figures.quantities import Quantity
 
 MARCHED_OPTIONS = {name: MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")}
-GRID = (200, 200)
-"""Default number of cells of a grid, along x and y."""
-MOST_POINTS, MOST_FRAMES, MOST_SAMPLES = 4000, 10_000, 1_000_000
-"""Limits of points and cells along an axis, of frames, and of times; more are a typing error."""
-
 _DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
+    "pair": PAIR_DIMENSIONS,
     "error_estimate": "1",
     "time": "time",
     "window": "length",
@@ -83,52 +93,10 @@ _Gauges = Annotated[
 ]
 
 
-@dataclass(frozen=True)
-class Request:
-    """Checked options of the command, complete before anything is computed.
-
-    Attributes
-    ----------
-    time : float
-        Time of the picture and end of animations and records [time].
-    window : (x0, x1, y0, y1) or None
-        Part of the plane that is shown [length]; None for everything the waves have reached.
-    points : int
-        Points along the longer side of a picture.
-    frames : int
-        Number of frames of an animation and of files for ParaView; 0 for no animation.
-    form : str
-        Format of an animation, one of `FORMATS`.
-    grid : (int, int) or None
-        Cells of the grid for ParaView; None for no such files.
-    gauges : tuple of (x, y)
-        Positions of gauges [length].
-    samples : int
-        Number of times of a record.
-    figures : str
-        Format of pictures.
-    """
-
-    time: float
-    window: tuple[float, float, float, float] | None
-    points: int
-    frames: int
-    form: str
-    grid: tuple[int, int] | None
-    gauges: tuple[tuple[float, float], ...]
-    samples: int
-    figures: str
-
-    @property
-    def times(self) -> list[float]:
-        """Times of the frames; without an animation only the last one [time]."""
-        count = max(self.frames, 1)
-        return np.linspace(self.time / count, self.time, count).tolist()
-
-
-@with_options(overrides=SCENE_OPTIONS, march_options=MARCHED_OPTIONS)
+@with_options(overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS, march_options=MARCHED_OPTIONS)
 def field_command(
     overrides: Mapping[str, Any],
+    lower: Mapping[str, Any],
     march_options: Mapping[str, Any],
     scene_name: SceneArgument,
     of: Annotated[
@@ -201,7 +169,9 @@ def field_command(
 ) -> None:
     """Draw fields inside the bodies with all fronts named; animate, export or record them.
 
-    Velocity, stress and displacement are exact if the scene is self-similar.  A picture is written
+    Velocity, stress and displacement are exact if the scene is self-similar, between different
+    bodies as well: the lower one is that of the file's [lower_material], or is like the upper one
+    but for the numbers that are given.  A picture is written
     to DIR/SCENE_QUANTITY.png, an animation beside it, grids to DIR/fields.pvd, and the record of
     the first --gauge to DIR/SCENE_gauge-1.csv; at the end every file is listed with what it shows.
     """
@@ -209,8 +179,13 @@ def field_command(
     from compare.figures.animation import check_format
     from compare.figures.quantities import find_quantity
 
-    scene, label = override_scene(find_scene(scene_name), **overrides), scene_label(scene_name)
-    marched = chosen_method(scene, method) == "space-time"
+    (scene, other), label = find_blocks(scene_name), scene_label(scene_name)
+    scene = override_scene(scene, **overrides)
+    body = lower_body(scene, other, lower)
+    pair = None if body in (None, scene.material) else pair_of(scene, body)
+    if pair is not None:
+        check_pair_options(method, march_options, None, None)
+    marched = pair is None and chosen_method(scene, method) == "space-time"
     if march_options and not marched:
         raise SceneError(
             f"{option_name(next(iter(march_options)))} is for the space-time solver; "
@@ -219,7 +194,7 @@ def field_command(
     time = asked(scene, "time", time, "time")
     thickness = asked(scene, "thickness", thickness, "length")
     stress_optical = asked(scene, "stress_optical", stress_optical, "stress length")
-    step = _fringe_stress(of, thickness, stress_optical)
+    step = fringe_stress(of, thickness, stress_optical)
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:
         raise SceneError("--grid needs --vtu; give both.")
@@ -227,21 +202,28 @@ def field_command(
         raise SceneError(f"--format must be one of {', '.join(FORMATS)}, got {shown(form)}.")
     request = Request(
         1 / scene.material.shear_speed if time is None else checked_size("field: time", time),
-        None if window is None else _window(scene, window),
-        _count("points", points, 2, MOST_POINTS),
-        _count("animate", animate, 0, MOST_FRAMES),
+        None if window is None else window_of(scene, window),
+        count_of("points", points, 2, MOST_POINTS),
+        count_of("animate", animate, 0, MOST_FRAMES),
         form,
-        (_grid(grid) if grid else GRID) if vtu else None,
-        tuple(_place(scene, one) for one in gauge or ()),
-        _count("samples", samples, 2, MOST_SAMPLES),
+        (cells_of(grid) if grid else GRID) if vtu else None,
+        tuple(place_of(scene, one) for one in gauge or ()),
+        count_of("samples", samples, 2, MOST_SAMPLES),
         figures,
     )
     if request.frames:
         check_format(form)
-    directory = output or scene_folder(scene_name, overrides) / "field"
-    words = [scene_name, *(f"{option_name(k)}={v}" for k, v in overrides.items())]
+    given = {**overrides, **lower}
+    directory = output or scene_folder(scene_name, given) / "field"
+    words = [scene_name, *(f"{option_name(k)}={v}" for k, v in given.items())]
+    answer: Solution | Marched | PairSolution
     with working_folder(directory) as files:
-        answer = _marched(scene, request.time, march_options, quiet) if marched else solve(scene)
+        if pair is not None:
+            answer = solve_pair(pair)
+        else:
+            answer = (
+                _marched(scene, request.time, march_options, quiet) if marched else solve(scene)
+            )
         _draw(directory, f"{label}_{of}", answer, quantity, request, quiet)
         if request.grid is not None:
             _write_grid(directory, answer, request, quiet)
@@ -251,10 +233,10 @@ def field_command(
     else:
         lines = [f"Written to {directory}/:", *_contents(label, of, request, scene)]
         Console(soft_wrap=True).print("\n".join(lines), highlight=False, markup=False)
-    if isinstance(answer, Solution):
-        check_converged(answer, label)
-    else:
+    if isinstance(answer, Marched):
         check_rtol(answer, label)
+    else:
+        check_converged(answer, label)
 
 
 def _contents(label: str, of: str, request: Request, scene: Scene) -> Iterator[str]:
@@ -276,12 +258,17 @@ def _contents(label: str, of: str, request: Request, scene: Scene) -> Iterator[s
     yield from (f"  {name:{width}}  {words}" for name, words in names.items())
 
 
-def _document(answer: Solution | Marched, of: str, request: Request) -> dict[str, Any]:
+def _document(
+    answer: Solution | Marched | PairSolution, of: str, request: Request
+) -> dict[str, Any]:
     """Return what was drawn and recorded as plain dictionaries, with units."""
     window = request.window or _reach(answer, request)
+    if isinstance(answer, PairSolution):
+        solved = {"pair": pair_document(answer.pair), "method": "self-similar"}
+    else:
+        solved = {"scene": scene_document(answer.scene), "method": method_of(answer)}
     document: dict[str, Any] = {
-        "scene": scene_document(answer.scene),
-        "method": method_of(answer),
+        **solved,
         "error_estimate": answer.error_estimate,
         "of": of,
         "time": request.time,
@@ -289,11 +276,11 @@ def _document(answer: Solution | Marched, of: str, request: Request) -> dict[str
         "frames": request.frames,
         "gauges": [{"x": x, "y": y} for x, y in request.gauges],
     }
-    document["units"] = units_document(document, _DIMENSIONS, answer.scene)
+    document["units"] = units_document(document, _DIMENSIONS, scene_of(answer))
     return document
 
 
-def _reach(fields: WholeFields, request: Request) -> tuple[float, float, float, float]:
+def _reach(fields: Fields, request: Request) -> tuple[float, float, float, float]:
     """Return the window that holds everything the waves have reached."""
     from compare.figures.fronts import reach
 
@@ -309,7 +296,7 @@ def _marched(scene: Scene, time: float, options: Mapping[str, Any], quiet: bool)
 def _draw(
     directory: Path,
     name: str,
-    fields: WholeFields,
+    fields: Fields,
     quantity: Quantity,
     request: Request,
     quiet: bool,
@@ -328,7 +315,7 @@ def _draw(
             write_animation(path, picture, request.times, progress)
 
 
-def _write_grid(directory: Path, fields: WholeFields, request: Request, quiet: bool) -> None:
+def _write_grid(directory: Path, fields: Fields, request: Request, quiet: bool) -> None:
     from compare.output.field_files import write_frames
 
     assert request.grid is not None
@@ -338,80 +325,18 @@ def _write_grid(directory: Path, fields: WholeFields, request: Request, quiet: b
 
 
 def _record(
-    directory: Path, label: str, fields: WholeFields, request: Request, words: list[str]
+    directory: Path, label: str, fields: Fields, request: Request, words: list[str]
 ) -> None:
     """Write a table and a figure for every gauge."""
     from compare.figures.records import record_figure
     from compare.figures.saving import save_figure
     from compare.output.field_files import record_fields, write_record
 
-    scene, t = fields.scene, np.linspace(0.0, request.time, request.samples)
+    t = np.linspace(0.0, request.time, request.samples)
     for number, (x, y) in enumerate(request.gauges, start=1):
+        scene = scene_of(fields, y)
         record, path = record_fields(fields, x, y, t), directory / f"{label}_gauge-{number}.csv"
         asked = [f"--gauge={x!r},{y!r}", f"--time={request.time!r}", f"--samples={len(t)}"]
         command = shlex.join(["slipfront", "field", *words, *asked])
         write_record(path, record, scene.units, command)
         save_figure(record_figure(record, scene), path.with_suffix(f".{request.figures}"))
-
-
-def _fringe_stress(of: str, thickness: float | None, stress_optical: float | None) -> float | None:
-    """Return the difference of principal stresses per fringe [stress], if it is given."""
-    if thickness is None and stress_optical is None:
-        return None
-    if of != "fringes":
-        raise SceneError("--thickness and --stress-optical are for --of fringes; add that.")
-    if thickness is None or stress_optical is None:
-        raise SceneError("fringes follow from --thickness and --stress-optical; give both.")
-    constant = checked_size("field: stress_optical", stress_optical)
-    return constant / checked_size("field: thickness", thickness)
-
-
-def _count(name: str, value: int, least: int, most: int) -> int:
-    if not least <= value <= most:
-        raise SceneError(
-            f"{option_name(name)} must be a whole number from {least} to {most}, got "
-            f"{shown(value)}."
-        )
-    return value
-
-
-def _window(scene: Scene, text: str) -> tuple[float, float, float, float]:
-    required = "be four numbers x0,x1,y0,y1 with x0 < x1 and y0 < y1"
-    x0, x1, y0, y1 = _numbers("window", text, 4, required, scene)
-    if not (x0 < x1 and y0 < y1):
-        raise SceneError(f"--window must {required}, got {shown(text)}.")
-    return x0, x1, y0, y1
-
-
-def _place(scene: Scene, text: str) -> tuple[float, float]:
-    x, y = _numbers("gauge", text, 2, "be two numbers x,y", scene)
-    return x, y
-
-
-def _grid(text: str) -> tuple[int, int]:
-    required = f"be two whole numbers nx,ny from 2 to {MOST_POINTS}"
-    nx, ny = _numbers("grid", text, 2, required)
-    if not all(one.is_integer() and 2 <= one <= MOST_POINTS for one in (nx, ny)):
-        raise SceneError(f"--grid must {required}, got {shown(text)}.")
-    return int(nx), int(ny)
-
-
-def _numbers(
-    name: str, text: str, count: int, required: str, scene: Scene | None = None
-) -> Iterator[float]:
-    """Parse a given count of finite numbers that are separated by commas.
-
-    They are lengths that may have units if there is a scene.
-    """
-    numbers: list[Any] = []
-    with suppress(ValueError, SceneError):
-        parts = text.split(",")
-        if scene is None:
-            numbers = [float(part) for part in parts]
-        else:
-            numbers = [measure(part, "length", si_size) for part in parts]
-    if scene is not None:
-        numbers = [asked(scene, name, number, "length") for number in numbers]
-    if len(numbers) != count:
-        raise SceneError(f"{option_name(name)} must {required}, got {shown(text)}.")
-    return iter([checked_number(option_name(name), number) for number in numbers])

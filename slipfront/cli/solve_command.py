@@ -11,7 +11,7 @@ from rich.console import Console
 
 from compare.comparison.documents import solution_document
 from compare.output.places import check_file
-from semianalytic import Scene, Solution, solve
+from semianalytic import PairSolution, Scene, Solution, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import ComputationError, SceneError
@@ -229,7 +229,7 @@ def _solve_exactly(
     check_converged(solution, label)
 
 
-def check_converged(solution: Solution, label: str) -> None:
+def check_converged(solution: Solution | PairSolution, label: str) -> None:
     """Raise ComputationError unless a solution has converged; call after printing."""
     if solution.status != "converged":
         raise ComputationError(

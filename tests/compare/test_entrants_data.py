@@ -1,12 +1,14 @@
 """Results of codes that are not ours: readable, right, and wrong where they are known to be."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
+from compare.benchmarks.sheet import PAIRS
 from docs.studies.pages import ROOT, read_data
-from slipfront import find_scene, predict
+from slipfront import find_scene, predict, solve_pair
 
 ENTRANTS = ROOT / "tests" / "data" / "entrants"
 COLUMNS = ("t", "x", "slip_rate", "slip", "shear_traction", "pressure")
@@ -25,6 +27,8 @@ MOST = {
     "uguca/auxetic": (3.1, 0.57, 1.4, 0),
     "uguca/lift-off": (0, 0, 0, 0.1),
     "uguca/lift-off-shear": (0.31, 0.01, 0.42, 0.1),
+    "uguca/pair-opening": (0.6, 0.028, 0.53, 0.093),
+    "uguca/pair-slip": (0.27, 0.0125, 0.245, 0.029),
     "uguca/preloaded": (0.22, 0.01, 0.22, 0),
     "uguca/pulse": (0.95, 0.015, 0.16, 0),
     "uguca/remote-shock": (0.62, 0.5, 0.21, 0.17),
@@ -55,7 +59,9 @@ def runs(folder):
     return sorted((ENTRANTS / folder).glob("*.csv"), key=lambda path: int(path.stem))
 
 
-exact = cache(lambda name: predict(find_scene(name)))
+@cache
+def exact(name):
+    return solve_pair(PAIRS[name]) if name in PAIRS else predict(find_scene(name))
 
 
 def error(path, quantity):
@@ -113,6 +119,17 @@ def test_friction_three_per_cent_off_is_worse(code):
     assert labels(right)["cells"] == labels(wrong)["cells"]
     assert error(wrong, "slip") > 10 * error(right, "slip")
     assert error(wrong, "slip_rate") > 3 * error(right, "slip_rate")
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_an_answer_whose_lower_body_is_three_per_cent_stiffer_is_worse(name, monkeypatch):
+    path, pair = runs(f"uguca/{name}")[-1], PAIRS[name]
+    right = {quantity: error(path, quantity) for quantity in QUANTITIES}
+    lower = replace(pair.lower, shear_modulus=1.03 * pair.lower.shear_modulus)
+    monkeypatch.setitem(globals(), "exact", lambda _: solve_pair(replace(pair, lower=lower)))
+    assert error(path, "slip") > 20 * right["slip"]
+    assert error(path, "slip_rate") > 2 * right["slip_rate"]
+    assert error(path, "pressure") > 1.5 * right["pressure"]
 
 
 def test_own_files_of_uguca_are_the_ones_read():

@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from compare.comparison.fields.frames import Frame, Places
-from compare.comparison.fields.fronts import Fronts
+from compare.comparison.fields.fronts import Fronts, TwoBodies
 from compare.comparison.fields.pairs import Pair, alike, area_norm
 from compare.comparison.measures import NOTHING
 
@@ -59,7 +59,7 @@ class FieldChange:
 def field_changes(
     last: dict[str, Pair],
     frames: Sequence[Frame],
-    fronts: Fronts,
+    fronts: Fronts | TwoBodies,
     width: float,
     predict: Callable[[Frame], dict[str, Pair]],
 ) -> tuple[FieldChange, ...]:
@@ -71,7 +71,7 @@ def field_changes(
         The last frame beside the prediction, by the name of the component.
     frames : sequence of Frame
         Last frames of the simulation and of its coarser meshes, finest first.
-    fronts : Fronts
+    fronts : Fronts or TwoBodies
     width : float
         Width of the band on either side of a front, the same on all meshes [length].
     predict : callable

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from compare.comparison.fields.changes import FieldChange, field_changes
 from compare.comparison.fields.frames import Frame, last_frame, read_frame
-from compare.comparison.fields.fronts import Fronts, fronts_of
+from compare.comparison.fields.fronts import Fronts, TwoBodies, fronts_between, fronts_of
 from compare.comparison.fields.pairs import Pair, alike, area_norm, frame_pairs
 from compare.comparison.measures import NOTHING
 from compare.comparison.snapshots import listed_frames
-from semianalytic import Scene
+from semianalytic import PairSolution, Scene
 from semianalytic.results.answer import Answer, BodyFields
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class FieldErrors:
 
 
 def field_errors(
-    prediction: Answer,
+    prediction: Answer | PairSolution,
     simulation: Simulation,
     folder: Path,
     progress: Callable[[int, int], None] | None = None,
@@ -121,13 +121,14 @@ def field_errors(
     mesh = None
     for number, entry in enumerate(listed, start=1):
         frame = read_frame(*entry, mesh)
-        mesh = frame.mesh
+        mesh, frame = frame.mesh, _undisturbed(prediction, frame)
         most = SEEN_LAST if number == len(listed) else SEEN_BEFORE
         pairs = frame_pairs(prediction, frame, most)
         frames.append(tuple(pair_errors(pairs, fronts, frame.time, BAND * size)))
         if progress is not None:
             progress(number, len(listed))
-    meshes = [(size, frame), *companion_frames(simulation, folder)]
+    coarser = companion_frames(simulation, folder)
+    meshes = [(size, frame), *((cell, _undisturbed(prediction, one)) for cell, one in coarser)]
     width = BAND * max(cell for cell, _ in meshes)
 
     def predict(coarser: Frame) -> dict[str, Pair]:
@@ -135,6 +136,17 @@ def field_errors(
 
     changes = field_changes(pairs, [mesh for _, mesh in meshes], fronts, width, predict)
     return FieldErrors(size, tuple(frames), pairs, changes)
+
+
+def _undisturbed(prediction: Answer | PairSolution, frame: Frame) -> Frame:
+    """Return the part of a frame that its sides do not disturb.
+
+    They hold what plane waves of identical bodies do not move; between different ones they do not.
+    """
+    if not isinstance(prediction, PairSolution):
+        return frame
+    bodies = prediction.pair.upper, prediction.pair.lower
+    return frame.clear_of_sides(max(one.longitudinal_speed for one in bodies) * frame.time)
 
 
 def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, Frame]]:
@@ -160,7 +172,7 @@ def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, 
 
 
 def pair_errors(
-    pairs: dict[str, Pair], fronts: Fronts, time: float, width: float
+    pairs: dict[str, Pair], fronts: Fronts | TwoBodies, time: float, width: float
 ) -> Iterator[FieldError]:
     """Errors of all components of a frame.
 
@@ -201,7 +213,10 @@ def _relative(pairs: dict[str, Pair], kept: dict[int, NDArray[np.bool_]]) -> dic
     return errors
 
 
-def fronts_in(prediction: Answer, scene: Scene) -> Fronts:
+def fronts_in(prediction: Answer | PairSolution, scene: Scene) -> Fronts | TwoBodies:
     """Fronts of a scene, including those of the zones and openings of a prediction."""
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
-    return fronts_of(scene, [edge for part in parts for edge in (part.inner, part.outer)])
+    edges = [edge for part in parts for edge in (part.inner, part.outer)]
+    if isinstance(prediction, PairSolution):
+        return fronts_between(prediction.pair, edges)
+    return fronts_of(scene, edges)

@@ -108,6 +108,15 @@ class Frame:
     elements: Places
     mesh: Mesh
 
+    def clear_of_sides(self, distance: float) -> Frame:
+        """Return the part of the frame that is further than a distance [length] from the sides."""
+        left, right = self.nodes.x.min() + distance, self.nodes.x.max() - distance
+        nodes, elements = (
+            places.at((left < places.x) & (places.x < right))
+            for places in (self.nodes, self.elements)
+        )
+        return replace(self, nodes=nodes, elements=elements)
+
 
 def read_frame(time: float, path: Path, known: Mesh | None = None) -> Frame:
     """Read the frame of a time from a file.

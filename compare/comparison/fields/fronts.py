@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic import Scene
+from semianalytic import Pair, Scene
 
 Array = NDArray[np.float64]
 
@@ -83,6 +83,51 @@ class Fronts:
             distances += [line.distance(x, y, since) for line in self.lines]
             distances += [np.hypot(x - speed * since, y) for speed in self.points]
         return np.asarray(np.minimum.reduce(distances))
+
+
+@dataclass(frozen=True)
+class TwoBodies:
+    """The fronts in two different bodies.
+
+    Attributes
+    ----------
+    upper, lower : Fronts
+    """
+
+    upper: Fronts
+    lower: Fronts
+
+    def distance(self, x: Array, y: Array, t: float) -> Array:
+        """Distance of points from the nearest front of their body, or from the edge [length]."""
+        above, below = (one.distance(x, y, t) for one in (self.upper, self.lower))
+        return np.where(np.signbit(y), below, above)
+
+
+def fronts_between(pair: Pair, edges: Sequence[float] = ()) -> TwoBodies:
+    """Return the fronts that a step on the slot sends into two different bodies.
+
+    Whatever runs along the contact faster than a wave of a body, a wave of either body or the end
+    of a zone, sends straight fronts into that body.
+
+    Parameters
+    ----------
+    pair : Pair
+    edges : sequence of float
+        Velocities of the ends of its slip zones and openings [length / time].
+    """
+    bodies = (pair.upper, pair.lower)
+    moving = [edge for edge in edges if 0 < edge < math.inf]
+    waves = [(1 / one.longitudinal_speed, 1 / one.shear_speed) for one in bodies]
+    sources = {1 / edge for edge in moving}.union(*waves)
+    found = []
+    for (pressure, shear), body in zip(waves, bodies, strict=True):
+        lines = [StraightFront(shear, 0.0, -1)] if pair.load.shear else []
+        lines += [StraightFront(pressure, 0.0, -1)] if pair.load.pressure else []
+        lines.append(StraightFront(shear, pressure, -1))
+        lines += [StraightFront(s, u, 1) for s in (pressure, shear) for u in sources if u < s]
+        points = (*moving, -body.rayleigh_speed)
+        found.append(Fronts((0.0,), (pressure, shear), tuple(lines), points))
+    return TwoBodies(*found)
 
 
 def jump_times(scene: Scene) -> tuple[float, ...]:

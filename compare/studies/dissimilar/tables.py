@@ -1,7 +1,7 @@
 """Different bodies in numbers: the tables of docs/dissimilar.md.
 
-``python -m compare.studies.dissimilar.tables named thresholds halflines slots honesty cost --csv
-docs/data``
+``python -m compare.studies.dissimilar.tables named thresholds halflines slots honesty cost
+witness --csv docs/data``
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from compare.studies.dissimilar.honesty import honesty_rows
 from compare.studies.dissimilar.pairs import NAMED, SCENES, of_contrast
 from compare.studies.dissimilar.points import ThresholdPoint, threshold_point
+from compare.studies.dissimilar.witness import witness_rows
 from compare.studies.tables import Study, run_studies
 from semianalytic import PairSolution, SceneError, sliding_stability, solve_pair
 from semianalytic.dissimilar.compliance import compliance_of
@@ -161,6 +162,7 @@ STUDIES: dict[str, Study] = {
     "slots": slot_rows,
     "honesty": honesty_rows,
     "cost": cost_rows,
+    "witness": witness_rows,
 }
 
 if __name__ == "__main__":

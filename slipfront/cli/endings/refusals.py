@@ -70,7 +70,8 @@ def sentence(error: Any) -> str:
         if str(error.option_name).startswith("--lower-"):
             return (
                 f"{called} has no option {error.option_name}, for it knows identical bodies only; "
-                "slipfront solve, survey and simulate take different ones (docs/dissimilar.md)."
+                "slipfront solve, field, survey and simulate take different ones "
+                "(docs/dissimilar.md)."
             )
         guesses = " or ".join(sorted(error.possibilities or ()))
         more = f"did you mean {guesses}?" if guesses else f"'{called} --help' lists them."

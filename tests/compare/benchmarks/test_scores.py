@@ -11,7 +11,7 @@ from compare.benchmarks.classes import CLASSES, tolerance_class, tolerances
 from compare.benchmarks.entries import Run, enter, read_run, told_apart, write_run
 from compare.benchmarks.scores import score
 from compare.benchmarks.sheet import STATIONS
-from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
+from compare.benchmarks.sheets import RATED_SHEETS, SHEETS
 from compare.records.record import QUANTITIES, Record, Records
 from docs.studies.league import ROOT, league_rows
 from semianalytic import solve
@@ -191,8 +191,8 @@ def test_our_own_codes_enter_by_the_same_door(tmp_path, code):
 
 def test_classes_are_those_of_the_finite_elements():
     bounds = tolerances()
-    assert {sheet for sheet, _ in bounds} == {*SHEETS, *INTERFACE_SHEETS}
-    for sheet in (*SHEETS.values(), *INTERFACE_SHEETS.values()):
+    assert {sheet for sheet, _ in bounds} == set(RATED_SHEETS)
+    for sheet in RATED_SHEETS.values():
         asked = {*sheet.report, *(("arrival",) if sheet.arrival else ())}
         assert {name for one, name in bounds if one == sheet.name} == asked
     for one in bounds.values():

@@ -7,8 +7,9 @@ import pytest
 
 from compare.studies.dissimilar import study, tables
 from compare.studies.dissimilar.honesty import honesty_rows
-from compare.studies.dissimilar.pairs import NAMED
+from compare.studies.dissimilar.pairs import NAMED, SCENES
 from compare.studies.dissimilar.points import column, threshold_point
+from compare.studies.dissimilar.witness import witness_rows
 from compare.studies.documents import growth_document
 from docs.studies.pages import read_data
 
@@ -85,3 +86,23 @@ def test_zones_are_told_from_the_slot_outward():
     assert zones["slip and opening"].startswith("open 0 to 0.15748621, slip + 0.15748621 to 0.557")
     answer = tables.solve_pair(tables.SCENES["slip from the slot"], rtol=1e-9)
     assert tables.zones_text(answer) == zones["slip from the slot"]
+
+
+@pytest.mark.slow
+def test_finite_elements_witness_exact_fields_in_both_bodies():
+    rows = witness_rows(32)
+    assert {row.scene for row in rows} <= set(SCENES)
+    for row in rows:
+        assert row.whole < row.whole_bar
+        assert row.away < row.away_bar
+    assert max(row.spoilt / row.away_bar for row in rows if row.component == "u_y") > 2
+
+
+def test_the_table_of_witnesses_is_within_its_bars():
+    _, rows = read_data("dissimilar-witness")
+    for row in rows:
+        assert float(row["whole"]) < float(row["whole_bar"])
+        assert float(row["away"]) < float(row["away_bar"])
+    for scene in {row["scene"] for row in rows}:  # an answer of a wrong material is told
+        beyond = [float(r["spoilt"]) / float(r["away_bar"]) for r in rows if r["scene"] == scene]
+        assert max(beyond) > 4

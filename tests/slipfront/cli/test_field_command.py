@@ -1,12 +1,15 @@
 """`slipfront field`: what it writes, what it refuses, and how it ends."""
 
 import csv
+import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from compare.figures import animation
-from semianalytic import find_scene, solve
+from semianalytic import find_scene, solve, solve_pair
+from semianalytic.dissimilar.described import pair_of
 from slipfront.cli.commands import main
 
 
@@ -52,6 +55,27 @@ def test_a_face_is_told_by_its_sign(tmp_path, undrawn):
     solution = solve(find_scene("preloaded"))
     assert upper[:, 3] == pytest.approx(-lower[:, 3])
     assert upper[-1, 3] != pytest.approx(solution.velocity(-0.5, 0.0, 1.0)[0], rel=1e-4)
+
+
+def test_a_lower_body_of_another_kind_is_solved_and_recorded(tmp_path, undrawn, capsys):
+    gauges = ["--gauge=0.5,0", "--gauge=0.5,-0.2", "--points", "4", "--samples", "3"]
+    words = ["preloaded", "--lower-shear-modulus", "2.25", *gauges, "--output", str(tmp_path)]
+    assert field(*words, "--json") == 0
+    document = json.loads(capsys.readouterr().out)
+    pair = document["pair"]
+    assert (pair["material"]["shear_modulus"], pair["lower_material"]["shear_modulus"]) == (1, 2.25)
+    assert document["units"]["pair"]["lower_material"]["shear_modulus"] == "stress"
+    scene = find_scene("preloaded")
+    lower = replace(scene.material, shear_modulus=2.25)
+    answer = solve_pair(pair_of(scene, lower))
+    for number, y, body in ((1, 0.0, scene.material), (2, -0.2, lower)):
+        lines = (tmp_path / f"preloaded_gauge-{number}.csv").read_text().splitlines()
+        assert "--lower-shear-modulus=2.25" in lines[0]
+        last = dict(zip(lines[1].split(","), map(float, lines[-1].split(",")), strict=True))
+        assert last["v_x [length/time]"] == answer.velocity(0.5, y, 1.0)[0]
+        sigma = answer.stress(0.5, y, 1.0) - answer.stress(0.5, y, 0.0)
+        assert last["eps_xy [1]"] == pytest.approx(sigma[2] / (2 * body.shear_modulus))
+    assert document["window"]["x1"] == pytest.approx(1.05 * lower.longitudinal_speed)
 
 
 def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, monkeypatch):

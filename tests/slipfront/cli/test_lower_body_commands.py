@@ -34,17 +34,18 @@ KNOWS_ONE = (
     "two.toml: this knows identical bodies only, so take out [lower_material], solve a step on the "
     "slot exactly, slipfront solve or survey or solve_pair in Python, or simulate the scene"
 )
-OTHERWISE = "slipfront solve, survey and simulate take different ones"
+OTHERWISE = "slipfront solve, field, survey and simulate take different ones"
 REFUSED = [
     ("compare two.toml", KNOWS_ONE),
-    ("field two.toml", KNOWS_ONE),
     ("explore two.toml --no-browser", KNOWS_ONE),
     ("validate record.csv --scene two.toml", KNOWS_ONE),
     ("fit record.csv --scene two.toml --parameters friction", KNOWS_ONE),
     ("evidence two.toml", KNOWS_ONE),
     ("init new.toml --from two.toml", KNOWS_ONE),
     ("compare preloaded --lower-density 2", OTHERWISE),
-    ("field preloaded --lower-density 2", OTHERWISE),
+    ("field two.toml --method space-time", "march them with slipfront run"),
+    ("field two.toml --nodes 64", "march them with slipfront run"),
+    ("field ramp --lower-density 2", "shear_history: between different bodies"),
     ("explore preloaded --lower-density 2", OTHERWISE),
     ("fit record.csv --scene preloaded --lower-density 2", OTHERWISE),
     ("evidence preloaded --lower-density 2", OTHERWISE),

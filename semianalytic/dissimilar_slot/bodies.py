@@ -1,0 +1,270 @@
+"""Velocity, stress and displacement in both bodies of a solved pair.
+
+The transforms of the tractions T = Psi z are known on and above the axis of slowness.  Each body
+sees them, and the motion of its own face, as the only half-plane: the lower one mirrored, with the
+shear traction reversed.  Right of k = 0 the motion follows from T by the compliance of that body,
+C_j, which has a pole at its Rayleigh wave; left of it, where T = C^(-1) rho with rho = R z, as
+
+    C_j T = (R_i det N_j / R_j + N_j adj N_i) rho / (R_1 R_2 det C),    N_j = C_j R_j,
+
+i being the other body, in which nothing has a pole at a Rayleigh wave and det N_j / R_j is
+(alpha beta + k^2) / mu^2 (docs/dissimilar.md, "Fields in both bodies").
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.dissimilar.compliance import Complex
+from semianalytic.dissimilar.pair import Pair
+from semianalytic.dissimilar_slot.density import Density, density_of
+from semianalytic.dissimilar_slot.panels import rule_for, tolerance_of
+from semianalytic.dissimilar_slot.zones import edges_of
+from semianalytic.field import tuning
+from semianalytic.field.body import Quantity, Sent, checked_points, fields_of, points_around
+from semianalytic.field.cells import Primitives
+from semianalytic.field.waves import SHEAR, Slowness, plane_wave, radiated
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
+
+_MIRRORED = np.array([1, -1, 1, 1, -1, 1, -1])
+"""Signs that turn the fields of the mirrored lower body into its own."""
+_ASKED = np.geomspace(0.01, 1e4, 7)
+_OF_CANONICAL = 5.0
+"""Slownesses over that of the slowest wave at which Psi^T R(-k) = n_inf is looked at, and error of
+fields over the largest residual: up to 4 was seen on 12 stuck pairs at rtol 1e-4 to 1e-8."""
+_AT_ONCE = 60_000
+"""Points times nodes at which Cauchy's integral is formed at once: some MB of working memory."""
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """The face of one body of a pair, as the `Source` of the waves in it, in the body's units.
+
+    Attributes
+    ----------
+    density : Density
+    below : bool
+        Whether it is the lower body.
+    poisson_ratio : float
+        Of that body.
+    """
+
+    density: Density
+    below: bool
+    poisson_ratio: float
+
+    @cached_property
+    def factors(self) -> RayleighFactors:
+        """Rayleigh function of the body."""
+        return rayleigh_factors(self.poisson_ratio)
+
+    @property
+    def _unit(self) -> float:
+        """Unit of slowness, b of the body over that of the upper one."""
+        return self.density.interface.compliance.bodies[self.below].b
+
+    @property
+    def slownesses(self) -> tuple[float, ...]:
+        """See `Source`."""
+        return (self.factors.a, 1.0)
+
+    @property
+    def antiplane(self) -> bool:
+        """See `Source`."""
+        return False
+
+    @property
+    def front(self) -> float:
+        """See `Source`."""
+        return 0.0
+
+    @cached_property
+    def _singular(self) -> list[float]:
+        """Slownesses v, in units of the upper body, at which tractions are singular at k = -v."""
+        interface, zones = self.density.interface, self.density.zones
+        found = {*interface.compliance.distinct_fronts, *edges_of(zones)}
+        found.update(interface.sharp_turns(1, False))
+        for zone in zones:
+            found.update(interface.sharp_turns(zone.sense, zone.open))
+        found.update(pole.slowness for part in self.density.parts for pole in part.poles)
+        return sorted(found, reverse=True)
+
+    @cached_property
+    def places(self) -> Array:
+        """See `Source`."""
+        left = [-v / self._unit for v in self._singular]
+        return np.array([*left, 0.0, self.factors.a, 1.0, self.factors.c])
+
+    @cached_property
+    def between(self) -> Array:
+        """See `Source`."""
+        return np.diff(self.places)
+
+    @property
+    def parting(self) -> int:
+        """See `Source`."""
+        return len(self._singular)
+
+    @property
+    def still(self) -> tuple[float, float]:
+        """See `Source`."""
+        return -self.density.interface.compliance.first / self._unit, self.factors.a
+
+    @cached_property
+    def ahead(self) -> Complex:
+        """See `Source`."""
+        return np.zeros_like(self.behind)
+
+    @cached_property
+    def behind(self) -> Complex:
+        """See `Source`."""
+        interface, a = self.density.interface, self.factors.a
+        shear = -interface.load_shear if self.below else interface.load_shear
+        return -plane_wave(shear, "II", a) - plane_wave(-interface.load_pressure, "I", a)
+
+    @property
+    def kept(self) -> int | None:
+        """See `Source`."""
+        return SHEAR
+
+    @property
+    def is_coarse(self) -> bool:
+        """See `Source`."""
+        parts = self.density.parts
+        return bool(parts) and tolerance_of(parts[0].panel.spacing) > tuning.COARSE_FROM
+
+    def densities(self, owner: int, offset: Complex, scale: float) -> Complex:
+        """See `Source`."""
+        place = float(self.places[owner]) if owner >= 0 else 0.0
+        nodes = sum(part.panel.count for part in self.density.parts) + 1
+        pieces = np.array_split(offset.ravel(), 1 + offset.size * nodes // _AT_ONCE)
+        values = [self._densities(owner, place, piece) for piece in pieces]
+        return np.concatenate(values, axis=1).reshape(-1, *offset.shape)
+
+    def _densities(self, owner: int, place: float, offset: Complex) -> Complex:
+        """Return all densities (f, m) at one singular point + offset (m,)."""
+        fronts = np.array([[self.factors.a], [1.0], [self.factors.c]])
+        left, right = (fronts + place) + offset, (place - fronts) + offset
+        at = Slowness(self.factors, place + offset, left, right)
+        values = np.empty((4, len(offset)), dtype=complex)
+        stuck = owner if 0 <= owner < self.parting else None
+        start = place * self._unit if stuck is None else -self._singular[stuck]
+        ahead = at.k.real >= 0
+        if ahead.any():
+            parts = (at.k, at.alpha, at.beta, at.coupling, at.rayleigh)
+            k, alpha, beta, coupling, rayleigh = (part[ahead] for part in parts)
+            tau, sigma = self._tractions(start, offset[ahead] * self._unit)
+            along = -(beta * tau + k * coupling * sigma) / rayleigh
+            across = (k * coupling * tau - alpha * sigma) / rayleigh
+            values[:, ahead] = along, across, tau, sigma
+        if not ahead.all():
+            values[:, ~ahead] = self._from_rates(start, offset[~ahead] * self._unit)
+        along, across, shear, press = values
+        return radiated(at, (along, across), (shear, press))
+
+    def _tractions(self, place: float, offset: Complex) -> tuple[Complex, Complex]:
+        """Return T_tau and T_sigma of the face right of k = 0, (m,) each."""
+        z = self.density.above(place, offset)
+        tau, sigma = (self.density.glued.psi(place + offset) @ z[..., None])[..., 0].T
+        return -tau if self.below else tau, sigma
+
+    def _from_rates(self, place: float, offset: Complex) -> Complex:
+        """Return V_x, V_y in units of the body, T_tau and T_sigma left of k = 0, (4, m)."""
+        compliance, k = self.density.interface.compliance, place + offset
+        entries, roots = compliance.beside(place, offset)
+        z = self.density.above(place, offset)
+        rho = (self.density.glued.rates(-k) @ z[..., None])[..., 0]
+        tau, sigma = (entries.inverse @ rho[..., None])[..., 0].T
+        one, other = roots[::-1] if self.below else roots
+        sign, (slip, part) = -1.0 if self.below else 1.0, rho.T
+        own, far = sign * k * one.coupling, sign * k * other.coupling
+        first = other.normal * slip + far * part
+        second = other.tangential * part - far * slip
+        static = one.determinant * other.rayleigh
+        scale = one.body.modulus * one.body.b / entries.determinant
+        along = (static * slip + one.tangential * first + own * second) * scale
+        across = (static * part + one.normal * second - own * first) * scale
+        return np.stack([-sign * along, -across, sign * tau, sigma])
+
+
+@dataclass(frozen=True, eq=False)
+class PairBodies:
+    """The fields in both bodies of a solved pair, which its `PairSolution` returns.
+
+    Attributes
+    ----------
+    pair : Pair
+    density : Density
+    stress_unit : float
+        Unit of stress [stress].
+    """
+
+    pair: Pair
+    density: Density
+    stress_unit: float
+
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the particle velocity; see `PairSolution.velocity`."""
+        return self._rows("velocity", x, y, t)
+
+    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the stress; see `PairSolution.stress`."""
+        rows = self._rows("stress", x, y, t)
+        rows[1] -= self.pair.base.pressure
+        rows[2] += self.pair.base.shear
+        return rows
+
+    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the displacement; see `PairSolution.displacement`."""
+        return self._rows("displacement", x, y, t)
+
+    def _rows(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the rows of a quantity in either body, stress beyond the base, (q, ...)."""
+        x, y, t = checked_points(x, y, t)
+        rows = np.zeros((3 if quantity == "stress" else 2, *x.shape))
+        for below, body in enumerate((self.pair.upper, self.pair.lower)):
+            here = (t > 0) & (np.signbit(y) == bool(below))
+            at = x[here], y[here], body.shear_speed * t[here]
+            over = {"velocity": body.shear_impedance, "displacement": body.shear_modulus}
+            unit = self.stress_unit / over.get(quantity, 1.0)
+            rows[:, here] = unit * fields_of([self._sent[below]], quantity, at)
+        return rows
+
+    @cached_property
+    def error(self) -> float:
+        """Estimate of the error of velocities and stresses, relative to themselves plus the load.
+
+        It is the change that a rule ten times coarser makes with the same edges, as in
+        `semianalytic.field.bodies.Bodies`, and what Psi^T R(-k) = n_inf leaves.
+        """
+        density, change = self.density, np.zeros(1)
+        far = density.interface.compliance.last * _ASKED
+        cells = tuning.CELL_ERROR + _OF_CANONICAL * density.glued.error(far)
+        if density.parts:
+            tolerance = tolerance_of(density.parts[0].panel.spacing)
+            rule = rule_for(tuning.COARSER * tolerance)
+            given = density.interface, density.glued, density.zones
+            coarse = replace(self, density=density_of(*given, rule))
+            for sent, coarser, side in zip(self._sent, coarse._sent, (1.0, -1.0), strict=True):
+                x, y = points_around(sent.primitives.reach)
+                at = x, np.copysign(y, side), np.ones_like(x)
+                for quantity in ("velocity", "stress"):
+                    rows, others = (fields_of([one], quantity, at) for one in (sent, coarser))
+                    beside = np.abs(rows - others) / (1 + np.abs(rows))
+                    change = np.maximum(change, beside.max())
+            if self._sent[0].primitives.source.is_coarse:
+                cells += tuning.COARSE_ERROR
+        return cells + float(change[0])
+
+    @cached_property
+    def _sent(self) -> tuple[Sent, Sent]:
+        """What the faces of the upper and of the lower body send into them."""
+        upper, lower = (
+            Sent(Primitives(Face(self.density, below, body.poisson_ratio)), _MIRRORED)
+            for below, body in ((False, self.pair.upper), (True, self.pair.lower))
+        )
+        return upper, lower

@@ -1,0 +1,207 @@
+"""What sends waves into a half-plane: densities of its surface, and where they are singular."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, cmp_to_key
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from semianalytic.field import tuning
+from semianalytic.field.transform import Centre, Transform
+from semianalytic.field.waves import (
+    SHEAR,
+    Complex,
+    Slowness,
+    densities,
+    plane_wave,
+    reflected_wave,
+)
+from semianalytic.halfplane.rayleigh import Array, Mode
+
+
+class Source(Protocol):
+    """The densities of the waves that a surface sends into the upper half-plane, b = mu = 1.
+
+    They are analytic above the real axis of slowness k.
+    """
+
+    @property
+    def slownesses(self) -> tuple[float, ...]:
+        """Slownesses of the waves: a and b, in antiplane shear b."""
+
+    @property
+    def antiplane(self) -> bool:
+        """Whether the waves are those of antiplane shear."""
+
+    @property
+    def front(self) -> float:
+        """Slowness p of the front of the load along the slot; 0 unless it comes along it, p > 0."""
+
+    @property
+    def places(self) -> Array:
+        """The singular points k on the real axis, (c,), from left to right."""
+
+    @property
+    def between(self) -> Array:
+        """Distances of singular points from the next ones, (c - 1,), exact however small."""
+
+    @property
+    def parting(self) -> int:
+        """Index of the singular point that parts what is ahead from what is behind."""
+
+    @property
+    def still(self) -> tuple[float, float]:
+        """Interval of k around the parting point, in which no wave has come from the edge."""
+
+    @property
+    def ahead(self) -> Complex:
+        """All integrals left of the parting point, where no wave has come."""
+
+    @property
+    def behind(self) -> Complex:
+        """All integrals right of the parting point, where no wave has come."""
+
+    @property
+    def kept(self) -> int | None:
+        """Row of a density that is kept without integration, if there is one."""
+
+    @property
+    def is_coarse(self) -> bool:
+        """Whether the rule has so few digits that polynomials of a lower degree hold them."""
+
+    def densities(self, owner: int, offset: Complex, scale: float) -> Complex:
+        """Return all densities (f, ...) at `places[owner]` + offset, or at offset if owner is -1.
+
+        No |k| is far above `scale`.
+        """
+
+
+def _order(one: Centre, other: Centre) -> int:
+    """Return -1 or 1 if a centre lies left or right of another, however close, and 0 at the same
+    point.
+
+    Places tie where an edge is closer to a front than the rounding of its slowness.
+    """
+    return int(np.sign(other.distance(one)))
+
+
+@dataclass(frozen=True)
+class Step:
+    """The surface of a body that touches one of its own kind, under tractions of one mode.
+
+    Attributes
+    ----------
+    transform : Transform
+    """
+
+    transform: Transform
+
+    @cached_property
+    def _centres(self) -> list[Centre]:
+        fields = self.transform.fields
+        factors = fields.factors
+        ends = [Centre(-1, end, index) for index, end in enumerate(fields.panels.left)]
+        if fields.layout.slips_at_c and all(end.first[3] for end in fields.panels.left):
+            ends.append(Centre(-1, factors.front_c))
+            ends.sort(key=lambda centre: centre.place, reverse=True)
+        right = [*factors.cuts, factors.front_c] if factors.has_rayleigh_wave else [factors.front_b]
+        if factors.has_rayleigh_wave:
+            right.insert(0, factors.front_a)
+        every = [*ends, self._parting, *(Centre(1, point) for point in right)]
+        pole = self.transform.pole
+        if pole is not None and all(one.distance(pole) != 0.0 for one in every):
+            every.append(pole)
+        return sorted(every, key=cmp_to_key(_order))
+
+    @cached_property
+    def places(self) -> Array:
+        """See `Source`."""
+        return np.array([centre.place for centre in self._centres])
+
+    @cached_property
+    def between(self) -> Array:
+        """See `Source`."""
+        return np.array([one.distance(other) for one, other in pairwise(self._centres)])
+
+    @cached_property
+    def parting(self) -> int:
+        """See `Source`."""
+        return next(i for i, centre in enumerate(self._centres) if centre is self._parting)
+
+    @cached_property
+    def _parting(self) -> Centre:
+        """The pole of the densities between -a and a.
+
+        It is 0, or the pole of a load whose front is faster than all waves.
+        """
+        pole = self.transform.pole
+        if pole is None or not abs(pole.place) < self.slownesses[0]:
+            return Centre(0)
+        return pole
+
+    @property
+    def still(self) -> tuple[float, float]:
+        """See `Source`."""
+        a = self.transform.fields.factors.a
+        return -a, a
+
+    @property
+    def front(self) -> float:
+        """See `Source`."""
+        return max(self.transform.fields.load.slowness, 0.0)
+
+    @property
+    def slownesses(self) -> tuple[float, ...]:
+        """See `Source`."""
+        return (1.0,) if self.antiplane else (self.transform.fields.factors.a, 1.0)
+
+    @property
+    def antiplane(self) -> bool:
+        """See `Source`."""
+        return self._mode == "III"
+
+    @property
+    def kept(self) -> int | None:
+        """See `Source`."""
+        return None if self.antiplane else SHEAR
+
+    @property
+    def is_coarse(self) -> bool:
+        """See `Source`."""
+        return self.transform.fields.rule.tolerance > tuning.COARSE_FROM
+
+    @property
+    def _mode(self) -> Mode:
+        return self.transform.fields.factors.mode
+
+    @cached_property
+    def ahead(self) -> Complex:
+        """All integrals where no wave from the edge has come, x > 0: slip ahead of all waves."""
+        factors, load = self.transform.fields.factors, self.transform.fields.load
+        far = float(np.asarray(load.far_slip_rate).ravel()[0])
+        return -plane_wave(far, self._mode, factors.a)
+
+    @cached_property
+    def behind(self) -> Complex:
+        """All integrals where no wave from the edge has come, x < 0: plane waves of the load."""
+        factors, load = self.transform.fields.factors, self.transform.fields.load
+        if self.transform.pole is not None:
+            if self._parting is not self.transform.pole:  # no plane wave is ahead of others
+                return self.ahead
+            reflected = reflected_wave(factors, self._mode, load.load_shear, load.slowness)
+            return self.ahead - reflected
+        at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
+        return self.ahead - plane_wave(at_zero, self._mode, factors.a)
+
+    def densities(self, owner: int, offset: Complex, scale: float) -> Complex:
+        """See `Source`."""
+        centre = self._centres[owner] if owner >= 0 else Centre(0)
+        factors = self.transform.fields.factors
+        fronts = np.array([factors.a, 1.0, factors.in_plane.c])
+        left, right = (offset + gaps[:, None, None] for gaps in centre.fronts(fronts))
+        at = Slowness(factors, centre.place + offset, left, right)
+        values = self.transform.near(centre, offset, scale)
+        return densities(at, values, factors.mode)

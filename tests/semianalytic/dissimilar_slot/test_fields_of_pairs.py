@@ -1,0 +1,242 @@
+"""Fields in both bodies of a solved pair: limits, laws of the bodies, one body mirrored, edges."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from compare.studies.dissimilar.pairs import SCENES, random_pair
+from semianalytic import Material, Pair, Scene, SceneError, Tractions, solve, solve_pair
+
+SOLID = Material(1.0, 1.0, 0.25)
+KINDS = list(SCENES)
+FEW = ("slip from the slot", "slip and opening", "film")
+
+
+@lru_cache
+def answer_of(name, rtol=1e-8):
+    return solve_pair(SCENES[name], rtol=rtol)
+
+
+def speeds(pair):
+    """Speeds of all waves: P and S of the upper and of the lower body."""
+    return [
+        speed
+        for body in (pair.upper, pair.lower)
+        for speed in (body.longitudinal_speed, body.shear_speed)
+    ]
+
+
+def places(answer, count=200):
+    """Positions along the interface at t = 1, away from zone edges."""
+    edges = [v for zone in (*answer.zones, *answer.openings) for v in (zone.inner, zone.outer)]
+    x = np.random.default_rng(2).uniform(0.01, 1.2 * max(speeds(answer.pair)), 4 * count)
+    apart = np.min(np.abs(np.subtract.outer([*edges, 0.0], x)), axis=0)
+    return x[apart > 0.03 * min(speeds(answer.pair))][:count]
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize("name", KINDS)
+def test_faces_move_and_carry_what_the_interface_does(name):
+    answer = answer_of(name)
+    x, within = places(answer), 3 * answer.error_estimate
+    above, below = (answer.velocity(x, face, 1.0) for face in (0.0, -0.0))
+    np.testing.assert_allclose(above[0] - below[0], answer.slip_rate(x, 1.0), atol=within)
+    np.testing.assert_allclose(above[1] - below[1], answer.gap_rate(x, 1.0), atol=within)
+    above, below = (answer.displacement(x, face, 1.0) for face in (0.0, -0.0))
+    np.testing.assert_allclose(above[0] - below[0], answer.slip(x, 1.0), atol=within)
+    np.testing.assert_allclose(above[1] - below[1], answer.gap(x, 1.0), atol=within)
+    for face in (0.0, -0.0):
+        stress = answer.stress(x, face, 1.0)
+        np.testing.assert_allclose(
+            stress[2], answer.shear_traction(x, 1.0), rtol=within, atol=within
+        )
+        np.testing.assert_allclose(-stress[1], answer.pressure(x, 1.0), rtol=within, atol=within)
+
+
+@pytest.mark.parametrize("name", FEW)
+def test_slot_faces_carry_the_load_alone(name):
+    answer, x = answer_of(name), np.linspace(-5.0, -0.01, 101)
+    held, load = answer.pair.base, answer.pair.load
+    for face in (0.0, -0.0):
+        stress = answer.stress(x, face, 1.0)
+        np.testing.assert_allclose(stress[2], held.shear - load.shear, atol=1e-10)
+        np.testing.assert_allclose(-stress[1], held.pressure - load.pressure, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("friction", "base", "load"),
+    [
+        (0.5, (1.6, 0.0), (0.0, 1.0)),
+        (0.5, (2.4, 0.0), (-0.2, 1.0)),
+        (0.5, (1.0, 0.0), (-1.5, 0.3)),
+        (9.0, (3.0, 0.1), (1.0, -0.4)),
+    ],
+)
+def test_identical_bodies_have_the_fields_of_the_other_solver(friction, base, load):
+    base, load = Tractions(*base), Tractions(*load)
+    one = solve(Scene(SOLID, friction, base, load), rtol=1e-10)
+    two = solve_pair(Pair(SOLID, SOLID, friction, base, load), rtol=1e-9)
+    at = *np.random.default_rng(1).uniform(-2, 2, (2, 300)), 1.0
+    for field in ("velocity", "stress", "displacement"):
+        np.testing.assert_allclose(
+            getattr(two, field)(*at), getattr(one, field)(*at), rtol=1e-9, atol=1e-9
+        )
+
+
+@pytest.mark.parametrize("name", ["two zones", "slip and opening, reversed"])
+def test_exchanged_bodies_have_mirrored_fields(name):
+    answer = answer_of(name)
+    pair, far = answer.pair, max(speeds(answer.pair))
+    base, load = (Tractions(one.pressure, -one.shear) for one in (pair.base, pair.load))
+    other = solve_pair(replace(pair, upper=pair.lower, lower=pair.upper, base=base, load=load))
+    x, y = np.random.default_rng(3).uniform(-far, far, (2, 300))
+    for field, signs in (("velocity", (1, -1)), ("stress", (1, 1, -1)), ("displacement", (1, -1))):
+        mirrored = np.array(signs)[:, None] * getattr(other, field)(x, -y, 1.0)
+        np.testing.assert_allclose(getattr(answer, field)(x, y, 1.0), mirrored, atol=1e-11)
+
+
+CENTRAL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+"""Eighth-order differences."""
+
+
+def differentiated(field, at, axis, step):
+    total = 0.0
+    for weight, shift in zip(CENTRAL, range(-4, 5), strict=True):
+        moved = list(at)
+        moved[axis] = moved[axis] + shift * step
+        total = total + weight * field(*moved)
+    return total / step
+
+
+def smooth_points(answer, body, side, count=40):
+    """Points of one body at t = 1 with no front nearby, head waves of both bodies included."""
+    far, rng = max(speeds(answer.pair)), np.random.default_rng(4)
+    x, y = rng.uniform(-far, far, 8000), rng.uniform(0.2, 1.0, 8000) * far
+    edges = [v for zone in (*answer.zones, *answer.openings) for v in (zone.inner, zone.outer)]
+    apart = []
+    for speed in (body.longitudinal_speed, body.shear_speed):
+        apart += [np.hypot(x, y) / speed - 1, y / speed - 1]
+        for along in (*speeds(answer.pair), *edges):
+            if along > speed:
+                rise = np.sqrt(1 / speed**2 - 1 / along**2)
+                apart += [x / along + y * rise - 1, -x / along + y * rise - 1]
+    clear = np.min(np.abs(apart), axis=0) > 0.03
+    assert np.count_nonzero(clear) >= count
+    return x[clear][:count], side * y[clear][:count], np.ones(count)
+
+
+def faults(answer, upper, lower):
+    """Largest departures from Hooke's law, from motion and from u' = v, of supposed materials."""
+    worst = []
+    for body, side in ((upper, 1), (lower, -1)):
+        at = smooth_points(answer, body, side)
+        step, mu = 0.002 * body.shear_speed, body.shear_modulus
+        bulk = body.density * body.longitudinal_speed**2
+        change = answer.stress(*at) - answer.stress(at[0], at[1], 0.0)
+        rate = differentiated(answer.velocity, at, 2, 0.002)
+        stress_x, stress_y = (differentiated(answer.stress, at, axis, step) for axis in (0, 1))
+        moved_x, moved_y = (differentiated(answer.displacement, at, axis, step) for axis in (0, 1))
+        moved = differentiated(answer.displacement, at, 2, 0.002)
+        speed = body.shear_speed
+        pairs = [
+            (body.density * speed * rate[0], speed * (stress_x[0] + stress_y[2])),
+            (body.density * speed * rate[1], speed * (stress_x[2] + stress_y[1])),
+            (change[0], bulk * moved_x[0] + (bulk - 2 * mu) * moved_y[1]),
+            (change[1], bulk * moved_y[1] + (bulk - 2 * mu) * moved_x[0]),
+            (change[2], mu * (moved_y[0] + moved_x[1])),
+            (body.shear_impedance * answer.velocity(*at), body.shear_impedance * moved),
+        ]
+        worst += [float(np.abs(np.subtract(*pair)).max()) for pair in pairs]
+    return np.array(worst)
+
+
+@pytest.mark.parametrize("name", ["two zones", "slip and opening"])
+def test_fields_obey_the_equation_of_motion_and_hookes_law(name):
+    answer = answer_of(name)
+    assert faults(answer, answer.pair.upper, answer.pair.lower).max() < 2e-6
+
+
+def test_laws_of_a_body_tell_that_its_material_is_three_percent_off():
+    answer = answer_of("slip and opening")
+    lower = answer.pair.lower
+    stiffer = Material(1.03 * lower.shear_modulus, lower.density, lower.poisson_ratio)
+    heavier = Material(lower.shear_modulus, 1.03 * lower.density, lower.poisson_ratio)
+    for wrong in (stiffer, heavier):
+        worst = faults(answer, answer.pair.upper, wrong)
+        assert worst[:6].max() < 2e-6
+        assert worst[6:].max() > 1e-3
+
+
+def test_waves_along_the_faster_body_send_head_waves_into_the_slower_one():
+    # x = 2 lies ahead of all waves of the slower body, and of P waves of the faster one there.
+    answer = answer_of("slip and opening")
+    upper, lower = answer.pair.upper, answer.pair.lower
+    x, fast = 2.3, lower.longitudinal_speed
+    assert upper.longitudinal_speed < x < fast
+    rise = np.sqrt(1 / upper.longitudinal_speed**2 - 1 / fast**2)
+    y = (1 - x / fast) / rise
+    before, after = answer.velocity(x, [1.001 * y, 0.9 * y], 1.0).T
+    np.testing.assert_array_equal(before, 0.0)
+    assert np.abs(after).max() > 1e-4
+
+
+def test_plane_waves_follow_behind_the_slot_at_the_speeds_of_each_body():
+    pair = SCENES["slip and opening"]
+    answer, x = answer_of("slip and opening"), -50.0
+    for body, side in ((pair.upper, 1), (pair.lower, -1)):
+        y = side * 0.9 * body.shear_speed
+        v_x, v_y = answer.velocity(x, y, 1.0)
+        assert v_x == pytest.approx(side * pair.load.shear / body.shear_impedance, abs=1e-12)
+        impedance = body.density * body.longitudinal_speed
+        assert v_y == pytest.approx(-side * pair.load.pressure / impedance, abs=1e-12)
+    ahead = answer.stress(50.0, [0.5, -0.5], 1.0)
+    np.testing.assert_array_equal(ahead, [[0.0, 0.0], [-1.5, -1.5], [0.0, 0.0]])
+
+
+@pytest.mark.parametrize("name", ["slip from the slot", "detached opening"])
+def test_fields_depend_on_x_and_y_over_t_and_rest_before(name):
+    answer = answer_of(name)
+    x, y = np.random.default_rng(6).uniform(-1.5, 1.5, (2, 40))
+    for field, power in (("velocity", 0), ("stress", 0), ("displacement", 1)):
+        ask = getattr(answer, field)
+        np.testing.assert_allclose(
+            ask(3e4 * x, 3e4 * y, 3e4), 3e4**power * ask(x, y, 1.0), rtol=1e-8, atol=1e-9
+        )
+    np.testing.assert_array_equal(answer.velocity(x, y, 0.0), 0.0)
+    np.testing.assert_array_equal(answer.displacement(x, y, -1.0), 0.0)
+    np.testing.assert_array_equal(answer.stress(x, y, 0.0)[1], -answer.pair.base.pressure)
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("seed", [1, 2, 3, 5])
+def test_error_of_fields_is_honest_on_random_pairs(seed):
+    rng = np.random.default_rng(seed)
+    while True:
+        pair = random_pair(rng)
+        try:
+            fine = solve_pair(pair, rtol=1e-9)
+        except SceneError:
+            continue
+        break
+    x, y = rng.uniform(-1.0, 1.0, (2, 300)) * max(speeds(pair))
+    impedance = np.where(y > 0, pair.upper.shear_impedance, pair.lower.shear_impedance)
+    for rtol in (1e-4, 1e-6):
+        answer = solve_pair(pair, rtol=rtol)
+        if len(answer.zones) != len(fine.zones):
+            continue
+        for field, unit in (("velocity", impedance), ("stress", 1.0)):
+            one, other = (unit * getattr(a, field)(x, y, 1.0) for a in (answer, fine))
+            error = np.abs(one - other) / (fine.stress_unit + np.abs(other))
+            assert error.max() < answer.field_error < 10 * rtol
+
+
+def test_what_is_infinite_says_so():
+    answer = answer_of("slip from the slot")
+    for body, face in ((answer.pair.upper, 0.0), (answer.pair.lower, -0.0)):
+        assert np.isinf(answer.velocity(-body.rayleigh_speed, face, 1.0)).all()
+        assert np.isfinite(answer.velocity(-1.1 * body.rayleigh_speed, face, 1.0)).all()
+    assert np.isfinite(answer.displacement(0.0, 0.0, 1.0)).all()
+    with pytest.raises(SceneError, match="finite"):
+        answer.stress(np.nan, 0.0, 1.0)
