@@ -56,6 +56,7 @@ _NAMES = {
         "OpenInterval",
         "OpenZone",
         "Pair",
+        "PairDerivative",
         "PairSolution",
         "PairStatistics",
         "Patch",
