@@ -77,6 +77,7 @@ __all__ = [
     "OpenInterval",
     "OpenZone",
     "Pair",
+    "PairDerivative",
     "PairSolution",
     "PairStatistics",
     "Patch",
@@ -144,6 +145,7 @@ _LATER = {
         "SlidingWave",
         "sliding_stability",
     ),
+    "semianalytic.dissimilar_slot.derivative": ("PairDerivative",),
     "semianalytic.dissimilar_slot.solution": ("PairSolution", "PairStatistics"),
     "semianalytic.dissimilar_slot.solver": ("solve_pair",),
     "semianalytic.engine.contact": ("Adhesion", "Contact"),
@@ -190,6 +192,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
         SlidingWave,
         sliding_stability,
     )
+    from semianalytic.dissimilar_slot.derivative import PairDerivative
     from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics
     from semianalytic.dissimilar_slot.solver import solve_pair
     from semianalytic.engine.contact import Adhesion, Contact

@@ -57,6 +57,7 @@ _NAMES = {
         "OpenInterval",
         "OpenZone",
         "Pair",
+        "PairDerivative",
         "PairSolution",
         "PairStatistics",
         "Patch",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.scene.checks import checked_number, shown
@@ -16,6 +16,18 @@ LARGEST_CONTRAST = 1e5
 """Largest ratio of moduli or densities.  At 1e4 the canonical matrix keeps nine digits, and it
 loses one more for every further factor of ten (rigid bodies need no second half-plane).  Rubber on
 steel is 2.4e4."""
+
+TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
+_OF_BODIES = ("shear_modulus", "density", "poisson_ratio")
+PARAMETERS = (
+    "friction",
+    "viscosity",
+    *TRACTIONS,
+    *_OF_BODIES,
+    *(f"lower_{name}" for name in _OF_BODIES),
+)
+"""Parameters of a pair with respect to which there are derivatives; those of a body without
+"lower_" are of the upper one."""
 
 
 @with_quantities
@@ -136,3 +148,31 @@ def check_contrast(upper: Material, lower: Material, largest: float) -> None:
                 f"pair: {name} of the two bodies must not differ by more than a factor of "
                 f"{largest:g}, got {max(ratio, 1 / ratio):.3g}."
             )
+
+
+def parameter_of(pair: Pair, name: str) -> float:
+    """Return the value of one of `PARAMETERS`."""
+    if name == "friction":
+        return pair.friction
+    if name == "viscosity":
+        law = pair.friction_law
+        return law.viscosity if isinstance(law, ViscousFriction) else 0.0
+    if name in TRACTIONS:
+        part, kind = name.split("_")
+        return float(getattr(getattr(pair, part), kind))
+    body = pair.lower if name.startswith("lower_") else pair.upper
+    return float(getattr(body, name.removeprefix("lower_")))
+
+
+def changed(pair: Pair, name: str, value: float) -> Pair:
+    """Return a pair with another value of one of `PARAMETERS`."""
+    if name == "friction":
+        return replace(pair, friction=value)
+    if name == "viscosity":
+        return replace(pair, friction_law=ViscousFriction(value))
+    if name in TRACTIONS:
+        part, kind = name.split("_")
+        return replace(pair, **{part: replace(getattr(pair, part), **{kind: value})})
+    side = "lower" if name.startswith("lower_") else "upper"
+    body = replace(getattr(pair, side), **{name.removeprefix("lower_"): value})
+    return replace(pair, **{side: body})

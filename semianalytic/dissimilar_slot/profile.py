@@ -13,10 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from semianalytic.dissimilar.stretch import Stretch
-from semianalytic.dissimilar_slot.density import Density, OnPanel
-from semianalytic.dissimilar_slot.panels import edge_exponents
-from semianalytic.dissimilar_slot.poles import Pole
-from semianalytic.dissimilar_slot.table import (
+from semianalytic.dissimilar.table import (
     Intervals,
     Series,
     from_values,
@@ -24,6 +21,9 @@ from semianalytic.dissimilar_slot.table import (
     interval_weights,
     padded,
 )
+from semianalytic.dissimilar_slot.density import Density, OnPanel
+from semianalytic.dissimilar_slot.panels import edge_exponents
+from semianalytic.dissimilar_slot.poles import Pole
 from semianalytic.dissimilar_slot.zones import edges_of, neighbours
 from semianalytic.halfplane.rayleigh import Array
 

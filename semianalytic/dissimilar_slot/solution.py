@@ -32,6 +32,7 @@ from semianalytic.selfsimilar.motion import OpenZone, SlipZone, over_slowness
 
 if TYPE_CHECKING:  # imported where it is asked for, for a quick import
     from semianalytic.dissimilar_slot.bodies import PairBodies
+    from semianalytic.dissimilar_slot.derivative import PairDerivative
 
 
 @dataclass(frozen=True)
@@ -200,7 +201,7 @@ class PairSolution:
         >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
         >>> answer = sa.solve_pair(pair, rtol=1e-6)
         >>> answer.velocity(1.0, [0.0, -0.0], 2e-3)[0].round(3)  # the slip rate is 0.25
-        array([ 0.214, -0.036])
+        array([ 0.141, -0.109])
         """
         return self._bodies.velocity(x, y, t)
 
@@ -231,6 +232,33 @@ class PairSolution:
         from semianalytic.dissimilar_slot.bodies import PairBodies
 
         return PairBodies(self.pair, self.profile.density, self.stress_unit)
+
+    def derivative(self, name: str) -> PairDerivative:
+        """Return the derivative of zones and fields with respect to a parameter, all others held.
+
+        Parameters
+        ----------
+        name : str
+            "friction", "viscosity" (with `ViscousFriction`), "base_pressure", "base_shear",
+            "load_pressure", "load_shear"; "shear_modulus", "density" or "poisson_ratio" of the
+            upper body, and these with "lower_" before them of the lower one.
+
+        Returns
+        -------
+        PairDerivative
+            Its `status` says where zones are about to change: it then holds to one side only.
+
+        Raises
+        ------
+        SceneError
+            If there is no such parameter.
+        ComputationError
+            If zones of this kind have no edges at a nearby value.
+        """
+        from semianalytic.dissimilar_slot.derivative import Member, differentiated
+
+        own = Member(self.pair, self.profile, self.stress_unit)
+        return differentiated(own, name, (self.zones, self.openings), self.status)
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
