@@ -10,7 +10,6 @@ from faults import flip_bits, randomness
 
 from compare.records.read import read_records
 from semianalytic.scene.errors import DataFileError
-from slipfront.cli.commands import main
 
 T, X = np.linspace(0.0, 1.0, 30), np.array([0.25, 0.5, 0.75])
 RATE = np.outer(T, X)
@@ -71,10 +70,8 @@ def test_flipped_bits_end_in_one_sentence_if_they_are_seen(name, tmp_path):
             assert message.endswith(".")
 
 
-def test_a_damaged_file_is_exit_code_three(tmp_path, capsys):
+def test_a_damaged_file_is_exit_code_three(tmp_path, refused):
     data = bytearray(FILES["packed.npz"])
     data[90:100] = b"\xff" * 10
     (tmp_path / "run.npz").write_bytes(bytes(data))
-    line = f"fit {tmp_path / 'run.npz'} --scene preloaded --parameters friction --noise 0.1"
-    assert main(line.split()) == 3
-    assert capsys.readouterr().err.count("\n") == 1
+    refused(f"fit {tmp_path / 'run.npz'} --scene preloaded --parameters friction --noise 0.1", 3)

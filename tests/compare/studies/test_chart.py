@@ -94,11 +94,10 @@ def test_methods_cover_what_was_asked_for():
     assert len({*STYLES.values()}) == len(METHODS)
 
 
-def test_other_scenes_are_refused(tmp_path, capsys):
+def test_other_scenes_are_refused(tmp_path, refused):
     with pytest.raises(SceneError, match="choose preloaded, remote-shock"):
         tasks(["lift-off"], quick=True)
-    assert main(["chart", "lift-off", "--output", str(tmp_path)]) == 2
-    assert "preloaded" in capsys.readouterr().err
+    assert "preloaded" in refused(["chart", "lift-off", "--output", tmp_path])
 
 
 @pytest.mark.parametrize("scene", CLOSED_FORM_FRICTION)
@@ -254,7 +253,7 @@ def test_quick_and_full_charts_do_not_mix(points, tmp_path):
 
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize("damage", ["", "scene_name,method\n", "cut", "number", "method"])
-def test_damaged_file_is_refused(points, tmp_path, damage, capsys):
+def test_damaged_file_is_refused(points, tmp_path, damage, refused):
     path = tmp_path / "data" / "chart.csv"
     text = path.read_text()
     path.write_text(
@@ -266,8 +265,7 @@ def test_damaged_file_is_refused(points, tmp_path, damage, capsys):
     )
     with pytest.raises(DataFileError, match="move it away"):
         read_points(path)
-    assert main(["chart", "preloaded", "--quick", "--quiet", "--output", str(tmp_path)]) == 3
-    assert capsys.readouterr().err.count("\n") == 1
+    refused(["chart", "preloaded", "--quick", "--quiet", "--output", tmp_path], 3)
 
 
 def test_broken_process_is_reported():

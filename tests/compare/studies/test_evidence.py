@@ -359,18 +359,11 @@ def test_figures_of_other_studies_are_taken_from_files(tmp_path, monkeypatch):
     assert "slipfront stability --solver --fem --space-time" in shown
 
 
-def test_unknown_scene_is_one_sentence(tmp_path, capsys):
+def test_unknown_scenes_and_folders_as_output_are_refused_in_one_sentence(tmp_path, refused):
     path = tmp_path / "page.html"
-    assert main(["evidence", "preload", "--output", str(path)]) == 2
-    message = capsys.readouterr().err
-    assert "did you mean preloaded?" in message
-    assert message.count("\n") == 1
+    assert "did you mean preloaded?" in refused(["evidence", "preload", "--output", path])
     assert not path.exists()
-
-
-def test_folder_as_output_is_refused_before_anything_runs(tmp_path, capsys):
-    assert main(["evidence", "stuck", "--output", str(tmp_path)]) == 2
-    assert "is a folder" in capsys.readouterr().err
+    assert "is a folder" in refused(["evidence", "stuck", "--output", tmp_path])
 
 
 def differing(evidence):

@@ -16,6 +16,7 @@ from bokeh.models import ColumnDataSource, Range1d
 from catalogue import solved, unit_scene
 from matplotlib.path import Path
 
+from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.figures.fronts import moving_parts
 from semianalytic import (
     Harmonic,
@@ -299,8 +300,10 @@ def test_views_are_those_of_the_answer(name):
     length = scene.material.shear_speed * time
     assert np.all(np.diff(view.x) > 0)
     rate = solution.slip_rate(view.x * length, time)
-    scale = rate[np.abs(rate).argmax()] / view.slip_rate[np.abs(view.slip_rate).argmax()]
-    np.testing.assert_allclose(view.slip_rate * scale, rate, atol=1e-9 * abs(scale))
+    scale = slip_rate_scale(scene)
+    np.testing.assert_allclose(view.slip_rate * scale, rate, atol=1e-9 * scale)
+    strength = scene.friction * solution.pressure(view.x * length, time)
+    np.testing.assert_allclose(view.bound * stress_scale(scene), strength, rtol=1e-9)
     assert np.all(np.abs(view.shear) <= view.bound + 1e-7)
     wedges = views.space_time_view(solution).wedges
     slipping = [(start, end) for kind, start, end in wedges if kind != "open"]
@@ -312,6 +315,7 @@ def test_a_march_is_shown_by_its_senses():
     marched = march(unit_scene(0.1, shear_history=Harmonic(3.0)), 1.0, nodes=64)
     image = views.space_time_view(marched).image
     assert set(np.unique(image)) == {0.0, 1.0, 2.0}
+    assert image[image.any(axis=1)][0].max() == views.KINDS.index("slip")  # forward comes first
     field = views.field_view(marched, 6)
     assert field.size.shape == (6, 6)
     assert np.all((field.size >= 0) & (field.size <= field.largest))

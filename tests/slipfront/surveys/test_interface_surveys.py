@@ -1,6 +1,5 @@
 """Surveys of interfaces: every number is a parameter, and values are those of single runs."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +7,6 @@ import pytest
 
 import semianalytic as sf
 from semianalytic.engine.described.parameters import interface_at, interface_parameters
-from slipfront.cli.commands import main
 from slipfront.surveys.run import survey
 
 FAULT = """
@@ -124,24 +122,13 @@ def test_an_interrupted_survey_of_functions_goes_on(tmp_path):
         (["--vary", "radius=1,2", "--t", "0.5"], "give x as well"),
     ],
 )
-def test_what_cannot_be_surveyed_is_refused(fault, capsys, arguments, message):
-    assert main(["survey", "fault.toml", *arguments]) == 2
-    assert message in capsys.readouterr().err
+def test_what_cannot_be_surveyed_is_refused(fault, refused, arguments, message):
+    assert message in refused(["survey", "fault.toml", *arguments])
     assert not list(Path().rglob("*.nc"))
 
 
-def test_the_command_writes_and_a_refused_point_says_why(fault, capsys):
-    asked = [
-        "survey",
-        "fault.toml",
-        "--vary",
-        "law.distance=-1,1",
-        "--output",
-        "a.nc",
-        "--json",
-    ]
-    assert main([*asked, "--workers", "1"]) == 0
-    shown = json.loads(capsys.readouterr().out)
+def test_the_command_writes_and_a_refused_point_says_why(fault, printed):
+    shown = printed("survey fault.toml --vary law.distance=-1,1 --output a.nc --workers 1")
     assert shown["methods"] == {"none": 1, "interface": 1}
     assert any("distance must be positive" in status for status in shown["statuses"])
 
