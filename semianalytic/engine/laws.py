@@ -403,7 +403,9 @@ class RateAndState(InterfaceLaw):
         and rising in x: Newton's method stays on the right of the root after its first step.
         """
         # e^700 times V0 is already a speed at which friction carries nothing
-        exponent, scale = np.maximum(self._exponent(state), -700.0), self.a * pressure
+        exponent = np.maximum(self._exponent(state), -700.0)
+        # without pressure the balance is stopping = impedance V, to rounding
+        scale = np.maximum(self.a * pressure, np.maximum(1e-16 * stopping, 1e-300))
         knee, most = impedance * self.v0, stopping / scale
         # Without e^(-x - E), which counts below x = 20 alone, the root is x = most - omega(y).
         x = np.clip(most - _wright_omega(most - exponent + np.log(knee / scale)), 0.0, most)

@@ -38,6 +38,16 @@ def test_local_balance_from_1e_300_to_1(speed, theta, a, evolution):
     assert bracketed == pytest.approx(speed, rel=1e-12)
 
 
+def test_without_pressure_slip_is_free():
+    law = sf.RateAndState(0.01, 0.014, 0.6, 1e-6, 1e-5)
+    stopping = np.array([0.0, 1e-3, 5e6])
+    for pressure in (0.0, 1e-20):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            found = law.slip_speed(stopping, np.full(3, pressure), IMPEDANCE, np.full(3, 10.0))
+        assert found == pytest.approx(stopping / IMPEDANCE, rel=1e-12)
+
+
 def test_start_of_the_balance_is_the_wright_omega_function():
     y = np.concatenate([np.linspace(-60, 60, 2001), [-1e4, -800, 700, 1e6]])
     assert _wright_omega(y) == pytest.approx(wrightomega(y), rel=1e-4, abs=1e-290)
