@@ -1,0 +1,75 @@
+"""Words of which the JSON Schema of the command line is made: texts, numbers, lists, rows."""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import Any, NamedTuple
+
+Schema = Mapping[str, Any]
+
+
+class Key(NamedTuple):
+    """A key of a document: its meaning, its values, and whether it is always present."""
+
+    meaning: str
+    schema: Schema
+    always: bool = True
+
+
+TEXT: Schema = {"type": "string"}
+WHOLE: Schema = {"type": "integer"}
+TRUTH: Schema = {"type": "boolean"}
+NUMBER: Schema = {"type": ["number", "null"]}
+"""Schema of a number; null stands for infinite or absent values."""
+
+
+def named(schema: Schema) -> Schema:
+    """Return the schema of an object with any names, each with a value of this schema."""
+    return {"type": "object", "additionalProperties": schema}
+
+
+def list_of(schema: Schema) -> Schema:
+    return {"type": "array", "items": schema}
+
+
+def object_of(optional: Sequence[str] = (), /, **properties: Schema) -> Schema:
+    """Return the schema of an object with exactly these names."""
+    return {
+        "type": "object",
+        "properties": properties,
+        "required": [name for name in properties if name not in optional],
+        "additionalProperties": False,
+    }
+
+
+def or_null(schema: Schema) -> Schema:
+    return {"anyOf": [schema, {"type": "null"}]}
+
+
+def row_of(kind: type, **more: Schema) -> Schema:
+    """Return the schema of a dataclass by the annotations of its fields."""
+    hints = typing.get_type_hints(kind)
+    described = {one.name: typed_as(hints[one.name]) for one in fields(kind)}
+    return object_of(**described, **more)
+
+
+def typed_as(hint: Any) -> Schema:
+    """Return the schema of values with a type annotation."""
+    plain = {str: TEXT, int: WHOLE, bool: TRUTH, float: NUMBER}
+    if hint in plain:
+        return plain[hint]
+    inner = typing.get_args(hint)
+    if isinstance(hint, types.UnionType):
+        (kind,) = (one for one in inner if one is not types.NoneType)
+        return or_null(typed_as(kind))
+    return (
+        list_of(typed_as(inner[0]))
+        if len(inner) == 2 and inner[1] is ...
+        else named(typed_as(inner[-1]))
+    )
+
+
+SCENE, UNITS = {"$ref": "#/$defs/scene"}, {"$ref": "#/$defs/units"}
