@@ -51,7 +51,7 @@ def test_gap_of_a_preload():
         (REGIMES, "at ν = 1/3 becomes **{}**"),
         (THEORY, "At ν = 1/3 that is {}."),
         (THEORY, r"for $\chi_b$ < {}, preloaded"),
-        (README, "reverse slip requires f P_b / Q_0 below {}, not"),
+        (README, "reverse slip requires friction × base pressure below {} of the shear load, not"),
     ],
 )
 def test_reverse_threshold(page, sentence):
@@ -64,7 +64,7 @@ def test_reverse_threshold(page, sentence):
         (REGIMES, "The published threshold {} at ν = 1/3"),
         (THEORY, "reverse slip for χ < {} at ν = 1/3"),
         ("docs/article.md", "**No reading reproduces {}**"),
-        (README, "below 1.6e-8, not {} as published."),
+        (README, "below 1.6e-8 of the shear load, not {} as published."),
     ],
 )
 def test_published_threshold(page, sentence):
