@@ -83,7 +83,7 @@ _PAIR = object_of(
     friction_law=_KIND,
     units=TEXT,
 )
-_PROBLEM: Schema = {"anyOf": [SCENE, _LINE, object_of(interface=TEXT)]}
+_PROBLEM: Schema = {"anyOf": [SCENE, _LINE, _PAIR, object_of(interface=TEXT)]}
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
 _INTERFACE = object_of(
     interface={"type": "object"}, end_time=or_null(NUMBER), options={"type": "object"}
@@ -420,7 +420,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "sheet": Key("name of the sheet", TEXT),
             "title": Key("title of the sheet", TEXT),
             "system": Key("system of units", TEXT),
-            "scene": Key("the scene or whole line, or the file of the interface", _PROBLEM),
+            "scene": Key("the scene, pair or whole line, or the file of the interface", _PROBLEM),
             "si_scene": Key("the same scene in SI units; null for interfaces", or_null(_PROBLEM)),
             "si_scales": Key("factors that convert answers to SI units", named(NUMBER)),
             "stations": Key("positions of the stations; of scenes over c_t T", list_of(NUMBER)),
