@@ -161,7 +161,7 @@ class Stepper:
         # the tension must fall by less than an opening rate takes off the pressure
         longest = self.interface.opening_impedance / (2 * soft) if soft else math.inf
         if self.shortest > longest:
-            nodes = 4 * math.ceil(len(self.grid.x) * self.shortest / longest / 4)
+            nodes = 4 * math.ceil(self.grid.nodes * self.shortest / longest / 4)
             raise SceneError(
                 f"interface: adhesion falls within a gap that this grid cannot follow; take {nodes}"
                 " nodes or more, or a larger length."

@@ -1,6 +1,7 @@
 """Contacts that carry tension before they open."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -216,6 +217,14 @@ def test_adhesion_that_means_nothing_is_refused(tmp_path, change, message):
 def test_grids_that_cannot_follow_it_are_told():
     with pytest.raises(sf.SceneError, match=r"cannot follow; take \d+ nodes or more"):
         sf.run(pulled(3.0, sf.Adhesion(1.0, 1e-3)), 0.5, 16, estimate=False)
+    # the number is that of the whole period, of an even line as well, and is enough
+    for even in (False, True):
+        face = pulled(3.0, sf.Adhesion(1.0, 1e-2), even=even)
+        with pytest.raises(sf.SceneError, match=r"take \d+ nodes") as refused:
+            sf.run(face, 1e-3, 16, estimate=False)
+        enough = int(re.search(r"take (\d+) nodes", str(refused.value))[1])
+        assert enough > 16
+        sf.run(face, 1e-3, enough, estimate=False)
     # tension that falls within two node distances: mu / (strength / length) is 2 h
     coarse = sf.run(pulled(3.0, sf.Adhesion(1.0, 0.25)), 0.1, 8, estimate=False)
     assert "falls over 2 node distances" in coarse.status
