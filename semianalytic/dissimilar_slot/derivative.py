@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,7 @@ from semianalytic.dissimilar_slot.zones import Coordinates, edges_of
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.selfsimilar.derivative import OpenDerivative, ZoneDerivative
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, over_slowness
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone, is_open, over_slowness
 
 _POINTS, _WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 """A central difference of fourth order."""
@@ -101,7 +100,8 @@ class Member:
 
     def stretches(self) -> list[Stretch]:
         """Return what lies between neighbouring marks, and behind the last one."""
-        return [Stretch(*ends) for ends in pairwise([*self.marks, None])]  # type: ignore[arg-type]
+        rights: list[float | None] = [*self.marks[1:], None]
+        return [Stretch(*ends) for ends in zip(self.marks, rights, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,12 +222,6 @@ class PairDerivative:
             self.pair.upper.shear_speed, x, t, lambda v: self.varied.fields(v)[row]
         )
 
-    def _is_open(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
-        parts = [(velocity > one.inner) & (velocity < one.outer) for one in self.opened]
-        return np.logical_or.reduce([np.zeros(x.shape, dtype=bool), *parts])
-
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Derivative of the relative slip rate [length / time per unit of the parameter].
 
@@ -251,7 +245,7 @@ class PairDerivative:
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Derivative of the gap [length per unit], 0 where closed; raises as `slip_rate`."""
         gap = np.asarray(x, dtype=float) * self._evaluate(x, t, GAP)
-        return np.where(self._is_open(x, t), gap, 0.0)
+        return np.where(is_open(self.opened, x, t), gap, 0.0)
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Derivative of the total shear traction [stress per unit]; raises as `slip_rate`."""
@@ -264,7 +258,7 @@ class PairDerivative:
     def _traction(self, x: ArrayLike, t: ArrayLike, row: int, base: str) -> Array:
         before = np.asarray(t, dtype=float) < 0
         values = np.where(before, float(self.name == base), self._evaluate(x, t, row))
-        return np.where(self._is_open(x, t), 0.0, values)
+        return np.where(is_open(self.opened, x, t), 0.0, values)
 
     @property
     def edge_slip_rate(self) -> float:
@@ -287,7 +281,7 @@ class PairDerivative:
         apart = np.abs(velocity[:, None] - 1 / marks).min(axis=1) * slowest
         v = 1 / velocity[apart > _BESIDE]
         one, other = fine.fields(v), coarse.fields(v)
-        opened = self._is_open(pair.upper.shear_speed / v, 1.0)
+        opened = is_open(self.opened, pair.upper.shear_speed / v, 1.0)
         one[SHEAR:, opened] = other[SHEAR:, opened] = 0.0
         worst = max([worst, *(_share(*rows) for rows in zip(one, other, strict=True))])
         return _LEAST + _SAFETY * worst

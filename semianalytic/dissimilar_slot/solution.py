@@ -28,7 +28,7 @@ from semianalytic.results.reading import Reading, first_times, self_similar_read
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.quantities import asked_in_units
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, over_slowness
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone, is_open, over_slowness
 
 if TYPE_CHECKING:  # imported where it is asked for, for a quick import
     from semianalytic.dissimilar_slot.bodies import PairBodies
@@ -155,7 +155,7 @@ class PairSolution:
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
         gap = self._integrated(x, t, GAP)
-        return np.where(self._is_open(x, t), np.maximum(gap, 0.0), 0.0)
+        return np.where(is_open(self.openings, x, t), np.maximum(gap, 0.0), 0.0)
 
     def _integrated(self, x: ArrayLike, t: ArrayLike, function: int) -> Array:
         """Return the integral of a rate over time, x times its integral over slowness."""
@@ -165,12 +165,12 @@ class PairSolution:
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Total shear traction sigma_xy [stress], 0 where open; raises as `slip_rate`."""
         change = self.stress_unit * self._evaluate(x, t)[SHEAR]
-        return np.where(self._is_open(x, t), 0.0, self.pair.base.shear + change)
+        return np.where(is_open(self.openings, x, t), 0.0, self.pair.base.shear + change)
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Contact pressure [stress], 0 where open; raises as `slip_rate`."""
         change = self.stress_unit * self._evaluate(x, t)[NORMAL]
-        return np.where(self._is_open(x, t), 0.0, self.pair.base.pressure - change)
+        return np.where(is_open(self.openings, x, t), 0.0, self.pair.base.pressure - change)
 
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Strength less shear traction, f p + viscosity |V| - |tau| [stress] where it sticks; 0
@@ -180,7 +180,7 @@ class PairSolution:
         strength = law.strength(frictional, self.slip_rate(x, t), 0.0)
         margin = strength - np.abs(self.shear_traction(x, t))
         film = isinstance(law, ViscousFriction) and law.viscosity > 0
-        return np.where(self._is_open(x, t), 0.0, margin) if film else margin
+        return np.where(is_open(self.openings, x, t), 0.0, margin) if film else margin
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Particle velocity v_x, v_y anywhere in both bodies, (2, ...) [length / time].
@@ -265,13 +265,6 @@ class PairSolution:
         x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
         fields = (self.slip, self.slip_rate, self.shear_traction, self.pressure, self.gap)
         return InterfaceHistory(x, t, *(field(x, t[:, None]) for field in fields))
-
-    def _is_open(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
-        """Tell where and when the contact is open."""
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
-        parts = [(velocity > part.inner) & (velocity < part.outer) for part in self.openings]
-        return np.logical_or.reduce([np.zeros(x.shape, dtype=bool), *parts])
 
     @cached_property
     def growing(self) -> tuple[GrowingWave, ...]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
@@ -182,6 +182,14 @@ def _points_in_opening(profile: Profile) -> CutPoints:
     every = np.concatenate(parts, axis=1)
     # Row 3 is the distance from c, which orders points beside c that v itself cannot tell apart.
     return CutPoints(every[:, np.argsort(every[3], kind="stable")])
+
+
+def is_open(openings: Iterable[OpenZone], x: ArrayLike, t: ArrayLike) -> NDArray[np.bool_]:
+    """Return where and when the contact is open, for positions and times that broadcast."""
+    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+    velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
+    parts = [(velocity > part.inner) & (velocity < part.outer) for part in openings]
+    return np.logical_or.reduce([np.zeros(x.shape, dtype=bool), *parts])
 
 
 def over_slowness(

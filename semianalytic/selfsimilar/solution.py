@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
@@ -39,7 +39,7 @@ from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion, over_slowness
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone, is_open, motion, over_slowness
 from semianalytic.separation.normal import Normal
 
 if TYPE_CHECKING:  # imported where they are asked for, for a quick import
@@ -242,14 +242,14 @@ class Solution:
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
         pressure = traction_ahead(self.scene, "pressure", x, t) + self.stress_unit * change
-        return np.where(self._is_open(x, t), 0.0, pressure)
+        return np.where(is_open(self.openings, x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the gap of the open contact [length], 0 where closed; raises like `slip_rate`."""
         over_time = self._evaluate(x, t, self._of_gap(Profile.slip_over_time))
         gap = self._rate_unit * np.asarray(t, dtype=float) * over_time
         # Rounding may leave a negative gap beside the ends of the opening.
-        return np.where(self._is_open(x, t), np.maximum(gap, 0.0), 0.0)
+        return np.where(is_open(self.openings, x, t), np.maximum(gap, 0.0), 0.0)
 
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the rate of the gap [length / time], 0 where closed; raises like `slip_rate`.
@@ -257,14 +257,6 @@ class Solution:
         It is logarithmically infinite at the Rayleigh front where the contact is open there.
         """
         return self._rate_unit * self._evaluate(x, t, self._of_gap(Profile.slip_rate))
-
-    def _is_open(self, x: ArrayLike, t: ArrayLike) -> NDArray[np.bool_]:
-        """Return where and when the contact is open, so that no rounding is left in gap and
-        pressure."""
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
-        parts = [(velocity > part.inner) & (velocity < part.outer) for part in self.openings]
-        return np.logical_or.reduce([np.zeros(x.shape, dtype=bool), *parts])
 
     def _of_gap(self, field: Callable[[Profile, Array], Array]) -> Callable[[Array], Array]:
         """Return a slip field of the normal problem over slowness; 0 where the contact is
