@@ -116,7 +116,8 @@ def _draw_sheet(
 def _panel_title(sheet: Sheet) -> str:
     if isinstance(sheet, InterfaceSheet):
         return f"{sheet.name}: {sheet.friction_words}"
-    problem = sheet.problem if sheet.is_line else sheet.scene
-    assert not isinstance(problem, Pair)
+    problem = sheet.problem
+    if isinstance(problem, Pair):
+        problem = problem.alike
     ratio, friction = problem.material.poisson_ratio, problem.friction
     return f"{sheet.name}: ν = {ratio:.3g}, f = {friction:.3g}"

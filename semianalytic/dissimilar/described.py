@@ -78,15 +78,7 @@ def pair_of(scene: Scene, lower: Material) -> Pair:
 
 def pair_document(pair: Pair) -> dict[str, Any]:
     """Return a pair as plain dictionaries, as its TOML file has it."""
-    scene = Scene(
-        pair.upper,
-        pair.friction,
-        pair.base,
-        pair.load,
-        friction_law=pair.friction_law,
-        units=pair.units,
-    )
-    return scene_document(scene) | {"lower_material": asdict(pair.lower)}
+    return scene_document(pair.alike) | {"lower_material": asdict(pair.lower)}
 
 
 def _wrong(scene: Scene) -> Iterator[str]:
