@@ -68,7 +68,6 @@ SAME = 1e-10
 READING_SAFETY, MARCH_TOLERANCE = 4.0, 2e-6
 """Factor and addend of the error estimates of a march.  Measured: with them marches on 1000 to 8000
 nodes agree."""
-COLUMNS = ("t", "x", *QUANTITIES)
 DATA = Path(str(files("compare.benchmarks").joinpath("data")))
 SUMS = "SHA256SUMS"
 

@@ -241,7 +241,7 @@ class PairBodies:
         It is the change that a rule ten times coarser makes with the same edges, as in
         `semianalytic.field.bodies.Bodies`, and what Psi^T R(-k) = n_inf leaves.
         """
-        density, change = self.density, np.zeros(1)
+        density, change = self.density, 0.0
         far = density.interface.compliance.last * _ASKED
         cells = tuning.CELL_ERROR + _OF_CANONICAL * density.glued.error(far)
         if density.parts:
@@ -255,10 +255,10 @@ class PairBodies:
                 for quantity in ("velocity", "stress"):
                     rows, others = (fields_of([one], quantity, at) for one in (sent, coarser))
                     beside = np.abs(rows - others) / (1 + np.abs(rows))
-                    change = np.maximum(change, beside.max())
+                    change = max(change, float(beside.max()))
             if self._sent[0].primitives.source.is_coarse:
                 cells += tuning.COARSE_ERROR
-        return cells + float(change[0])
+        return cells + change
 
     @cached_property
     def _sent(self) -> tuple[Sent, Sent]:

@@ -244,9 +244,8 @@ def _estimated(
 ) -> Run:
     """Return a run with estimates of its error from a run with half the nodes."""
     interface = done.interface
-    if done.contact_misfit:
-        contact = interface.contact.shortened(interface.length, done.nodes)
-        interface = replace(interface, contact=contact)
+    contact = interface.contact.shortened(interface.length, done.nodes)
+    interface = replace(interface, contact=contact)
     coarse = _one(
         interface,
         end_time,

@@ -135,7 +135,7 @@ def test_a_comparison_that_misses_the_edge_says_so_too(tmp_path, capsys, monkeyp
     ],
 )
 def test_what_cannot_be_read_is_refused_in_a_sentence_without_a_box(command, sentence, refused):
-    """What was meant by a word that is nearly one is guessed."""
+    """A word that is nearly a command or a scene is answered by the word that was meant."""
     assert sentence in refused(command)
 
 

@@ -98,7 +98,7 @@ def test_a_figure_is_drawn(tmp_path):
     ],
 )
 def test_what_cannot_be_is_refused_in_a_sentence(tmp_path, monkeypatch, refused, command, said):
-    """What knows slots alone says what solves a line."""
+    """Commands that take scenes with a slot only name the commands that solve a line."""
     monkeypatch.chdir(tmp_path)
     assert said in refused(command)
     assert not list(tmp_path.iterdir())
