@@ -216,11 +216,23 @@ def test_every_function_named_in_docs_exists(page):
                 found = importlib.import_module(f"{found.__name__}.{part}")
 
 
+@cache
+def headings_of(page):
+    """Anchors of a page, as `mkdocs` derives them from its headings."""
+    plain = re.sub(r"^```.*?^```|<!--.*?-->", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    headings = re.findall(r"^#+ (.+)$", plain, re.MULTILINE)
+    words = [re.sub(r"\]\([^)]*\)|[^\w\s-]", "", one).strip().lower() for one in headings]
+    return {re.sub(r"[\s-]+", "-", one) for one in words}
+
+
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_every_file_and_link_named_in_docs_exists(page):
     text = page.read_text()
-    for target in re.findall(r"\]\(([^)#:]+)(?:#[\w-]+)?\)", text):
-        assert (page.parent / target).is_file(), target
+    for target, anchor in re.findall(r"\]\(([^)#:]*)(?:#([\w-]+))?\)", text):
+        assert not target or (page.parent / target).is_file(), target
+        if anchor and not target.endswith(".ipynb"):
+            headings = headings_of(page.parent / target if target else page)
+            assert anchor in headings, f"{target}#{anchor}"
     folders = "semianalytic|fem|meshes|compare|slipfront|tests|docs"
     for path in re.findall(rf"`((?:{folders})/[\w/]+\.\w+)`", text):
         assert (ROOT / path).is_file(), path
