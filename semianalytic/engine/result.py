@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
-from semianalytic.engine.fields import sampled
-from semianalytic.engine.interface import Interface
 from semianalytic.engine.tuning import LEAST_GAP
+from semianalytic.interface.fields import sampled
+from semianalytic.interface.interface import Interface
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import needing
 

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.interface import Interface
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.steps import Stepper
@@ -26,6 +25,7 @@ from semianalytic.engine.tuning import (
     ZONE_NODES,
 )
 from semianalytic.engine.window import doubt_of
+from semianalytic.interface.interface import Interface
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError

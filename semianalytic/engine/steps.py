@@ -8,12 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.contact import Adhesion, Faces, Parting, Unilateral
-from semianalytic.engine.fields import required, sampled
-from semianalytic.engine.interface import Interface
-from semianalytic.engine.law import check_law
+from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
-from semianalytic.engine.loads import ActingLoads
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
     CROSSINGS,
@@ -26,7 +22,12 @@ from semianalytic.engine.tuning import (
     SWEEPS,
     TOLERANCE,
 )
+from semianalytic.engine.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.window import check_window
+from semianalytic.interface.contact import Adhesion
+from semianalytic.interface.fields import required, sampled
+from semianalytic.interface.interface import Interface
+from semianalytic.interface.law import check_law
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.spacetime.exponentials import Antiplane, InPlane, Opening, fit_memory, fit_shared
 from semianalytic.spacetime.line import area_means

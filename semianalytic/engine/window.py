@@ -17,8 +17,8 @@ from semianalytic.dissimilar.kernels import BodyPair, PairImpedance
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.stability import sliding_stability
 from semianalytic.dissimilar.thresholds import growth_threshold
-from semianalytic.engine.law import InterfaceLaw
 from semianalytic.engine.tuning import DELAY_NODES
+from semianalytic.interface.law import InterfaceLaw
 from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]

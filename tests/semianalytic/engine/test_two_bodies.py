@@ -28,8 +28,8 @@ from semianalytic.dissimilar.whole_line import (
     half_line_speed,
     patch_speeds,
 )
-from semianalytic.engine.described.named import NAMED_INTERFACES
 from semianalytic.engine.steps import Stepper
+from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.spacetime.exponentials import InPlane, Opening, fit_shared
 
 FASTER = Material(2.25, 1.0, 0.25)

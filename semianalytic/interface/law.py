@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.fields import BARRIER, sampled
+from semianalytic.interface.fields import BARRIER, sampled
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 

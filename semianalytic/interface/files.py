@@ -10,19 +10,15 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from semianalytic.engine.contact import Adhesion, Contact
-from semianalytic.engine.described.parameters import interface_document, interface_parameters
-from semianalytic.engine.fields import RESERVED, Expression, Table
-from semianalytic.engine.interface import Interface
-from semianalytic.engine.law import InterfaceLaw
-from semianalytic.engine.laws import (
-    Coulomb,
-    ForcedFront,
-    RateAndState,
-    RateDependent,
-    SlipDependent,
-)
-from semianalytic.engine.loads import FrontLoad, InterfaceLoad
+from semianalytic.interface.contact import Adhesion, Contact
+from semianalytic.interface.coulomb import Coulomb
+from semianalytic.interface.fields import RESERVED, Expression, Table
+from semianalytic.interface.interface import Interface
+from semianalytic.interface.law import InterfaceLaw
+from semianalytic.interface.loads import FrontLoad, InterfaceLoad
+from semianalytic.interface.parameters import interface_document, interface_parameters
+from semianalytic.interface.rate_and_state import RateAndState
+from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import load_from_document
