@@ -219,6 +219,7 @@ def _one(
         shear_traction=np.array(record.fields["shear_traction"]),
         state=np.array(record.fields["state"]),
         pressure=np.array(record.fields["pressure"]),
+        felt_pressure=np.array(record.fields["felt_pressure"]),
         gap=np.array(record.fields["gap"]),
         onset=record.onset,
         step_times=np.array(record.step_times),

@@ -53,7 +53,7 @@ def check_window(
         verdict = sliding_stability(pair.upper, pair.lower, friction).verdict
         raise SceneError(
             f"interface: friction {friction:.4g} between these bodies is {verdict} On this grid "
-            f"`delay` of Coulomb friction must be {_rounded_up(least)} or more."
+            f"`delay` of the friction law must be {_rounded_up(least)} or more."
         )
     raise SceneError(
         f"interface: friction follows pressure with a delay of {delay:.3g}, which the grid "

@@ -185,8 +185,7 @@ def _solid(name: str, value: Any) -> Material:
 
 def _law(table: dict[str, Any], around: _Around) -> InterfaceLaw:
     law = _kind("law", table, LAWS)
-    names = [one.name for one in fields(law)]
-    _known("law.", table, ("kind", *names))
+    _known("law.", table, ("kind", *_names(law)))
     values = {
         key: value if key in _WORDS else _field(f"law.{key}", value, around)
         for key, value in table.items()
@@ -291,8 +290,13 @@ def _made(name: str, description: Any, values: dict[str, Any]) -> Any:
     try:
         return description(**values)
     except TypeError as error:
-        known = ", ".join(one.name for one in fields(description))
+        known = ", ".join(_names(description))
         raise SceneError(f"{name} takes {known}, got {', '.join(values) or 'nothing'}.") from error
+
+
+def _names(description: Any) -> list[str]:
+    """Return the names that a description takes, those that are shared by all laws last."""
+    return [one.name for one in sorted(fields(description), key=lambda one: bool(one.kw_only))]
 
 
 def _known(

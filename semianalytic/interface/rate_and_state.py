@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.law import InterfaceLaw, not_negative, positive
+from semianalytic.interface.delay import DelayedLaw
+from semianalytic.interface.law import not_negative, positive
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 
@@ -20,7 +21,7 @@ BALANCE = 60
 
 
 @dataclass(frozen=True, eq=False)
-class RateAndState(InterfaceLaw):
+class RateAndState(DelayedLaw):
     """Rate-and-state friction, regularised: a p arcsinh[(V / 2 V0) exp((f0 + b ln(V0 theta/L))/a)].
 
     The state theta [time] follows the ageing law, theta' = 1 - V theta / L, or the slip law,
@@ -42,6 +43,8 @@ class RateAndState(InterfaceLaw):
         rate at which the interface starts.
     weakened, weakening_rate : field, optional
         Friction f_w and slip rate V_w of flash heating.
+    delay, delay_slip : field
+        Time [time] and slip [length] over which friction follows pressure; see `DelayedLaw`.
 
     Raises
     ------
@@ -70,6 +73,7 @@ class RateAndState(InterfaceLaw):
     has_threshold = False
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         owner = "RateAndState"
         positive(owner, a=self.a, v0=self.v0, distance=self.distance)
         not_negative(owner, b=self.b, f0=self.f0)

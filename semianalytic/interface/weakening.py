@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.law import InterfaceLaw, not_negative, positive
+from semianalytic.interface.delay import DelayedLaw
+from semianalytic.interface.law import not_negative, positive
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 
@@ -16,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class SlipDependent(InterfaceLaw):
+class SlipDependent(DelayedLaw):
     """Friction that falls with accumulated slip from static to dynamic, linearly or exponentially.
 
     Strength is (f_d + (f_s - f_d) w) p + cohesion w, with w = max(1 - slip / distance, 0), or
@@ -32,6 +33,8 @@ class SlipDependent(InterfaceLaw):
         Strength without pressure, lost with slip [stress].
     shape : str
         "linear" or "exponential".
+    delay, delay_slip : field
+        Time [time] and slip [length] over which friction follows pressure; see `DelayedLaw`.
 
     Raises
     ------
@@ -54,6 +57,7 @@ class SlipDependent(InterfaceLaw):
     shape: str = "linear"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         owner = "SlipDependent"
         not_negative(owner, static=self.static, dynamic=self.dynamic, cohesion=self.cohesion)
         positive(owner, distance=self.distance)
@@ -89,7 +93,7 @@ class SlipDependent(InterfaceLaw):
 
 
 @dataclass(frozen=True, eq=False)
-class ForcedFront(InterfaceLaw):
+class ForcedFront(DelayedLaw):
     """Friction that falls from static to dynamic when a front arrives, whatever the slip.
 
     The state is the time since t = 0.  With a static friction that is never reached the front is
@@ -103,6 +107,8 @@ class ForcedFront(InterfaceLaw):
         Time at which the front arrives [time], such as ``lambda x: abs(x) / speed``.
     fall : field
         Time over which friction falls from then on [time]; 0 for at once.
+    delay, delay_slip : field
+        Time [time] and slip [length] over which friction follows pressure; see `DelayedLaw`.
 
     Raises
     ------
@@ -124,6 +130,7 @@ class ForcedFront(InterfaceLaw):
     fall: Any = 0.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         owner = "ForcedFront"
         not_negative(owner, static=self.static, dynamic=self.dynamic, fall=self.fall)
 
@@ -149,7 +156,7 @@ class ForcedFront(InterfaceLaw):
 
 
 @dataclass(frozen=True, eq=False)
-class RateDependent(InterfaceLaw):
+class RateDependent(DelayedLaw):
     """Friction that falls with slip rate: f_d + (f_s - f_d) / (1 + |V| / rate), times pressure.
 
     Parameters
@@ -160,6 +167,8 @@ class RateDependent(InterfaceLaw):
         Slip rate at which half the difference is lost [length / time].
     cohesion : field
         Strength without pressure [stress].
+    delay, delay_slip : field
+        Time [time] and slip [length] over which friction follows pressure; see `DelayedLaw`.
 
     Raises
     ------
@@ -179,6 +188,7 @@ class RateDependent(InterfaceLaw):
     cohesion: Any = 0.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         owner = "RateDependent"
         not_negative(owner, static=self.static, dynamic=self.dynamic, cohesion=self.cohesion)
         positive(owner, rate=self.rate)
