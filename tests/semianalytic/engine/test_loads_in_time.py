@@ -86,7 +86,7 @@ def test_a_wave_that_arrives_in_a_quiet_phase_sets_off_its_rupture():
     )
     assert found.steps < fine.steps / 1.5
     assert np.abs(fine.slip).max() > 0.1
-    assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-6)
+    assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-4)
 
 
 @pytest.mark.parametrize(("period", "size"), [(20.0, 2e6), (5.0, 2e6), (100.0, 1e6)])
