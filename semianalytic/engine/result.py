@@ -198,7 +198,8 @@ class Run:
     def at(self, values: Array, x: Any) -> Array:
         """Return a field of the nodes (..., n) at positions x (k,) of the contact, (..., k).
 
-        It is linear between nodes that touch, and nan where the bodies do not touch.
+        It is linear between nodes that touch, and nan where the bodies do not touch and beyond the
+        period.
         """
         given = np.asarray(x, dtype=float)
         place = np.abs(given) if self.interface.even else given
@@ -211,7 +212,8 @@ class Run:
         found = values[..., left] * (1 - share) + values[..., right] * share
         alone = np.where(share == 0, values[..., left], values[..., right])
         found = np.where((share == 0) | (share == 1), alone, found)
-        return np.where(self.interface.contact.touches(place), found, np.nan)
+        within = np.abs(given) <= self.interface.length / 2
+        return np.where(within & self.interface.contact.touches(place), found, np.nan)
 
     @property
     def steps(self) -> int:

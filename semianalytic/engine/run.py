@@ -21,6 +21,7 @@ from semianalytic.engine.tuning import (
     LEAST_NODES,
     MOST_NODES,
     NODES,
+    PART_NODES,
     SLIPPING_SHARE,
     STEP_RATIO,
     ZONE_NODES,
@@ -142,9 +143,10 @@ def run(
     options["latest"] = max(latest, end_time)
     if go_on is not None:
         nodes = go_on.nodes if nodes is None else nodes
-    needed = nodes_for_histories(interface, end_time)
+    parts = PART_NODES * interface.length / interface.contact.narrowest(interface.length)
+    needed = max(nodes_for_histories(interface, end_time), parts)
     if nodes is None:
-        least = math.ceil(needed) if NODES < needed <= MOST_NODES else NODES
+        least = 4 * math.ceil(needed / 4) if NODES < needed <= MOST_NODES else NODES
         # the run with half the nodes, which tells the error, needs ends that fit as well
         nodes = min(interface.contact.fitting_nodes(interface.length, least, 1), MOST_NODES)
     elif rtol is not None and nodes < needed <= MOST_NODES:
@@ -302,7 +304,8 @@ def _estimated(
     for name in names:
         fine, other = thinned(getattr(done, name)), getattr(coarse, name)[:, touching]
         scale = fine - fine[0] if name == "shear_traction" else fine
-        size = float(np.abs(scale).sum())
+        # where the finer grid has nothing and the coarser one something, the error is all of it
+        size = max(float(np.abs(scale).sum()), float(np.abs(fine - other).sum()))
         errors[name] = ERROR_SAFETY * float(np.abs(fine - other).sum()) / size if size else 0.0
     status, name = done.status, _deciding(done, errors)
     if status == "done" and errors[name] > (LARGEST_ERROR if rtol is None else rtol):
@@ -333,6 +336,14 @@ def _resolution(
         doubt = doubt_of(stepper.pair, stepper.law, pressure, state, fastest, stepper.grid.spacing)
         if doubt:
             return f"unresolved: {doubt}"
+    narrow = stepper.interface.contact.narrowest(stepper.interface.length)
+    found = narrow / stepper.grid.spacing
+    if found < PART_NODES * 0.999:
+        least = 4 * math.ceil(PART_NODES * stepper.interface.length / narrow / 4)
+        return (
+            f"unresolved: a contact or slot of width {narrow:.3g} has {found:.2g} nodes; use "
+            f"{least} nodes or more."
+        )
     weakening = stepper.law.weakening(pressure)
     if stepper.unilateral is not None and stepper.unilateral.adhesion is not None:
         bonds = stepper.unilateral.adhesion

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
 from semianalytic.engine.pace import LoadPace
+from semianalytic.engine.slots import freed_rate
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
     CROSSINGS,
@@ -18,6 +21,7 @@ from semianalytic.engine.tuning import (
     LARGEST_HORIZON,
     LEAST_HORIZON,
     PAIR_TOLERANCE,
+    PART_NODES,
     RATE_SHARE,
     STATE_SHARE,
     SWEEPS,
@@ -104,8 +108,8 @@ class Stepper:
         x = self.grid.x
         self.touching = contact.touches(x)
         if not self.touching.any():
-            width = min(end - begin for begin, end in contact.intervals)
-            least = 4 * math.ceil(interface.length / width / 4)
+            width = contact.narrowest(interface.length)
+            least = 4 * math.ceil(PART_NODES * interface.length / width / 4)
             raise SceneError(f"run: no node lies on the contact; use {least} nodes or more.")
         self._on = x[self.touching]
         spacing = self.grid.spacing
@@ -123,6 +127,8 @@ class Stepper:
         self._speed = material.shear_speed if self.pair is None else self.pair.speed
         fastest = material.shear_speed if self.pair is None else self.pair.fastest
         self.shortest = step_ratio * self.grid.spacing / fastest
+        if interface.even:
+            self._check_even()
         loads = interface.loads
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
         self._load_pace = LoadPace(interface, self.grid.spacing)
@@ -142,11 +148,29 @@ class Stepper:
             if bonds is not None:
                 longest = min(longest, self._check_adhesion(bonds))
         # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
+        self._has_slots = not self.touching.all()
         self._bound = bound_share * 2 / (stiffness * max(q, held))
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
         self._is_delayed = bool(np.any(self.law.pressure_delay(np.zeros(len(self._on)))))
         self._latest: tuple[Array | None, Array] = None, np.zeros(0)
+
+    def _check_even(self) -> None:
+        """Raise SceneError if what is called even in x is not, at the nodes."""
+        interface, x, spacing = self.interface, self.grid.x, self.grid.spacing
+        given: list[tuple[str, Any]] = [
+            ("contact", lambda at: 1.0 * interface.contact.touches(at)),
+            ("shear", lambda at: sampled("interface: shear", interface.shear, at, spacing)),
+        ]
+        for load in interface.loads:
+            given += [
+                (f"{of} of a load", partial(load.traction, t=self.shortest, of=of))
+                for of in ("shear", "pressure")
+            ]
+        for what, value in given:
+            right, left = value(x), value(-x)
+            if np.abs(right - left).max() > 1e-9 * max(np.abs(right).max(), np.abs(left).max()):
+                raise SceneError(f"interface: the {what} is not even in x; set even = false.")
 
     def _memories(
         self, horizon: float, tolerance: float
@@ -285,7 +309,10 @@ class Stepper:
     def _convergent(self, now: State, speed: Array) -> float:
         """Return the step up to which the iteration of a step converges at the speed of a state."""
         slope = np.asarray(self.law.rate_slope(now.felt, speed, now.state))
-        least = float(slope.min()) if self.touching.all() else 0.0
+        # Faces of slots that only slip are solved for (`freed_rate`); those that part as well are
+        # not, and have no friction that rises with slip rate.
+        iterated = self._has_slots and self.unilateral is not None
+        least = 0.0 if iterated else float(slope.min())
         return self._bound * (max(least, 0.0) + self.impedance)
 
     def advance(self, now: State, stop: float) -> tuple[State, bool]:
@@ -337,6 +364,8 @@ class Stepper:
         amplitudes = self._amplitudes(now.rate)
         past, feedback = self.memory.advance(amplitudes, path)
         line, slot = self.loads(time)
+        # in the shortest steps iterating over the slots converges as well, and costs less
+        solved = rung > 0 and self._has_slots and self.unilateral is None
         old = np.abs(now.rate[self.touching])
         rate = now.rate
         for _ in range(self.sweeps):
@@ -351,6 +380,10 @@ class Stepper:
             state = self._evolved(now, mean, length, faces)
             felt = self._felt(now, mean, length, faces)
             rate, traction = self._balance(stopping, slot, state, felt, faces)
+            if solved:
+                plate, load = self.interface.plate_rate, (line - slot) / self.impedance
+                moved = rate - plate
+                rate = plate + freed_rate(self.grid, self.touching, moved, load, past, feedback)
             amplitudes = self._amplitudes(rate)
         if not math.isfinite(float(amplitudes.sum())):
             raise ComputationError(

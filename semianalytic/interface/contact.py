@@ -91,6 +91,14 @@ class Contact:
         ends = np.array(self.intervals).ravel()
         return np.asarray(ends[np.abs(ends) < length / 2])
 
+    def narrowest(self, length: float) -> float:
+        """Return the width of the narrowest contact, or slot between two, in a period [length]."""
+        ends = self.ends(length)
+        if not len(ends):
+            return length
+        # the period begins again with its first end
+        return float(np.diff([*ends, ends[0] + length]).min())
+
     def misfit(self, length: float, nodes: int) -> float:
         """Return how far the grid of a period has an end of a contact from its place.
 

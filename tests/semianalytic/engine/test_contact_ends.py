@@ -1,5 +1,6 @@
 """Ends of contacts that a grid cannot place: nodes that fit them, and what is said of others."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -91,3 +92,38 @@ def test_displaced_ends_are_told_and_estimated(truth):
     assert "choose 520 nodes" in done.caution
     odd = replace(punch(), length=7.3, even=False, contact=Contact([(-1, 2**0.5)]))
     assert "choose a period" in sf.run(odd, 0.1, 64, estimate=False).caution
+
+
+def test_a_contact_of_few_nodes_is_unresolved_and_gets_enough_by_default():
+    """Two grids that share no node of the contact have nothing to compare."""
+    push = sf.InterfaceLoad(0.5, on="slot")
+    material, law = sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.05)
+    face = sf.Interface(material, law, 16.0, loads=[push], contact=sf.Contact([(-0.11, 0.11)]))
+    words = r"unresolved: a contact or slot of width 0\.22 has 2\.2 nodes; use 584 nodes or more"
+    assert re.match(words, sf.run(face, 0.2, 160).status)
+    assert sf.run(face, 0.2, estimate=False).nodes >= 584
+    with pytest.raises(sf.SceneError, match="no node lies on the contact; use 584 nodes or more"):
+        sf.run(face, 0.2, 144)
+    slot = sf.Interface(
+        material, law, 16.0, loads=[push], contact=sf.Contact([(-6, -0.05), (0.05, 6)])
+    )
+    assert "has 0.8 nodes" in sf.run(slot, 0.2, 128, estimate=False).status
+
+
+@pytest.mark.parametrize(
+    ("fields", "what"),
+    [
+        ({"loads": [sf.InterfaceLoad(lambda x: 0.5 * (x > 1))]}, "shear of a load"),
+        ({"contact": sf.Contact([(1, 3)])}, "contact"),
+        ({"shear": lambda x: 0.1 * x}, "shear"),
+    ],
+)
+def test_what_is_called_even_has_to_be(fields, what):
+    face = sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3), 16.0, even=True, **fields)
+    with pytest.raises(sf.SceneError, match=f"the {what} is not even in x"):
+        sf.run(face, 0.2, 64)
+
+
+def test_nothing_is_known_beyond_the_period():
+    done = sf.run(sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3), 16.0), 0.1, 16)
+    assert np.isnan(done.at(done.slip, [-8.1, 0.0, 100.0])).tolist()[-1] == [True, False, True]

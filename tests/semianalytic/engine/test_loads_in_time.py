@@ -156,7 +156,7 @@ def test_slots_take_no_work_of_adhesion():
     [
         ((9, 12), "the contact 9 to 12 leaves the period, -8 to 8; raise `length`"),
         ((6, 10), "the contact 6 to 10 leaves the period"),
-        ((0.01, 0.02), "no node lies on the contact; use 1600 nodes or more"),
+        ((0.01, 0.02), "no node lies on the contact; use 12800 nodes or more"),
     ],
 )
 def test_contacts_without_a_node_are_refused(contact, words):
