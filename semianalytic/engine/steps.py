@@ -27,8 +27,9 @@ from semianalytic.engine.tuning import (
     TOLERANCE,
 )
 from semianalytic.engine.window import check_window
+from semianalytic.memory.exponentials import fit_memory, fit_shared
+from semianalytic.memory.impedance import Antiplane, InPlane, Opening
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.spacetime.exponentials import Antiplane, InPlane, Opening, fit_memory, fit_shared
 from semianalytic.spacetime.line import area_means
 
 Array = NDArray[np.float64]

@@ -15,7 +15,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.spacetime.exponentials import Opening, fit_memory
+from semianalytic.memory.exponentials import fit_memory
+from semianalytic.memory.impedance import Opening
 from semianalytic.spacetime.grid_loads import (
     FrontLoad,
     FrontPressure,

@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.memory.cosines import cosines, from_cosines
+from semianalytic.memory.exponentials import Memory
+from semianalytic.memory.recursion import Recursion
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.exponentials import Memory
-from semianalytic.spacetime.recursion import Recursion, cosines, from_cosines
 from semianalytic.spacetime.tuning import (
     BLOCK_VALUES,
     EXACT_KINKS,

@@ -29,6 +29,9 @@ from os import PathLike
 
 import numpy as np
 
+from semianalytic.memory.exponentials import Memory, fit_memory
+from semianalytic.memory.impedance import impedance_of
+from semianalytic.memory.tuning import LARGEST_FEEDBACK
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
@@ -38,7 +41,6 @@ from semianalytic.scene.named import checked_scene, of_scene
 from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.advancing import advance, loads_on_grid
-from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
 from semianalytic.spacetime.march_memory import check_size, extents
 from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
 from semianalytic.spacetime.resolution import (
@@ -52,7 +54,6 @@ from semianalytic.spacetime.tuning import (
     DAMPING,
     FIRST_NODES,
     GROWTH_MARGIN,
-    LARGEST_FEEDBACK,
     LARGEST_GROWTH,
     LARGEST_STEP_RATIO,
     LEAST_GROWTH,

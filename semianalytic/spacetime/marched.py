@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.memory.exponentials import Memory
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.notebook import html_table
@@ -22,7 +23,6 @@ from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions, scene_document, scene_from_document
 from semianalytic.scene.units import unit
-from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.marched_bodies import MarchedBodies
 from semianalytic.spacetime.resolution import (
     Shortfall,

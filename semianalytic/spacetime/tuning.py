@@ -35,12 +35,6 @@ nodes)."""
 STEP_VALUES = 1 << 15
 """Slip rates in a block of steps, so that its five fields stay in the cache: with half of it a
 march takes 1.1 times as long, with twice as many no longer (1,024 nodes)."""
-MEMORY_STEPS = 4
-"""Steps after which the memory is brought up to date: with 2 the memory takes 1.5 times as long,
-with 8 three quarters (400 grid nodes; from 1,600 on the three differ by a fifth).  Each step needs
-16 bytes per pole and node."""
-LARGEST_FEEDBACK = 0.95
-"""Largest feedback of the shortest wave: the iteration of a step diverges from 1 on."""
 AVERAGED_BREAKS = 2
 """Number of breaks of a load within a step from which on a level takes the mean: values at the
 levels represent one kink, but not several."""
@@ -91,17 +85,6 @@ GROWTH_MARGIN = 1.15
 """Factor by which the error aimed at lies below `rtol`."""
 ORDERS = (0.5, 2.0)
 """Range within which the order seen in two marches is believed; 0.7 to 1.4 are measured."""
-
-# --- the memory as a sum of exponentials ------------------------------------------------------
-
-SAMPLES = 60
-"""Points of the transform on each of five stretches; the fit is checked on four times as many."""
-MOST_PAIRS = 60
-"""Largest number of pairs of conjugate poles; the finest tolerance takes 45 poles."""
-FAR_SAMPLE = 30.0
-"""Largest s of samples: 1.5/s^2, the tail of G - 1, is right to 0.1 % there (nu = 1/3)."""
-SHORTEST_SAMPLE = 0.1
-"""Smallest distance of samples to the branch points, over 1 / horizon."""
 
 # --- what a grid follows ----------------------------------------------------------------------
 
@@ -195,6 +178,3 @@ EDGE_SHARE = 1.0
 """Distance from the edge, over 1 / the highest wavenumber, within which the sum takes nothing more
 off the stuck intensity: at a twentieth of the shortest wave stress is off by 1 to 2 times itself
 (`preloaded`), with 0.6 or 2.4 up to 2.5 times, and by 5 times without."""
-LEAST_KERNEL = 1e-3
-"""Least size of one of several kernels, over that of the largest, to which its error is relative:
-smaller ones do not matter to the march, and rounding of 1e-11 of the largest hides them."""

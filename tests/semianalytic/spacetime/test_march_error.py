@@ -31,10 +31,10 @@ from semianalytic import (
     solve,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.memory.impedance import InPlane
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.named import find_scene
 from semianalytic.spacetime import march as march_module
-from semianalytic.spacetime.exponentials import InPlane
 from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, MOST_NODES, READING_SAFETY
 from slipfront.cli.commands import main
 
