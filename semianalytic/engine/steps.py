@@ -30,7 +30,7 @@ from semianalytic.engine.window import check_window
 from semianalytic.memory.exponentials import fit_memory, fit_shared
 from semianalytic.memory.impedance import Antiplane, InPlane, Opening
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.spacetime.line import area_means
+from semianalytic.spacetime.grid.line import area_means
 
 Array = NDArray[np.float64]
 

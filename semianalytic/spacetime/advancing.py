@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
-from semianalytic.spacetime.grid_loads import (
+from semianalytic.spacetime.grid.grid_loads import (
     FrontLoad,
     FrontPressure,
     GridPressure,

@@ -15,7 +15,7 @@ The cosine series is even about both ends of the grid and so mirrors the scene t
 long enough that no wave from x = 0 returns from a mirror to the observed length before the latest
 time.  Jumps of the loads fall on time levels; between them a level takes the load at its time, or
 the exact mean over a step that holds several samples of a table.  Loads that turn faster than the
-grid can follow are refused (`resolution`).  See docs/spacetime.md, "Method".
+grid can follow are refused (`grid.resolution`).  See docs/spacetime.md, "Method".
 """
 
 from __future__ import annotations
@@ -41,14 +41,15 @@ from semianalytic.scene.named import checked_scene, of_scene
 from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.advancing import advance, loads_on_grid
-from semianalytic.spacetime.march_memory import check_size, extents
-from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
-from semianalytic.spacetime.resolution import (
+from semianalytic.spacetime.grid.resolution import (
     check_loads,
     check_weakening_seen,
     nodes_for_weakening,
     nodes_for_zone,
 )
+from semianalytic.spacetime.grid.tuning import STEP_RATIO
+from semianalytic.spacetime.march_memory import check_size, extents
+from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
 from semianalytic.spacetime.stepping import check_levels, segments_between
 from semianalytic.spacetime.tuning import (
     DAMPING,
@@ -62,7 +63,6 @@ from semianalytic.spacetime.tuning import (
     MOST_NODES,
     NODES,
     ORDERS,
-    STEP_RATIO,
     TOLERANCE,
     TOLERANCES,
 )

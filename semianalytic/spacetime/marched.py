@@ -23,17 +23,11 @@ from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions, scene_document, scene_from_document
 from semianalytic.scene.units import unit
-from semianalytic.spacetime.marched_bodies import MarchedBodies
-from semianalytic.spacetime.resolution import (
-    Shortfall,
-    advice,
-    coarse_weakening,
-    missed_zone,
-)
+from semianalytic.spacetime.bodies.marched_bodies import MarchedBodies
+from semianalytic.spacetime.bodies.tuning import FIELD_POINTS, FIELD_SMOOTHING
+from semianalytic.spacetime.grid.resolution import Shortfall, advice, coarse_weakening, missed_zone
 from semianalytic.spacetime.tuning import (
     ERROR_SAFETY,
-    FIELD_POINTS,
-    FIELD_SMOOTHING,
     HIGHEST_ORDER,
     LARGEST_ERROR,
     MEMORY_SAFETY,

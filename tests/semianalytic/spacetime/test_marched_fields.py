@@ -20,7 +20,7 @@ from semianalytic import (
 )
 from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.scene.named import find_scene
-from semianalytic.spacetime import wavefield
+from semianalytic.spacetime.bodies import wavefield
 
 QUANTITIES = ("velocity", "stress", "displacement")
 HARD = {"friction": 300.0, "base": (3.0, 0.3)}

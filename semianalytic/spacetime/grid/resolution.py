@@ -25,7 +25,7 @@ from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.tuning import (
+from semianalytic.spacetime.grid.tuning import (
     HALVINGS,
     LARGEST_TURN,
     LEAST_TIMES,

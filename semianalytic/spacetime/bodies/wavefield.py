@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.halfplane.rayleigh import Mode
-from semianalytic.spacetime.tuning import (
+from semianalytic.spacetime.bodies.tuning import (
     FADE,
     FIELD_BLOCK,
     FIELD_CROWD,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.friction import CoulombFriction, RateFriction
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.tuning import AREA
+from semianalytic.spacetime.grid.tuning import AREA
 
 Array = NDArray[np.float64]
 

@@ -22,9 +22,9 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material, Scene
-from semianalytic.spacetime.remainder import Remainder, SlotLoad, far_traction
-from semianalytic.spacetime.tuning import EDGE_SHARE
-from semianalytic.spacetime.wavefield import Quantity, Spectrum, evaluated
+from semianalytic.spacetime.bodies.remainder import Remainder, SlotLoad, far_traction
+from semianalytic.spacetime.bodies.tuning import EDGE_SHARE
+from semianalytic.spacetime.bodies.wavefield import Quantity, Spectrum, evaluated
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

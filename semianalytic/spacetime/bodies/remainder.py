@@ -27,15 +27,15 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.resolution import nodes_for_loads
-from semianalytic.spacetime.tuning import FIELD_MARGIN, FIELD_NODES, FIELD_VALUES
-from semianalytic.spacetime.wavefield import (
+from semianalytic.spacetime.bodies.tuning import FIELD_MARGIN, FIELD_NODES, FIELD_VALUES
+from semianalytic.spacetime.bodies.wavefield import (
     Spectrum,
     Window,
     along_line,
     kept_wavenumbers,
     tapered,
 )
+from semianalytic.spacetime.grid.resolution import nodes_for_loads
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

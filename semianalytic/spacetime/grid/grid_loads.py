@@ -24,7 +24,7 @@ from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.recursion import Recursion
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.tuning import (
+from semianalytic.spacetime.grid.tuning import (
     BLOCK_VALUES,
     EXACT_KINKS,
     SWEEPS,
