@@ -24,8 +24,9 @@ from semianalytic.spacetime.grid.grid_loads import (
     NodalPressure,
     table_bytes,
 )
+from semianalytic.spacetime.march_error import Departure
 from semianalytic.spacetime.march_memory import affordable_every, state_bytes
-from semianalytic.spacetime.marched import Departure, Marched
+from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.stepping import Segment, Walk, segments_between
 from semianalytic.spacetime.tuning import TOLERANCES

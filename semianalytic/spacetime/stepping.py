@@ -24,8 +24,9 @@ from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid.grid_loads import FrontLoad, NodalPressure
 from semianalytic.spacetime.grid.line import Level, Line
 from semianalytic.spacetime.grid.tuning import SWEEPS
-from semianalytic.spacetime.marched import Marched, MarchState
+from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.record import MarchRecord
+from semianalytic.spacetime.state import MarchState
 from semianalytic.spacetime.tuning import AVERAGED_BREAKS, BLOCK_STEPS, STEP_VALUES
 
 Array = NDArray[np.float64]

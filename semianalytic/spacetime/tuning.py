@@ -12,9 +12,6 @@ NODES = 1000
 LEAST_NODES = 16
 MOST_NODES = 8000
 """Largest number of nodes that a march chooses by itself, some 20 seconds of work."""
-MARGIN_NODES = 8
-"""Nodes beyond the reach of waves on either side.  Without any, 6e-4 of the largest slip rate comes
-back from the mirrors (`remote-shock`, 400 nodes); from two on nothing changes."""
 LARGEST_STEP_RATIO = 2.0
 """Largest c_t dt / h that is tried; the feedback refuses 0.5 to 0.7 or more, by Poisson ratio."""
 DAMPING = 0.7

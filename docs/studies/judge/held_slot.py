@@ -13,7 +13,7 @@ from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import impedance_of
 from semianalytic.memory.recursion import Recursion
-from semianalytic.spacetime.march import causal_grid
+from semianalytic.spacetime.grid.nodes import causal_grid
 
 Array = NDArray[np.float64]
 

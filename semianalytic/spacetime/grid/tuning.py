@@ -5,6 +5,12 @@ Measurements are those of docs/spacetime.md unless stated otherwise.
 
 from __future__ import annotations
 
+# --- the length of the grid ---------------------------------------------------------------
+
+MARGIN_NODES = 8
+"""Nodes beyond the reach of waves on either side.  Without any, 6e-4 of the largest slip rate comes
+back from the mirrors (`remote-shock`, 400 nodes); from two on nothing changes."""
+
 # --- a step on the grid -------------------------------------------------------------------------
 
 SWEEPS = 2

@@ -14,7 +14,7 @@ from semianalytic.memory.impedance import Antiplane
 from semianalytic.reference import antiplane_slip, antiplane_slip_rate
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.scene import MODES
-from semianalytic.spacetime.march import causal_grid
+from semianalytic.spacetime.grid.nodes import causal_grid
 
 
 def antiplane(friction, base=(1.0, 0.0), load=(0.0, 1.0), **parts):
