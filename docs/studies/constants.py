@@ -35,7 +35,7 @@ from semianalytic import (
     solve,
     sweep,
 )
-from semianalytic.cut import panels
+from semianalytic.cut.quadrature import panels
 from semianalytic.selfsimilar import tuning as solver_tuning
 from semianalytic.sweeps import tuning as sweep_tuning
 

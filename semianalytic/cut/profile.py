@@ -13,10 +13,11 @@ from functools import cached_property
 import numpy as np
 
 from semianalytic.cut import tuning
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, per_set
-from semianalytic.cut.panels import Panels, lay_panels
-from semianalytic.cut.running import Power, RunningIntegral
+from semianalytic.cut.quadrature.layout import Zone
+from semianalytic.cut.quadrature.panels import Panels, lay_panels
+from semianalytic.cut.quadrature.running import Power, RunningIntegral
+from semianalytic.cut.quadrature.tuning import LEAST_SHARE
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
@@ -414,7 +415,7 @@ class Profile:
             # Beside the left end the running integral has lost its digits to rounding; there it is
             # the density times the distance.
             if power.at_left:
-                near = power.share(panels) < tuning.LEAST_SHARE
+                near = power.share(panels) < LEAST_SHARE
                 left[near] = (density * panels.from_left)[i, near]
             lost[i] += panels.rule.spacing * np.sum(left * by_y)
             lost[i] += 0.0 if power.at_left else whole[i] * float(power.total)

@@ -10,7 +10,7 @@ import numpy as np
 
 from semianalytic.cut import tuning
 from semianalytic.cut.profile import Profile
-from semianalytic.cut.running import Power
+from semianalytic.cut.quadrature.running import Power
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.rules import Rule, finer_rule
 

@@ -18,9 +18,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import per_set
-from semianalytic.cut.running import Power, RunningIntegral, split_power
+from semianalytic.cut.quadrature.layout import Zone
+from semianalytic.cut.quadrature.running import Power, RunningIntegral, split_power
 from semianalytic.cut.slopes import ZoneSlopes
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import Array, CutPoints

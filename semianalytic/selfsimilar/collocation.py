@@ -18,8 +18,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError

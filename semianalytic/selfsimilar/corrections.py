@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import Violation

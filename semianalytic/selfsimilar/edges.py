@@ -9,8 +9,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, per_set
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule

@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material

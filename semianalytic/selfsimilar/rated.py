@@ -18,11 +18,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.cut.layout import Layout, Zone, lies_between
 from semianalytic.cut.load import Load
-from semianalytic.cut.panels import Panels
 from semianalytic.cut.profile import Profile
-from semianalytic.cut.running import RunningIntegral
+from semianalytic.cut.quadrature.layout import Layout, Zone, lies_between
+from semianalytic.cut.quadrature.panels import Panels
+from semianalytic.cut.quadrature.running import RunningIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import REACH, Rule, rule_for

@@ -15,9 +15,9 @@ from time import perf_counter
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, check_pressure, contact_opens, scaled_load
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for

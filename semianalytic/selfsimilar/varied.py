@@ -20,9 +20,9 @@ from functools import cached_property
 import numpy as np
 
 from semianalytic.cut.node_fields import NodeFields
-from semianalytic.cut.panels import Panels
 from semianalytic.cut.profile import Profile
-from semianalytic.cut.running import Power, RunningIntegral
+from semianalytic.cut.quadrature.panels import Panels
+from semianalytic.cut.quadrature.running import Power, RunningIntegral
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.variation import Variation

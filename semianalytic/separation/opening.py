@@ -21,8 +21,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import normal_load
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for

@@ -11,8 +11,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for

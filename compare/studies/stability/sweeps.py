@@ -20,9 +20,9 @@ from compare.studies.stability.methods import (
     zigzag,
 )
 from semianalytic import Material, Solution, regimes, solve
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for

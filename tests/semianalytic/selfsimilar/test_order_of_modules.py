@@ -10,11 +10,12 @@ import semianalytic
 HOUSE = Path(semianalytic.__file__).parent
 FOLDERS = ("cut", "separation", "selfsimilar")
 STAGES = (
+    "cut.quadrature.tuning",
+    "cut.quadrature.layout",
+    "cut.quadrature.panels",
+    "cut.quadrature.running",
     "cut.tuning",
-    "cut.layout",
     "cut.load",
-    "cut.panels",
-    "cut.running",
     "cut.canonical",
     "cut.strength",
     "cut.given_zones",
@@ -45,8 +46,11 @@ def neighbours(source):
             continue
         _, *rest = node.module.split(".")
         if rest and rest[0] in FOLDERS:
-            names = rest[1:] or [alias.name for alias in node.names]
-            yield from (f"{rest[0]}.{name}" for name in names)
+            folder = ".".join(rest)
+            if (HOUSE / f"{folder.replace('.', '/')}.py").exists():
+                yield folder
+            else:  # modules themselves are imported from their folder
+                yield from (f"{folder}.{alias.name}" for alias in node.names)
 
 
 def source(module):

@@ -13,7 +13,7 @@ from itertools import groupby
 
 import numpy as np
 
-from semianalytic.cut import tuning
+from semianalytic.cut.quadrature import tuning
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 
 

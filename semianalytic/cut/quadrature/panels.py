@@ -20,8 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from semianalytic.cut import tuning
-from semianalytic.cut.layout import Layout, Pairs, Zone, outline
+from semianalytic.cut.quadrature import tuning
+from semianalytic.cut.quadrature.layout import Layout, Pairs, Zone, outline
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, finer_rule
 

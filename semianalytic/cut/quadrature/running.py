@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut import tuning
-from semianalytic.cut.panels import Panels
+from semianalytic.cut.quadrature import tuning
+from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 
 
