@@ -9,6 +9,7 @@ import numpy as np
 
 from semianalytic.cut.load import per_set
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.totals import contact_integral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
@@ -112,7 +113,7 @@ def _share_of_power(fine: ZoneFields, coarse: ZoneFields) -> float:
     if fine.layout.pole < 0 or fine.load.resists_rate or fine.load.frictionless:
         return 0.0
     profiles = [Profile(one) for one in (fine, coarse)]
-    own, other = (one.contact_integral(one.strength_at_nodes) for one in profiles)
+    own, other = (contact_integral(one, one.strength_at_nodes) for one in profiles)
     return abs(own - other) / own if own > 0 else 0.0
 
 

@@ -12,7 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.cut.profile import Profile
-from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
+from semianalytic.cut.slot_faces import SlotFaces
+from semianalytic.cut.totals import (
+    contact_integral,
+    dissipation,
+    largest_slip_over_time,
+    slipped_rate,
+)
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import (
@@ -509,7 +515,7 @@ class Solution:
     @cached_property
     def _whole_power(self) -> float:
         """Frictional power over time, in units of `profile`."""
-        return self.profile.contact_integral(self.profile.carried_at_nodes)
+        return contact_integral(self.profile, self.profile.carried_at_nodes)
 
     @cached_property
     def _whole_rate(self) -> float:
@@ -648,6 +654,10 @@ class Solution:
         """
         return self._bodies.error + self.error_estimate
 
+    @cached_property
+    def _slot_faces(self) -> SlotFaces:
+        return SlotFaces(self.profile.fields)
+
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Return the particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 
@@ -668,7 +678,7 @@ class Solution:
             return rows[-1 if self.scene.antiplane else 0], rows[1]
         # The velocity of one face has half the unit of the relative slip rate.
         unit = self._rate_unit / 2
-        both = self._evaluate(-x, t, lambda v: np.stack(self.profile.slot_velocity(v)))
+        both = self._evaluate(-x, t, lambda v: np.stack(self._slot_faces.velocity(v)))
         tangential, normal = both
         return unit * tangential, unit * normal
 

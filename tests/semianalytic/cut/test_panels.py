@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from semianalytic.cut.quadrature import tuning
+from semianalytic.cut.quadrature.laying import lay_panels
 from semianalytic.cut.quadrature.layout import Zone
-from semianalytic.cut.quadrature.panels import lay_panels
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 
