@@ -33,9 +33,9 @@ from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
 
@@ -171,7 +171,11 @@ _LATER = {
     "semianalytic.inversion.priors": ("LogNormal", "Normal", "Uniform"),
     "semianalytic.inversion.unknowns": ("Setup",),
     "semianalytic.prediction": ("predict",),
-    "semianalytic.selfsimilar.derivative": ("Derivative", "OpenDerivative", "ZoneDerivative"),
+    "semianalytic.selfsimilar.derivatives.derivative": (
+        "Derivative",
+        "OpenDerivative",
+        "ZoneDerivative",
+    ),
     "semianalytic.spacetime.march": ("march", "march_on"),
     "semianalytic.spacetime.marched": ("Marched",),
     "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
@@ -218,7 +222,11 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.inversion.priors import LogNormal, Normal, Uniform
     from semianalytic.inversion.unknowns import Setup
     from semianalytic.prediction import predict
-    from semianalytic.selfsimilar.derivative import Derivative, OpenDerivative, ZoneDerivative
+    from semianalytic.selfsimilar.derivatives.derivative import (
+        Derivative,
+        OpenDerivative,
+        ZoneDerivative,
+    )
     from semianalytic.spacetime.march import march, march_on
     from semianalytic.spacetime.marched import Marched
     from semianalytic.sweeps.sweep import Sweep, sweep

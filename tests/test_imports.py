@@ -312,10 +312,10 @@ def test_meshes_know_nothing_of_the_solvers():
 _DERIVATIVES = (
     "cut.node_fields",
     "cut.rates",
-    "selfsimilar.derivative",
-    "selfsimilar.parameters",
-    "selfsimilar.variation",
-    "selfsimilar.varied",
+    "selfsimilar.derivatives.derivative",
+    "selfsimilar.derivatives.parameters",
+    "selfsimilar.derivatives.variation",
+    "selfsimilar.derivatives.varied",
 )
 LATER = (
     "dissimilar",

@@ -5,7 +5,7 @@ function X, which determines the behaviour at each edge; `transform` forms T = s
 whose sources of C `strength` holds the pressure; `slopes` turns T into those of slip rate and
 traction; and here the slip rate is made to vanish where it must, and the conditions at the edges
 are formed. `ZoneFields.mismatch` is what is left of these; Newton's method forms its Jacobian from
-neighbouring zones (`selfsimilar.edges`).
+neighbouring zones (`selfsimilar.zones.edges`).
 
 Slip that meets resistance has an additional term r / (k + e) of T where it borders on an opening:
 V, or its finite part, is 0 there (docs/rate.md, "A film that opens"). So has a zone that ends with

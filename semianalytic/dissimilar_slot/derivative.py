@@ -31,8 +31,8 @@ from semianalytic.dissimilar_slot.profile import GAP, NORMAL, OPENING, RATE, SHE
 from semianalytic.dissimilar_slot.zones import Coordinates, edges_of
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.selfsimilar.derivative import OpenDerivative, ZoneDerivative
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, is_open, over_slowness
+from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative, ZoneDerivative
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
 _POINTS, _WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 """A central difference of fourth order."""

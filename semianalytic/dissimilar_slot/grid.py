@@ -27,7 +27,7 @@ from semianalytic.dissimilar_slot.interface import Interface, rayleigh_slowness
 from semianalytic.dissimilar_slot.zones import Zone
 from semianalytic.halfplane.rayleigh import Array, gauss
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.collocation import lemke
+from semianalytic.selfsimilar.zones.collocation import lemke
 
 _GAUSS = 6
 """Gauss points per element; the grid for identical bodies has as many."""
@@ -40,7 +40,7 @@ _TOLERANCE = 1e-8
 percent."""
 _EDGE_SHARE, _EDGE_SLOPE, _RATIO_UNKNOWN, _MOST_SHARE = 0.25, 0.75, 0.5, 0.95
 """Place of an edge between two nodes, from the ratio of the two outermost rates, as on the grid for
-identical bodies (`semianalytic.selfsimilar.tuning`)."""
+identical bodies (`semianalytic.selfsimilar.zones.tuning`)."""
 _HALF_GAP, _HALF_SLIP = 0.1, 0.3
 """Half widths of the stick between slip of opposite senses, and of the slip put beside an opening,
 over the distance of the nodes.  Newton's method finds the true widths."""

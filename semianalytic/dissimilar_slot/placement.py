@@ -34,7 +34,7 @@ from semianalytic.dissimilar_slot.zones import (
     neighbours,
 )
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.selfsimilar.edges import broyden
+from semianalytic.selfsimilar.zones.edges import broyden
 
 _SPACING = 0.36
 """Spacing of x along a half circle, which keeps pi / 2 from singularities: exp(-pi^2 / 0.36)

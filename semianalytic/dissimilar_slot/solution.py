@@ -28,7 +28,7 @@ from semianalytic.results.reading import Reading, first_times, self_similar_read
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.quantities import asked_in_units
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, is_open, over_slowness
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
 if TYPE_CHECKING:  # imported where it is asked for, for a quick import
     from semianalytic.dissimilar_slot.bodies import PairBodies

@@ -13,7 +13,7 @@ from semianalytic.scene.friction import CoulombFriction, ViscousFriction
 from semianalytic.scene.incident import GRAZING, OF_FRONT, IncidentWave, MovingLoad
 from semianalytic.scene.named import override_scene
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.parameters import PARAMETERS, parameter
+from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS, parameter
 
 MATERIAL = ("shear_modulus", "density")
 """Parameters of the scene that by similarity change nothing but units."""

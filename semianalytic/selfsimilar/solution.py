@@ -44,14 +44,14 @@ from semianalytic.scene.loading import Tractions
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, is_open, motion, over_slowness
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, motion, over_slowness
 from semianalytic.separation.normal import Normal
 
 if TYPE_CHECKING:  # imported where they are asked for, for a quick import
     from semianalytic.field.bodies import Bodies
-    from semianalytic.selfsimilar.derivative import Derivative
-    from semianalytic.selfsimilar.variation import Surroundings
+    from semianalytic.selfsimilar.derivatives.derivative import Derivative
+    from semianalytic.selfsimilar.derivatives.variation import Surroundings
 
 
 @dataclass(frozen=True)
@@ -545,8 +545,8 @@ class Solution:
     @cached_property
     def _surroundings(self) -> Surroundings:
         """Neighbouring sets of zones, which all derivatives share."""
-        from semianalytic.selfsimilar.parameters import at_the_front
-        from semianalytic.selfsimilar.variation import Surroundings
+        from semianalytic.selfsimilar.derivatives.parameters import at_the_front
+        from semianalytic.selfsimilar.derivatives.variation import Surroundings
 
         return Surroundings(at_the_front(self.profile))
 
@@ -574,7 +574,7 @@ class Solution:
         ComputationError
             If the zones on either side are of another kind, however near.
         """
-        from semianalytic.selfsimilar.derivative import Known, differentiated
+        from semianalytic.selfsimilar.derivatives.derivative import Known, differentiated
 
         # `differentiated` gets plain numbers, so that its module need not import this one.
         zones = tuple((zone.inner, zone.outer, zone.sense) for zone in self.zones)
@@ -584,7 +584,7 @@ class Solution:
     @cached_property
     def _bodies(self) -> Bodies:
         from semianalytic.field.bodies import Bodies
-        from semianalytic.selfsimilar.rated import on_any_panels
+        from semianalytic.selfsimilar.rated.rated import on_any_panels
 
         fields = on_any_panels(self.profile)
         # Transforms that grow like k^(1/2) lose some digits far out: the bodies use a finer rule.

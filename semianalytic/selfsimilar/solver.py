@@ -31,21 +31,7 @@ from semianalytic.scene.friction import (
 )
 from semianalytic.scene.named import checked_scene
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.corrections import corrected, rearranged
-from semianalytic.selfsimilar.coulomb import violations
-from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of, polish_edges
-from semianalytic.selfsimilar.estimate import (
-    intensity_gain,
-    loose_tolerance,
-    missed_slip,
-    narrowness,
-    numerical_error,
-    slip_gain,
-)
-from semianalytic.selfsimilar.guesses import guesses
-from semianalytic.selfsimilar.motion import slip_zones
-from semianalytic.selfsimilar.rated import (
+from semianalytic.selfsimilar.rated.rated import (
     always_cut_off,
     approached,
     check_rated,
@@ -55,6 +41,20 @@ from semianalytic.selfsimilar.rated import (
     unsettled,
 )
 from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.corrections import corrected, rearranged
+from semianalytic.selfsimilar.zones.coulomb import violations
+from semianalytic.selfsimilar.zones.edges import Placement, locate_edges, placement_of, polish_edges
+from semianalytic.selfsimilar.zones.estimate import (
+    intensity_gain,
+    loose_tolerance,
+    missed_slip,
+    narrowness,
+    numerical_error,
+    slip_gain,
+)
+from semianalytic.selfsimilar.zones.guesses import guesses
+from semianalytic.selfsimilar.zones.motion import slip_zones
 from semianalytic.separation.normal import with_opening
 
 _log = logging.getLogger(__name__)

@@ -16,7 +16,7 @@ from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, MODES, Material, Tractions
 from semianalytic.scene.units import SI
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.growing_zone import GrowingZone, growing_zone
 from semianalytic.whole_line.solution import finite_points
 

@@ -13,7 +13,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import SceneError
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.line import Patch, PointForce, WholeLine
 from semianalytic.whole_line.spreading import Spreading
 

@@ -32,7 +32,7 @@ from semianalytic.reference import (
 )
 from semianalytic.regimes import Loading, one_zone, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.tuning import CLEAR_OF_EDGES
+from semianalytic.selfsimilar.zones.tuning import CLEAR_OF_EDGES
 
 RTOL = 1e-10
 

@@ -12,7 +12,7 @@ from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.selfsimilar.collocation import slip_grid
+from semianalytic.selfsimilar.zones.collocation import slip_grid
 
 RULE = rule_for(1e-12)
 

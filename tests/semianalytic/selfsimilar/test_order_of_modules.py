@@ -29,15 +29,15 @@ STAGES = (
     "separation.tuning",
     "separation.opening",
     "separation.normal",
-    "selfsimilar.tuning",
-    "selfsimilar.edges",
-    "selfsimilar.coulomb",
-    "selfsimilar.collocation",
-    "selfsimilar.guesses",
-    "selfsimilar.motion",
-    "selfsimilar.corrections",
-    "selfsimilar.estimate",
-    "selfsimilar.rated",
+    "selfsimilar.zones.tuning",
+    "selfsimilar.zones.edges",
+    "selfsimilar.zones.coulomb",
+    "selfsimilar.zones.collocation",
+    "selfsimilar.zones.guesses",
+    "selfsimilar.zones.motion",
+    "selfsimilar.zones.corrections",
+    "selfsimilar.zones.estimate",
+    "selfsimilar.rated.rated",
 )
 """In the order of docs/solver.md; `solver` leads through them, `solution` is what it gives."""
 
@@ -67,10 +67,10 @@ def test_a_stage_knows_only_those_before_it(stage):
 
 
 def test_an_import_against_the_order_is_seen():
-    planted = "from semianalytic.selfsimilar import tuning\n" + (
-        "from semianalytic.selfsimilar.guesses import guesses\n"
+    planted = "from semianalytic.selfsimilar.zones import tuning\n" + (
+        "from semianalytic.selfsimilar.zones.guesses import guesses\n"
     )
-    assert list(neighbours(planted)) == ["selfsimilar.tuning", "selfsimilar.guesses"]
+    assert list(neighbours(planted)) == ["selfsimilar.zones.tuning", "selfsimilar.zones.guesses"]
 
 
 def test_the_solver_goes_through_every_stage():

@@ -16,16 +16,16 @@ from semianalytic import (
 )
 from semianalytic.reference import viscous_edge_speed, viscous_slip_rate
 from semianalytic.scene.scene import Material
-from semianalytic.selfsimilar import rated as rated_module
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.edges import polish_edges
-from semianalytic.selfsimilar.rated import (
+from semianalytic.selfsimilar.rated import rated as rated_module
+from semianalytic.selfsimilar.rated.rated import (
     approached,
     rated_zones,
     settled_zones,
     unit_law,
     unsettled,
 )
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.edges import polish_edges
 
 ONE_ZONE = unit_scene(1.0, friction_law=RateWeakening(0.4, 1.0))
 

@@ -14,8 +14,8 @@ from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.guesses import slip_senses
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.guesses import slip_senses
 
 
 @dataclass(frozen=True)

@@ -30,11 +30,11 @@ from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import RateFriction
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.corrections import corrected
-from semianalytic.selfsimilar.coulomb import violations
-from semianalytic.selfsimilar.edges import Placement, locate_edges, polish_edges
-from semianalytic.selfsimilar.estimate import difference
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.corrections import corrected
+from semianalytic.selfsimilar.zones.coulomb import violations
+from semianalytic.selfsimilar.zones.edges import Placement, locate_edges, polish_edges
+from semianalytic.selfsimilar.zones.estimate import difference
 
 _LOCATED, _LEFT = 1e-7, 1e-13  # shifts of edges at which Newton's method and Broyden's end
 

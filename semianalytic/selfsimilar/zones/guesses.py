@@ -32,8 +32,8 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.collocation import GridSlip, is_open, slip_on_grid
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.collocation import GridSlip, is_open, slip_on_grid
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,16 @@ from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.motion import over_slowness
-from semianalytic.selfsimilar.parameters import border, changes, parameter, starts_at_front
-from semianalytic.selfsimilar.variation import Surroundings
-from semianalytic.selfsimilar.varied import VariedProfile
+from semianalytic.selfsimilar.derivatives.parameters import (
+    border,
+    changes,
+    parameter,
+    starts_at_front,
+)
+from semianalytic.selfsimilar.derivatives.variation import Surroundings
+from semianalytic.selfsimilar.derivatives.varied import VariedProfile
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.motion import over_slowness
 
 _TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
 

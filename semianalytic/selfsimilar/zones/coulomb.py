@@ -16,7 +16,7 @@ from semianalytic.cut.load import per_set
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.zones import tuning
 
 _APART = (False, False)
 

@@ -14,8 +14,8 @@ import numpy as np
 from semianalytic.cut.load import Load
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.coulomb import Violation
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.coulomb import Violation
 
 
 def rearranged(

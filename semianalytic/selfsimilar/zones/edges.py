@@ -14,7 +14,7 @@ from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
-from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.zones import tuning
 
 _CLOSEST = 16 * np.finfo(float).eps
 """Least distance of an edge from an end of the opening, over its slowness: where they coincide but

@@ -25,7 +25,7 @@ from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import Power, RunningIntegral
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.selfsimilar.variation import Variation
+from semianalytic.selfsimilar.derivatives.variation import Variation
 
 _CLOSE = 12.0
 """Distance in y from the middle of a panel, and from where its middle is: further out a slope is

@@ -18,8 +18,8 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.incident import OF_FRONT, IncidentWave, MovingLoad
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.coulomb import doubtful, excess_intensity
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.coulomb import doubtful, excess_intensity
 
 PARAMETERS = (
     "friction",

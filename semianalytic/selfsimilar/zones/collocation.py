@@ -23,7 +23,7 @@ from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.zones import tuning
 
 
 @dataclass(frozen=True)

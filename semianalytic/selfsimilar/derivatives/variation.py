@@ -29,8 +29,8 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.edges import Edges, edges_of, linearised
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.edges import Edges, edges_of, linearised
 from semianalytic.separation.normal import with_opening
 
 _OF_SLOWNESS = 0.5
