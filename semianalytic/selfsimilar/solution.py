@@ -584,7 +584,7 @@ class Solution:
     @cached_property
     def _bodies(self) -> Bodies:
         from semianalytic.field.bodies import Bodies
-        from semianalytic.selfsimilar.rated.rated import on_any_panels
+        from semianalytic.selfsimilar.rated.law import on_any_panels
 
         fields = on_any_panels(self.profile)
         # Transforms that grow like k^(1/2) lose some digits far out: the bodies use a finer rule.

@@ -30,7 +30,8 @@ from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_fac
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones import tuning
-from semianalytic.selfsimilar.zones.edges import Edges, edges_of, linearised
+from semianalytic.selfsimilar.zones.edges import Edges, edges_of
+from semianalytic.selfsimilar.zones.placement import linearised
 from semianalytic.separation.normal import with_opening
 
 _OF_SLOWNESS = 0.5

@@ -15,7 +15,8 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.coulomb import largest_excess
-from semianalytic.selfsimilar.zones.edges import Edges, Placement, edge_shift, moves
+from semianalytic.selfsimilar.zones.edges import Edges, edge_shift, moves
+from semianalytic.selfsimilar.zones.placement import Placement
 
 _COMPARED = np.linspace(-7.0, 7.0, 40)
 """Places in y between the nodes of panels at which two rules are compared under a film."""

@@ -31,13 +31,18 @@ STAGES = (
     "separation.normal",
     "selfsimilar.zones.tuning",
     "selfsimilar.zones.edges",
+    "selfsimilar.zones.placement",
     "selfsimilar.zones.coulomb",
     "selfsimilar.zones.collocation",
     "selfsimilar.zones.guesses",
     "selfsimilar.zones.motion",
     "selfsimilar.zones.corrections",
     "selfsimilar.zones.estimate",
-    "selfsimilar.rated.rated",
+    "selfsimilar.rated.law",
+    "selfsimilar.rated.steepness",
+    "selfsimilar.rated.newton",
+    "selfsimilar.rated.approach",
+    "selfsimilar.search",
 )
 """In the order of docs/solver.md; `solver` leads through them, `solution` is what it gives."""
 
