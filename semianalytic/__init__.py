@@ -28,11 +28,12 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.named import find_scene
 from semianalytic.scene.given.solids import find_material
 from semianalytic.scene.incident import IncidentWave, MovingLoad
-from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
-from semianalytic.scene.named import find_scene
+from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.scene.tabulated import Tabulated
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone

@@ -19,7 +19,7 @@ from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
 from semianalytic.results.notebook import html_table
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.named import NAMED_SCENES, checked_scene
+from semianalytic.scene.given.named import NAMED_SCENES, checked_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 

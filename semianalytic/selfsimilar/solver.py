@@ -23,7 +23,7 @@ from semianalytic.scene.friction import (
     RateFriction,
     ViscousFriction,
 )
-from semianalytic.scene.named import checked_scene
+from semianalytic.scene.given.named import checked_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.rated.approach import (
     approached,

@@ -13,7 +13,8 @@ from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.scene import Scene, scene_document, scene_from_document
+from semianalytic.scene.given.documents import scene_document, scene_from_document
+from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid.nodes import Grid
 from semianalytic.spacetime.march_error import Departure
 from semianalytic.spacetime.state import Extremes, MarchState, MarchStatistics

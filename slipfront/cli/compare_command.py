@@ -21,14 +21,14 @@ from compare.output.tables import write_rows
 from semianalytic import Marched, Solution
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
-from semianalytic.scene.named import (
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.named import (
     DEFAULT_SCENE,
     find_scene,
     override_scene,
     scene_folder,
     scene_label,
 )
-from semianalytic.scene.scene import scene_document
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     MESH_OPTIONS,

@@ -23,8 +23,8 @@ from semianalytic.prediction import chosen_method
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
-from semianalytic.scene.named import find_blocks, override_scene, scene_folder, scene_label
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.named import find_blocks, override_scene, scene_folder, scene_label
 from semianalytic.scene.units import unit
 from slipfront.cli.marching import check_rtol
 from slipfront.cli.options import (

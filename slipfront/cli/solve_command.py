@@ -16,12 +16,7 @@ from semianalytic.prediction import chosen_method
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.named import (
-    describes_line,
-    find_blocks,
-    override_scene,
-    scene_label,
-)
+from semianalytic.scene.given.named import describes_line, find_blocks, override_scene, scene_label
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     LOWER_OPTIONS,

@@ -31,7 +31,7 @@ from semianalytic.memory.exponentials import fit_memory
 from semianalytic.reference import DEFAULT_READING, published_grid, published_slip
 from semianalytic.reference.known_answers import published_obstacle, published_unit
 from semianalytic.scene.errors import SlipfrontError
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.selfsimilar.zones.collocation import slip_grid, slip_on_grid
 
 Array = NDArray[np.float64]

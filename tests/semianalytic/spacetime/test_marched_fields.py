@@ -19,7 +19,7 @@ from semianalytic import (
     solve,
 )
 from semianalytic.field.stuck_steps import stuck_step
-from semianalytic.scene.named import find_scene
+from semianalytic.scene.given.named import find_scene
 from semianalytic.spacetime.bodies import wavefield
 
 QUANTITIES = ("velocity", "stress", "displacement")

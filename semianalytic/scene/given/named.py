@@ -16,13 +16,14 @@ from typing import Any
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
+from semianalytic.scene.given.documents import scene_from_document
+from semianalytic.scene.given.load_tables import with_tables
 from semianalytic.scene.incident import IncidentWave, MovingLoad, overridden_load
-from semianalytic.scene.load_tables import with_tables
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.quantities import Function, in_units_of, taking_quantities
-from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
+from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.scene.units import PARAMETERS
 
 TABLES = {
