@@ -34,8 +34,9 @@ from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.scene.tabulated import Tabulated
-from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
+from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked

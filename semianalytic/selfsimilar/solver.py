@@ -43,7 +43,8 @@ from semianalytic.selfsimilar.search import (
     strict_search,
     stricter,
 )
-from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.selfsimilar.solution import Solution
+from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.estimate import (
     loose_tolerance,

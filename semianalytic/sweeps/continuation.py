@@ -23,8 +23,9 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
+from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones.edges import Edges, edges_of, moves
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance
 from semianalytic.selfsimilar.zones.motion import slip_zones
