@@ -92,6 +92,7 @@ def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "
     different = {float(f"{edge:.15g}") for edge in edges if math.isfinite(edge)}
     for digits in range(least, 17):
         if len({f"{one:.{digits}{form}}" for one in different}) == len(different):
+            # One digit more than tells them apart, which shows by how much they differ.
             return digits if digits == least else digits + 1
     return 17
 

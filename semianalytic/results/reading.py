@@ -167,7 +167,10 @@ def self_similar_reading(
         change = np.zeros(value.shape)
         with np.errstate(invalid="ignore"):
             for sign in (-1, 1):
+                # However large the error of an edge, the point stays on the contact.
                 beside = np.asarray(field(np.maximum(x + sign * moved, x / 2), t))
+                # At c_R both may be infinite; `fmax` passes over the difference, which is no
+                # number.
                 change = np.fmax(change, np.abs(beside - value))
             error = share * (np.abs(value) + scales[name]) + change
         at_rest = t < 0
@@ -182,8 +185,10 @@ def _arrival(answer: SelfSimilar, x: Array, of: str, shift: float) -> Measured:
     when = answer.arrival(x, of)
     comes = np.isfinite(when) & (when > 0)
     edge = np.divide(x, when, out=np.full(x.shape, np.inf), where=comes)
+    # An edge that is slower than its own error may never come: there is no latest time.
     bounded = edge > shift
     slowest = np.where(bounded & comes, edge, 1.0) - (shift if math.isfinite(shift) else 0.0)
+    # x / speed is convex: being late is the larger of the two errors.
     late = np.divide(x, slowest, out=np.full(x.shape, np.inf), where=bounded)
     return Measured(when, np.where(comes, late - np.where(comes, when, 0.0), 0.0))
 
@@ -215,6 +220,7 @@ def _around(fine: Array, coarse: Array, x: Array) -> tuple[list[Array], float]:
     step = float(coarse[1] - coarse[0]) if len(coarse) > 1 else float(coarse[0])
     # The contact that both answers know ends one node distance beyond the last node.
     reach = min(nodes[-1] + nodes[0] for nodes in (fine, coarse))
+    # Near either end the stencil is folded onto the contact that both answers know.
     return [np.clip(x + k * step, np.minimum(x, step / 8), reach) for k in _STENCIL], step
 
 

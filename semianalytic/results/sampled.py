@@ -191,6 +191,8 @@ class SampledAnswer:
     def _between_nodes(self, x: Array, onset: Array) -> Array:
         """Interpolate times (n,) at the nodes, some of which may be inf."""
         left, right, along = _between(self.interface.x, x)
+        # A node that never begins has inf, which a mean would pass on: the nearer node decides
+        # then.
         nearest = np.where(along < 0.5, onset[left], onset[right])
         both = np.isfinite(onset[left]) & np.isfinite(onset[right])
         first, second = (np.where(both, onset[side], 0.0) for side in (left, right))
@@ -207,6 +209,7 @@ class SampledAnswer:
             return np.where(opened.any(axis=0), seen.t[opened.argmax(axis=0)], np.inf)
         rate = {"forward": 1.0, "reverse": -1.0}.get(of, 0.0) * seen.slip_rate
         rate = np.maximum(rate, 0.0) if of != "slip" else np.abs(seen.slip_rate)
+        # Measured by what was until then, so that later and larger slip does not delay an onset.
         largest = np.maximum.accumulate(np.abs(seen.slip_rate).max(axis=1, initial=0.0))
         # rounding moves nodes of elements before any slip, when nothing larger was there
         threshold = np.maximum(share * largest, _NO_SLIP * largest[-1])[:, None]
@@ -214,6 +217,7 @@ class SampledAnswer:
         level = begun.argmax(axis=0)
         before, node = np.maximum(level - 1, 0), np.arange(len(seen.x))
         late, speed = rate[before, node], rate[level, node]
+        # At the first level, or after a jump, there is no earlier value to interpolate from.
         rise = np.where(speed > late, speed - late, 1.0)
         along = np.clip((threshold[level, 0] - late) / rise, 0.0, 1.0)
         times = seen.t[before] + (seen.t[level] - seen.t[before]) * along
@@ -255,6 +259,7 @@ class SampledAnswer:
             return ()
         seen = self.interface
         least = _NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
+        # Open sides move along one another without friction, which is no slip of the contact.
         rubbing = np.where(self.gap(seen.x, t) > 0, 0.0, self.slip_rate(seen.x, t))
         openings, near = self.openings_at(t), _EDGE_STEPS * float(seen.x[0])
         return tuple(
@@ -386,6 +391,7 @@ def _runs(kind: NDArray[Any]) -> Iterator[NDArray[np.intp]]:
 
 def _ends(x: Array, straight: Array, run: NDArray[np.intp]) -> tuple[float, float]:
     """Return the ends of a run of samples whose values fall to zero along straight lines."""
+    # `_edge` looks from an edge inward; for the right end that is backwards.
     inward = run[::-1]
     start = _edge(x[run], straight[run]) if run[0] else 0.0
     end = _edge(x[inward], straight[inward]) if run[-1] < len(x) - 1 else math.inf
@@ -411,6 +417,7 @@ def _edge(x: Array, straight: Array) -> float:
     first, second = straight[:2].tolist()
     step = float(x[1] - x[0])
     steps = first / (second - first) if second > first else 0.0
+    # Samples that hardly fall say little about the end, which the next sample in stick bounds.
     return float(x[0]) - min(steps, _EDGE_STEPS) * step
 
 
@@ -431,6 +438,8 @@ def _check_positions(x: Array, nodes: Array) -> None:
         raise SceneError("positions must be finite numbers.")
     if np.any(x <= 0):
         raise SceneError("the contact is x > 0; ask for positive positions.")
+    # Nodes are the middles of cells: the last cell ends as far beyond its node as the first begins
+    # before its own.
     reach = nodes[-1] + nodes[0]
     if np.any(x > reach * (1 + _ROUNDING)):
         raise SceneError(

@@ -86,6 +86,8 @@ class LineSolution:
         It is relative, positive, in [length / time].
         """
         one = self.spreading
+        # At the edge ln ((y_p + y) / (y_p - y)) -> 2 y / y_p, and y -> sqrt(2 (1 - |x| / (xi_s
+        # t))).
         return float(self._rate_unit * one.scale * np.sqrt(8.0) / one.beyond)
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -159,6 +161,7 @@ class LineSolution:
 
     def accumulated_slip(self, t: ArrayLike) -> Array:
         """Integral over the line of the |slip| accumulated until t [length^2]; grows as t^2."""
+        # The sense is 0 where the interface opens: nothing slips there.
         return abs(self.line.sense) * self._areas(self.spreading.area, t)
 
     def opened_area(self, t: ArrayLike) -> Array:
@@ -170,6 +173,7 @@ class LineSolution:
         line = self.line
         if line.opens:
             return np.zeros(np.shape(t))
+        # Strength is uniform but for the pressure of the load, which acts on the patch alone.
         work = line.strength * self._areas(self.spreading.area, t)
         if isinstance(line.load, Patch) and line.load.pressure:
             share = self._areas(self.spreading.area_on_patch, t)
@@ -188,6 +192,7 @@ class LineSolution:
 
     @property
     def _rate_unit(self) -> float:
+        # `Spreading` gives the rate of one side; the two sides move apart, or along, evenly.
         return 2 * self._stress_unit / self.line.material.shear_impedance
 
     def _velocity(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -198,6 +203,7 @@ class LineSolution:
     def _moving(self, xi: Array, field: Any) -> Array:
         """Return a field of the spreading, 0 before the load."""
         speed = self.line.material.shear_speed
+        # Twice the speed of the edge is ahead of all motion, as everything is before the load.
         values = field(np.where(np.isfinite(xi), xi / speed, 2 / self.spreading.edge))
         return np.asarray(values)
 
@@ -223,6 +229,7 @@ class LineSolution:
         return line.base.pressure + np.where(on_patch, line.load.pressure, 0.0)
 
     def _areas(self, area: float, t: ArrayLike) -> Array:
+        # The integral of the rate over x grows as t, and its integral over time as t^2 / 2.
         unit = self._rate_unit * self.line.material.shear_speed * area / 2
         return np.asarray(unit * np.maximum(np.asarray(t, dtype=float), 0.0) ** 2)
 
