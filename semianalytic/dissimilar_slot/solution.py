@@ -307,6 +307,7 @@ class PairSolution:
 
     def frictional_work(self, t: ArrayLike) -> Array:
         """Energy turned to heat on the contact until t, per unit depth [stress length^2]."""
+        # Power grows as t, so that its integral is half of it times t.
         return self.frictional_power(t) * np.maximum(np.asarray(t, dtype=float), 0.0) / 2
 
     def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
@@ -334,6 +335,7 @@ class PairSolution:
             "pressure": base.pressure + abs(base.shear) + largest,
             "gap": rate * profile.largest_gap * time if self.openings else 0.0,
         }
+        # The estimate is relative to the lesser of an edge and the slowest wave.
         slowest = min(pair.upper.shear_speed, pair.lower.shear_speed)
         return self_similar_reading(self, x, t, slowest, scales)
 
@@ -355,6 +357,7 @@ def in_velocity(
 ) -> tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]]:
     """Convert zones in slowness to slip zones and openings, from the contact edge outward."""
     slips, opens = [], []
+    # Zones are in order of slowness, from the fastest wave inward.
     for zone in reversed(zones):
         inner = 0.0 if zone.right is None else speed / zone.right
         if zone.open:
