@@ -150,20 +150,16 @@ _LATER = {
     "semianalytic.dissimilar_slot.derivative": ("PairDerivative",),
     "semianalytic.dissimilar_slot.solution": ("PairSolution", "PairStatistics"),
     "semianalytic.dissimilar_slot.solver": ("solve_pair",),
-    "semianalytic.engine.contact": ("Adhesion", "Contact"),
-    "semianalytic.engine.fields": ("Table",),
-    "semianalytic.engine.interface": ("Interface",),
-    "semianalytic.engine.loads": ("FrontLoad", "InterfaceLoad"),
-    "semianalytic.engine.law": ("InterfaceLaw",),
-    "semianalytic.engine.laws": (
-        "Coulomb",
-        "ForcedFront",
-        "RateAndState",
-        "RateDependent",
-        "SlipDependent",
-    ),
-    "semianalytic.engine.described.files": ("InterfaceFile",),
-    "semianalytic.engine.described.named": ("find_interface",),
+    "semianalytic.interface.contact": ("Adhesion", "Contact"),
+    "semianalytic.interface.fields": ("Table",),
+    "semianalytic.interface.interface": ("Interface",),
+    "semianalytic.interface.loads": ("FrontLoad", "InterfaceLoad"),
+    "semianalytic.interface.coulomb": ("Coulomb",),
+    "semianalytic.interface.law": ("InterfaceLaw",),
+    "semianalytic.interface.rate_and_state": ("RateAndState",),
+    "semianalytic.interface.weakening": ("ForcedFront", "RateDependent", "SlipDependent"),
+    "semianalytic.interface.files": ("InterfaceFile",),
+    "semianalytic.interface.named": ("find_interface",),
     "semianalytic.engine.result": ("Run",),
     "semianalytic.engine.run": ("run",),
     "semianalytic.engine.stability": ("critical_wavelength", "supershear_strength"),
@@ -201,24 +197,20 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.dissimilar_slot.derivative import PairDerivative
     from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics
     from semianalytic.dissimilar_slot.solver import solve_pair
-    from semianalytic.engine.contact import Adhesion, Contact
-    from semianalytic.engine.described.files import InterfaceFile
-    from semianalytic.engine.described.named import find_interface
-    from semianalytic.engine.fields import Table
-    from semianalytic.engine.interface import Interface
-    from semianalytic.engine.law import InterfaceLaw
-    from semianalytic.engine.laws import (
-        Coulomb,
-        ForcedFront,
-        RateAndState,
-        RateDependent,
-        SlipDependent,
-    )
-    from semianalytic.engine.loads import FrontLoad, InterfaceLoad
     from semianalytic.engine.result import Run
     from semianalytic.engine.run import run
     from semianalytic.engine.stability import critical_wavelength, supershear_strength
     from semianalytic.field.derived import fringe_order, fringes, strain
+    from semianalytic.interface.contact import Adhesion, Contact
+    from semianalytic.interface.coulomb import Coulomb
+    from semianalytic.interface.fields import Table
+    from semianalytic.interface.files import InterfaceFile
+    from semianalytic.interface.interface import Interface
+    from semianalytic.interface.law import InterfaceLaw
+    from semianalytic.interface.loads import FrontLoad, InterfaceLoad
+    from semianalytic.interface.named import find_interface
+    from semianalytic.interface.rate_and_state import RateAndState
+    from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
     from semianalytic.inversion.fitting import Fit, fit
     from semianalytic.inversion.gauges import Gauge
     from semianalytic.inversion.priors import LogNormal, Normal, Uniform

@@ -26,8 +26,8 @@ from compare.interfaces.lines import line_of
 from fem.lines import LineSimulation, simulate_line
 from fem.lines.march import planned_work, sample_times
 from semianalytic import Interface, Run, run
-from semianalytic.engine.fields import at_nodes, sampled
 from semianalytic.engine.tuning import LEAST_GAP, NODES
+from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.lines import Line
-from semianalytic.engine.fields import at_nodes, sampled
-from semianalytic.engine.interface import Interface
+from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.line import Grid
-from semianalytic.engine.loads import ActingLoads
+from semianalytic.interface.fields import at_nodes, sampled
+from semianalytic.interface.interface import Interface
 from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]

@@ -14,9 +14,9 @@ from time import process_time
 from typing import Any
 
 import semianalytic as sf
-from semianalytic.engine.described.files import InterfaceFile
 from semianalytic.engine.steps import Stepper
 from semianalytic.engine.tuning import STEP_RATIO
+from semianalytic.interface.files import InterfaceFile
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "engine-cost.csv"
 COMMAND = "python -m docs.studies.engine_cost"

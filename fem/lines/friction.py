@@ -20,7 +20,12 @@ MOST = 200
 
 
 def slip_speed(
-    friction: Friction, stopping: Array, pressure: Array, impedance: Array, state: Array
+    friction: Friction,
+    stopping: Array,
+    pressure: Array,
+    impedance: Array,
+    state: Array,
+    pressed: NDArray[np.bool_],
 ) -> Array:
     """Return the speed V >= 0 at which strength + impedance V = stopping, 0 where nodes stick.
 
@@ -30,13 +35,15 @@ def slip_speed(
     stopping : (n,) array
         |traction| that would stop the pair of nodes at this step [stress].
     pressure : (n,) array
-        Pressure; nothing rubs where it is 0 [stress].
+        Pressure that friction follows [stress].
     impedance : (n,) array
         Traction that reduces the slip rate by 1 [stress time / length].
     state : (n,) array
         State of the law.
+    pressed : (n,) array of bool
+        Whether the faces touch; nothing rubs elsewhere.
     """
-    free, pressed = stopping / impedance, pressure > 0
+    free = stopping / impedance
 
     def excess(speed: Array) -> Array:
         return np.asarray(friction.strength(pressure, speed, state) + impedance * speed - stopping)

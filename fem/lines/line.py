@@ -34,6 +34,11 @@ class Friction(Protocol):
     ) -> Any:
         """Return the state after a time at a mean speed, under a pressure that changes."""
 
+    def felt_pressure(
+        self, felt: Array, speed: Array, time: float, before: Array, after: Array
+    ) -> Array:
+        """Return the pressure that friction follows after a time at a mean speed."""
+
 
 @dataclass(frozen=True, eq=False)
 class Line:

@@ -133,6 +133,7 @@ class LineModel:
         self.pressing = self._jump(Y) if line.opens else None
         self.state = line.state
         (self.pressure, _), (self.shear, _) = line.pressure(0.0), line.shear(0.0)
+        self.felt = self.pressure[line.touching]
         self.pushed = self.absorbed = self.imbalance = 0.0
 
     def _jump(self, component: int) -> Jump:
@@ -199,13 +200,14 @@ class LineModel:
         if level:
             speed = np.abs(jump.of("before")[on] / self.step + plate)
             past = pressure if self.pressing is None else self._past[on]
-            self.state = np.asarray(
-                friction.evolved_under(self.state, speed, self.step, past, pressure)
-            )
+            changing = speed, self.step, past, pressure
+            self.state = np.asarray(friction.evolved_under(self.state, *changing))
+            self.felt = friction.felt_pressure(self.felt, *changing)
         compliance = part * jump.compliance
         stopping = (line + (jump.of("increment") + plate * self.step) / compliance)[on]
         impedance = (self.step / compliance)[on]
-        speed = slip_speed(friction, np.abs(stopping), pressure, impedance, self.state)
+        touches, size = pressure > 0, np.abs(stopping)
+        speed = slip_speed(friction, size, self.felt, impedance, self.state, touches)
         self.shear = slot.copy()
         self.shear[on] = stopping - np.sign(stopping) * impedance * speed
         # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy

@@ -1,1 +1,1 @@
-"""Real interfaces: finite contacts, fields along x, friction with state, steps of any length."""
+"""The march of an interface: memory of the line, contact that opens, steps of any length."""

@@ -17,7 +17,7 @@ from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]
 
-FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "gap")
+FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
 class Record:
@@ -112,7 +112,9 @@ class Record:
     def _shown(self, now: State) -> tuple[Array, ...]:
         state = np.full(len(now.rate), np.nan)
         state[self._touching] = now.state
-        return now.slip, now.rate, now.traction, state, now.pressure, now.gap
+        felt = np.zeros(len(now.rate))
+        felt[self._touching] = now.felt
+        return now.slip, now.rate, now.traction, state, now.pressure, felt, now.gap
 
     def _between(self, before: State, now: State, time: float) -> tuple[Array, ...]:
         """Return the fields at a time within a step, over which all but slip is linear."""

@@ -12,21 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
-from semianalytic.engine.fields import sampled
-from semianalytic.engine.interface import Interface
 from semianalytic.engine.tuning import LEAST_GAP
+from semianalytic.interface.fields import sampled
+from semianalytic.interface.interface import Interface
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import needing
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront interface run 4"
+FORMAT = "slipfront interface run 5"
 _UNITS = {
     "slip": ("length", "relative slip, upper minus lower side"),
     "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
     "shear_traction": ("stress", "shear traction"),
     "state": ("", "state of friction"),
     "pressure": ("stress", "contact pressure, 0 where the contact is open and on slots"),
+    "felt_pressure": ("stress", "pressure that friction follows, 0 on slots"),
     "gap": ("length", "gap, on slots the change of their width"),
 }
 
@@ -54,6 +55,8 @@ class Run:
         Contact pressure [stress], 0 where the contact is open and on slots, and negative where
         adhesion holds; gap [length], 0 or more on the contact, and the change of their width on
         slots.
+    felt_pressure : (m, n) array
+        Pressure that friction follows [stress]: that of the contact unless the law has a delay.
     onset : (n,) array
         Time at which slip began [time]: when |slip rate| first exceeded the `slipping` of `run`;
         nan where it never did, and on slots.
@@ -88,6 +91,7 @@ class Run:
     shear_traction: Array
     state: Array
     pressure: Array
+    felt_pressure: Array
     gap: Array
     onset: Array
     step_times: Array

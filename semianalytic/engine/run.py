@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.interface import Interface
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.steps import Stepper
@@ -26,6 +25,7 @@ from semianalytic.engine.tuning import (
     ZONE_NODES,
 )
 from semianalytic.engine.window import doubt_of
+from semianalytic.interface.interface import Interface
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
@@ -219,6 +219,7 @@ def _one(
         shear_traction=np.array(record.fields["shear_traction"]),
         state=np.array(record.fields["state"]),
         pressure=np.array(record.fields["pressure"]),
+        felt_pressure=np.array(record.fields["felt_pressure"]),
         gap=np.array(record.fields["gap"]),
         onset=record.onset,
         step_times=np.array(record.step_times),

@@ -8,12 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.contact import Adhesion, Faces, Parting, Unilateral
-from semianalytic.engine.fields import required, sampled
-from semianalytic.engine.interface import Interface
-from semianalytic.engine.law import check_law
+from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
-from semianalytic.engine.loads import ActingLoads
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
     CROSSINGS,
@@ -26,7 +22,12 @@ from semianalytic.engine.tuning import (
     SWEEPS,
     TOLERANCE,
 )
+from semianalytic.engine.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.window import check_window
+from semianalytic.interface.contact import Adhesion
+from semianalytic.interface.fields import required, sampled
+from semianalytic.interface.interface import Interface
+from semianalytic.interface.law import check_law
 from semianalytic.memory.exponentials import fit_memory, fit_shared
 from semianalytic.memory.impedance import Antiplane, InPlane, Opening
 from semianalytic.scene.errors import ComputationError, SceneError
@@ -47,6 +48,8 @@ class State(Faces):
         Slip rate [length / time], slip [length] and shear traction [stress].
     state : array
         State of friction at nodes of the contact, (contact,).
+    felt : array
+        Pressure that friction follows there, (contact,) [stress].
     work : array
         Work of friction so far [stress length].
     rung : int
@@ -60,6 +63,7 @@ class State(Faces):
     slip: Array
     traction: Array
     state: Array
+    felt: Array
     work: Array
     rung: int = 0
     pace: float = 0.0
@@ -135,6 +139,7 @@ class Stepper:
         self._bound = bound_share * 2 / (stiffness * q)
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
+        self._is_delayed = bool(np.any(self.law.pressure_delay(np.zeros(len(self._on)))))
         self._latest: tuple[Array | None, Array] = None, np.zeros(0)
 
     def _memories(
@@ -209,6 +214,7 @@ class Stepper:
                 slip=nothing,
                 traction=self.shear.copy(),
                 state=state,
+                felt=self.pressure,
                 work=nothing,
             )
         )
@@ -225,7 +231,8 @@ class Stepper:
         elif self.unilateral is not None:
             faces = self.unilateral.jump(now, now.time)
         stopping = self._stopping(line, held)
-        rate, traction = self._balance(stopping, slot, now.state, faces)
+        felt = now.felt if self._is_delayed else self._pressure(faces)
+        rate, traction = self._balance(stopping, slot, now.state, felt, faces)
         self.memory.exchange(self._amplitudes(rate - now.rate))
         return replace(
             now,
@@ -236,12 +243,13 @@ class Stepper:
             opened=faces.opened,
             rate=rate,
             traction=traction,
+            felt=felt,
         )
 
     def length(self, now: State) -> tuple[float, int]:
         """Return length and rung of the step that may follow a state [time]."""
         speed = np.abs(now.rate[self.touching])
-        slope = np.asarray(self.law.rate_slope(self._pressure(now), speed, now.state))
+        slope = np.asarray(self.law.rate_slope(now.felt, speed, now.state))
         least = float(slope.min()) if self.touching.all() else 0.0
         limit = min(self._bound * (max(least, 0.0) + self.impedance), self._longest)
         if now.pace > 0:
@@ -295,7 +303,8 @@ class Stepper:
                 stopping = self._stopping(line + self._drag(parting.convolutions), held[0])
             mean = (old + np.abs(rate[self.touching])) / 2
             state = self._evolved(now, mean, length, faces)
-            rate, traction = self._balance(stopping, slot, state, faces)
+            felt = self._felt(now, mean, length, faces)
+            rate, traction = self._balance(stopping, slot, state, felt, faces)
             amplitudes = self._amplitudes(rate)
         if not math.isfinite(float(amplitudes.sum())):
             raise ComputationError(
@@ -303,6 +312,7 @@ class Stepper:
             )
         mean = (old + np.abs(rate[self.touching])) / 2
         state = self._evolved(now, mean, length, faces)
+        felt = self._felt(now, mean, length, faces)
         half = length / 2
         new, turned = rate[self.touching], np.abs(rate - now.rate)[self.touching]
         fastest = max(float(np.abs(new).max()), float(old.max()), 1e-300)
@@ -317,6 +327,7 @@ class Stepper:
             slip=now.slip + half * (now.rate + rate),
             traction=traction,
             state=state,
+            felt=felt,
             work=now.work + half * (now.traction * now.rate + traction * rate) * self.touching,
             rung=rung,
             pace=float(turned.max()) / fastest / length,
@@ -340,8 +351,15 @@ class Stepper:
             now.state, speed, length, self._pressure(now), self._pressure(faces)
         )
 
+    def _felt(self, now: State, speed: Array, length: float, faces: Faces) -> Array:
+        """Return the pressure that friction follows (contact,) after a step at a mean speed."""
+        pressure = self._pressure(faces)
+        if not self._is_delayed:
+            return pressure
+        return self.law.felt_pressure(now.felt, speed, length, self._pressure(now), pressure)
+
     def _pressure(self, faces: Faces) -> Array:
-        """Return the pressure under which friction acts, (contact,); tension counts as none."""
+        """Return the pressure of the contact, (contact,); tension counts as none."""
         if self.unilateral is None:
             return self.pressure
         return np.maximum(faces.pressure[self.touching], 0.0)
@@ -359,14 +377,14 @@ class Stepper:
         return line - self.impedance * (self.grid.values(convolution) - plate)
 
     def _balance(
-        self, stopping: Array, slot: Array, state: Array, faces: Faces
+        self, stopping: Array, slot: Array, state: Array, felt: Array, faces: Faces
     ) -> tuple[Array, Array]:
         """Return slip rate and traction at which friction, or the load on slots, is met."""
-        on, pressure = stopping[self.touching], self._pressure(faces)
+        on = stopping[self.touching]
         freed = None if self.unilateral is None else faces.is_open[self.touching]
         size = np.abs(on)
         if self.law.has_threshold:
-            rest = self.law.strength(pressure, np.zeros(len(on)), state)
+            rest = self.law.strength(felt, np.zeros(len(on)), state)
             if freed is not None:
                 rest = np.where(freed, 0.0, rest)
             # The mean acts where slip ends as well.  Without it there (`before`) five of nine
@@ -375,8 +393,8 @@ class Stepper:
             size = area_means(size, size - rest, self._inner, mirror=self._mirror)
         if freed is not None:
             # Open nodes need some positive pressure here; their slip rate is replaced below.
-            pressure = np.where(freed, 1.0, pressure)
-        speed = self.law.slip_speed(size, pressure, self.impedance, state)
+            felt = np.where(freed, 1.0, felt)
+        speed = self.law.slip_speed(size, felt, self.impedance, state)
         rate = (stopping - slot) / self.impedance
         # Slip has the sense of the traction it relaxes; 0.0 - speed keeps +0.0 where it sticks.
         rate[self.touching] = np.where(on < 0, 0.0 - speed, speed)

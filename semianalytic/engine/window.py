@@ -17,8 +17,8 @@ from semianalytic.dissimilar.kernels import BodyPair, PairImpedance
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.stability import sliding_stability
 from semianalytic.dissimilar.thresholds import growth_threshold
-from semianalytic.engine.law import InterfaceLaw
 from semianalytic.engine.tuning import DELAY_NODES
+from semianalytic.interface.law import InterfaceLaw
 from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
@@ -53,7 +53,7 @@ def check_window(
         verdict = sliding_stability(pair.upper, pair.lower, friction).verdict
         raise SceneError(
             f"interface: friction {friction:.4g} between these bodies is {verdict} On this grid "
-            f"`delay` of Coulomb friction must be {_rounded_up(least)} or more."
+            f"`delay` of the friction law must be {_rounded_up(least)} or more."
         )
     raise SceneError(
         f"interface: friction follows pressure with a delay of {delay:.3g}, which the grid "

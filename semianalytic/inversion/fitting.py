@@ -24,8 +24,8 @@ from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 
 if TYPE_CHECKING:
-    from semianalytic.engine.described.files import InterfaceFile
-    from semianalytic.engine.interface import Interface
+    from semianalytic.interface.files import InterfaceFile
+    from semianalytic.interface.interface import Interface
 
 UNCONSTRAINED = 1.0
 """Standard error over the size of a parameter from which data are said not to constrain it."""
@@ -293,7 +293,7 @@ def _trials(
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
     if not isinstance(given, Scene) and given not in NAMED_SCENES:
         # here, for fits of scenes are to be quick to import
-        from semianalytic.engine.described.named import described_interface
+        from semianalytic.interface.named import described_interface
 
         if (described := described_interface(given)) is not None:
             from semianalytic.inversion.interfaces import interface_name, interface_trials

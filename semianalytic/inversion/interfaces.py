@@ -10,18 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.engine.described.files import InterfaceFile
-from semianalytic.engine.described.parameters import (
-    Parameter,
-    interface_at,
-    interface_parameters,
-)
-from semianalytic.engine.fields import sampled
-from semianalytic.engine.interface import Interface
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
 from semianalytic.engine.tuning import ERROR_SAFETY, NODES
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.interface.fields import sampled
+from semianalytic.interface.files import InterfaceFile
+from semianalytic.interface.interface import Interface
+from semianalytic.interface.parameters import (
+    Parameter,
+    interface_at,
+    interface_parameters,
+)
 from semianalytic.inversion.gauges import FIELDS, Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials

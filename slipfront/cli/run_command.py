@@ -15,7 +15,7 @@ from compare.comparison.rows import DIFFERS
 from compare.output.places import check_file, save_somewhere
 from compare.output.progress import progress_bar
 from semianalytic import Run, find_interface, run
-from semianalytic.engine.described.named import NAMED_INTERFACES
+from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import FEM, XARRAY, require
 from semianalytic.scene.units import InSI

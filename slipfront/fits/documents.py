@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
-from semianalytic.engine.described.parameters import interface_parameters
+from semianalytic.interface.parameters import interface_parameters
 from semianalytic.inversion.fitting import Fit
 from semianalytic.inversion.priors import Normal
 from semianalytic.inversion.unknowns import DIMENSIONS, is_of_setup

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.pair import Pair
-from semianalytic.engine.described.files import InterfaceFile
 from semianalytic.halfplane.families import rayleigh_family
+from semianalytic.interface.files import InterfaceFile
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from compare.comparison.documents import SCENE_DIMENSIONS
 from semianalytic.dissimilar.described import find_pair
 from semianalytic.dissimilar.pair import Pair
-from semianalytic.engine.described.files import InterfaceFile
-from semianalytic.engine.described.named import described_interface
-from semianalytic.engine.described.parameters import interface_at, interface_parameters
+from semianalytic.interface.files import InterfaceFile
+from semianalytic.interface.named import described_interface
+from semianalytic.interface.parameters import interface_at, interface_parameters
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction

@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 
 from semianalytic.dissimilar.described import pair_document
 from semianalytic.dissimilar.pair import Pair
-from semianalytic.engine.described.files import InterfaceFile
-from semianalytic.engine.interface import Interface
+from semianalytic.interface.files import InterfaceFile
+from semianalytic.interface.interface import Interface
 from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown

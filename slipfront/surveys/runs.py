@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.engine.described.files import InterfaceFile
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
+from semianalytic.interface.files import InterfaceFile
 from semianalytic.scene.errors import SceneError
 from slipfront.surveys.plan import Question
 

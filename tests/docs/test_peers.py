@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from docs.studies.peers import adhesion, cracklet, rows, sem2dpack, uguca
-from semianalytic.engine.law import check_law
+from semianalytic.interface.law import check_law
 
 ROW = rows.Row("A", "case", "slip", "1 m", "2 m", 0.01, None, 0.02, None, 3.0, 4.0, "command")
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from compare.benchmarks.sheet import SLIPPING, Sheet
 from semianalytic import Interface
-from semianalytic.engine.described.files import parsed
-from semianalytic.engine.described.named import NAMED_INTERFACES
+from semianalytic.interface.files import parsed
+from semianalytic.interface.named import NAMED_INTERFACES
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from compare.comparison.documents import envelope, json_text
 from compare.output.files import write_text
 from compare.output.places import check_file
 from compare.output.progress import progress_bar
-from semianalytic.engine.described.files import InterfaceFile
-from semianalytic.engine.described.named import described_interface
+from semianalytic.interface.files import InterfaceFile
+from semianalytic.interface.named import described_interface
 from semianalytic.inversion.fitting import Fit, fit
 from semianalytic.inversion.gauges import QUANTITIES
 from semianalytic.inversion.interfaces import interface_name

@@ -44,7 +44,7 @@ def scene_names(incomplete: str) -> list[str]:
 
 def interface_names(incomplete: str) -> list[str]:
     """Complete names of interfaces, and TOML files."""
-    from semianalytic.engine.described.named import NAMED_INTERFACES
+    from semianalytic.interface.named import NAMED_INTERFACES
 
     names = _starting(NAMED_INTERFACES, incomplete)
     return names + _starting(_toml_files(incomplete), incomplete)

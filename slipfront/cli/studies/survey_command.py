@@ -17,7 +17,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from compare.output.progress import progress_bar
-from semianalytic.engine.described.named import described_interface
+from semianalytic.interface.named import described_interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import find_blocks, override_scene, scene_label

@@ -8,8 +8,8 @@ import pytest
 
 import semianalytic as sf
 from compare.interfaces.lines import line_of
-from semianalytic.engine.described.parameters import interface_parameters
 from semianalytic.engine.steps import Stepper
+from semianalytic.interface.parameters import interface_parameters
 
 ROCK = sf.Material(1.0, 1.0, 0.25)
 

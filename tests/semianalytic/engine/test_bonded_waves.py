@@ -6,7 +6,7 @@ import pytest
 import semianalytic as sf
 from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.dissimilar.compliance import compliance_of
-from semianalytic.engine.hilbert import comes_back, transformed
+from semianalytic.interface.hilbert import comes_back, transformed
 
 HARD, SOFT = sf.Material(4.0, 1.3, 0.25), sf.Material(1.0, 0.9, 0.3)
 WAVES = [

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
-from semianalytic.engine.contact import Contact
+from semianalytic.interface.contact import Contact
 
 STRIP = Contact([(-2.0, 2.0)])
 END = 1.5

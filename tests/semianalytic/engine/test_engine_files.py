@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.described.named import NAMED_INTERFACES
-from semianalytic.engine.fields import Expression
+from semianalytic.interface.fields import Expression
+from semianalytic.interface.named import NAMED_INTERFACES
 from slipfront.cli.commands import main
 
 GOOD = """

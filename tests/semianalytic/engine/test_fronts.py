@@ -94,7 +94,7 @@ def test_files_describe_fronts_and_surveys_vary_them(tmp_path):
     load = found.interface.loads[0]
     assert load.front == sf.IncidentWave("SV", angle=-20.0, stress=0.3)
     assert (load.at, load.history) == (4.0, sf.Pulse(0.5, "half-sine"))
-    from semianalytic.engine.described.parameters import interface_at, interface_parameters
+    from semianalytic.interface.parameters import interface_at, interface_parameters
 
     known = interface_parameters(found.interface)
     assert {"load_angle", "load_stress", "load_at", "load_history_duration"} <= set(known)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.fields import Table, at_nodes, moving, sampled
+from semianalytic.interface.fields import Table, at_nodes, moving, sampled
 
 NODES = 0.1 * np.arange(-20, 21)
 END = 1.5

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.special import wrightomega
 
 import semianalytic as sf
-from semianalytic.engine.law import balanced
-from semianalytic.engine.laws import _wright_omega
+from semianalytic.interface.law import balanced
+from semianalytic.interface.rate_and_state import _wright_omega
 
 IMPEDANCE, SIGMA = 4.6e6, 5e7
 

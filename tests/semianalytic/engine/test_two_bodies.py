@@ -28,8 +28,8 @@ from semianalytic.dissimilar.whole_line import (
     half_line_speed,
     patch_speeds,
 )
-from semianalytic.engine.described.named import NAMED_INTERFACES
 from semianalytic.engine.steps import Stepper
+from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.memory.exponentials import fit_shared
 from semianalytic.memory.impedance import InPlane, Opening
 
@@ -248,29 +248,30 @@ def test_one_wave_grows_as_the_dispersion_relation_says(pair, friction, delay, p
     "law", [{"delay": 0.5}, {"delay_slip": 1.0}, {"delay": 1, "delay_slip": 2}]
 )
 def test_delayed_friction_follows_a_pressure_exactly_over_steps_of_any_length(law):
-    law, speed = Coulomb(0.3, **law), np.array([2.0])
+    law, speed = SlipDependent(0.3, 0.1, 1.0, **law), np.array([2.0])
     steps = []
     for count in (1, 50):
-        state, dt = np.array([1.0]), 1.5 / count
+        felt, dt = np.array([1.0]), 1.5 / count
         for i in range(count):
             before, after = 1.0 + i * dt, 1.0 + (i + 1) * dt
-            state = law.evolved_under(state, speed, dt, np.array([before]), np.array([after]))
-        steps.append(float(state[0]))
+            felt = law.felt_pressure(felt, speed, dt, np.array([before]), np.array([after]))
+        steps.append(float(felt[0]))
     assert steps[0] == pytest.approx(steps[1], rel=1e-12)
     delay = float(law.pressure_delay(speed)[0])
     assert steps[0] == pytest.approx(1 + 1.5 - delay * (1 - np.exp(-1.5 / delay)), rel=1e-12)
 
 
-def test_a_short_delay_is_none_and_the_state_is_the_pressure_that_friction_follows():
+def test_a_short_delay_is_none_and_a_long_one_lets_friction_feel_less_of_a_change():
     """Within the window a delay far below the step gives the answer without one."""
     plain, short, long = (
         run(patch(ROCK, FASTER, **given), 1.0, 256, estimate=False)
         for given in ({}, {"law": Coulomb(0.2, delay=1e-9)}, {"law": Coulomb(0.2, delay=3.0)})
     )
     np.testing.assert_allclose(short.slip, plain.slip, rtol=0, atol=1e-9 * plain.slip.max())
-    np.testing.assert_allclose(short.state[1:], short.pressure[1:], atol=1e-6)
+    np.testing.assert_allclose(short.felt_pressure[1:], short.pressure[1:], atol=1e-6)
+    assert np.array_equal(plain.felt_pressure, plain.pressure)
     assert np.abs(long.slip - plain.slip).max() > 1e-3 * plain.slip.max()
-    assert np.abs(long.state - 1.0).max() < np.abs(long.pressure - 1.0).max() / 2
+    assert np.abs(long.felt_pressure - 1.0).max() < np.abs(long.pressure - 1.0).max() / 2
 
 
 def patch_of(law):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.described.parameters import interface_at, interface_parameters
+from semianalytic.interface.parameters import interface_at, interface_parameters
 from slipfront.surveys.run import survey
 
 FAULT = """

@@ -8,11 +8,11 @@ from typing import Any
 
 from semianalytic.dissimilar.kernels import BodyPair
 from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
-from semianalytic.engine.contact import Adhesion, Contact
-from semianalytic.engine.fields import check_field
-from semianalytic.engine.hilbert import comes_back
-from semianalytic.engine.law import InterfaceLaw
-from semianalytic.engine.loads import FrontLoad, InterfaceLoad
+from semianalytic.interface.contact import Adhesion, Contact
+from semianalytic.interface.fields import check_field
+from semianalytic.interface.hilbert import comes_back
+from semianalytic.interface.law import InterfaceLaw
+from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.fields import BARRIER, sampled
+from semianalytic.interface.fields import BARRIER, sampled
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 
@@ -48,7 +48,10 @@ class InterfaceLaw(ABC):
 
     @abstractmethod
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the shear traction that the interface carries at a speed |V| >= 0 [stress]."""
+        """Return the shear traction that the interface carries at a speed |V| >= 0 [stress].
+
+        The pressure is the one that friction follows; see `pressure_delay`.
+        """
 
     def evolved(self, state: Array, speed: Array, time: float) -> Array:
         """Return the state after a time at a mean speed; the accumulated |slip| by default."""
@@ -65,8 +68,26 @@ class InterfaceLaw(ABC):
         return self.evolved(state, speed, time)
 
     def pressure_delay(self, speed: Array) -> Any:
-        """Return the time in which strength follows pressure at a speed; 0 by default: at once."""
+        """Return the time in which friction follows pressure at a speed; 0 by default: at once."""
         return 0.0
+
+    def felt_pressure(
+        self, felt: Array, speed: Array, time: float, before: Array, after: Array
+    ) -> Array:
+        """Return the pressure that friction follows after a time at a mean speed.
+
+        It relaxes from `felt` towards a pressure that changes linearly from `before` to `after`,
+        exactly: dp'/dt = (p - p') / `pressure_delay`.
+        """
+        delay = np.asarray(self.pressure_delay(speed), dtype=float)
+        with np.errstate(divide="ignore"):
+            lag = time / delay
+        left = np.exp(-lag)
+        # Mean of exp(-lag s) over the step: the share of the pressure at its end that is missing.
+        with np.errstate(invalid="ignore", divide="ignore"):
+            mean = np.where(lag > 1e-8, -np.expm1(-lag) / lag, 1 - lag / 2)
+            mean = np.where(lag < np.inf, mean, 0.0)
+        return np.asarray(left * felt + (mean - left) * before + (1 - mean) * after)
 
     def start(self, pressure: Array, shear: Array, speed: Array) -> Array:
         """Return the state at t = 0, where |shear| is carried at a speed; 0 by default."""

@@ -10,19 +10,15 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from semianalytic.engine.contact import Adhesion, Contact
-from semianalytic.engine.described.parameters import interface_document, interface_parameters
-from semianalytic.engine.fields import RESERVED, Expression, Table
-from semianalytic.engine.interface import Interface
-from semianalytic.engine.law import InterfaceLaw
-from semianalytic.engine.laws import (
-    Coulomb,
-    ForcedFront,
-    RateAndState,
-    RateDependent,
-    SlipDependent,
-)
-from semianalytic.engine.loads import FrontLoad, InterfaceLoad
+from semianalytic.interface.contact import Adhesion, Contact
+from semianalytic.interface.coulomb import Coulomb
+from semianalytic.interface.fields import RESERVED, Expression, Table
+from semianalytic.interface.interface import Interface
+from semianalytic.interface.law import InterfaceLaw
+from semianalytic.interface.loads import FrontLoad, InterfaceLoad
+from semianalytic.interface.parameters import interface_document, interface_parameters
+from semianalytic.interface.rate_and_state import RateAndState
+from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import load_from_document
@@ -194,8 +190,7 @@ def _solid(name: str, value: Any) -> Material:
 
 def _law(table: dict[str, Any], around: _Around) -> InterfaceLaw:
     law = _kind("law", table, LAWS)
-    names = [one.name for one in fields(law)]
-    _known("law.", table, ("kind", *names))
+    _known("law.", table, ("kind", *_names(law)))
     values = {
         key: value if key in _WORDS else _field(f"law.{key}", value, around)
         for key, value in table.items()
@@ -307,8 +302,13 @@ def _made(name: str, description: Any, values: dict[str, Any]) -> Any:
         return description(**values)
     # Names were checked before: what Python still refuses is a parameter without a default.
     except TypeError as error:
-        known = ", ".join(one.name for one in fields(description))
+        known = ", ".join(_names(description))
         raise SceneError(f"{name} takes {known}, got {', '.join(values) or 'nothing'}.") from error
+
+
+def _names(description: Any) -> list[str]:
+    """Return the names that a description takes, those that are shared by all laws last."""
+    return [one.name for one in sorted(fields(description), key=lambda one: bool(one.kw_only))]
 
 
 def _known(

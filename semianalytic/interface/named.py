@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from os import PathLike, fspath
 from pathlib import Path
 
-from semianalytic.engine.described.files import InterfaceFile, parsed, read_interface
-from semianalytic.engine.interface import Interface
+from semianalytic.interface.files import InterfaceFile, parsed, read_interface
+from semianalytic.interface.interface import Interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_SCENES

@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.engine.contact import Contact
-from semianalytic.engine.fields import Expression, Scaled
-from semianalytic.engine.interface import Interface
-from semianalytic.engine.laws import DIMENSIONS
+from semianalytic.interface.contact import Contact
+from semianalytic.interface.fields import Expression, Scaled
+from semianalytic.interface.interface import Interface
 from semianalytic.scene.checks import finite
 from semianalytic.scene.units import PARAMETERS
 
@@ -26,6 +25,14 @@ _OWN: Mapping[str, str] = {
     "plate_rate": "length / time",
 }
 """Dimensions of the numbers of an interface itself."""
+_LAW: Mapping[str, str] = {
+    **dict.fromkeys(("friction", "static", "dynamic", "a", "b", "f0", "weakened"), "1"),
+    **{"cohesion": "stress", "viscosity": "stress time / length"},
+    **dict.fromkeys(("delay", "theta", "arrival", "fall"), "time"),
+    **dict.fromkeys(("distance", "delay_slip"), "length"),
+    **dict.fromkeys(("rate", "v0", "weakening_rate"), "length / time"),
+}
+"""Dimensions of the parameters of laws by name; those of other laws may go by the same names."""
 _ADHESION: Mapping[str, str] = {"strength": "stress", "length": "length"}
 """Dimensions of the numbers of adhesion."""
 _POINTS, _TIMES = 257, 9
@@ -66,7 +73,7 @@ def interface_parameters(interface: Interface) -> dict[str, Parameter]:
     for solid, prefix in (("material", ""), ("lower_material", "lower_material_")):
         if getattr(interface, solid) is not None:
             _add_numbers(found, prefix, getattr(interface, solid), (solid,), PARAMETERS)
-    _add_numbers(found, "law_", interface.law, ("law",), DIMENSIONS)
+    _add_numbers(found, "law_", interface.law, ("law",), _LAW)
     _add_numbers(found, "adhesion_", interface.adhesion, ("adhesion",), _ADHESION)
     for number, load in enumerate(interface.loads):
         prefix = "load_" if len(interface.loads) == 1 else f"load_{number + 1}_"

@@ -1,1 +1,0 @@
-"""Interfaces as files, names and numbers: what surveys and fits vary."""

@@ -1,0 +1,195 @@
+"""The parts of the line on which the bodies touch, and what holds them together there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.interface.fields import sampled
+from semianalytic.interface.law import not_negative, positive
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+
+Array = NDArray[np.float64]
+
+FITS = 1e-3
+"""Distance of an end from its place, over the node distance, that counts as none: it changes slip
+by a thousandth of what one node more or less does.  Half and twice the value choose the same nodes
+for ends that are given by three digits."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The parts of the line y = 0 on which the bodies touch; the rest is open slot.
+
+    Parameters
+    ----------
+    intervals : sequence of (float, float), optional
+        Begin and end of each part [length]; the whole line by default.  An end may be infinite.
+
+    Raises
+    ------
+    SceneError
+        If an interval is empty, or two overlap.
+
+    Examples
+    --------
+    >>> from semianalytic import Contact
+    >>> Contact([(-1.0, 1.0)]).touches([-2.0, 0.5]).tolist()
+    [False, True]
+    >>> Contact.half_line().touches([-0.5, 0.5]).tolist()
+    [False, True]
+    """
+
+    intervals: Sequence[tuple[float, float]] = ((-math.inf, math.inf),)
+
+    def __post_init__(self) -> None:
+        try:
+            parts = sorted((float(begin), float(end)) for begin, end in self.intervals)
+        except (TypeError, ValueError):
+            parts = []
+        if not parts:
+            raise SceneError(
+                "contact: intervals must be pairs of begin and end, such as [[-1, 1]], got "
+                f"{shown(self.intervals)}."
+            )
+        for begin, end in parts:
+            if not begin < end:
+                raise SceneError(
+                    f"contact: {begin:g} to {end:g} is empty; begin must be below end."
+                )
+        for (_, end), (begin, _) in pairwise(parts):
+            if begin <= end:
+                raise SceneError(
+                    f"contact: two intervals overlap or meet at x = {begin:g}; join them."
+                )
+        object.__setattr__(self, "intervals", tuple(parts))
+
+    @classmethod
+    def half_line(cls) -> Contact:
+        """Return the contact x > 0, beside a slot x < 0."""
+        return cls(((0.0, math.inf),))
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the bodies touch everywhere."""
+        return self.intervals == ((-math.inf, math.inf),)
+
+    def touches(self, x: Sequence[float] | Array) -> NDArray[np.bool_]:
+        """Return whether the bodies touch at positions x, (n,)."""
+        x = np.asarray(x, dtype=float)
+        return np.any([(begin < x) & (x < end) for begin, end in self.intervals], axis=0)
+
+    def ends(self, length: float) -> Array:
+        """Return the ends of contacts within a period -length/2 ... length/2 of the line, (k,)."""
+        ends = np.array(self.intervals).ravel()
+        return np.asarray(ends[np.abs(ends) < length / 2])
+
+    def misfit(self, length: float, nodes: int) -> float:
+        """Return how far the grid of a period has an end of a contact from its place.
+
+        A grid knows ends midway between two of its nodes.  The result is the largest distance over
+        the node distance, 0 to 1/2.
+        """
+        ends = self.ends(length) * nodes / length
+        off = np.abs(ends - np.rint(ends))
+        return float(np.max(np.where(off > FITS, off, 0.0), initial=0.0))
+
+    def shortened(self, length: float, nodes: int) -> Contact:
+        """Return a contact that half the nodes see shorter, where a grid displaces its ends.
+
+        A grid of half the nodes may have an end at the same wrong place as the grid itself; then
+        the difference between the two says nothing about it.  Such ends are moved to the next
+        place inward that only the coarser grid knows, by at least a node distance of the finer one.
+        """
+        spacing = length / nodes
+
+        def inward(end: float, sign: int) -> float:
+            # for an end at the right sign = 1, at the left -1
+            place = sign * end / spacing
+            if not abs(end) < length / 2 or abs(place - round(place)) <= FITS:
+                return end
+            # the last node inside lies before the end: the grid has it half a distance further on
+            seen = math.ceil(place - 0.5)
+            return sign * 2 * math.floor((seen - 1) / 2) * spacing
+
+        moved = ((inward(begin, -1), inward(end, 1)) for begin, end in self.intervals)
+        pairs = zip(self.intervals, moved, strict=True)
+        return Contact([new if new[0] < new[1] else old for old, new in pairs])
+
+    def fitting_nodes(self, length: float, least: int, halvings: int) -> int:
+        """Return the fewest nodes, up to twice `least`, on which all ends fit; `least` if none do.
+
+        Parameters
+        ----------
+        length : float
+            Period of the line [length].
+        least : int
+            Fewest nodes of the period.
+        halvings : int
+            How often the number of nodes should be halved with ends that still fit; if none such
+            is found, fewer times.
+        """
+        for times in range(halvings, -1, -1):
+            unit = max(4, 2**times)
+            for nodes in range(-(-least // unit) * unit, 2 * least + 1, unit):
+                if self.misfit(length, nodes >> times) == 0:
+                    return nodes
+        return least
+
+
+@dataclass(frozen=True, eq=False)
+class Adhesion:
+    """Tension that a contact carries before it opens.
+
+    Faces that touch and have never parted carry tension up to the strength.  Where they part, the
+    tension falls linearly to 0 over the length; it takes strength x length / 2 per area to part
+    them.  Where they come together before, it falls in proportion to the gap.  What has parted by
+    the length touches like any other contact.  Friction acts where the faces touch, with no less
+    than no pressure: under tension only cohesion is left of it.
+
+    Parameters
+    ----------
+    strength : field
+        Largest tension [stress]; a number, a function of x or a `Table`.
+    length : field
+        Gap at which no tension is left [length].
+
+    Raises
+    ------
+    SceneError
+        If the strength is negative, or the length is not positive.
+
+    Examples
+    --------
+    >>> from semianalytic import Adhesion
+    >>> Adhesion(strength=2.0, length=1e-3)
+    Adhesion(strength=2.0, length=0.001)
+    """
+
+    strength: Any
+    length: Any
+
+    def __post_init__(self) -> None:
+        not_negative("adhesion", strength=self.strength)
+        positive("adhesion", length=self.length)
+
+    def on(self, x: Array, touching: NDArray[np.bool_]) -> Adhesion:
+        """Return strength and length at positions x (n,); slots have no strength."""
+        strength = np.zeros(len(x))
+        strength[touching] = sampled("adhesion: strength", self.strength, x[touching])
+        length = np.ones(len(x))
+        length[touching] = sampled("adhesion: length", self.length, x[touching])
+        return Adhesion(strength, length)
+
+    def tension(self, gap: Array, opened: Array) -> Array:
+        """Return the tension at gaps (n,), the largest gaps so far being (n,) [stress]."""
+        left = self.strength * np.maximum(1 - np.maximum(gap, opened) / self.length, 0.0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(np.where(gap < opened, left * gap / opened, left))

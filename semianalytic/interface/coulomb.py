@@ -1,0 +1,71 @@
+"""Coulomb friction with cohesion and viscosity, which may follow pressure with a delay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.interface.delay import DelayedLaw
+from semianalytic.interface.law import not_negative
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Coulomb(DelayedLaw):
+    """Strength f p + cohesion + viscosity |V|, whatever the slip so far.
+
+    Parameters
+    ----------
+    friction : field
+        Coefficient f; a number, a function of x or a `Table`, like all parameters of laws.
+    cohesion : field
+        Strength without pressure [stress].
+    viscosity : field
+        Traction per slip rate [stress time / length].
+    delay, delay_slip : field
+        Time [time] and slip [length] over which friction follows pressure; see `DelayedLaw`.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is negative or not finite.
+
+    Examples
+    --------
+    >>> from semianalytic import Coulomb
+    >>> Coulomb(0.6, cohesion=1.0, viscosity=0.5).strength(10.0, 2.0, 0.0)
+    8.0
+    >>> slow = Coulomb(0.6, delay=1.0)
+    >>> round(float(slow.felt_pressure(10.0, 0.0, 1.0, 20.0, 20.0)), 6)  # 20 - 10 / e
+    16.321206
+    """
+
+    friction: Any
+    cohesion: Any = 0.0
+    viscosity: Any = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        not_negative(
+            "Coulomb",
+            friction=self.friction,
+            cohesion=self.cohesion,
+            viscosity=self.viscosity,
+        )
+
+    def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
+        """Return f p + cohesion + viscosity |V|; see `InterfaceLaw.strength`."""
+        return self.friction * pressure + self.cohesion + self.viscosity * speed
+
+    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
+        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
+        dry = self.strength(pressure, np.zeros(np.shape(pressure)), state)
+        return np.maximum(stopping - dry, 0.0) / (impedance + self.viscosity)
+
+    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
+        """Return the viscosity; see `InterfaceLaw.rate_slope`."""
+        return np.broadcast_to(np.asarray(self.viscosity, dtype=float), pressure.shape)

@@ -1,0 +1,50 @@
+"""Friction that follows a change of pressure with a delay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.interface.law import InterfaceLaw, not_negative
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DelayedLaw(InterfaceLaw):
+    """A law whose friction may follow a pressure p' that lags behind the contact pressure p.
+
+    dp'/dt = (p - p') (1/delay + |V|/delay_slip), where a delay of 0 is left out (Prakash and
+    Clifton 1993, simplified).  Between different bodies only this makes most friction well-posed
+    (docs/dissimilar.md).
+
+    Parameters
+    ----------
+    delay : field
+        Time t* in which friction follows pressure [time]; 0 for none.
+    delay_slip : field
+        Slip L over which friction follows pressure [length]; 0 for none.
+
+    Raises
+    ------
+    SceneError
+        If one of them is negative or not finite.
+    """
+
+    delay: Any = 0.0
+    delay_slip: Any = 0.0
+
+    def __post_init__(self) -> None:
+        not_negative(type(self).__name__, delay=self.delay, delay_slip=self.delay_slip)
+
+    def pressure_delay(self, speed: Array) -> Any:
+        """Return the time in which friction follows pressure; see `InterfaceLaw.pressure_delay`."""
+        if not any(callable(one) or np.any(one) for one in (self.delay, self.delay_slip)):
+            return 0.0
+        delay, slip = np.asarray(self.delay, dtype=float), np.asarray(self.delay_slip, dtype=float)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            own = np.where(delay > 0, 1 / delay, np.where(slip > 0, 0.0, np.inf))
+            return 1 / (own + np.where(slip > 0, speed / slip, 0.0))
