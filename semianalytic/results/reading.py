@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.answer import ARRIVALS, FIELDS
-from semianalytic.scene.errors import SceneError
+from semianalytic.results.places import contact_positions
 
 Array = NDArray[np.float64]
 
@@ -107,23 +107,13 @@ class SelfSimilar(Protocol):
         ...
 
 
-def checked_positions(x: ArrayLike) -> Array:
-    """Return positions as an array; raise SceneError if one is not positive and finite."""
-    x = np.asarray(x, dtype=float)
-    if not np.all(np.isfinite(x)):
-        raise SceneError("positions must be finite numbers.")
-    if np.any(x <= 0):
-        raise SceneError("the contact is x > 0; ask for positive positions.")
-    return x
-
-
 def first_times(x: ArrayLike, zones: Iterable[_Zone]) -> Array:
     """Return when the first of zones inner t < x < outer t comes to positions x [time].
 
     It is x over the largest speed of an outer edge: inf without a zone, 0 where slip is ahead of
     all waves.
     """
-    x = checked_positions(x)
+    x = contact_positions(x)
     fastest = max((zone.outer for zone in zones), default=0.0)
     if fastest == 0:
         return np.full(x.shape, np.inf)
@@ -150,7 +140,7 @@ def self_similar_reading(
     scales : mapping from field to array
         Value to which the error of each field is relative, besides itself; broadcasts with t.
     """
-    x, t = np.broadcast_arrays(checked_positions(x), np.asarray(t, dtype=float))
+    x, t = np.broadcast_arrays(contact_positions(x), np.asarray(t, dtype=float))
     # an answer that broke the law may be wrong anywhere; one above its rtol has an estimate still
     known = answer.status == "converged" or answer.status.startswith("the error estimate")
     share = answer.error_estimate if known else math.inf
@@ -206,7 +196,7 @@ def sampled_reading(answer: Any, x: ArrayLike, t: ArrayLike) -> Reading:
     x, t : arrays
         Positions [length] and times [time], which broadcast.
     """
-    x, t = np.broadcast_arrays(checked_positions(x), np.asarray(t, dtype=float))
+    x, t = np.broadcast_arrays(contact_positions(x), np.asarray(t, dtype=float))
     arrivals = {of: _sampled_arrival(answer, x, of) for of in ARRIVALS}
     fields = {name: _sampled_field(answer, name, x, t) for name in FIELDS}
     return Reading(x, t, arrivals, status=answer.status, **fields)

@@ -22,6 +22,7 @@ from semianalytic.results.answer import (
     sampled_history,
 )
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.places import contact_positions, finite_times
 from semianalytic.results.reading import Reading, sampled_reading
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
@@ -423,9 +424,7 @@ def _edge(x: Array, straight: Array) -> float:
 
 def _check_times(t: Array, recorded: Array) -> None:
     """Raise SceneError for times that are not finite or later than what was recorded."""
-    if not np.all(np.isfinite(t)):
-        raise SceneError("times must be finite numbers.")
-    if np.any(t > recorded[-1] * (1 + _ROUNDING)):
+    if np.any(finite_times(t) > recorded[-1] * (1 + _ROUNDING)):
         raise SceneError(
             f"this answer ends at t = {recorded[-1]:.6g}; ask for earlier times, or compute it to "
             "a later end time."
@@ -434,10 +433,7 @@ def _check_times(t: Array, recorded: Array) -> None:
 
 def _check_positions(x: Array, nodes: Array) -> None:
     """Raise SceneError for positions that are not finite, off the contact or beyond the nodes."""
-    if not np.all(np.isfinite(x)):
-        raise SceneError("positions must be finite numbers.")
-    if np.any(x <= 0):
-        raise SceneError("the contact is x > 0; ask for positive positions.")
+    contact_positions(x)
     # Nodes are the middles of cells: the last cell ends as far beyond its node as the first begins
     # before its own.
     reach = nodes[-1] + nodes[0]

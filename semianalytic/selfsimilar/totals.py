@@ -22,6 +22,7 @@ from semianalytic.cut.totals import (
     slipped_rate,
 )
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.results.places import finite_times
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.zones.motion import SlipZone, over_slowness
@@ -114,7 +115,7 @@ class ContactTotals:
         SceneError
             If a time is not finite.
         """
-        time = np.maximum(_finite_times(t), 0.0)
+        time = np.maximum(finite_times(t), 0.0)
         rate = math.inf if self.scene.far_slip_rate else self.rate_unit * self._whole_rate
         # The integral of |V| over x is proportional to t, and its time integral to t^2 / 2.
         area = rate * self._speed / 2
@@ -125,7 +126,7 @@ class ContactTotals:
 
         Raises what `accumulated_slip` raises.
         """
-        return self.rate_unit * np.maximum(_finite_times(t), 0.0) * self._largest_slip_over_time
+        return self.rate_unit * np.maximum(finite_times(t), 0.0) * self._largest_slip_over_time
 
     @cached_property
     def _whole_power(self) -> float:
@@ -145,18 +146,10 @@ class ContactTotals:
         return largest_slip_over_time(self.profile)
 
 
-def _finite_times(t: ArrayLike) -> Array:
-    """Return times as an array; raise SceneError if one is not finite."""
-    t = np.asarray(t, dtype=float)
-    if not np.all(np.isfinite(t)):
-        raise SceneError("times must be finite numbers.")
-    return t
-
-
 def _intervals(t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> tuple[Array, Array, Array]:
     """Return times and the ends of intervals of the contact, broadcast and checked."""
     t, inner, outer = np.broadcast_arrays(
-        _finite_times(t), *(np.asarray(one, dtype=float) for one in (inner, outer))
+        finite_times(t), *(np.asarray(one, dtype=float) for one in (inner, outer))
     )
     if not np.all((inner >= 0) & (inner <= outer) & np.isfinite(inner)):
         raise SceneError("the contact is x > 0; ask for an interval with 0 <= inner <= outer.")

@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike
 from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
 from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.places import contact_points
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, MODES, Material, Tractions
 from semianalytic.scene.units import SI
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.growing_zone import GrowingZone, growing_zone
-from semianalytic.whole_line.solution import finite_points
 
 POWERS = (1, 2)
 _SAMPLES = 300
@@ -303,9 +303,7 @@ class GrowingSolution:
 
     def _velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Return x / (c_t t), beyond all waves up to t = 0, and t or 0."""
-        x, t = finite_points(x, t)
-        if not (x > 0).all():
-            raise SceneError("x must be positive; the contact is x > 0.")
+        x, t = contact_points(x, t)
         speed = self.slot.material.shear_speed
         xi = np.divide(x, speed * t, out=np.full(x.shape, np.inf), where=t > 0)
         # Before t = 0 any velocity beyond that of the first wave, 1/a, stands for infinity.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.scene.errors import SceneError
+from semianalytic.results.places import line_points
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.line import Patch, PointForce, WholeLine
 from semianalytic.whole_line.spreading import Spreading
@@ -197,7 +197,7 @@ class LineSolution:
 
     def _velocity(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return |x| / t, inf up to t = 0; x or t that is not finite is refused."""
-        x, t = finite_points(x, t)
+        x, t = line_points(x, t)
         return np.divide(np.abs(x), t, out=np.full(x.shape, np.inf), where=t > 0)
 
     def _moving(self, xi: Array, field: Any) -> Array:
@@ -237,11 +237,3 @@ class LineSolution:
     def excess_at_shear_wave(self) -> float:
         """Traction ahead of the zone at the shear wave, above the base [stress]."""
         return self._stress_unit * self.spreading.turning[0]
-
-
-def finite_points(x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
-    """Return positions and times as arrays of one shape; raise SceneError if one is not finite."""
-    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-    if not (np.isfinite(x).all() and np.isfinite(t).all()):
-        raise SceneError("x and t must be finite numbers.")
-    return x, t

@@ -30,6 +30,7 @@ from semianalytic.scene.given.named import (
     scene_label,
 )
 from slipfront.cli import terminal
+from slipfront.cli.endings.refusals import check_converged
 from slipfront.cli.options import (
     MESH_OPTIONS,
     SCENE_OPTIONS,
@@ -48,7 +49,6 @@ from slipfront.cli.options import (
 )
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.simulate_command import Allowance, simulate_into, with_error_bars
-from slipfront.cli.solve_command import check_converged
 
 if TYPE_CHECKING:
     from fem import Simulation

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.scene.errors import SceneError
+from semianalytic.results.places import contact_points
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.guesses import slip_senses
@@ -204,11 +204,7 @@ def over_slowness(
     SceneError
         If a position is not positive, or x or t is not finite.
     """
-    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-    if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))):
-        raise SceneError("positions and times must be finite numbers.")
-    if np.any(x <= 0):
-        raise SceneError("the contact is x > 0; ask for positive positions.")
+    x, t = contact_points(x, t)
     # Fields are functions of u = t / x, here in units b = 1 / c_t = 1.
     u = (t * shear_speed / x).ravel()
     value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)

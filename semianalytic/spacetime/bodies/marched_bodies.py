@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.field.body import checked_points
 from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.results.interface_history import InterfaceHistory
@@ -67,10 +68,7 @@ class MarchedBodies:
 
     def _change(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the rows (n, ...) of a quantity since t = 0, without the base."""
-        points = [np.asarray(one, dtype=float) for one in (x, y, t)]
-        if not all(np.all(np.isfinite(one)) for one in points):
-            raise SceneError("positions and times must be finite numbers.")
-        x, y, t = np.broadcast_arrays(*points)
+        x, y, t = checked_points(x, y, t)
         self._check_reach(x, y, t)
         begun = t > 0
         at = x[begun], y[begun], t[begun]
