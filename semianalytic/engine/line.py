@@ -187,6 +187,14 @@ class LineMemory:
         self.lasting += 2 * table.half * amplitudes
         return table
 
+    def kept(self) -> tuple[Complex, Array, float]:
+        """Return copies of what a step changes, for `put_back`."""
+        return self.modes.copy(), self.lasting.copy(), self.last
+
+    def put_back(self, kept: tuple[Complex, Array, float]) -> None:
+        """Undo the steps since `kept` was called."""
+        self.modes, self.lasting, self.last = kept
+
     def convolution(self, amplitudes: Array) -> Array:
         """Return the convolution now (rows, m), with the newest rate's amplitudes (rows, m)."""
         held = self.modes.real.sum(axis=0) + self.lasting

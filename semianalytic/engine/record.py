@@ -143,6 +143,7 @@ def checkpoint(stepper: Stepper, record: Record, now: State, print_of: str) -> d
             for prefix, memory in _memories(stepper)
             for name in ("modes", "lasting", "last")
         },
+        **{f"{prefix}horizon": one.memory.horizon for prefix, one in _memories(stepper)},
         "fingerprint": print_of,
         "every": record.every,
         "count": record.count,
@@ -188,9 +189,10 @@ def resumed(
             f"run: `end_time` must be beyond that of `go_on`, {float(kept['time']):.6g}."
         )
     for prefix, memory in _memories(stepper):
-        if kept[f"{prefix}modes"].shape != memory.modes.shape:
+        if float(kept[f"{prefix}horizon"]) != memory.memory.horizon:
             raise SceneError(
-                "run: the memory of `go_on` was fitted for another end time; give that `end_time`."
+                f"run: the memory of `go_on` reaches t = {float(kept['latest']):g}; compute it "
+                f"again with `latest` = {end_time:g} to continue it until then."
             )
         memory.modes = kept[f"{prefix}modes"].copy()
         memory.lasting = kept[f"{prefix}lasting"].copy()

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.pace import nodes_for_histories
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.steps import Stepper
@@ -47,6 +48,7 @@ def run(
     slipping: float | None = None,
     estimate: bool = True,
     go_on: Run | None = None,
+    latest: float | None = None,
     progress: Progress | None = None,
     **settings: Any,
 ) -> Run:
@@ -85,6 +87,9 @@ def run(
     go_on : Run, optional
         A run of the same interface to continue; the result is the same to the last bit as that of
         a run which was not interrupted.
+    latest : float, optional
+        Time up to which `go_on` may continue this run [time]; the end time by default.  The memory
+        is made for it.
     progress : function, optional
         Called with time and end time after every step; the run ends where it returns True.
     **settings
@@ -130,13 +135,20 @@ def run(
             raise SceneError("run: times must lie between 0 and the end time.")
     if slipping is not None:
         slipping = checked_number("run: slipping", slipping, "be 0 or more", lambda one: one >= 0)
+    settings = _checked_settings(settings)
     options = {"step_ratio": step_ratio, "every": every, "frames": frames, "times": times}
     options["slipping"] = slipping
+    latest = end_time if latest is None else checked_size("run: latest", latest)
+    options["latest"] = max(latest, end_time)
     if go_on is not None:
         nodes = go_on.nodes if nodes is None else nodes
+    needed = nodes_for_histories(interface, end_time)
     if nodes is None:
+        least = math.ceil(needed) if NODES < needed <= MOST_NODES else NODES
         # the run with half the nodes, which tells the error, needs ends that fit as well
-        nodes = interface.contact.fitting_nodes(interface.length, NODES, halvings=1)
+        nodes = min(interface.contact.fitting_nodes(interface.length, least, 1), MOST_NODES)
+    elif rtol is not None and nodes < needed <= MOST_NODES:
+        nodes = 4 * math.ceil(needed / 4)
     count = _checked_nodes(nodes)
     while True:
         done = _one(interface, end_time, count, options, settings, go_on, progress, check=True)
@@ -150,6 +162,19 @@ def run(
         # many nodes reduce the error to a quarter.
         growth = 2 if error / rtol < 4 else 4
         count = min(count * growth, MOST_NODES)
+
+
+def _checked_settings(settings: dict[str, Any]) -> dict[str, Any]:
+    """Return the settings of a `Stepper`, all of them positive numbers."""
+    known = ("sweeps", "tolerance", "state_share", "bound_share", "longest")
+    for name, value in settings.items():
+        if name not in known:
+            raise SceneError(f"run: unknown argument {name}; settings are {', '.join(known)}.")
+        if name == "sweeps":
+            settings[name] = checked_count("run: sweeps", value, 1, "a whole number of at least")
+        elif value != math.inf:
+            settings[name] = checked_size(f"run: {name}", value)
+    return settings
 
 
 def _checked_nodes(nodes: int) -> int:
@@ -176,9 +201,13 @@ def _one(
 
     With `check`, friction between different bodies that this grid cannot follow is refused.
     """
-    stepper = Stepper(interface, nodes, options["step_ratio"], end_time=end_time, **settings)
+    latest = (
+        options["latest"] if go_on is None else max(float(go_on.checkpoint["latest"]), end_time)
+    )
+    stepper = Stepper(interface, nodes, options["step_ratio"], end_time=latest, **settings)
     if check:
         stepper.check_sliding()
+        stepper.check_longest()
     begun = _slipping(stepper) if options["slipping"] is None else options["slipping"]
     record = Record(stepper, options["every"], options["frames"], options["times"], begun)
     print_of = fingerprint(stepper)
@@ -187,16 +216,16 @@ def _one(
         record.begin(now)
     else:
         now = resumed(stepper, record, go_on, print_of, end_time)
+        if now.time in interface.jumps:
+            # the earlier run ended with the values before the jump
+            now = stepper.jump(now)
     stops = [at for at in interface.jumps if now.time < at < end_time] + [end_time]
     stopped = False
     with deferred_interrupt() as interruption:
         while stops and not stopped:
-            length, rung = stepper.length(now)
-            left = stops[0] - now.time
-            # A step that almost reaches the stop is stretched to it, so that no sliver is left.
-            last = left <= length * (1 + 1e-9)
-            stop = stops.pop(0) if last else None
-            before, now = now, stepper.step(now, left if last else length, rung, stop)
+            before, (now, last) = now, stepper.advance(now, stops[0])
+            if last:
+                stops.pop(0)
             record.add(before, now)
             if last and stops:
                 now = stepper.jump(now)
@@ -205,7 +234,7 @@ def _one(
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
     most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])
-    status = _resolution(stepper, most, now.state, max(record.peak_rates))
+    status = _resolution(stepper, most, now.state, max(record.peak_rates), end_time)
     if stopped:
         status = f"interrupted at t = {now.time:.6g}"
     return Run(
@@ -225,7 +254,7 @@ def _one(
         step_times=np.array(record.step_times),
         peak_rates=np.array(record.peak_rates),
         status=status,
-        checkpoint=checkpoint(stepper, record, now, print_of),
+        checkpoint=checkpoint(stepper, record, now, print_of) | {"latest": latest},
     )
 
 
@@ -289,8 +318,17 @@ def _deciding(done: Run, errors: Mapping[str, float]) -> str:
     return "gap" if larger and gap > LEAST_GAP * slip else "slip"
 
 
-def _resolution(stepper: Stepper, pressure: Array, state: Array, fastest: float) -> str:
-    """Return "done", or why the grid cannot follow the law at the largest pressures and rate."""
+def _resolution(
+    stepper: Stepper, pressure: Array, state: Array, fastest: float, end_time: float
+) -> str:
+    """Return "done", or why the grid cannot follow the loads, or the law at the largest pressures
+    and rate."""
+    needed, nodes = nodes_for_histories(stepper.interface, end_time), stepper.grid.nodes
+    if nodes < 0.999 * needed:
+        remedy = "smooth it or the samples that lie beside each other"
+        if needed < math.inf:
+            remedy = f"use {4 * math.ceil(needed / 4)} nodes or more, or smooth it"
+        return f"unresolved: the history of a load turns faster than {nodes} nodes follow; {remedy}"
     if stepper.pair is not None:
         doubt = doubt_of(stepper.pair, stepper.law, pressure, state, fastest, stepper.grid.spacing)
         if doubt:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
+from semianalytic.engine.pace import LoadPace
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
     CROSSINGS,
@@ -27,7 +28,7 @@ from semianalytic.engine.window import check_window
 from semianalytic.interface.contact import Adhesion
 from semianalytic.interface.fields import required, sampled
 from semianalytic.interface.interface import Interface
-from semianalytic.interface.law import check_law
+from semianalytic.interface.law import check_law, check_rate
 from semianalytic.memory.exponentials import fit_memory, fit_shared
 from semianalytic.memory.impedance import Antiplane, InPlane, Opening
 from semianalytic.scene.errors import ComputationError, SceneError
@@ -103,6 +104,10 @@ class Stepper:
         self.grid = Grid(interface.length, nodes, not contact.is_whole, interface.even, held)
         x = self.grid.x
         self.touching = contact.touches(x)
+        if not self.touching.any():
+            width = min(end - begin for begin, end in contact.intervals)
+            least = 4 * math.ceil(interface.length / width / 4)
+            raise SceneError(f"run: no node lies on the contact; use {least} nodes or more.")
         self._on = x[self.touching]
         spacing = self.grid.spacing
         self.law = interface.law.on(self._on, spacing)
@@ -121,6 +126,7 @@ class Stepper:
         self.shortest = step_ratio * self.grid.spacing / fastest
         loads = interface.loads
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
+        self._load_pace = LoadPace(interface, self.grid.spacing)
         q = math.pi / self.grid.spacing
         reach = q * min(self._speed * end_time, CROSSINGS * interface.length)
         horizon = min(max(reach, LEAST_HORIZON), LARGEST_HORIZON)
@@ -136,7 +142,8 @@ class Stepper:
             self.unilateral = Unilateral(stiff, opening, self.grid, pressed, self.touching, bonds)
             if bonds is not None:
                 longest = min(longest, self._check_adhesion(bonds))
-        self._bound = bound_share * 2 / (stiffness * q)
+        # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
+        self._bound = bound_share * 2 / (stiffness * max(q, held))
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
         self._is_delayed = bool(np.any(self.law.pressure_delay(np.zeros(len(self._on)))))
@@ -188,6 +195,14 @@ class Stepper:
         base[self.touching] = self.pressure
         return base
 
+    def check_longest(self) -> None:
+        """Raise SceneError if the longest step that was asked for is below the shortest one."""
+        if self._longest < self.shortest:
+            raise SceneError(
+                f"run: `longest` must be {self.shortest:.4g} or more on this grid, got "
+                f"{self._longest:.4g}; lower `step_ratio` instead."
+            )
+
     def check_sliding(self) -> None:
         """Raise SceneError if friction between different bodies lets waves grow without bounds."""
         if self.pair is not None:
@@ -204,6 +219,7 @@ class Stepper:
             dtype=float,
         )
         check_law(self.law, self.pressure, state)
+        check_rate(self.law, self.pressure, state, self.impedance)
         nothing = np.zeros(count)
         faces = Faces(self._base(), nothing, nothing, nothing, nothing)
         return self.jump(
@@ -249,9 +265,8 @@ class Stepper:
     def length(self, now: State) -> tuple[float, int]:
         """Return length and rung of the step that may follow a state [time]."""
         speed = np.abs(now.rate[self.touching])
-        slope = np.asarray(self.law.rate_slope(now.felt, speed, now.state))
-        least = float(slope.min()) if self.touching.all() else 0.0
-        limit = min(self._bound * (max(least, 0.0) + self.impedance), self._longest)
+        limit = min(self._convergent(now, speed), self._longest)
+        limit = min(limit, self._load_pace.longest(now.time))
         if now.pace > 0:
             limit = min(limit, RATE_SHARE / now.pace)
         with np.errstate(divide="ignore"):
@@ -267,6 +282,38 @@ class Stepper:
                 push = self._push(self.memory.convolution(self._amplitudes(now.rate)))
             rung = 0 if self.unilateral.frees(now, now.time + length, push) else rung
         return self.shortest * LADDER**rung, rung
+
+    def _convergent(self, now: State, speed: Array) -> float:
+        """Return the step up to which the iteration of a step converges at the speed of a state."""
+        slope = np.asarray(self.law.rate_slope(now.felt, speed, now.state))
+        least = float(slope.min()) if self.touching.all() else 0.0
+        return self._bound * (max(least, 0.0) + self.impedance)
+
+    def advance(self, now: State, stop: float) -> tuple[State, bool]:
+        """Return the state one step later, and whether the step ends at a time to stop at.
+
+        A step that is so long that its iteration did not converge at the speeds with which it ends
+        is repeated with half its length: friction that rises with the logarithm of the slip rate
+        damps short waves the less, the faster the interface slips.
+        """
+        length, rung = self.length(now)
+        while True:
+            left = stop - now.time
+            # A step that almost reaches the stop is stretched to it, so that no sliver is left.
+            last = left <= length * (1 + 1e-9)
+            kept = [one.kept() for one in self._every_memory()] if rung > 0 else []
+            after = self.step(now, left if last else length, rung, stop if last else None)
+            speed = np.abs(after.rate[self.touching])
+            if not kept or length <= self._convergent(after, speed) / BOUND_SHARE:
+                return after, last
+            for memory, one in zip(self._every_memory(), kept, strict=True):
+                memory.put_back(one)
+            rung -= 1
+            length = self.shortest * LADDER**rung
+
+    def _every_memory(self) -> list[LineMemory]:
+        opening = [] if self.unilateral is None else [self.unilateral.memory]
+        return [self.memory, *opening]
 
     def step(self, now: State, length: float, rung: int, time: float | None = None) -> State:
         """Return the state one step later, and advance the memory to the same time.

@@ -17,6 +17,9 @@ RATE_SHARE = 0.2
 """Change of the slip rate in a step, over the largest rate, above which steps become shorter.
 The other bounds do not see what a load does to a slow interface: slip of TPV101 on 1,440 nodes is
 off by 2.1e-3 without this bound, and by 1.2e-4 with 0.2 and with 0.1."""
+WAVE_STEPS = 16
+"""Least steps in a period of a load.  Slip rate of a slow interface under a harmonic load is off by
+3e-4 with 16 and by 2e-4 with 32; with 8 it takes as many steps, because some are repeated."""
 BOUND_SHARE = 0.7
 """Share of the longest step at which the iteration of a step still converges."""
 TOLERANCE = 1e-7

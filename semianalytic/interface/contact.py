@@ -192,4 +192,6 @@ class Adhesion:
         """Return the tension at gaps (n,), the largest gaps so far being (n,) [stress]."""
         left = self.strength * np.maximum(1 - np.maximum(gap, opened) / self.length, 0.0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            return np.asarray(np.where(gap < opened, left * gap / opened, left))
+            # the faces of slots, which have never parted here, may come nearer
+            back = (gap < opened) & (opened > 0)
+            return np.asarray(np.where(back, left * gap / opened, left))

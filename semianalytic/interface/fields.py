@@ -326,13 +326,15 @@ class Expression:
         self._body = tree.body
         names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         self.numbers = {name: one for name, one in (numbers or {}).items() if name in names}
-        with np.errstate(all="ignore"):
-            self(*(np.array([0.5]) for _ in variables))
+        self(*(np.array([0.5]) for _ in variables))
 
     def __call__(self, *values: Any) -> Any:
-        """Return the value at arguments, which broadcast."""
-        given = zip(self.variables, values, strict=True)
-        return self._value(self._body, {**self.numbers, **dict(given)})
+        """Return the value at arguments, which broadcast; nan or inf where there is none."""
+        known = {**self.numbers, **dict(zip(self.variables, values, strict=True))}
+        # numbers of numpy divide by 0 and overflow to inf or nan, which fields refuse
+        known = {key: np.float64(one) if np.ndim(one) == 0 else one for key, one in known.items()}
+        with np.errstate(all="ignore"):
+            return self._value(self._body, known)
 
     def with_numbers(self, numbers: Mapping[str, float]) -> Expression:
         """Return the expression with other values of some of the numbers that it names."""
@@ -345,7 +347,8 @@ class Expression:
         """Return the value of a part of the expression."""
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                return float(number)
+                value = finite(number)
+                return np.float64(np.inf if value is None else value)
             case ast.Name(id=name) if name in known:
                 return known[name]
             case ast.Name(id="pi"):

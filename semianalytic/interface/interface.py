@@ -105,6 +105,13 @@ class Interface:
         object.__setattr__(self, "loads", self._bound_loads())
         if not isinstance(self.contact, Contact):
             raise SceneError(f"interface: contact must be a Contact, got {shown(self.contact)}.")
+        reach = self.length / 2
+        for begin, end in self.contact.intervals:
+            if any(math.isfinite(one) and abs(one) > reach for one in (begin, end)):
+                raise SceneError(
+                    f"interface: the contact {begin:g} to {end:g} leaves the period, {-reach:g} to "
+                    f"{reach:g}; raise `length`, or let an open end be inf."
+                )
         if self.mode not in MODES:
             raise SceneError(f"interface: mode must be in-plane or antiplane, got {self.mode!r}.")
         if not isinstance(self.even, bool):

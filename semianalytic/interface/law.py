@@ -154,6 +154,29 @@ def check_law(law: InterfaceLaw, pressure: Array, state: Array) -> None:
             )
 
 
+def check_rate(law: InterfaceLaw, pressure: Array, state: Array, impedance: float) -> None:
+    """Raise SceneError if friction falls with slip rate faster than the bodies can balance.
+
+    With strength(V) + impedance V falling anywhere, a traction is balanced by several slip rates,
+    and answers do not converge.  Slip rates of up to one hundred pressures over the impedance are
+    looked at, ten in each decade.
+    """
+    size = float(np.max(pressure, initial=0.0)) / impedance
+    if not size > 0:
+        return
+    speeds = size * np.concatenate([[0.0], np.logspace(-14, 2, 161)])
+    strength = [np.asarray(law.strength(pressure, 0 * pressure + one, state)) for one in speeds]
+    rounding = 1e-15 * np.abs(strength[0])
+    fall = (-np.diff(strength, axis=0) - rounding) / np.diff(speeds)[:, None]
+    steepest = float(fall.max())
+    if steepest > impedance * (1 + 1e-6):
+        raise SceneError(
+            f"{type(law).__name__}: friction falls with slip rate by {steepest:.3g} per slip rate, "
+            f"faster than radiation can balance, {impedance:.3g} (docs/limits.md); let it fall "
+            "over higher slip rates, or by less."
+        )
+
+
 def positive(owner: str, **values: Any) -> None:
     """Raise SceneError unless parameters given as numbers are finite and positive."""
     for name, value in values.items():

@@ -96,7 +96,12 @@ class InterfaceLoad:
         """Return the factor at a time; at a jump, the value before it or the one `after` it."""
         if isinstance(self.history, LoadHistory):
             return float(self.history.value(math.nextafter(t, math.inf) if after else t))
-        return float(self.history(t)) if self.history is not None else 1.0
+        if self.history is None:
+            return 1.0
+        value = float(self.history(t))
+        if not math.isfinite(value):
+            raise SceneError(f"load: history must always be finite, got {value} at t = {t:g}.")
+        return value
 
     @property
     def jumps(self) -> list[float]:

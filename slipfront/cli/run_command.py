@@ -54,6 +54,12 @@ def run_command(
     go_on: Annotated[
         Path | None, typer.Option(metavar="FILE", help="File of a saved run to continue.")
     ] = None,
+    latest: Annotated[
+        float | None,
+        typer.Option(
+            help="Time up to which --go-on may continue the run; its end time by default."
+        ),
+    ] = None,
     netcdf: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write all fields as NetCDF (.nc).")
     ] = None,
@@ -84,7 +90,7 @@ def run_command(
             "give a number alone."
         )
     options: dict[str, Any] = {**found.options, "estimate": not no_estimate}
-    given = {"nodes": nodes, "rtol": rtol}
+    given = {"nodes": nodes, "rtol": rtol, "latest": latest}
     options |= {name: value for name, value in given.items() if value is not None}
     if netcdf is not None:
         require("slipfront run --netcdf", *XARRAY)

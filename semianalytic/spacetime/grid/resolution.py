@@ -48,6 +48,25 @@ def _follows(history: LoadHistory, step: float, latest: float) -> bool:
     )
 
 
+def longest_following(history: LoadHistory, step: float, latest: float) -> float:
+    """Return the longest step h / (2 c_t), up to `step`, that follows a history until `latest`.
+
+    It is found to 0.1 %, and 0 if the history turns back within no time at all.
+    """
+    if _follows(history, step, latest):
+        return step
+    # Bisect: sixteenths until one is short enough, then halves of the interval.
+    enough, lacking = 0.0, step
+    for _ in range(HALVINGS):
+        middle = lacking / 16 if enough == 0 else (enough + lacking) / 2
+        enough, lacking = (
+            (middle, lacking) if _follows(history, middle, latest) else (enough, middle)
+        )
+        if enough > 0.999 * lacking:
+            break
+    return enough
+
+
 def nodes_for_loads(
     scene: Scene, latest: float, length: float, least: int, step_ratio: float = STEP_RATIO
 ) -> tuple[int, str]:
@@ -81,18 +100,9 @@ def nodes_for_loads(
     times_nodes = max(step_ratio, STEP_RATIO) * length / scene.material.shear_speed
     for name, history in scene.acting_histories.items():
         step = times_nodes / nodes
-        if _follows(history, step, latest):
+        enough = longest_following(history, step, latest)
+        if enough == step:
             continue
-        # Bisect for the longest step that follows the load: sixteenths until one is short enough,
-        # then halves of the interval.
-        enough, lacking = 0.0, step
-        for _ in range(HALVINGS):
-            middle = lacking / 16 if enough == 0 else (enough + lacking) / 2
-            enough, lacking = (
-                (middle, lacking) if _follows(history, middle, latest) else (enough, middle)
-            )
-            if enough > 0.999 * lacking:
-                break
         if enough == 0:
             raise SceneError(
                 f"march: the {name} history turns back within no time at all; "

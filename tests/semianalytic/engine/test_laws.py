@@ -153,3 +153,16 @@ def test_refusals_are_one_sentence(law, said):
     with pytest.raises(sf.SceneError, match=said) as refusal:
         law()
     assert str(refusal.value).count(". ") == 0
+
+
+def test_friction_that_falls_faster_than_radiation_balances_is_refused():
+    """The slope at rest is (static - dynamic) p / rate; mu / (2 c_t) is 0.5 here."""
+    material = sf.Material(1.0, 1.0, 0.25)
+    for rate, refused in ((0.59, True), (0.61, False)):
+        law = sf.RateDependent(0.6, 0.3, rate=rate)
+        face = sf.Interface(material, law, 8.0, pressure=1.0, shear=0.4)
+        if refused:
+            with pytest.raises(sf.SceneError, match=r"0\.508 per slip rate, faster than"):
+                sf.run(face, 0.1, 16)
+        else:
+            assert sf.run(face, 0.1, 16).status == "done"

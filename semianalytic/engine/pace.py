@@ -1,0 +1,106 @@
+"""How the histories of loads pace a run: how long steps may be, and how many nodes follow them."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from semianalytic.engine.tuning import WAVE_STEPS
+from semianalytic.interface.interface import Interface
+from semianalytic.interface.loads import FrontLoad, InterfaceLoad
+from semianalytic.scene.loads import LoadHistory
+from semianalytic.spacetime.grid.resolution import longest_following
+from semianalytic.spacetime.grid.tuning import STEP_RATIO as TURN_RATIO
+
+
+class Window(NamedTuple):
+    """A time in which a load changes all along, and the longest step that follows it [time]."""
+
+    begin: float
+    end: float
+    longest: float
+
+
+class LoadPace:
+    """The longest steps that do not pass over what loads do.
+
+    Steps end at jumps of loads in any case.  A kink of a history should lie in a step of the
+    shortest length, because the load may come and go between it and the next one.
+
+    Parameters
+    ----------
+    interface : Interface
+        Its loads with a `LoadHistory`; what functions of time do between steps is not known.
+    spacing : float
+        Node distance [length].
+    """
+
+    def __init__(self, interface: Interface, spacing: float) -> None:
+        self._breaks: list[float] = []
+        self._windows: list[Window] = []
+        for load, history in _histories(interface):
+            breaks = history.pieces.breaks
+            first, last = breaks[0], breaks[-1]
+            waves = [1 / wave.frequency for wave in history.pieces.waves]
+            if waves and not _rests(history, last, min(waves)):
+                last = math.inf
+            slowness = load.slowness if isinstance(load, FrontLoad) else 0.0
+            if slowness:
+                # the front passes all nodes of a period one after the other
+                assert isinstance(load, FrontLoad)
+                ends = slowness * (np.array([-0.5, 0.5]) * interface.length - load.at)
+                first, last = first + float(ends.min()), last + float(ends.max())
+                self._windows.append(Window(first, last, abs(slowness) * spacing))
+            else:
+                self._breaks += breaks
+            if waves:
+                self._windows.append(Window(first, last, min(waves) / WAVE_STEPS))
+        self._breaks.sort()
+
+    def longest(self, time: float) -> float:
+        """Return the longest step that may begin at a time [time]; inf if loads set no bound."""
+        following = bisect_right(self._breaks, time)
+        longest = math.inf
+        if following < len(self._breaks):
+            longest = self._breaks[following] - time
+        for begin, end, step in self._windows:
+            if begin <= time < end:
+                longest = min(longest, step)
+            elif time < begin:
+                longest = min(longest, begin - time)
+        return longest
+
+
+def nodes_for_histories(interface: Interface, end_time: float) -> float:
+    """Return how many nodes of a period follow the histories of all loads; inf if none do.
+
+    A grid of node distance h follows a history that turns no more than `march` allows within steps
+    h / (2 c_t) of the slower body.
+    """
+    speed = interface.material.shear_speed if interface.pair is None else interface.pair.speed
+    most = TURN_RATIO * interface.length / speed  # step times nodes
+    needed = 1.0
+    for _, history in _histories(interface):
+        step = longest_following(history, most / needed, end_time)
+        if step == 0:
+            return math.inf
+        needed = max(needed, most / step)
+    return needed
+
+
+def _histories(interface: Interface) -> Iterator[tuple[InterfaceLoad | FrontLoad, LoadHistory]]:
+    """Yield the loads that have a `LoadHistory`, and these; one without pieces is always 0."""
+    for load in interface.loads:
+        if isinstance(load.history, LoadHistory) and load.history.pieces.breaks:
+            yield load, load.history
+
+
+def _rests(history: LoadHistory, time: float, period: float) -> bool:
+    """Return whether a history keeps its value after its last break, its waves having ended."""
+    # three samples of a sum of waves of one frequency that are alike, but not its three zeros
+    values = history.value(time + period * np.array([0.0, 0.13, 0.29, 0.41]))
+    return bool(np.ptp(values) <= 1e-9 * max(float(np.abs(values).max()), 1.0))
