@@ -240,7 +240,8 @@ class Density:
         """Return T_tau and T_sigma at k = -v, (m, 2), off the zones; T = Psi z = C^(-1) R z."""
         fronts = self.interface.compliance.fronts
         entries = self.interface.compliance.on_cut(points.v, stretch.minus(points, fronts))
-        # R and C are regular on this side of the cut, where Psi itself is not.
+        # R(-v) is off its own cut, and C has a closed form on this one; Psi is known off the cut
+        # alone.
         z = self.z(stretch, points) if self.parts else np.broadcast_to(self.constant, (1, 2))
         rates = self.glued.rates(points.v)
         return np.asarray((entries.inverse @ (rates @ z[..., None]))[..., 0])
@@ -351,7 +352,8 @@ def _equations(
                 columns[index].append(block * panel.weight[:, None])
     blocks, values = [], []
     for row, turned, cells in zip(target.rows, target.turned, columns, strict=True):
-        # Rows of one size: g vanishes or grows at some fronts, and least squares would follow suit.
+        # Rows of one size: g vanishes or grows at some fronts, and these points would count for too
+        # little or too much.
         size = np.abs(row).max(axis=1) if panel.open else np.abs(row[:, 0] + film)
         right = -(turned @ constant) / (np.pi * panel.points.v) * panel.weight
         blocks.append(np.concatenate(cells, axis=1) / size[:, None])

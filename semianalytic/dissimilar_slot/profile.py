@@ -186,7 +186,8 @@ class Profile:
         if panel.stretch.right is not None:
             running = _running(panel.count, intervals.count, between=True)
             return from_values(start + (running @ slope).reshape(intervals.count, -1))
-        # A power a little above that of the slope: what is interpolated then falls, and may end.
+        # A power a little above that of the slope: what is interpolated then decays towards the end
+        # of the panel.
         power = density.interface.edge_decay(panel.sense) + panel.right.decay
         left = panel.stretch.left
         scaled = slope * (left / panel.points.v[panel.count :]) ** power

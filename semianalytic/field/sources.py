@@ -191,7 +191,8 @@ class Step:
         """All integrals where no wave from the edge has come, x < 0: plane waves of the load."""
         factors, load = self.transform.fields.factors, self.transform.fields.load
         if self.transform.pole is not None:
-            # Behind the first wave, the front of the load is a singular point among others.
+            # A front slower than the first wave parts nothing: its pole is one of the singular
+            # points.
             if self._parting is not self.transform.pole:  # no plane wave is ahead of others
                 return self.ahead
             reflected = reflected_wave(factors, self._mode, load.load_shear, load.slowness)

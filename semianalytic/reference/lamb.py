@@ -48,7 +48,8 @@ def _direct(factors: RayleighFactors, v: Array, mode: Mode) -> Array:
 def _coupled(factors: RayleighFactors, v: Array) -> Array:
     """Return (1/pi) Im of k N / R at k = -v + i0, b = mu = 1; 0 outside a < v < b."""
     inside = (v > factors.a) & (v < 1)
-    # Outside of a < v < b k N / R is real; any slowness inside keeps the root real meanwhile.
+    # Outside of a < v < b the quotient k N / R is real; any slowness inside keeps the root real
+    # meanwhile.
     w = np.where(inside, v, (1 + factors.a) / 2)
     polynomial = 1 - 2 * w * w
     root = np.sqrt((w - factors.a) * (w + factors.a) * (1 - w) * (1 + w))

@@ -101,8 +101,8 @@ class PrescribedCrack:
         xi = np.divide(np.abs(x), t, out=np.full(x.shape, np.inf), where=t > 0)
         with np.errstate(divide="ignore"):
             u = (self.material.shear_speed / xi).ravel()
-        # At the tip itself the traction is infinite; nearer to it than this the root is all there
-        # is.
+        # At the tip itself the traction is infinite; nearer to it than this it follows the root
+        # alone.
         stop = self._slowness * (1 - _NEAREST)
         ahead = self._running.at(np.minimum(u, stop)).reshape(x.shape)
         return self.drop * np.where(xi > self.speed, ahead, np.where(t > 0, -1.0, 0.0))

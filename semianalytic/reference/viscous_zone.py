@@ -122,7 +122,8 @@ class _ViscousZone:
         total = 0.0
         for left, right in pairwise(ends):
             width = right.minus(left)
-            # Each half of a panel counts from its own end, whose fronts it must not lose digits to.
+            # Each half of a panel counts from its own end, so that distances from the front there
+            # keep their digits.
             near_left, near_right = left.parts + width * share, right.parts - width * other
             at = CutPoints(np.where(_NODES < 0, near_left, near_right))
             to_edge = width * other if right is ends[-1] else self.edge - at.v

@@ -84,7 +84,7 @@ def new_file(
     made: list[Path] = []
     held: tuple[Path, int | None] | None = None
     try:
-        # A link stays one: what it points to is replaced.
+        # A link stays a link: the file that it points to is replaced.
         place = Path(os.path.realpath(path))
         made = make_folder(place.parent)
         if place.exists() and not place.is_file():

@@ -31,7 +31,8 @@ def available_memory() -> int:
     It is taken as 4 GB where the system gives no information.
     """
     amounts = [_of_machine()]
-    # A container may have less than its machine: version 2 of control groups, then version 1.
+    # A container may have less than its machine: its control group says so, of version 2 or of
+    # version 1.
     for limit, used in _GROUPS:
         try:
             amounts.append(int(limit.read_text()) - int(used.read_text()))
