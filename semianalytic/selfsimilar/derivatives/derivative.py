@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.cut.profile import Profile
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.derivatives.edges import edge_moved, edges_moved, edges_of_zones
+from semianalytic.selfsimilar.derivatives.error import difference_error
 from semianalytic.selfsimilar.derivatives.parameters import (
     border,
     changes,
@@ -21,7 +22,6 @@ from semianalytic.selfsimilar.derivatives.parameters import (
 )
 from semianalytic.selfsimilar.derivatives.variation import Surroundings
 from semianalytic.selfsimilar.derivatives.varied import VariedProfile
-from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.motion import over_slowness
 
 _TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
@@ -139,20 +139,12 @@ class Derivative:
         wave fronts, where derivatives are infinite or nearly so. It requires a second, coarser
         derivative, which is computed on first access.
         """
-        fine, profile = self.varied, self.varied.profile
+        fine = self.varied
         coarse = VariedProfile(
             self.surroundings.companion.profile,
             self.surroundings.companion.variation(fine.variation.rates),
         )
-        size, u = self._size, _compared(profile)
-        worst = _share(_edges_moved(fine), _edges_moved(coarse), 1 / size)
-        worst = max(worst, _largest_share(fine, coarse, u, size))
-        if profile.edge_slips:
-            # A film may slip at the contact edge alone, nearer than any of these points.
-            near = _compared(profile, tuning.NEAREST_COMPARED)
-            worst = max(worst, _largest_share(fine, coarse, near, size))
-        safety = tuning.UNSEEN_SAFETY if _passes_over_a_strip(profile, u) else tuning.SAFETY
-        return tuning.LEAST_DERIVATIVE_ERROR + safety * worst
+        return difference_error(fine, coarse, self._size)
 
     @property
     def _size(self) -> float:
@@ -234,7 +226,7 @@ class Derivative:
         if opened is None:
             return ()
         unit, ends = self.scene.material.shear_speed, (opened.zone.right, opened.zone.left)
-        inner, outer = (0.0 if end is None else unit * _moved(self.varied, end) for end in ends)
+        inner, outer = (0.0 if end is None else unit * edge_moved(self.varied, end) for end in ends)
         return (OpenDerivative(inner, outer),)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -337,87 +329,18 @@ def differentiated(
     )
 
 
-def _largest_share(fine: VariedProfile, coarse: VariedProfile, u: Array, size: float) -> float:
-    """Return the largest difference of two derivatives at slownesses u, over their largest value.
-
-    If that is smaller, it is over the largest value of the field, per `size` of the parameter.
-    """
-    profile, worst = fine.profile, 0.0
-    compared = [
-        (fine.slip_rate(u), coarse.slip_rate(u), profile.slip_rate(u)),
-        (fine.slip_over_time(u), coarse.slip_over_time(u), profile.slip_over_time(u)),
-        (fine.traction(u), coarse.traction(u), profile.shear_change(u)),
-    ]
-    if profile.normal and fine.normal and coarse.normal:
-        near, far, normal = fine.normal, coarse.normal, profile.normal
-        # In antiplane shear the panels have no nodes on either side of c_R, so that the gap is
-        # left out.
-        if profile.fields.factors.has_rayleigh_wave:
-            compared.append((near.slip_rate(u), far.slip_rate(u), normal.slip_rate(u)))
-        compared.append((near.traction(u), far.traction(u), normal.shear_change(u)))
-    for one, other, field in compared:
-        worst = max(worst, _share(one, other, float(np.abs(field).max()) / size))
-    return worst
-
-
-def _compared(profile: Profile, nearest: float = tuning.CLEAR_OF_EDGES) -> Array:
-    """Return slownesses at which a derivative is compared, away from zone edges and wave fronts.
-
-    `nearest` [c_t] is the least velocity.
-    """
-    factors = profile.fields.factors
-    marks = np.array([edge.v[0] for edge in _edges(profile)] + [factors.a, 1.0, factors.c])
-    xi = np.geomspace(nearest, 1 / factors.a, tuning.COMPARED_POINTS)
-    return np.asarray(1 / xi[np.abs(xi[:, None] - 1 / marks).min(axis=1) > tuning.CLEAR_OF_EDGES])
-
-
-def _passes_over_a_strip(profile: Profile, u: Array) -> bool:
-    """Return whether two neighbouring edges have none of some slownesses between them."""
-    edges = np.unique([edge.v[0] for edge in _edges(profile)])
-    return bool(np.any(np.histogram(u, edges)[0] == 0)) if len(edges) > 1 else False
-
-
-def _edges(profile: Profile) -> list[CutPoints]:
-    """Return the edges of the slip zones, from the longitudinal front inward, and of the
-    opening."""
-    zones, opened = profile.fields.zones, profile.fields.load.opened
-    if opened is not None:
-        zones = (*zones, opened.zone)
-    return [edge for zone in zones for edge in (zone.left, zone.right) if edge is not None]
-
-
-def _edges_moved(varied: VariedProfile) -> Array:
-    """Return the derivatives (e,) of the velocities of these edges [c_t]."""
-    edges = _edges(varied.profile)
-    return np.array([_moved(varied, edge) for edge in edges])
-
-
-def _moved(varied: VariedProfile, edge: CutPoints) -> float:
-    """Return the derivative of the velocity [c_t] of a zone edge or front at which a panel
-    begins."""
-    # The velocity is 1 / v, so that d(1/v) = -dv / v^2.
-    return float(-varied.moved(edge)[0] / edge.v[0] ** 2)
-
-
-def _share(one: Array, other: Array, least: float) -> float:
-    """Return the largest difference of derivatives over the largest of them, or over a lower
-    bound."""
-    away, size = np.abs(one - other).max(initial=0.0), np.abs(one).max(initial=0.0)
-    return float(away / max(size, least)) if away else 0.0
-
-
 def _zones(
     scene: Scene, varied: VariedProfile, speeds: Sequence[tuple[float, float, int]]
 ) -> tuple[ZoneDerivative, ...]:
     """Return the derivatives of zones (inner, outer, sense), from the contact edge outward."""
     fields, unit = varied.profile.fields, scene.material.shear_speed
-    speeds_of = [float(unit / edge.v[0]) for edge in _edges(varied.profile)]
-    known = dict(zip(speeds_of, _edges_moved(varied).tolist(), strict=True))
+    speeds_of = [float(unit / edge.v[0]) for edge in edges_of_zones(varied.profile)]
+    known = dict(zip(speeds_of, edges_moved(varied).tolist(), strict=True))
     known |= {0.0: 0.0, np.inf: 0.0, scene.fastest_speed: 0.0}
     if starts_at_front(varied.profile):  # the edge of a strip that no difference sees
         known |= {outer: 0.0 for _, outer, _ in speeds[-1:]}
     if scene.fastest_speed > unit:
-        known[scene.fastest_speed] = _moved(varied, fields.factors.front_a)
+        known[scene.fastest_speed] = edge_moved(varied, fields.factors.front_a)
     # The strip that sticks behind the front has a width like the 2/3 power of the excess; under a
     # step of pressure like its square.
     excess = varied.variation.rates.front_excess
