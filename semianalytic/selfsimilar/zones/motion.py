@@ -15,7 +15,7 @@ from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.results.places import contact_points
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.zones import tuning
-from semianalytic.selfsimilar.zones.guesses import slip_senses
+from semianalytic.selfsimilar.zones.weak_friction import slip_senses
 
 
 @dataclass(frozen=True)

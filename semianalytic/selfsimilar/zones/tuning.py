@@ -10,7 +10,7 @@ all edges stayed within 1e-12 c_t and work within 1 %.  All answers converged wi
 throughout, and errors of edges stayed below 0.12 of their estimates.
 """
 
-# The search: which zones, on which rules (solver, guesses)
+# The search: which zones, on which rules (search, guesses)
 
 GRIDS = (48, 96, 192, 384)
 """Nodes of the complementarity grids, one after the other until zones hold: about fifty show the
@@ -46,7 +46,7 @@ STRICTER, STRICTEST = 1e-3, 1e-12
 """Tolerance of the answer of a second search, over rtol and at least.  Half, twice of either: no
 effect."""
 
-# The refinement of edges and its error estimate (solver, estimate)
+# The refinement of edges and its error estimate (search, estimate)
 
 MOST_REFINEMENTS = 8
 """Rules tried until the estimate is below rtol.  Half, twice: no effect."""
@@ -127,7 +127,7 @@ GAP_LOGARITHM_SHARE = 0.1
 """Share of a change of the logarithm of an edge's distance from c that counts as a shift: the slip
 rate beside a narrow stick gap follows the logarithm of its width."""
 
-# Newton's method for the edges (edges)
+# Newton's method for the edges (edges, placement)
 
 MOST_NEWTON_STEPS = 40
 """Most steps of Newton's method.  One or two are the rule (docs/solver.md); 30 random scenes
@@ -158,7 +158,7 @@ With 1e-6 of a distance of 1e-18 from the longitudinal front Jacobians were thir
 LEAST_WIDTH = 1e-10
 """Least width of a zone, over its distance from a front; rounding spoils narrower ones."""
 
-# Strength that depends on slip rate (rated)
+# Strength that depends on slip rate (folder rated)
 
 MOST_RATE_STEPS, MOST_RATE_FIELDS = 12, 200
 """Newton steps for the slip rate, of which four are the rule, and fields that they take altogether,
@@ -210,7 +210,7 @@ CLOSER_POINTS = 8
 """Points per node distance, and again per distance of these, at which Coulomb's law is checked
 where a parabola comes near to its bound.  Half, twice: no effect."""
 
-# Zones to begin with (guesses)
+# Zones to begin with (guesses, weak_friction, first_front)
 
 EDGE_SHARE, EDGE_SHARE_SLOPE = 0.25, 0.75
 """Place of an edge between two nodes of a grid, from the ratio r of the two outermost slip rates:
@@ -282,7 +282,7 @@ BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 """Place where an edge that ran into the shear front restarts on the other side, over the segment
 there.  Half, twice of either: no effect."""
 
-# Derivatives with respect to a parameter (variation, derivative)
+# Derivatives with respect to a parameter (folder derivatives)
 
 VARIED_STEP = 3e-3
 """Step of logits and logarithms between neighbours; truncation and rounding are each some 1e-11."""

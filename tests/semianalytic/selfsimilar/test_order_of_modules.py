@@ -34,6 +34,8 @@ STAGES = (
     "selfsimilar.zones.placement",
     "selfsimilar.zones.coulomb",
     "selfsimilar.zones.collocation",
+    "selfsimilar.zones.first_front",
+    "selfsimilar.zones.weak_friction",
     "selfsimilar.zones.guesses",
     "selfsimilar.zones.motion",
     "selfsimilar.zones.corrections",

@@ -12,7 +12,7 @@ from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.selfsimilar.zones import guesses
-from semianalytic.selfsimilar.zones.guesses import frictionless_profile, slip_senses
+from semianalytic.selfsimilar.zones.weak_friction import frictionless_profile, slip_senses
 
 
 def edges_from_c(solution):
