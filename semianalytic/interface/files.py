@@ -21,6 +21,7 @@ from semianalytic.interface.rate_and_state import RateAndState
 from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.named import INTERFACE_KEY
 from semianalytic.scene.incident import load_from_document
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
@@ -129,6 +130,11 @@ class _Around(NamedTuple):
 
 def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     """Make the interface of a document."""
+    if INTERFACE_KEY not in document and "friction" in document:
+        raise SceneError(
+            "this file describes a scene, not an interface, which has a table [law]: slipfront "
+            "solve or march (docs/scenes.md)."
+        )
     _known("", document, (*_INTERFACE, *_PARTS), ("length", "material", "law", "run"))
     around = _Around(folder, _numbers(document.get("numbers", {})))
     given: dict[str, Any] = {

@@ -13,7 +13,7 @@ from semianalytic.interface.files import InterfaceFile, parsed, read_interface
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.named import INTERFACE_KEY, NAMED_SCENES
 
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"
@@ -274,4 +274,4 @@ def described_interface(source: object) -> InterfaceFile | None:
         found = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return None
-    return read_interface(path) if "law" in found else None
+    return read_interface(path) if INTERFACE_KEY in found else None

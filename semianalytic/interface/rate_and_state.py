@@ -142,10 +142,12 @@ class RateAndState(DelayedLaw):
         plain = np.log(self.distance / speed)
         if self.weakened is None:
             return np.asarray(plain)
-        low = self.f0 + (self.a - self.b) * np.log(speed / self.v0)
-        steady = self.weakened + (low - self.weakened) * np.exp(
-            -np.logaddexp(0.0, 8 * np.log(speed / self.weakening_rate)) / 8
-        )
+        # f0 + (a - b) ln(V/V0), regularised like strength: it would be negative at rest if a > b
+        logs = np.log(speed / self.v0)
+        low = self.a * _arcsinh_exp(logs - np.log(2) + (self.f0 - self.b * logs) / self.a)
+        # flash heating leaves exp(-heating), and no difference may lose the digits of a small `low`
+        heating = np.logaddexp(0.0, 8 * np.log(speed / self.weakening_rate)) / 8
+        steady = low * np.exp(-heating) - self.weakened * np.expm1(-heating)
         return self._theta(steady, speed)
 
     def _theta(self, friction: Array, speed: Array) -> Array:

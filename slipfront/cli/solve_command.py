@@ -98,7 +98,7 @@ def solve_command(
 
     Step loads are self-similar and solved exactly; other load histories are marched in time.  Whole
     lines without a slot, and loads that grow as a power of time, are solved exactly as well, and so
-    are step loads between different bodies: the lower one is that of the file's [lower_material],
+    are step loads between different bodies: the lower one is lower_material of the file,
     or is like the upper one but for the numbers that are given.  The exit code is 4 if the solution
     has not converged, or if the error estimate of a march exceeds --rtol; the best answer is
     printed all the same.

@@ -37,6 +37,8 @@ LINES = ("whole-line-patch", "point-load", "growing-load")
 """Names of problems without a slot, or with a load that grows, that are no scenes."""
 LINE_KEYS = ("contact", "growth")
 """Keys by which files of such problems are known."""
+INTERFACE_KEY = "law"
+"""Key by which files of interfaces are known."""
 _LINE_HINT = (
     "has no slot, or a load that grows as a power of time, and only the exact solver knows it: "
     "slipfront solve, or find_line in Python (docs/whole_line.md)."
@@ -238,7 +240,10 @@ def describes_line(source: str) -> bool:
     """
     if source in LINES:
         return True
-    return is_file(source) and any(key in read_document(source) for key in LINE_KEYS)
+    if not is_file(source):
+        return False
+    document = read_document(source)
+    return INTERFACE_KEY not in document and any(key in document for key in LINE_KEYS)
 
 
 def brought_scene(plugin: Plugin) -> Scene:
@@ -330,6 +335,11 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
     That table has the keys of ``[material]``, for the lower block.
     """
     document = read_document(path)
+    if INTERFACE_KEY in document:
+        raise SceneError(
+            f"{path} describes an interface, not a scene: slipfront run, or find_interface in "
+            "Python (docs/engine.md)."
+        )
     # Before keys are checked, which would call those of a line unknown one by one.
     if any(key in document for key in LINE_KEYS):
         raise SceneError(f"{path} {_LINE_HINT}")

@@ -129,7 +129,7 @@ def survey_command(
     """Solve a scene or run an interface at many values of its parameters, into NetCDF or Zarr.
 
     SCENE may also be the name or file of an interface, as for slipfront run.  Two different bodies
-    with a slot are solved exactly: the lower one is that of the file's [lower_material], or is like
+    with a slot are solved exactly: the lower one is lower_material of the file, or is like
     the upper one but for the numbers that are given.
 
     An interrupted survey resumes when it is started again with the same values.  Scenes that are

@@ -158,3 +158,25 @@ def test_expressions():
     for bad in ("x.real", "[1]", "x if x else 1", "'a'", "y", "exp", "exp(x=1)", "1j", "True"):
         with pytest.raises(sf.SceneError):
             Expression(bad, ("x",))
+
+
+def test_files_of_scenes_and_of_interfaces_are_told_apart(tmp_path, capsys):
+    """Each kind of file, given to a command of the other one, names the command that takes it."""
+    face, scene = tmp_path / "face.toml", tmp_path / "scene.toml"
+    solid = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
+    face.write_text(
+        f"length = 16.0\n{solid}[law]\nkind = 'coulomb'\nfriction = 0.3\n"
+        "[contact]\nintervals = [[-1.0, 1.0]]\n[run]\nend_time = 1.0\n"
+    )
+    scene.write_text(
+        f"friction = 0.3\n{solid}[base]\npressure = 1.0\nshear = 0.0\n"
+        "[load]\npressure = 0.0\nshear = 1.0\n"
+    )
+    for command, file, named in (
+        *((one, face, "slipfront run") for one in ("solve", "compare", "field", "simulate")),
+        ("run", scene, "slipfront solve"),
+    ):
+        assert main([command, str(file)]) == 2
+        said = " ".join(capsys.readouterr().err.split())
+        assert f"{file}" in said
+        assert named in said, said

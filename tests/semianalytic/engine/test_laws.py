@@ -166,3 +166,21 @@ def test_friction_that_falls_faster_than_radiation_balances_is_refused():
                 sf.run(face, 0.1, 16)
         else:
             assert sf.run(face, 0.1, 16).status == "done"
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("a", "b"), [(0.016, 0.012), (0.01, 0.014), (0.02, 0.004)])
+def test_flash_heating_has_a_steady_state_at_all_speeds(a, b):
+    """Strengthening friction, a > b, would be negative at rest by the formula without arcsinh."""
+    law = sf.RateAndState(
+        *(a, b, 0.6, 1e-6, 1e-2), evolution="slip", weakened=0.2, weakening_rate=0.1
+    )
+    speed = 10.0 ** np.arange(-290.0, 3.0)
+    time = 1e4 / speed  # long enough to forget its state
+    state = law.evolved(np.ones(len(speed)), speed, time)
+    friction = law.strength(np.ones(len(speed)), speed, state)
+    assert (friction > 0).all()
+    low = 0.6 + (a - b) * np.log(speed / 1e-6)
+    steady = 0.2 + (low - 0.2) / (1 + (speed / 0.1) ** 8) ** (1 / 8)
+    clear = low > 0.2
+    assert friction[clear] == pytest.approx(steady[clear], rel=1e-9)

@@ -73,6 +73,22 @@ def test_a_wave_that_passes_is_followed_from_node_to_node():
     assert pace.longest(1100.0) == np.inf
 
 
+def test_a_wave_that_arrives_in_a_quiet_phase_sets_off_its_rupture():
+    """The front is at the line from 40 to 43 s, when steps last seconds."""
+    law = sf.RateAndState(a=0.012, b=0.006, f0=0.6, v0=1e-6, distance=1e-3)
+    wave = sf.FrontLoad(
+        sf.IncidentWave("SV", -20.0, stress=-1e6), history=sf.Pulse(1.0, "rectangle"), at=4e5
+    )
+    held = {"pressure": 5e6, "shear": 2.9e6, "rate": 1e-9, "held": 16e3}
+    face = sf.Interface(ROCK, law, 16e3, loads=[wave], **held)
+    found, fine = (
+        sf.run(face, 50.0, 64, estimate=False, **given) for given in ({}, {"longest": 0.1})
+    )
+    assert found.steps < fine.steps / 1.5
+    assert np.abs(fine.slip).max() > 0.1
+    assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-4)
+
+
 @pytest.mark.parametrize(("period", "size"), [(20.0, 2e6), (5.0, 2e6), (100.0, 1e6)])
 def test_friction_that_damps_less_as_it_speeds_up_does_not_let_short_waves_grow(period, size):
     """Steps chosen by slow slip at their beginning were too long for the fast slip at their end."""

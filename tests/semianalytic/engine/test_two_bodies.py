@@ -347,7 +347,7 @@ def test_rate_and_state_between_two_bodies_needs_no_short_steps():
     push = InterfaceLoad(lambda x: 0.05 * np.exp(-(x**2)), history=lambda t: min(t / 5, 1.0))
     given = patch(ROCK, FASTER, law=law, shear=0.4, rate=1e-3, plate_rate=1e-3, loads=[push])
     done = run(given, 6.0, 32, estimate=False, times=[6.0])
-    fine = run(given, 6.0, 32, estimate=False, times=[6.0], step_ratio=0.2, longest=1e-9)
+    fine = run(given, 6.0, 32, estimate=False, times=[6.0], step_ratio=0.2, longest=0.0521)
     assert done.steps < fine.steps / 4
     size = (fine.slip - 6e-3).max()
     np.testing.assert_allclose(done.slip, fine.slip, rtol=0, atol=5e-3 * size)
