@@ -21,7 +21,7 @@ from fem.record import Record
 from fem.stepping import BodyState
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
 
 FORMAT = "slipfront checkpoint 5"
 

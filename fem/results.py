@@ -17,7 +17,8 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.scene import Material, Scene, scene_document, scene_from_document
+from semianalytic.scene.given.documents import scene_document, scene_from_document
+from semianalytic.scene.scene import Material, Scene
 from semianalytic.scene.units import SI, unit
 
 FORMAT = "slipfront simulation 8"

@@ -28,14 +28,16 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.named import find_scene
 from semianalytic.scene.given.solids import find_material
 from semianalytic.scene.incident import IncidentWave, MovingLoad
-from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
-from semianalytic.scene.named import find_scene
+from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone
-from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.scene.tabulated import Tabulated
+from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
+from semianalytic.selfsimilar.statistics import Statistics
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
 
@@ -167,7 +169,11 @@ _LATER = {
     "semianalytic.inversion.priors": ("LogNormal", "Normal", "Uniform"),
     "semianalytic.inversion.unknowns": ("Setup",),
     "semianalytic.prediction": ("predict",),
-    "semianalytic.selfsimilar.derivative": ("Derivative", "OpenDerivative", "ZoneDerivative"),
+    "semianalytic.selfsimilar.derivatives.derivative": (
+        "Derivative",
+        "OpenDerivative",
+        "ZoneDerivative",
+    ),
     "semianalytic.spacetime.march": ("march", "march_on"),
     "semianalytic.spacetime.marched": ("Marched",),
     "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
@@ -210,7 +216,11 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.inversion.priors import LogNormal, Normal, Uniform
     from semianalytic.inversion.unknowns import Setup
     from semianalytic.prediction import predict
-    from semianalytic.selfsimilar.derivative import Derivative, OpenDerivative, ZoneDerivative
+    from semianalytic.selfsimilar.derivatives.derivative import (
+        Derivative,
+        OpenDerivative,
+        ZoneDerivative,
+    )
     from semianalytic.spacetime.march import march, march_on
     from semianalytic.spacetime.marched import Marched
     from semianalytic.sweeps.sweep import Sweep, sweep

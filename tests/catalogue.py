@@ -27,7 +27,7 @@ from semianalytic import (
     ViscousFriction,
     solve,
 )
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 UNIT = Material(1.0, 1.0, 1 / 3)
 STEEL = Material(80e9, 7800.0, 1 / 3)

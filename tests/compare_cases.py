@@ -8,7 +8,7 @@ import numpy as np
 from fem import EnergyHistory, Simulation, SlotHistory, simulate, with_companions
 from semianalytic import Tractions
 from semianalytic.results.sampled import Totals
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 SELF_SIMILAR = [
     name

@@ -24,7 +24,7 @@ from meshes import Blocks, cached_mesh
 from meshes.cache import cache_path
 from semianalytic import InterfaceHistory, Marched, march
 from semianalytic.results.files import Seal, new_file, write_bytes
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 ROOT = Path(__file__).parent.parent
 ROOM = 8192

@@ -53,7 +53,7 @@ from semianalytic import (
 from semianalytic.dissimilar.described import pair_document
 from semianalytic.results.answer import TOTALS
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
 from semianalytic.whole_line.named import line_document
 
 Array = NDArray[np.float64]

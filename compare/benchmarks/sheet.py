@@ -27,7 +27,7 @@ from semianalytic import (
 from semianalytic.dissimilar.described import pair_of
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import LINES, find_scene
+from semianalytic.scene.given.named import LINES, find_scene
 from semianalytic.scene.units import SI
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import InterfaceHistory, Marched, Scene, Solution
 from semianalytic.results.answer import Answer
 from semianalytic.results.sampled import interpolated
-from semianalytic.spacetime.resolution import Shortfall
+from semianalytic.spacetime.grid.resolution import Shortfall
 
 if TYPE_CHECKING:
     from fem import Simulation

@@ -21,8 +21,8 @@ from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.results.answer import FIELDS
+from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.parameters import EVERY_LOAD, MATERIAL, TRACTIONS, part_parameters
-from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches

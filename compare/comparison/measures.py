@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic import InterfaceHistory, SlipZone
-from semianalytic.results.sampled import slip_intervals
+from semianalytic.results.intervals import slip_intervals
 
 Array = NDArray[np.float64]
 

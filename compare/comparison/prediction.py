@@ -13,8 +13,8 @@ from semianalytic.cut.load import check_pressure
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
+from semianalytic.spacetime.grid.resolution import nodes_for_loads
 from semianalytic.spacetime.march import check_march
-from semianalytic.spacetime.resolution import nodes_for_loads
 from semianalytic.spacetime.tuning import MOST_NODES
 
 if TYPE_CHECKING:

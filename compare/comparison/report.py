@@ -20,7 +20,7 @@ from compare.comparison.judgement import Judgement, own_bars, side_by_side
 from compare.comparison.prediction import method_of
 from compare.output.files import write_text
 from semianalytic import Solution
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
 
 if TYPE_CHECKING:
     from fem import Simulation

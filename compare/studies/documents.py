@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
 
 if TYPE_CHECKING:
     from compare.studies.article.claims import Claim

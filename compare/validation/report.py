@@ -13,7 +13,7 @@ from compare.comparison.prediction import method_of
 from compare.output.files import write_text
 from compare.validation.readings import settings_of
 from compare.validation.validation import Validation
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
 
 FORMAT = "slipfront validation 1"
 

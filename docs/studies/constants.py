@@ -3,8 +3,8 @@
 ``python -m docs.studies.constants LOOSEST_RULE RULE_SHARE`` measures constants of the solver, with
 ``--hard`` on scenes whose search is long, and ``python -m docs.studies.constants --sweeps NEAR``
 constants of sweeps.  Without names all numbers of the module are measured.  The docstrings in
-`semianalytic.selfsimilar.tuning` and `semianalytic.sweeps.tuning` state the results in words.  Work
-is counted in values of Cauchy's kernel, a number that does not depend on what else the machine
+`semianalytic.selfsimilar.zones.tuning` and `semianalytic.sweeps.tuning` state the results in words.
+Work is counted in values of Cauchy's kernel, a number that does not depend on what else the machine
 computes.
 """
 
@@ -35,8 +35,8 @@ from semianalytic import (
     solve,
     sweep,
 )
-from semianalytic.cut import panels
-from semianalytic.selfsimilar import tuning as solver_tuning
+from semianalytic.cut.quadrature import panels
+from semianalytic.selfsimilar.zones import tuning as solver_tuning
 from semianalytic.sweeps import tuning as sweep_tuning
 
 Array = NDArray[np.float64]

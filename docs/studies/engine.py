@@ -21,7 +21,7 @@ import semianalytic as sf
 from semianalytic.engine.stability import critical_wavenumber, growth
 from semianalytic.engine.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
-from semianalytic.spacetime.exponentials import Antiplane, Impedance, InPlane
+from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "engine-checks.csv"
 COMMAND = "python -m docs.studies.engine"

@@ -21,7 +21,7 @@ import numpy as np
 from compare.studies.tables import Study, run_studies
 from compare.tasks.cluster import on_cluster
 from compare.tasks.workers import run_tasks
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 from slipfront.surveys.dataset import dataset_of, netcdf_bytes, write_zarr
 from slipfront.surveys.plan import SWEPT, Plan, Question, planned
 from slipfront.surveys.points import solved_chunk

@@ -15,8 +15,8 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut.layout import Layout
-from semianalytic.cut.panels import Panels
+from semianalytic.cut.quadrature.layout import Layout
+from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
 

@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from semianalytic.cut.canonical import CanonicalFunction
-from semianalytic.cut.layout import Layout, Zone, lies_between, outline
 from semianalytic.cut.load import Load
-from semianalytic.cut.panels import Panels, lay_panels
+from semianalytic.cut.quadrature.laying import lay_panels
+from semianalytic.cut.quadrature.layout import Layout, Zone, lies_between, outline
+from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, finer_rule

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from semianalytic.cut import tuning
-from semianalytic.cut.layout import Layout, Zone
+from semianalytic.cut.quadrature.layout import Layout, Zone
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode, RayleighFactors
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
 from semianalytic.scene.errors import TensionError

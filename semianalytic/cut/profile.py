@@ -13,12 +13,11 @@ from functools import cached_property
 import numpy as np
 
 from semianalytic.cut import tuning
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, per_set
-from semianalytic.cut.panels import Panels, lay_panels
-from semianalytic.cut.running import Power, RunningIntegral
+from semianalytic.cut.quadrature.panels import Panels
+from semianalytic.cut.quadrature.running import RunningIntegral
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
 
 _LAWFUL = -1.0
@@ -76,15 +75,6 @@ class Profile:
         # T tends to a constant at a slipping edge and M to i kappa v: dV/dv ~ T / (pi kappa v^2).
         kappa = per_set(self.fields.factors.kappa)
         return np.asarray(self.fields.transform_at_edge[..., 0] / (np.pi * kappa))
-
-    @property
-    def infinite_rates(self) -> list[Power]:
-        """Powers of `rate_integral` that are infinite at the right ends of closed panels.
-
-        They occur under a film where the contact opens slowly (docs/rate.md, "A film that opens").
-        """
-        powers = self.rate_integral.powers
-        return [one for one in powers if not self._open[one.panel] and np.all(one.exponent < 0)]
 
     @cached_property
     def traction_integral(self) -> RunningIntegral:
@@ -396,125 +386,3 @@ class Profile:
 
         # Slip ahead of all waves radiates -mu b V(inf).
         return self._piecewise_at(at, load.base_shear - load.far_slip_rate, inside)
-
-    def contact_integral(self, weight: Array) -> float:
-        """Return the integral of weight |V| over xi, of slip behind the first front; weight (p, n).
-
-        It is integrated by parts: V is unbounded at c, but its slope has a principal value there,
-        which the rule of the panels integrates (docs/solver.md, "Accuracy and cost").
-        """
-        panels, rate, total = self.panels, self.rate_integral, 0.0
-        # xi = 1 / v, so that |d xi| = dv / v^2.
-        density = weight / np.square(panels.at.v)
-        passed = panels.rule.running(density * panels.jacobian)
-        whole, lost = panels.integrals(density), panels.integrals(passed * rate.density)
-        for power in rate.powers:
-            i, by_y = power.panel, power.by_y(panels)
-            left = passed[i] if power.at_left else passed[i] - whole[i]
-            # Beside the left end the running integral has lost its digits to rounding; there it is
-            # the density times the distance.
-            if power.at_left:
-                near = power.share(panels) < tuning.LEAST_SHARE
-                left[near] = (density * panels.from_left)[i, near]
-            lost[i] += panels.rule.spacing * np.sum(left * by_y)
-            lost[i] += 0.0 if power.at_left else whole[i] * float(power.total)
-        infinite = [power.panel for power in self.infinite_rates]
-        for i in panels.layout.slip:
-            end = self.rate_starts[i] + rate.totals[i]
-            gained = float(end * whole[i] - lost[i])
-            # The rate is infinite at an end of this panel, and the weight may be: their product is
-            # summed at the nodes, where both are finite.
-            if i in infinite:
-                product = (density * panels.jacobian)[i] * self.slip_rate_at_nodes[i]
-                gained = _summed(product, panels.rule.spacing)
-            total += panels.sense[i] * gained
-        return total
-
-    @cached_property
-    def _slot_panels(self) -> Panels:
-        return lay_panels(self.fields.factors.in_plane, (Zone(None, None, 1),), self.fields.rule)
-
-    def _slot_transforms(self, k: Array) -> tuple[Array, Array]:
-        """Return the transforms of shear traction and of pressure at k > 0."""
-        factors = self.fields.factors
-        shear = self.fields.stick_transform_off_cut(k) * factors.m_plus(k)
-        if self.fields.normal is not None:
-            over = -self.fields.normal.stick_transform_off_cut(k)
-            return shear, over * factors.m_plus(k, "I")
-        unit = factors.m_plus(k, "I") / factors.m_plus_at_zero["I"]
-        return shear, self._load.load_pressure * unit
-
-    @cached_property
-    def _slot_direct(self) -> tuple[RunningIntegral, RunningIntegral]:
-        """Slopes in v = -t/x of v_x (v_z) from shear and of v_y from pressure on the upper slot
-        face."""
-        factors, panels = self.fields.factors.in_plane, self._slot_panels
-        shear, pressure = self._slot_transforms(panels.at.v)
-
-        def slope(transform: Array, mode: Mode) -> RunningIntegral:
-            impedance = factors.impedance_on_cut(panels.at, mode)
-            density = transform * impedance.imag / np.square(np.abs(impedance))
-            return RunningIntegral(panels, density / (np.pi * panels.at.v), factors.c)
-
-        return slope(-shear, self.fields.factors.mode), slope(pressure, "I")
-
-    @cached_property
-    def _slot_coupled(self) -> tuple[RunningIntegral, RunningIntegral]:
-        """Slopes of v_x from pressure and of v_y from shear: -T k (b^2 - 2k^2 - 2ab) / (mu R)."""
-        factors, at = self.fields.factors, self._slot_panels.at
-        shear, pressure = self._slot_transforms(at.v)
-        z = np.square(at.v)
-        product = -at.from_a * at.from_b * (at.v + factors.a) * (at.v + 1)
-        root = np.sqrt(np.maximum(product, 0.0))
-        rayleigh = np.square(np.square(1 - 2 * z)) + np.square(4 * z * root)
-        response = np.where(product > 0, -2 / np.pi * root * (1 - 2 * z) / rayleigh, 0.0)
-        return (
-            RunningIntegral(self._slot_panels, pressure * response, factors.c),
-            RunningIntegral(self._slot_panels, shear * response, factors.c),
-        )
-
-    @cached_property
-    def _slot_jumps(self) -> tuple[float, float]:
-        """Jumps of v_x and v_y at the Rayleigh front of the slot, from the coupled response."""
-        factors = self.fields.factors
-        # The simple pole of the response at c contributes a jump.
-        c = np.array([factors.c])
-        shear, pressure = self._slot_transforms(c)
-        z = c * c
-        numerator = 1 - 2 * z + 2 * np.sqrt((z - factors.a**2) * (z - 1))
-        response = numerator / (-2 * c * factors.reduced_rayleigh(c))
-        return float((pressure * response)[0]), float((shear * response)[0])
-
-    def slot_velocity(self, v: Array) -> tuple[Array, Array]:
-        """Return the tangential and normal velocity of the upper slot face at v = -t/x >= 0.
-
-        Antiplane shear does not move it along the normal, nor does pressure along z.
-        """
-        load, factors = self._load, self.fields.factors.in_plane
-        coupled = self.fields.factors.mode != "III"
-        # Ahead of all diffracted waves the loads radiate plane waves into the half-plane, of
-        # impedance 1 (shear) and 1/a (pressure).
-        plane_waves = (load.load_shear, -load.load_pressure * factors.a)
-        lefts = [left.v[0] for left in self._slot_panels.left]
-        panel = np.searchsorted(lefts, v, "right") - 1
-        result = []
-        for axis, far in enumerate(plane_waves):
-            value = np.full(v.shape, far)
-            integrals = [self._slot_direct[axis]]
-            if coupled:
-                integrals.append(self._slot_coupled[axis])
-                jump = self._slot_jumps[axis]
-            for integral in integrals:
-                for i in np.unique(panel[panel >= 0]):
-                    here = panel == i
-                    value[here] += integral.totals[:i].sum()
-                    value[here] += integral(int(i), factors.cut(v[here]))
-            result.append(np.where(v > factors.c, value + jump, value) if coupled else value)
-        return result[0], result[1]
-
-
-def _summed(values: Array, spacing: float) -> float:
-    """Return the trapezoidal sum of values (n,) that continue beyond the last as a geometric
-    series."""
-    ratio = values[-1] / values[-2] if values[-2] else 0.0
-    return float(spacing * (values.sum() + values[-1] * ratio / (1 - ratio)))

@@ -10,7 +10,8 @@ import numpy as np
 
 from semianalytic.cut import tuning
 from semianalytic.cut.profile import Profile
-from semianalytic.cut.running import Power
+from semianalytic.cut.quadrature.running import Power
+from semianalytic.cut.quadrature.tuning import LEAST_SHARE
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.rules import Rule, finer_rule
 
@@ -35,6 +36,49 @@ def largest_slip_over_time(profile: Profile) -> float:
     return max(limits)
 
 
+def infinite_rates(profile: Profile) -> list[Power]:
+    """Powers of `rate_integral` that are infinite at the right ends of closed panels.
+
+    They occur under a film where the contact opens slowly (docs/rate.md, "A film that opens").
+    """
+    powers, is_open = profile.rate_integral.powers, profile.panels.layout.open
+    return [one for one in powers if not is_open[one.panel] and np.all(one.exponent < 0)]
+
+
+def contact_integral(profile: Profile, weight: Array) -> float:
+    """Return the integral of weight |V| over xi, of slip behind the first front; weight (p, n).
+
+    It is integrated by parts: V is unbounded at c, but its slope has a principal value there,
+    which the rule of the panels integrates (docs/solver.md, "Accuracy and cost").
+    """
+    panels, rate, total = profile.panels, profile.rate_integral, 0.0
+    # xi = 1 / v, so that |d xi| = dv / v^2.
+    density = weight / np.square(panels.at.v)
+    passed = panels.rule.running(density * panels.jacobian)
+    whole, lost = panels.integrals(density), panels.integrals(passed * rate.density)
+    for power in rate.powers:
+        i, by_y = power.panel, power.by_y(panels)
+        left = passed[i] if power.at_left else passed[i] - whole[i]
+        # Beside the left end the running integral has lost its digits to rounding; there it is
+        # the density times the distance.
+        if power.at_left:
+            near = power.share(panels) < LEAST_SHARE
+            left[near] = (density * panels.from_left)[i, near]
+        lost[i] += panels.rule.spacing * np.sum(left * by_y)
+        lost[i] += 0.0 if power.at_left else whole[i] * float(power.total)
+    infinite = [power.panel for power in infinite_rates(profile)]
+    for i in panels.layout.slip:
+        end = profile.rate_starts[i] + rate.totals[i]
+        gained = float(end * whole[i] - lost[i])
+        # The rate is infinite at an end of this panel, and the weight may be: their product is
+        # summed at the nodes, where both are finite.
+        if i in infinite:
+            product = (density * panels.jacobian)[i] * profile.slip_rate_at_nodes[i]
+            gained = _summed(product, panels.rule.spacing)
+        total += panels.sense[i] * gained
+    return total
+
+
 def dissipation(profile: Profile, u: Array) -> Array:
     """Return `running_integrals` of the power |tau V| that the contact takes, (2, m)."""
     return running_integrals(profile, u, profile.carried_inside)
@@ -47,7 +91,7 @@ def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) ->
     is open, the panels of a profile have a nominal sense, and its zones say where V is opposite.
     """
     unit = np.ones_like(profile.panels.at.v)
-    total = profile.contact_integral(unit)
+    total = contact_integral(profile, unit)
     against = [
         (inner, outer)
         for inner, outer, sense in zones
@@ -92,7 +136,7 @@ def running_integrals(
     reached = np.minimum(u, front)
     result = ahead * np.stack([1 / front - 1 / np.maximum(reached, tuning.EARLIEST), reached])
     at = profile.fields.factors.cut(u)
-    infinite = {power.panel: power for power in profile.infinite_rates}
+    infinite = {power.panel: power for power in infinite_rates(profile)}
     for panel in panels.layout.slip:
         if panel in infinite:
             result += _beside_opening(profile, infinite[panel], at, weight)
@@ -178,3 +222,10 @@ def _density(
     power = weight(panel, at.v, speed) * speed * width * rule.bell
     # d xi = dv / v^2 turns an integral over velocities into one over slownesses.
     return np.stack([power / np.square(at.v), power])
+
+
+def _summed(values: Array, spacing: float) -> float:
+    """Return the trapezoidal sum of values (n,) that continue beyond the last as a geometric
+    series."""
+    ratio = values[-1] / values[-2] if values[-2] else 0.0
+    return float(spacing * (values.sum() + values[-1] * ratio / (1 - ratio)))

@@ -5,7 +5,7 @@ function X, which determines the behaviour at each edge; `transform` forms T = s
 whose sources of C `strength` holds the pressure; `slopes` turns T into those of slip rate and
 traction; and here the slip rate is made to vanish where it must, and the conditions at the edges
 are formed. `ZoneFields.mismatch` is what is left of these; Newton's method forms its Jacobian from
-neighbouring zones (`selfsimilar.edges`).
+neighbouring zones (`selfsimilar.zones.edges`).
 
 Slip that meets resistance has an additional term r / (k + e) of T where it borders on an opening:
 V, or its finite part, is 0 there (docs/rate.md, "A film that opens"). So has a zone that ends with
@@ -18,9 +18,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import per_set
-from semianalytic.cut.running import Power, RunningIntegral, split_power
+from semianalytic.cut.quadrature.layout import Zone
+from semianalytic.cut.quadrature.running import Power, RunningIntegral, split_power
 from semianalytic.cut.slopes import ZoneSlopes
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import Array, CutPoints

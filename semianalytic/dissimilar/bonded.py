@@ -51,7 +51,10 @@ def bonded_tractions(
     columns = []
     for body, side in ((upper, 1), (lower, -1)):
         for c in (body.longitudinal_speed, body.shear_speed):
+            # Away from the line in either body; beyond 1 / c the root is i times a positive number,
+            # which decays.
             q = side * cmath.sqrt(1 / c**2 - p**2)
+            # A P wave moves along its slowness vector, an SV wave across it.
             moved = (p, q) if c == body.longitudinal_speed else (q, -p)
             columns.append(side * _state(body, (p, q), (c * moved[0], c * moved[1])))
     # the upper state less the lower one vanishes, the incident wave being a part of its body

@@ -77,6 +77,7 @@ class Glued:
         """Return 1 + sum_j residues_j / (z_j + z), conjugates included, (m, 2, 2)."""
         flat = residues.reshape(-1, 4)
         total: Values = (1 / (self.nodes + z[:, None])) @ flat
+        # At real z a residue and its conjugate add up to twice the real part.
         if np.isrealobj(z):
             total = 2 * total.real
         else:
@@ -94,6 +95,7 @@ class Glued:
 
     def error(self, v: Array) -> float:
         """Return the residual of Psi(v)^T R(-v) = n_inf 1 at slownesses v (m,), an error bound."""
+        # It is constant for the exact matrix, and nothing in the linear system uses that.
         product = np.swapaxes(self.psi(v), -1, -2) @ self.rates(v)
         return float(np.abs(product / self.limit - np.eye(2)).max())
 
@@ -105,6 +107,7 @@ def _limit(compliance: Compliance) -> float:
 def _rotation(compliance: Compliance, k: Values) -> Values:
     """Return the rotation G(k), (m, 2, 2)."""
     share = k / compliance.first
+    # Like eps ln k at infinity, which makes N tend to the unit matrix, and like k at 0.
     angle = compliance.oscillation * (2 * np.log1p(share) - np.log1p(share / 2))
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.moveaxis(np.array([[cosine, -sine], [sine, cosine]]), (0, 1), (-2, -1))
@@ -114,14 +117,17 @@ def _rotation(compliance: Compliance, k: Values) -> Values:
 def glued(compliance: Compliance, tolerance: float) -> Glued:
     """Return the canonical matrix of two bodies to a tolerance; recent ones are kept."""
     digits = np.log(_LOST / max(tolerance, _FINEST))
+    # The curve is as long as exp(-2 Y) asks for, and its points as close as exp(-4.9 / h) does.
     count = int(np.ceil(digits / _DECAY / (_FACTOR / digits)))
     spacing, m = digits / _DECAY / count, compliance.first
     y = spacing * np.arange(count + 1)
     nodes = m * np.sin(np.pi / 4 + 1j * y)
+    # dz / (2 pi i) along the curve z = m sin(pi / 4 + i y).
     weights = spacing * m * np.cos(np.pi / 4 + 1j * y) / (2 * np.pi)
     weights[0] /= 2  # on the axis, where a point is its own conjugate's neighbour
     entries = compliance.at(nodes)
     matrix = entries.matrix / entries.rayleigh[:, None, None]
+    # Two roots, each on its own branch; the root of the product would jump across the cut.
     root = np.sqrt(m - nodes) * np.sqrt(m + nodes) / _limit(compliance)
     turned = np.swapaxes(_rotation(compliance, -nodes), -1, -2) @ matrix
     symbol = (turned @ _rotation(compliance, nodes)) * root[:, None, None]

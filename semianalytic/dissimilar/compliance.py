@@ -72,6 +72,7 @@ class Roots:
     def rayleigh(self) -> Complex:
         """The Rayleigh function R = (b^2 - 2 k^2)^2 + 4 k^2 alpha beta."""
         b2 = self.body.b**2
+        # q^2 + 4 k^2 alpha beta, with the cancelling sum alpha beta + k^2 as one number.
         return np.asarray(b2 * b2 - 4 * self.square * (b2 - self.bulk))
 
     @property
@@ -226,6 +227,7 @@ class Compliance:
         The distances from a front at -k = `place` are exact.
         """
         k = place + offset
+        # s + place is exactly 0 for the front itself, and the offset keeps all its digits.
         plus = [(s + place) + offset for s in self.fronts.tolist()]
         return self._entries(k, plus), self._roots(k, plus)
 
@@ -233,7 +235,9 @@ class Compliance:
         """Return the roots of both bodies, given the four sums of front and k."""
         square, fronts = k * k, self.fronts.tolist()
         alpha, beta, alpha_two, beta_two = (
-            np.sqrt(s - k) * np.sqrt(near) for s, near in zip(fronts, plus, strict=True)
+            # The product of two roots is analytic off both cuts; the root of s^2 - k^2 is not.
+            np.sqrt(s - k) * np.sqrt(near)
+            for s, near in zip(fronts, plus, strict=True)
         )
         return Roots(self.upper, alpha, beta, square), Roots(
             self.lower, alpha_two, beta_two, square
@@ -242,6 +246,8 @@ class Compliance:
     def _entries(self, k: Complex, plus: list[Complex]) -> Entries:
         """Return the sums over both bodies, times R_1 R_2, given the four sums of front and k."""
         square, (one, two) = k * k, self._roots(k, plus)
+        # Products of one body's own entries are its determinant, in which its Rayleigh pole
+        # cancels; D = D_1 - D_2 leaves -2 k^2 D_1 D_2 of the others.
         mixed = one.normal * two.tangential + two.normal * one.tangential
         determinant = one.determinant * two.rayleigh + two.determinant * one.rayleigh + mixed
         return Entries(

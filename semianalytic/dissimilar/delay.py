@@ -65,6 +65,7 @@ def fastest_delayed_growth(compliance: Compliance, friction: float) -> DelayedGr
     low, high = np.log(_FROM * compliance.first), np.log(_TO * compliance.last)
     scale = np.linspace(low, high, int(np.ceil((high - low) / np.log(_RATIO))) + 1).tolist()
     found = [
+        # Re lambda t* = (growth / q c_t) (q c_t t*): what is compared at different wave numbers.
         (float(wave.growth * np.exp(log)), log, wave)
         for log in scale
         for wave in growing_waves(compliance, friction, float(np.exp(log)))
@@ -99,6 +100,7 @@ def _followed(
             compliance.at(np.array([k, k - step, k + step])), friction, delay
         )
         move = complex(-2 * step * value / (after - before))
+        # A step that passes a front or the axis continues on another sheet.
         longest = min(near, abs(k.imag)) / 2
         k += move * min(1.0, longest / abs(move)) if move else 0.0
         if abs(move) < _SETTLED * abs(k):

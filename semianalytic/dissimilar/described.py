@@ -11,9 +11,10 @@ from semianalytic.dissimilar.pair import Pair
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.named import find_blocks
 from semianalytic.scene.loads import Step
-from semianalytic.scene.named import find_blocks
-from semianalytic.scene.scene import SLOT, Material, Scene, Tractions, scene_document
+from semianalytic.scene.scene import SLOT, Material, Scene, Tractions
 
 
 def find_pair(source: str | PathLike[str]) -> Pair:

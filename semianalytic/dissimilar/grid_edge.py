@@ -94,9 +94,12 @@ def edge_factors(beta: float, count: int = MOST_NODES) -> tuple[float, Complex, 
     total = log_factor().sum()  # ln E(1), with E(0) = 1
     nu = -np.arctanh(beta) / np.pi
     k, j = np.arange(1, count), np.arange(count)
+    # ln(1 + z) = -sum (-z)^k / k, times i nu; those of the powers of (1 - z) are (1/2 + i nu) / k.
     alternating = -1j * nu * (-1.0) ** k / k
     contact: Complex = exponential((0.5 + 1j * nu) / k + alternating + smooth).astype(complex)
     slot: Complex = exponential((1.5 + 1j * nu) / k + alternating - smooth).astype(complex)
+    # Far from the edge [z^j] (1 - z)^-s tends to j^(s - 1) / Gamma(s), and the regular factors to
+    # their values at z = 1: these make the quotient with the field of a crack tip tend to 1.
     turn = np.exp(-1j * nu * np.log(2))
     contact *= turn * np.exp(loggamma(0.5 + 1j * nu) - total) * (j + offset) ** (0.5 - 1j * nu)
     slot *= turn * np.exp(loggamma(1.5 + 1j * nu) + total) * (j + 1 - offset) ** (-0.5 - 1j * nu)
@@ -137,6 +140,7 @@ def read_beside_edge(
         away = np.arange(len(values)) + first
         tip = away ** (power + 1j * nu)
         share = values / (factors[: len(values)] * tip)
+        # Weights 1, 2, 1 leave nothing of a wave that is two nodes long.
         mean = (share[:-2] + 2 * share[1:-1] + share[2:]) / 4
         distances.append(np.asarray(spacing * away[1:-1]))
         fields.append(np.asarray(mean * tip[1:-1], dtype=complex))

@@ -107,6 +107,7 @@ def count_growing(compliance: Compliance, friction: float, delay: float = 0.0) -
     ahead = np.arctan(friction * compliance.dundurs)
     turns = (ahead + 1.5 * np.pi - phase.limit) / (2 * np.pi)
     count = round(turns)
+    # A zero on the cut itself, as at a threshold, leaves half a turn undecided.
     if abs(turns - count) > 0.05:
         raise ComputationError(
             f"the number of growing waves came out as {turns:.3f}; change the friction "
@@ -156,6 +157,8 @@ def _newton(compliance: Compliance, friction: float, delay: float) -> Iterator[c
                 _on(compliance, stretch, x + shift, friction, delay)
                 for shift in (0.0, -_DIFFERENCE, _DIFFERENCE)
             )
+            # By differences: the symbol has no closed derivative that would not cancel beside a
+            # front.
             slope = (after - before) / (2 * _DIFFERENCE)
             step = -value / np.where(slope, slope, np.inf)
             settled = np.abs(step) < _ROUNDING * (1 + np.abs(x))

@@ -56,6 +56,7 @@ class PairImpedance:
     @property
     def direct(self) -> Array:
         """Limits at s = infinity: impedances of plane waves, and 0, (3,)."""
+        # B and A of plane waves, k = 0: the sums of 1 / (rho c) of both bodies.
         slow = sum(body.b / body.modulus * body.b**-2 for body in self.compliance.bodies)
         fast = sum(body.a / body.modulus * body.b**-2 for body in self.compliance.bodies)
         return np.array([1 / slow, 1 / fast, 0.0])
@@ -64,6 +65,7 @@ class PairImpedance:
     def static(self) -> Array:
         """Limits of s times the kernels at s = 0, (3,)."""
         soft, beta = self.compliance.static, self.compliance.dundurs
+        # The inverse of the static compliance a_inf [[1, i beta], [-i beta, 1]] / |k|.
         return np.array([1.0, 1.0, beta]) / (soft * (1 - beta**2))
 
     @cached_property
@@ -165,6 +167,7 @@ class BodyPair:
         """
         speeds = []
         for name in ("shear_speed", "longitudinal_speed"):
+            # Under the same traction the softer face moves more, in proportion to 1 / (rho c).
             ease = [1 / (body.density * getattr(body, name)) for body in self._ordered]
             shear = [body.shear_speed for body in self._ordered]
             speeds.append(float(np.average(shear, weights=ease)))

@@ -107,6 +107,8 @@ class Pair:
                 "pair: base pressure must be positive, for nothing else holds the bodies together "
                 f"far ahead of the waves, got {self.base.pressure}."
             )
+        # A base exactly at friction lets slip run ahead of all waves, a case that is solved for
+        # identical bodies alone.
         if not abs(self.base.shear) < strength:
             raise SceneError(
                 "pair: the interface would slide as a whole; lower the base shear below friction "
@@ -133,6 +135,7 @@ class Pair:
     @property
     def exchanged(self) -> Pair:
         """The same pair described from below: bodies change places, and y and shear change sign."""
+        # Seen from below y points the other way: sigma_xy changes its sign, sigma_yy does not.
         base, load = (Tractions(one.pressure, -one.shear) for one in (self.base, self.load))
         return Pair(
             self.lower, self.upper, self.friction, base, load, self.friction_law, self.units

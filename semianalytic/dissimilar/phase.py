@@ -83,6 +83,7 @@ class CutPhase:
     @cached_property
     def table(self) -> tuple[StretchPhase, ...]:
         """Phase on every stretch between wave fronts, on points as fine as it turns."""
+        # Ahead of all waves the function is real and positive: the phase is counted from there.
         start, before, result = 0.0, 1 + 0j, []
         for stretch in stretches([0.0, *self.compliance.distinct_fronts]):
             x, values = self._resolved(stretch)
@@ -114,6 +115,7 @@ class CutPhase:
                 near = float(np.interp(part.stretch.coordinate(v), part.x, part.phase))
                 angle = float(np.angle(self.function(self.compliance.on_cut(np.array([v])))[0]))
                 return angle + 2 * np.pi * round((near - angle) / (2 * np.pi))
+        # A slowness that is a front lies in no open stretch: the phase just behind it is meant.
         return next(float(part.phase[0]) for part in self.table if part.stretch.left == v)
 
     def on(self, stretch: Stretch, x: Array) -> Array:
@@ -154,6 +156,7 @@ class CutPhase:
             if not len(wide):
                 return x, values
             between = (x[wide] + x[wide + 1]) / 2
+            # Only where it turns fast: elsewhere the first points are close enough for any pair.
             x = np.insert(x, wide + 1, between)
             values = np.insert(values, wide + 1, self._on(stretch, between))
 

@@ -113,6 +113,7 @@ class SlidingStability:
     @property
     def threshold(self) -> float:
         """Friction coefficient below which no wave grows, 0 if below 1e-6."""
+        # Both directions are there in any sliding: the first to grow decides.
         limit = min(self.threshold_with, self.threshold_against)
         return limit if limit > LEAST_FRICTION else 0.0
 
@@ -175,6 +176,7 @@ def sliding_stability(upper: Material, lower: Material, friction: float) -> Slid
         "pair: friction", friction, "be positive and finite", lambda given: given > 0
     )
     check_contrast(upper, lower, _LARGEST_CONTRAST)
+    # Everything below is in units of the upper body; speeds alone have to be turned back.
     compliance, unit = compliance_of(upper, lower), upper.shear_speed
     rayleigh, stoneley = generalised_rayleigh_speed(compliance), stoneley_speed(compliance)
     delayed = fastest_delayed_growth(compliance, friction)

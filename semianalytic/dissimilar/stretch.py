@@ -56,6 +56,7 @@ class Stretch:
         near_left = x.real < 0
         small = np.exp(np.where(near_left, x, -x))  # at most 1 in modulus
         near, far = width * small / (1 + small), width / (1 + small)
+        # The shorter distance is computed and the other one follows: neither is a difference.
         from_left = np.where(near_left, near, far)
         to_right = np.where(near_left, far, near)
         v = np.where(near_left, self.left + from_left, self.right - to_right)
@@ -83,6 +84,8 @@ class Stretch:
         near_left = points.x.real < 0
         return np.asarray(
             np.where(
+                # Counted from the end beside which the point is; its own left end is exact in any
+                # case.
                 near_left | (column == self.left),
                 (self.left - column) + points.from_left,
                 (self.right - column) - points.to_right,

@@ -86,6 +86,7 @@ class Series:
     @property
     def ends(self) -> tuple[Array, Array]:
         """The functions at the first and the last end, (f,) each."""
+        # T_m(-1) = (-1)^m and T_m(1) = 1.
         signs = (-1.0) ** np.arange(self.coefficients.shape[2])
         return self.coefficients[:, 0] @ signs, self.coefficients[:, -1].sum(axis=-1)
 
@@ -107,6 +108,7 @@ def integrated(slopes: Array, length: float, start: float) -> Array:
     """
     parts = slopes @ _rules()[2].T * (length / 2)
     totals = parts.sum(axis=-1)
+    # Each interval is integrated from its own left end; its constant is what came before.
     parts[:, 0] += start + np.concatenate([[0.0], np.cumsum(totals)[:-1]])
     return np.asarray(parts)
 

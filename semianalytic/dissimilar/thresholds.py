@@ -40,6 +40,7 @@ def stoneley_speed(compliance: Compliance) -> float | None:
 
 
 def _slow_zero(compliance: Compliance, zeros: tuple[float, ...]) -> float | None:
+    # Zeros ahead of a body wave radiate into that body, and are no waves of the interface.
     slow = [1 / v for v in zeros if v > compliance.last]
     return slow[0] if slow else None
 
@@ -61,6 +62,7 @@ def growth_threshold(compliance: Compliance, direction: int) -> float:
     # interface; slip of the other sense changes the sign of friction.
     crossings = [f * direction for f in friction_crossings(compliance) if f * direction > 0]
     low = 0.0
+    # Between two crossings the number of growing waves is constant: one count serves each.
     for f in [*sorted(crossings), np.inf]:
         middle = (1 + low) * 2 if f == np.inf else np.sqrt(max(low, f * _BESIDE) * f)
         if count_growing(compliance, direction * middle):

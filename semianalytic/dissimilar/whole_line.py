@@ -78,8 +78,12 @@ class PhaseIntegrals:
             dx = (np.diff(ends)[:, None] * weight).ravel()
             at = stretch.at(x)
             beyond = whole.left if whole.right is None else whole.right - at.v
+            # The phase knows whole stretches only: the coordinate of the same points on the whole
+            # one.
             there = np.log(at.from_left / beyond) if ends_there else x
             points.append(at.v)
+            # The canonical function is singular at the edge: distances from it must keep their
+            # digits.
             distances.append(at.to_right if ends_there else stop - at.v)
             weights.append(dx * np.asarray(stretch.slope(at)) * self.phase.on(whole, there))
         if not points:
@@ -114,6 +118,7 @@ class PhaseIntegrals:
             return float(front.at(np.array([x])).v[0])
 
         values = [function(slowness(x)) for x in ends]
+        # No zero: the caller says what that means for its own equation.
         if values[0] * values[1] > 0:
             return slowness(ends[int(abs(values[1]) < abs(values[0]))]), False
         return slowness(brentq(lambda x: function(slowness(x)), *ends, xtol=1e-13)), True
@@ -194,6 +199,7 @@ def _slip_rate_behind(
         stretch = Stretch(left, right)
         at = stretch.at(x)
         from_edge = np.asarray(stretch.minus(at, np.array([start]))[0])
+        # X(-v): w - v = -((u - w) + (v - u)), of which both distances from the edge u are exact.
         canonical = np.exp(-(weight / -(distance + from_edge[:, None])).sum(axis=1) / np.pi)
         entries = compliance.on_cut(at.v, stretch.minus(at, compliance.fronts))
         mobility = (entries.determinant / entries.frictional(friction)).imag
@@ -251,6 +257,8 @@ def _two_edges(
     eta, limit = compliance.last * np.exp(y), end or np.inf
 
     def balance(w: Array) -> Array:
+        # X(e) = X(-e) asks for equal integrals of theta / (e - w) + theta / (e + w) on both sides;
+        # for a point, e = infinity, for those of theta.
         return np.ones_like(w) if end is None else end / ((end - w) * (end + w))
 
     def other_edge(edge: float) -> tuple[float, bool]:
@@ -261,6 +269,7 @@ def _two_edges(
         """Return the residual of the equation for d with the left edge balanced."""
         w, weight, _ = right.nodes(edge)
         v, other, _ = left.nodes(other_edge(edge)[0])
+        # -ln X at k = i eta, where X(i eta) and X(-i eta) are conjugates: hence the real part.
         sums = (weight / (w + 1j * eta[:, None])).sum(axis=1)
         sums = sums + (other / (v - 1j * eta[:, None])).sum(axis=1)
         below_one = -np.expm1(-sums / np.pi).real  # 1 - Re X falls like 1 / eta^2

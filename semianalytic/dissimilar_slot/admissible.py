@@ -87,6 +87,7 @@ def _breaches(
     shear = interface.base_shear + values[SHEAR]
     pressure = interface.base_pressure - values[NORMAL]
     frictional = interface.friction * pressure
+    # With f P_b in it the scale cannot vanish where both tractions do.
     scale = np.abs(shear) + np.abs(frictional) + interface.friction * interface.base_pressure
     if part.zone < 0:  # friction is 0 in tension, so that slip is the first failure
         return [("excess", (np.abs(shear) - np.maximum(frictional, 0.0)) / scale, np.sign(shear))]
@@ -109,8 +110,10 @@ def _intervals(
     bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
     stretch, result = part.stretch, []
     for start, stop in zip(bounds[::2], bounds[1::2], strict=True):
+        # The law changes from right to wrong between two points: the interval takes in both.
         left = float(v[start - 1]) if start else stretch.left
         right = float(v[stop]) if stop < len(v) else stretch.right
+        # Shear may change its sign within the interval; a new zone needs one sense.
         middle = int(np.sign(sense[start:stop].sum())) or 1
         result.append(Violation(kind, part.zone, middle, left, right))
     return result

@@ -123,6 +123,7 @@ class Face:
     def behind(self) -> Complex:
         """See `Source`."""
         interface, a = self.density.interface, self.factors.a
+        # Seen as an upper body, the lower one has y, and with it sigma_xy, reversed.
         shear = -interface.load_shear if self.below else interface.load_shear
         return -plane_wave(shear, "II", a) - plane_wave(-interface.load_pressure, "I", a)
 
@@ -141,6 +142,8 @@ class Face:
         """See `Source`."""
         place = float(self.places[owner]) if owner >= 0 else 0.0
         nodes = sum(part.panel.count for part in self.density.parts) + 1
+        # Each point meets every node of every zone: in pieces, or memory would grow as their
+        # product.
         pieces = np.array_split(offset.ravel(), 1 + offset.size * nodes // _AT_ONCE)
         values = [self._densities(owner, place, piece) for piece in pieces]
         return np.concatenate(values, axis=1).reshape(-1, *offset.shape)
@@ -152,12 +155,14 @@ class Face:
         at = Slowness(self.factors, place + offset, left, right)
         values = np.empty((4, len(offset)), dtype=complex)
         stuck = owner if 0 <= owner < self.parting else None
+        # The exact slowness of the singular point, without the rounding of its scaled copy.
         start = place * self._unit if stuck is None else -self._singular[stuck]
         ahead = at.k.real >= 0
         if ahead.any():
             parts = (at.k, at.alpha, at.beta, at.coupling, at.rayleigh)
             k, alpha, beta, coupling, rayleigh = (part[ahead] for part in parts)
             tau, sigma = self._tractions(start, offset[ahead] * self._unit)
+            # V = -B tau - k D sigma and U = k D tau - A sigma of this body alone, in its own units.
             along = -(beta * tau + k * coupling * sigma) / rayleigh
             across = (k * coupling * tau - alpha * sigma) / rayleigh
             values[:, ahead] = along, across, tau, sigma
@@ -214,6 +219,8 @@ class PairBodies:
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the stress; see `PairSolution.stress`."""
         rows = self._rows("stress", x, y, t)
+        # Pressure is positive in compression, sigma_yy in tension; sigma_xx of the base is not
+        # known.
         rows[1] -= self.pair.base.pressure
         rows[2] += self.pair.base.shear
         return rows
@@ -227,6 +234,7 @@ class PairBodies:
         x, y, t = checked_points(x, y, t)
         rows = np.zeros((3 if quantity == "stress" else 2, *x.shape))
         for below, body in enumerate((self.pair.upper, self.pair.lower)):
+            # The sign bit tells 0.0 from -0.0, the two faces of the interface.
             here = (t > 0) & (np.signbit(y) == bool(below))
             at = x[here], y[here], body.shear_speed * t[here]
             over = {"velocity": body.shear_impedance, "displacement": body.shear_modulus}
@@ -250,6 +258,7 @@ class PairBodies:
             given = density.interface, density.glued, density.zones
             coarse = replace(self, density=density_of(*given, rule))
             for sent, coarser, side in zip(self._sent, coarse._sent, (1.0, -1.0), strict=True):
+                # The same points in both bodies, each over its own wave speed.
                 x, y = points_around(sent.primitives.reach)
                 at = x, np.copysign(y, side), np.ones_like(x)
                 for quantity in ("velocity", "stress"):

@@ -32,9 +32,11 @@ def corrected(zones: Sequence[Zone], violations: Sequence[Violation]) -> tuple[Z
     pulled = [one for one in violations if one.kind == "pull"]
     result = list(zones)
     if wrong:
+        # From the slowest on, so that the numbers of the zones ahead stay what they are.
         for one in sorted(wrong, key=lambda one: -one.left):
             _cut(result, one)
     elif pulled:
+        # One opening changes the pressure everywhere: the others may be gone after it.
         widest = max(pulled, key=_extent)
         _open(result, widest)
     else:
@@ -53,6 +55,8 @@ def _tidy(zones: Sequence[Zone]) -> tuple[Zone, ...]:
         elif last.sense == zone.sense:
             result[-1] = replace(last, right=zone.right)
         else:
+            # Slip cannot jump from one sense to the other; Newton's method finds how long it
+            # sticks.
             result[-1] = replace(last, right=zone.left * (1 - _PARTED))
             result.append(replace(zone, left=zone.left * (1 + _PARTED)))
     return tuple(result)
@@ -153,6 +157,7 @@ def rearranged(placement: Placement) -> tuple[Zone, ...] | None:
         for index, (one, other) in enumerate(pairwise(zones))
         if one.right is not None and one.sense == other.sense and not (one.open or other.open)
     ]
+    # Stick that shrinks to nothing is what two zones leave that ought to be one.
     if gaps and min(gaps)[0] < _MET:
         index = min(gaps)[1]
         merged = replace(zones[index], right=zones[index + 1].right)
@@ -180,5 +185,6 @@ def _across_fronts(placement: Placement) -> tuple[Zone, ...] | None:
         elif left > 0 and edge - left < _AT_FRONT * left:
             ahead = ends[ends.index(left) - 1] or 0.0
             result[index], crosses = left - _BEYOND_FRONT * (left - ahead), True
+    # An edge must not jump over its neighbour on the way.
     kept = all(one < other for one, other in pairwise(result))
     return moved(placement.zones, result) if crosses and kept else None

@@ -134,6 +134,7 @@ class Density:
         vector = np.random.default_rng(0).standard_normal(len(normal))
         for _ in range(_POWER_STEPS):
             vector = cho_solve(factor, vector / np.linalg.norm(vector))
+        # The iteration tends to the largest eigenvalue of (M^T M)^(-1), which is 1 / sigma^2.
         return float(np.linalg.norm(vector) ** -0.5)
 
     def _on_zone(self, zone: int) -> Iterator[tuple[OnPanel, Array, Array]]:
@@ -161,6 +162,7 @@ class Density:
         """
         moment = 0.0
         for part, slope, amplitude in self._on_zone(zone):
+            # By parts: U is 0 at both ends of the opening, so that int U dv = -int v dU.
             moment += float(slope[:, 1] @ part.panel.points.v[: part.panel.count])
             for pole, size in zip(part.poles, amplitude, strict=True):
                 end = np.array([pole.right])
@@ -185,6 +187,7 @@ class Density:
         for part, slope in zip(self.parts, self.slopes, strict=True):
             source, nodes = part.panel, slice(0, part.panel.count)
             phi = slope / (source.spacing * source.jacobian / source.weight)[nodes, None]
+            # Half-way between the nodes the principal value needs no care, as no node is hit.
             kernel = panel.own_kernel() if part is on else panel.other_kernel(source)
             z += kernel[count:] @ (part.sources @ phi[:, :, None])[..., 0]
         v, scale = panel.points.v[count:], (panel.spacing * panel.jacobian)[count:]
@@ -222,6 +225,7 @@ class Density:
         it loses no digits there.
         """
         panel = part.panel
+        # Without a right end all points are counted from the left one.
         near_left = np.broadcast_to((points.x.real < 0) | (stretch.right is None), points.v.shape)
         result = np.empty((panel.count, len(points.v)), dtype=points.v.dtype)
         for near, end, distance in (
@@ -236,6 +240,8 @@ class Density:
         """Return T_tau and T_sigma at k = -v, (m, 2), off the zones; T = Psi z = C^(-1) R z."""
         fronts = self.interface.compliance.fronts
         entries = self.interface.compliance.on_cut(points.v, stretch.minus(points, fronts))
+        # R(-v) is off its own cut, and C has a closed form on this one; Psi is known off the cut
+        # alone.
         z = self.z(stretch, points) if self.parts else np.broadcast_to(self.constant, (1, 2))
         rates = self.glued.rates(points.v)
         return np.asarray((entries.inverse @ (rates @ z[..., None]))[..., 0])
@@ -259,6 +265,7 @@ def density_of(interface: Interface, glued: Glued, zones: Sequence[Zone], rule: 
     blocks = [_equations(interface, target, parts, constant) for target in parts]
     closing = [_closing(parts, i) for i, zone in enumerate(zones) if zone.open and zone.right]
     matrix = np.concatenate([*(block for block, _ in blocks), *closing])
+    # More rows than unknowns: nodes and points between them, and one row for each gap that closes.
     right = np.concatenate([*(values for _, values in blocks), np.zeros(len(closing))])
     solution = _least_squares(matrix, right)
     residual = float(np.abs(matrix @ solution - right).max() / (np.abs(right).max() or 1.0))
@@ -307,6 +314,7 @@ def _on_panel(interface: Interface, glued: Glued, panel: Panel) -> OnPanel:
     turned = [(row.imag[:, None] @ rates)[:, 0] for row in rows]
     sources = np.swapaxes(glued.psi(v[: panel.count]), -1, -2) / glued.limit
     poles: list[Pole] = []
+    # A panel without end has no parabola that vanishes there; openings are cut behind the poles.
     if panel.open and panel.stretch.right is not None:
         ends = panel.stretch.left, panel.stretch.right
         poles = poles_on(glued, interface.rayleigh_slownesses, *ends)
@@ -330,8 +338,10 @@ def _equations(
             for index, (row, turned) in enumerate(zip(target.rows, target.turned, strict=True)):
                 block = kernel * (turned @ source.sources[:, :, component].T / np.pi)
                 if own:
+                    # A film resists slip alone, in the equation of shear alone.
                     real = row.real[:, component] + (film if not (index or component) else 0.0)
                     block[np.arange(count), np.arange(count)] -= real[:count]
+                    # Between the nodes the unknown is the sinc series, at the nodes it is itself.
                     block[count:] -= real[count:, None] * between_nodes(count)
                 columns[index].append(block)
         for pole in source.poles:
@@ -342,6 +352,8 @@ def _equations(
                 columns[index].append(block * panel.weight[:, None])
     blocks, values = [], []
     for row, turned, cells in zip(target.rows, target.turned, columns, strict=True):
+        # Rows of one size: g vanishes or grows at some fronts, and these points would count for too
+        # little or too much.
         size = np.abs(row).max(axis=1) if panel.open else np.abs(row[:, 0] + film)
         right = -(turned @ constant) / (np.pi * panel.points.v) * panel.weight
         blocks.append(np.concatenate(cells, axis=1) / size[:, None])

@@ -31,8 +31,8 @@ from semianalytic.dissimilar_slot.profile import GAP, NORMAL, OPENING, RATE, SHE
 from semianalytic.dissimilar_slot.zones import Coordinates, edges_of
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.selfsimilar.derivative import OpenDerivative, ZoneDerivative
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, is_open, over_slowness
+from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative, ZoneDerivative
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
 _POINTS, _WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 """A central difference of fourth order."""
@@ -140,6 +140,7 @@ class Varied:
     @cached_property
     def at_edge(self) -> float:
         """Derivative of the slip rate at the contact edge."""
+        # Slowness at the contact edge is infinite; the rate has reached its limit long before this.
         far = np.array([1e12])
         return float(self._difference([one.fields(far)[RATE, 0] for one in self.beside]))
 
@@ -164,6 +165,8 @@ class Varied:
             slope = np.tensordot(_WEIGHTS, [self.own.fields(one) for one in along], 1)
             run = np.tensordot(_WEIGHTS, [self.own.slowness(one) for one in along], 1)
             with np.errstate(divide="ignore", invalid="ignore"):
+                # At a fixed place between the marks fields change smoothly; the place itself has
+                # moved, which is taken back along the slope of the fields.
                 share = np.where(run == 0, 0.0, moved / run)
             result[:, here] = at_place - share * slope
         return result
@@ -257,6 +260,7 @@ class PairDerivative:
 
     def _traction(self, x: ArrayLike, t: ArrayLike, row: int, base: str) -> Array:
         before = np.asarray(t, dtype=float) < 0
+        # Before the load there is the base alone.
         values = np.where(before, float(self.name == base), self._evaluate(x, t, row))
         return np.where(is_open(self.opened, x, t), 0.0, values)
 
@@ -282,6 +286,7 @@ class PairDerivative:
         v = 1 / velocity[apart > _BESIDE]
         one, other = fine.fields(v), coarse.fields(v)
         opened = is_open(self.opened, pair.upper.shear_speed / v, 1.0)
+        # Where it is open tractions are 0 whatever the parameter; what is left of them is rounding.
         one[SHEAR:, opened] = other[SHEAR:, opened] = 0.0
         worst = max([worst, *(_share(*rows) for rows in zip(one, other, strict=True))])
         return _LEAST + _SAFETY * worst
@@ -381,6 +386,7 @@ def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
             moved = np.inf
         if moved <= _LONGEST_MOVE:
             break
+        # Edges beside a front move fast: the step is chosen by them, not by the parameter.
         step *= max(_LONGEST_MOVE / moved, 0.1)
     beside = [ahead if point == 1 else at(float(point))[0] for point in _POINTS]
     return Varied(own, tuple(beside), step)

@@ -27,7 +27,7 @@ from semianalytic.dissimilar_slot.interface import Interface, rayleigh_slowness
 from semianalytic.dissimilar_slot.zones import Zone
 from semianalytic.halfplane.rayleigh import Array, gauss
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.collocation import lemke
+from semianalytic.selfsimilar.zones.collocation import lemke
 
 _GAUSS = 6
 """Gauss points per element; the grid for identical bodies has as many."""
@@ -40,7 +40,7 @@ _TOLERANCE = 1e-8
 percent."""
 _EDGE_SHARE, _EDGE_SLOPE, _RATIO_UNKNOWN, _MOST_SHARE = 0.25, 0.75, 0.5, 0.95
 """Place of an edge between two nodes, from the ratio of the two outermost rates, as on the grid for
-identical bodies (`semianalytic.selfsimilar.tuning`)."""
+identical bodies (`semianalytic.selfsimilar.zones.tuning`)."""
 _HALF_GAP, _HALF_SLIP = 0.1, 0.3
 """Half widths of the stick between slip of opposite senses, and of the slip put beside an opening,
 over the distance of the nodes.  Newton's method finds the true widths."""
@@ -112,12 +112,14 @@ def grid_of(compliance: Compliance, size: int) -> Grid:
         if end - ends[-1] > _NEAREST_ENDS / compliance.first:
             ends.append(end)
     ends[-1] = 1 / compliance.first
+    # By the root of their length, so that short stretches between fronts get their share.
     lengths = np.sqrt(np.diff(ends))
     counts = np.maximum(np.round(size * lengths / lengths.sum()).astype(int), _FEWEST)
     t, weight = gauss(_GAUSS)
     nodes, points, weights = [np.zeros(1)], [], []
     for (left, right), count in zip(pairwise(ends), counts, strict=True):
         s = np.arange(count + 1) / count
+        # sin^2 gathers nodes at both ends, where rates have roots.
         nodes.append(left + (right - left) * np.sin(np.pi / 2 * s[1:]) ** 2)
         sub = (s[:-1, None] + t / count) * np.pi / 2
         points.append(left + (right - left) * np.sin(sub) ** 2)
@@ -126,6 +128,7 @@ def grid_of(compliance: Compliance, size: int) -> Grid:
     slopes, stuck = _slopes(compliance, xi, at.ravel())
     test = _integrated_tests(xi, at, dxi)
     width = np.diff(xi)
+    # A hat function covers half of the element on either side of its node.
     area = np.convolve(width, [0.5, 0.5])[:-1]
     gram = np.diag(np.convolve(width, [2, 2])[:-1])
     gram = (gram + np.diag(width[:-1], 1) + np.diag(width[:-1], -1)) / 6
@@ -152,11 +155,13 @@ def _slopes(compliance: Compliance, xi: Array, at: Array) -> tuple[Array, Array]
     density[1:] = xi[1:, None, None] * psi / canonical.limit
     slope = np.diff(density, axis=0) / width[:, None, None]
     offset = xi - at[:, None]
+    # Piecewise linear densities have Cauchy integrals in closed form, logarithms and constants.
     log = np.diff(np.log(np.abs(offset)), axis=1)[..., None, None]
     near = density[:-1] - slope * offset[:, :-1, None, None]
     cauchy = near * log + slope * width[:, None, None]
     turned = inverse.imag @ rates / (-np.pi * at)[:, None, None]
     gradient = np.einsum("mab,mnbc->mnac", turned, cauchy)
+    # Re C^(-1) is local: it takes the slope of the element in which the point lies.
     own = np.searchsorted(xi, at) - 1
     gradient[np.arange(len(at)), own] -= inverse.real
     by_node = np.zeros((len(at), n + 1, 2, 2))
@@ -230,6 +235,7 @@ def seen_on_grid(interface: Interface, size: int) -> Seen:
     given = np.concatenate([f * pressure - shear, f * pressure + shear, pressure])
     closed = slice(0, 2 * len(shear))
     try:
+        # Most contacts stay closed, and without gaps a third of the unknowns are left out.
         z = _pivoted(matrix[closed, closed], given[closed], np.tile(grid.weight, 2))
         opens = bool(np.any(given[closed.stop :] + matrix[closed.stop :, closed] @ z < 0))
     except ComputationError:

@@ -97,6 +97,8 @@ class Interface:
 @lru_cache(maxsize=_KEPT)
 def rayleigh_slowness(body: Body) -> float:
     """Return the slowness of the Rayleigh wave of a free body."""
+    # The Rayleigh speed over c_t depends on the ratio of the body waves alone: any solid of this
+    # Poisson ratio has it.
     ratio = (body.a / body.b) ** 2
     poisson_ratio = (1 - 2 * ratio) / (2 * (1 - ratio))
     return body.b / Material(1.0, 1.0, poisson_ratio).rayleigh_speed
@@ -105,12 +107,14 @@ def rayleigh_slowness(body: Body) -> float:
 def interface_of(pair: Pair) -> tuple[Interface, float]:
     """Return a pair in its own units, and the unit of stress."""
     base, load = pair.base, pair.load
+    # Without a load nothing moves; the base then serves for a unit that is not 0.
     unit = max(abs(load.pressure), abs(load.shear)) or pair.base.pressure
     law = pair.friction_law
     viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
     interface = Interface(
         pair.compliance,
         pair.friction,
+        # Rates are relative here, as those of the film: no factor of 2, unlike identical bodies.
         viscosity / pair.upper.shear_impedance,
         base.pressure / unit,
         base.shear / unit,

@@ -55,6 +55,7 @@ def edge_end(exponent: float, bounded: bool = False) -> End:
 
     With `bounded` it also has a bounded part, as V' has where slip turns to opening.
     """
+    # The line Re = -p has to leave e to its right and e - 1 to its left, and p is between 0 and 1.
     low, high = max(0.0, -exponent), min(1.0, 1 - exponent)
     power = low + _PLACE * (high - low)
     slowest = min(exponent, 0.0) if bounded else exponent
@@ -159,6 +160,8 @@ class Panel:
         rows, columns = self.weight, 1 / self.weight[: self.count]
         if self.stretch.right is not None:
             cosh = np.cosh(self.x / 2)
+            # J(w) / (w - v) = cosh(x_v / 2) / (2 cosh(x_w / 2) sinh((x_w - x_v) / 2)) for the map
+            # of a bounded panel.
             rows, columns = rows * cosh, columns / cosh[: self.count]
         return np.asarray(kernel * rows[:, None] * columns)
 
@@ -195,8 +198,10 @@ class Panel:
         away = x - y
         close = np.abs(away) < h / 2
         rows, there = np.arange(len(y)), nearest[close]
+        # The closest node is left out of the sums and added below, with its factor in closed form.
         difference[rows[close], there] = np.inf
         kernel = 1 / difference
+        # exp(i pi x_j / h) at the nodes.
         signs = (-1.0) ** (self.first + np.arange(self.count))
         total = kernel @ masses
         total -= np.exp(-1j * np.pi / h * y)[:, None] * (kernel @ (masses * signs[:, None]))
@@ -303,6 +308,7 @@ def _panel(
     of: tuple[int, int, bool], stretch: Stretch, rule: Rule, ends: tuple[End, End], fall: float
 ) -> Panel:
     reach = np.log(1 / rule.cutoff)
+    # phi falls like exp(-decay |x|), and a panel ends where that is the cut-off.
     lengths = (reach / ends[0].decay + stretch.lead, reach / ends[1].decay)
     before, after = (int(np.ceil(length / rule.spacing)) for length in lengths)
     return Panel(*of, stretch, rule.spacing, -before, before + after + 1, *ends, fall)
@@ -321,6 +327,8 @@ def edge_exponents(
     if zone.open:
         left = -opening(zone.sense, zone.left)
     elif before is not None:
+        # Slip behind an opening starts where the gap closes, with the exponents of the opening
+        # there.
         left = opening(zone.sense, zone.left) - 1
     else:
         left = -slip(zone.sense, zone.left)

@@ -34,7 +34,7 @@ from semianalytic.dissimilar_slot.zones import (
     neighbours,
 )
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.selfsimilar.edges import broyden
+from semianalytic.selfsimilar.zones.edges import broyden
 
 _SPACING = 0.36
 """Spacing of x along a half circle, which keeps pi / 2 from singularities: exp(-pi^2 / 0.36)
@@ -103,6 +103,7 @@ def edge_tractions(density: Density) -> Tractions:
         exponents[zone.left] = left
         if zone.right is not None and right is not None:
             exponents[zone.right] = right
+    # Ahead of all waves tractions are those of the base, at whichever slowness one starts.
     start, exponent, total, values = interface.compliance.first / 2, 0.0, np.zeros(2), []
     edges = edges_of(zones)
     for edge in edges:
@@ -119,6 +120,7 @@ def mismatch(density: Density) -> Array:
     slip = 0.0
     for index, (before, zone, after) in enumerate(neighbours(density.zones)):
         tau, sigma = reached.at(zone.left)
+        # The sides of an opening move along one another too: V goes on through joined zones.
         slip = density.change(index)[0] + (0.0 if before is None else slip)
         if zone.open:
             left_by[zone.left] = sigma - interface.base_pressure
@@ -188,6 +190,8 @@ def place(
                 break
         move = -inverse @ values
         largest = float(np.abs(move).max())
+        # An edge that has run into a front is no failure of the method: `rearranged` moves it
+        # across.
         if not largest < np.inf or np.abs(unknowns).max() > _FARTHEST:
             break
         if largest < tolerance:
@@ -200,6 +204,7 @@ def place(
         trial = at(unknowns + move)
         left = mismatch(trial)
         for _ in range(_MOST_HALVINGS):
+            # Natural monotonicity: the next step, with the present Jacobian, must not be longer.
             if np.abs(inverse @ left).max() <= max(largest, _HARMLESS):
                 break
             move = move / 2
@@ -228,6 +233,8 @@ def polished(
         move, before = -inverse @ values, values
         largest = float(np.abs(move).max())
         steps += 1
+        # A step of 1 is far from what a finer rule changes: the edges were not those of this
+        # problem.
         if largest < tolerance or not largest < 1 or steps == most_steps:
             break
         unknowns = unknowns + move

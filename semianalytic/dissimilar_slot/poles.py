@@ -81,6 +81,7 @@ class Pole:
         """Return int Psi^T p G / n_inf dw / (w - v), (m, 2, 2), a principal value on the panel."""
         w, weight, carried = self._nodes
         width = self.right - self.left
+        # Far from the panel the integrand is smooth, and the subtraction below would only cancel.
         far = np.abs(v - (self.left + self.right) / 2) > width
         result = np.empty((len(v), 2, 2), dtype=v.dtype)
         result[far] = np.einsum("w,wab,mw->mab", weight, carried, 1 / (w - v[far, None]))
@@ -118,6 +119,7 @@ class Pole:
 
     def change(self, v: Array) -> Array:
         """Return the integrals of q from the left end to slownesses v on the panel, (m, 2, 2)."""
+        # The delta function at c is a jump of what is integrated across it.
         passed = (v > self.slowness)[:, None, None] * self.jumps
         return np.asarray(passed + self._first(v)[:, None, None] * self.residues)
 
@@ -143,6 +145,7 @@ class Pole:
         (s, q), (y, start) = self._bends, (v - self.slowness, self.left - self.slowness)
         width = y - start
         cubic = (y**3 - start**3) / 3 - start * start * width
+        # y ln |y| is 0 at the pole itself.
         log = np.where(y == 0, 0.0, y * np.log(np.abs(np.where(y, y, 1.0) / start)))
         return np.asarray(log - width + s * width * width / 2 - q * cubic / 2)
 

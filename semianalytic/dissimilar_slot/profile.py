@@ -122,6 +122,7 @@ class Profile:
         density = self.density
         compliance = density.interface.compliance
         turns = density.interface.slip_phase(1).denominator.sharp_turns
+        # Hidden zeros of the bonded interface lie next to the cut, and tractions change fast there.
         ends = [v for v in (*compliance.distinct_fronts, *turns, *edges) if v > left]
         stretch = Stretch(left, min(ends, default=None))
         exponents = self._exponents
@@ -136,6 +137,7 @@ class Profile:
         intervals = Intervals(stretch, -before, _LENGTH, int(np.ceil((before + after) / _LENGTH)))
         points = intervals.points
         tractions = density.tractions(stretch, points).imag
+        # dT/dx = Im T(-v + i0) / (pi v) dv/dx: T is analytic above the cut.
         slopes = tractions * np.asarray(stretch.slope(points) / (np.pi * points.v))[:, None]
         slopes = slopes.reshape(intervals.count, -1, 2)
         constant = [np.full((intervals.count, 1), value) for value in state[:SHEAR]]
@@ -162,6 +164,8 @@ class Profile:
         if not panel.open:
             normal = self._normal(on, intervals, state[NORMAL])
             held = -panel.sense * interface.friction * normal
+            # tau + s f sigma = s f P_b - Q_b + eta V where it slips; the first coefficient is the
+            # constant.
             held[:, 0] += interface.level(panel.sense)
             film = interface.resistance * from_values(rates[0])
             shear = padded([held, film]).sum(axis=0)
@@ -182,6 +186,8 @@ class Profile:
         if panel.stretch.right is not None:
             running = _running(panel.count, intervals.count, between=True)
             return from_values(start + (running @ slope).reshape(intervals.count, -1))
+        # A power a little above that of the slope: what is interpolated then decays towards the end
+        # of the panel.
         power = density.interface.edge_decay(panel.sense) + panel.right.decay
         left = panel.stretch.left
         scaled = slope * (left / panel.points.v[panel.count :]) ** power
@@ -257,6 +263,7 @@ class Profile:
             if part.zone >= 0:
                 intervals = part.series.intervals
                 points = intervals.points
+                # d(x/t) = dv / v^2 turns integrals over slowness into integrals over velocity.
                 slope = np.asarray(part.stretch.slope(points)) / np.square(points.v)
                 weights = np.tile(interval_weights(), intervals.count) * intervals.length / 2
                 result.append((points.v, part.at(points.x, points.v), weights * slope))
@@ -305,6 +312,7 @@ def _running(nodes: int, intervals: int, between: bool = False) -> Array:
     from scipy.special import sici  # here, for a quick import
 
     steps = _apart(nodes - between, intervals, between)
+    # int_-inf^x sinc = 1/2 + Si(pi x) / pi.
     return np.asarray(0.5 + sici(np.pi * steps)[0] / np.pi)
 
 

@@ -28,7 +28,7 @@ from semianalytic.results.reading import Reading, first_times, self_similar_read
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.quantities import asked_in_units
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, is_open, over_slowness
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
 if TYPE_CHECKING:  # imported where it is asked for, for a quick import
     from semianalytic.dissimilar_slot.bodies import PairBodies
@@ -307,6 +307,7 @@ class PairSolution:
 
     def frictional_work(self, t: ArrayLike) -> Array:
         """Energy turned to heat on the contact until t, per unit depth [stress length^2]."""
+        # Power grows as t, so that its integral is half of it times t.
         return self.frictional_power(t) * np.maximum(np.asarray(t, dtype=float), 0.0) / 2
 
     def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
@@ -334,6 +335,7 @@ class PairSolution:
             "pressure": base.pressure + abs(base.shear) + largest,
             "gap": rate * profile.largest_gap * time if self.openings else 0.0,
         }
+        # The estimate is relative to the lesser of an edge and the slowest wave.
         slowest = min(pair.upper.shear_speed, pair.lower.shear_speed)
         return self_similar_reading(self, x, t, slowest, scales)
 
@@ -355,6 +357,7 @@ def in_velocity(
 ) -> tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]]:
     """Convert zones in slowness to slip zones and openings, from the contact edge outward."""
     slips, opens = [], []
+    # Zones are in order of slowness, from the fastest wave inward.
     for zone in reversed(zones):
         inner = 0.0 if zone.right is None else speed / zone.right
         if zone.open:

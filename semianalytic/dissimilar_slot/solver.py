@@ -135,6 +135,7 @@ def solve_pair(pair: Pair | str | PathLike[str], *, rtol: float = 1e-8) -> PairS
         slips,
         opens,
         _status(lawful, estimate, statistics, rtol),
+        # Zones that break the law are no approximation of the answer, however exact they are.
         estimate if lawful else np.inf,
         statistics,
         profile,
@@ -159,6 +160,7 @@ def _slowest(rtol: float) -> float:
 
 def _search(interface: Interface, rtol: float) -> _Trial:
     """Find zones that obey the law of contact on a loose rule, from one grid after the other."""
+    # The canonical matrix is made once for a rule; zones come and go on it.
     canonical = glued(interface.compliance, _CANONICAL * _LOCATING)
     rule = rule_for(_LOCATING)
     steps = sets = 0
@@ -167,6 +169,8 @@ def _search(interface: Interface, rtol: float) -> _Trial:
             _check_zones(interface, zones)
             placement = place(interface, canonical, zones, rule, _LOCATED)
             steps, sets = steps + placement.steps, sets + 1
+            # Edges that cannot be placed say something about the zones: those are tried that they
+            # suggest.
             if not placement.converged:
                 other = rearranged(placement)
                 if other is None:
@@ -195,6 +199,8 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
         estimate = numerical_error(placement, tolerance)
         if not placement.converged or estimate <= rtol:
             break
+        # The error falls about in proportion to the tolerance; half of rtol leaves room for its
+        # scatter.
         tolerance *= max(min(0.5 * rtol / estimate, 0.3), 0.01)
     return replace(trial, placement=placement, steps=steps), estimate
 

@@ -55,6 +55,7 @@ def edges_of(zones: Sequence[Zone]) -> list[float]:
 
 def moved(zones: Sequence[Zone], edges: Sequence[float]) -> tuple[Zone, ...]:
     """Return the zones with other edges, in the order of `edges_of`."""
+    # By value, so that an edge that two zones share stays shared.
     to = dict(zip(edges_of(zones), edges, strict=True))
     return tuple(
         replace(zone, left=to[zone.left], right=None if zone.right is None else to[zone.right])
@@ -80,6 +81,8 @@ class Coordinates:
         """Return the slownesses of the edges, (e,)."""
         edges: list[float] = []
         for (left, right), x in zip(self.segments, unknowns, strict=True):
+            # Counted from the edge before it, if that lies between the same fronts: they cannot
+            # cross.
             start = max([left, *edges[-1:]])
             edges.append(float(Stretch(start, right).at(np.array([x])).v[0]))
         return edges

@@ -2,7 +2,7 @@
 
 The memory lives on the whole periodic line and knows nothing of contacts.  A slip rate V of
 wavenumber q exerts -(mu / 2 c_t) [V + int h(q c_t (t - s)) q c_t V ds]; h is a sum of exponentials
-(`spacetime.exponentials`).  V is linear over a step and the integrals over it are exact, so steps
+(`memory.exponentials`).  V is linear over a step and the integrals over it are exact, so steps
 may have any length.
 """
 
@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.tuning import TABLES
-from semianalytic.spacetime.exponentials import Memory, SharedMemory
-from semianalytic.spacetime.recursion import cosines, from_cosines
+from semianalytic.memory.cosines import cosines, from_cosines
+from semianalytic.memory.exponentials import Memory, SharedMemory
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

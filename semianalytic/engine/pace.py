@@ -13,8 +13,8 @@ from semianalytic.engine.tuning import WAVE_STEPS
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loads import LoadHistory
-from semianalytic.spacetime.resolution import longest_following
-from semianalytic.spacetime.tuning import STEP_RATIO as TURN_RATIO
+from semianalytic.spacetime.grid.resolution import longest_following
+from semianalytic.spacetime.grid.tuning import STEP_RATIO as TURN_RATIO
 
 
 class Window(NamedTuple):

@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
 from semianalytic.scene.checks import checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
-from semianalytic.spacetime.exponentials import Antiplane, Impedance, InPlane
 
 CONTINUATION = 40
 """Steps of the continuation from the neutral wavelength; all 210 growth rates of docs/engine.md are

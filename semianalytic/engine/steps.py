@@ -33,9 +33,10 @@ from semianalytic.interface.contact import Adhesion
 from semianalytic.interface.fields import required, sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.law import check_law, check_rate
+from semianalytic.memory.exponentials import fit_memory, fit_shared
+from semianalytic.memory.impedance import Antiplane, InPlane, Opening
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.spacetime.exponentials import Antiplane, InPlane, Opening, fit_memory, fit_shared
-from semianalytic.spacetime.line import area_means
+from semianalytic.spacetime.grid.line import area_means
 
 Array = NDArray[np.float64]
 

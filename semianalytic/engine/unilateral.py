@@ -50,7 +50,7 @@ class Unilateral:
     """Contact that opens where the pressure would be negative, and closes where the gap ends.
 
     An opening rate U exerts the pressure Z [U + int h(q c_t (t - s)) q c_t U ds] with Z = rho c_l/2
-    (`spacetime.exponentials.Opening`).  Slip does not change the pressure between identical bodies,
+    (`memory.impedance.Opening`).  Slip does not change the pressure between identical bodies,
     so each step computes the pressure before friction.  The gap follows the backward Euler rule, by
     which p U <= 0 at every node and step: the contact never gives energy to the bodies, which it
     does with the trapezoidal rule.  Adhesion takes at the end of the step the tension that its gap

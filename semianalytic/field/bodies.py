@@ -74,6 +74,8 @@ class Bodies:
         rows = self.stress_unit * self._rows("stress", x, y, t)
         load = self.scene.load
         if isinstance(load, IncidentWave):
+            # The wave itself is a plane wave in both bodies; the interface does not scatter it
+            # while it holds.
             base, arrived = self.scene.base, self._lag(load, x, y, t) >= 0
             names = ("xx", "yy", "xy", "xz", "yz")[: len(rows)]
             sigma = load.stresses(self.scene.material)
@@ -81,6 +83,8 @@ class Bodies:
             rows[1] -= base.pressure
             rows[-1] += base.shear
             return rows
+        # Pressure is positive in compression, sigma_yy in tension; sigma_xx of the base is not
+        # known.
         rows[1] -= traction_ahead(self.scene, "pressure", x, t)
         rows[-1] += traction_ahead(self.scene, "shear", x, t)
         return rows
@@ -151,11 +155,13 @@ class Bodies:
         if not load.load_pressure or self.opened is not None:
             return None if self.opened is None else self._primitives(self.opened)
         factors = rayleigh_factors(self.scene.material.poisson_ratio, "I")
+        # A contact that stays closed transmits the pressure of the slot all the same.
         closed = normal_load(load.base_pressure, load.load_pressure, load.slowness)
         return self._primitives(ZoneFields(factors, closed, (), self.shear.rule))
 
     def _primitives(self, fields: ZoneFields) -> Primitives:
         rule = rule_for(self.tolerance)
+        # Transforms grow as k^1/2 at a stuck edge, where the rule of the zones may end earlier.
         longer = replace(rule, reach=rule.reach + tuning.LONGER)
         return Primitives(Step(Transform(replace(fields, rule=longer, tail=True))))
 

@@ -78,6 +78,7 @@ def fields_of(parts: Sequence[Sent], quantity: Quantity, at: tuple[Array, Array,
     x, y, time = at
     scaled = *_scaled(x, np.abs(y), time), np.signbit(y)
     rows = np.empty((_count(parts, quantity), len(time)))
+    # Blocks keep the memory of a picture of any size bounded, and its values in the cache.
     for start in range(0, len(time), tuning.POINTS_AT_ONCE):
         part = slice(start, start + tuning.POINTS_AT_ONCE)
         rows[:, part] = _finite_or_not(parts, quantity, *(one[part] for one in scaled))
@@ -113,6 +114,7 @@ def _added(
     for part in parts:
         signs = part.mirrored[along if part.antiplane else in_plane, None]
         own = slice(count, None) if part.antiplane else slice(count)
+        # The lower body is the mirror image of the upper one: one evaluation serves both.
         rows[own] += in_upper(part.primitives) * np.where(below, signs, 1)
     return rows
 
@@ -134,6 +136,7 @@ def _finite_or_not(
     if singular.any():
         few = rows[:, singular]
         at = x[singular], y[singular], t[singular], below[singular]
+        # What is infinite grows as the singularity comes nearer, what is only steep does not.
         grown = few - _near(parts, quantity, at, tuning.CLOSE[1])
         large = np.abs(grown) > tuning.GROWN * (1 + np.abs(few))
         rows[:, singular] = np.where(large, np.copysign(np.inf, grown), few)
@@ -172,6 +175,7 @@ def points_around(reach: float) -> tuple[Array, Array]:
     """
     rng = np.random.default_rng(0)
     angle, share = rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
+    # Evenly in the logarithm of the radius, so that the neighbourhood of the edge counts as much.
     radius, angle = 2 * (2 * reach) ** -share, 2 * np.pi * angle
     return radius * np.cos(angle), radius * np.sin(angle)
 
@@ -248,6 +252,8 @@ def slowness(x: Array, y: Array, t: Array, s: float, front: float = 0.0) -> Comp
     rest = (t - s * r) * (t + s * r)
     root, inside = np.sqrt(np.abs(rest)), rest >= 0
     across = np.where(inside, 1.0, np.abs(x) * t + y * root)
+    # r^2 k^2 + 2 x t k + t^2 - s^2 y^2 = 0; ahead of the wave both roots are real, and the one that
+    # cancels follows from their product.
     before = -np.sign(x) * (t - s * y) * (t + s * y) / across
     if front:  # where the sign at the root is that of -x, nothing cancels
         turned = (x > 0) & (s * x < front * r)
@@ -276,9 +282,11 @@ def upper(
     They are those of `PLANE` or of `ALONG`.  Where they are singular, fields at the distance
     `close` from the singularity are returned, at the contact edge ahead of it.
     """
+    # At the contact edge itself fields depend on the direction: those just ahead of it are meant.
     x = np.where((x == 0) & (y == 0), close * t, x)
     along = primitives.source.antiplane
     chosen = (ALONG if along else PLANE)[quantity]
+    # There is one wave in antiplane shear, and nothing to cancel with it.
     near = np.zeros(len(x), dtype=bool) if along else t > tuning.NEAR_EDGE * np.hypot(x, y)
     result = np.zeros((chosen.stop - chosen.start, len(x)))
     for wave in waves(primitives.source):
@@ -306,6 +314,8 @@ def reflected(primitives: Primitives, x: Array, y: Array, t: Array, quantity: Qu
     if primitives.source.front:
         for wave in waves(primitives.source):
             here = np.flatnonzero(arrives(x, y, t, wave.slowness, primitives.source.front))
+            # Before anything comes from the edge the integrals are those right of the parting
+            # point.
             parts = wave.parts @ np.repeat(
                 primitives.source.behind.imag[:, None], len(here), axis=1
             )
@@ -327,6 +337,8 @@ def _beside_edge(primitives: Primitives, x: Array, y: Array, t: Array, close: fl
     result = np.stack([*fields, *moved])
     square = np.square(x) + np.square(y)
     roots = np.sqrt(np.square(t) - square) + np.sqrt(np.square(t) - a * a * square)
+    # k_S - k_P = i y (sqrt(t^2 - r^2) - sqrt(t^2 - a^2 r^2)) / r^2, with the difference
+    # rationalised.
     step = 1j * y * (a * a - 1) / roots
     nodes, weights = np.polynomial.legendre.leggauss(tuning.NEAR_EDGE_NODES)
     k = k_p + (nodes[:, None] + 1) / 2 * step

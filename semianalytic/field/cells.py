@@ -52,6 +52,7 @@ def _pattern(degree: int, per_side: int) -> tuple[Complex, Complex]:
     corner = 1 / np.sqrt(2.0)
     nodes = np.concatenate([(side + 1j) * corner * 1j**turn for turn in range(4)])
     powers = nodes[:, None] ** np.arange(degree + 1)
+    # A polynomial that is right on the border is right inside: densities are analytic there.
     return nodes, np.asarray(np.linalg.pinv(powers), dtype=complex)
 
 
@@ -110,6 +111,7 @@ class Primitives:
         """Return the cells (4, m) of points (m,), and ln(k - centre), no closer than `close`."""
         centre, far = self._nearest(k), np.abs(k) > self._extent
         offset = np.where(far, k, k - self.source.places[centre])
+        # ln 0 at a singular point; the caller says how near to it fields are taken.
         offset = np.where(self.at_centre(k), close, offset)
         log = np.log(np.abs(offset)) + 1j * np.angle(offset)
         left = ~far & (log.imag > np.pi / 2)
@@ -141,6 +143,7 @@ class Primitives:
             inner = middle - _STEP / 2
             if level > 1:
                 return cell._replace(level=level - 1), inner, inner
+            # Just inside the border, or rounding could find the outer cell again.
             k = np.array([np.exp(inner) * (1 - 1e-12)])
             key, log = self.located(k, tuning.CLOSE[0])
             return Cell(*key[:, 0].tolist()), inner, complex(log[0])
@@ -159,6 +162,7 @@ class Primitives:
             return Cell(centre, home, level, sector), between, between
         if sector:
             return cell._replace(sector=sector - 1), middle - turn, middle - turn
+        # The chain of constants ends here: left of this point no wave has come, and all is known.
         if centre == self.source.parting:
             return None
         half = np.log(self._gaps[centre, left] / 2)
@@ -193,6 +197,8 @@ class Primitives:
         fresh = np.empty((len(cells), count + 1, len(self.source.ahead)), dtype=complex)
         middles = np.array([self._middle(cell) for cell in cells])
         offsets = np.exp(middles[:, None] + _HALF * self._pattern[0])
+        # Rounding must not take a node below the axis, where the densities continue on another
+        # sheet.
         offsets = offsets.real + 1j * np.maximum(offsets.imag, 0.0)
         largest = np.maximum(np.abs(offsets).max(axis=1), 1.0)
         sizes = np.floor(np.log(largest) / np.log(tuning.SCALES))
@@ -209,6 +215,7 @@ class Primitives:
         """Return the polynomials (c, n, f) of cells around a centre, with arbitrary constants."""
         matrix, kept = self._pattern[1], self.source.kept
         values = self.source.densities(owner, offsets, scale)
+        # dk = (k - centre) d ln(k - centre), and the unit of the polynomials is half a diagonal.
         integrands = np.ascontiguousarray(np.moveaxis(values * (offsets * _HALF), 0, -1))
         grown = matrix @ integrands
         grown /= np.arange(1.0, len(matrix) + 1)[:, None]

@@ -52,6 +52,7 @@ def strain(stress: ArrayLike, material: Material) -> Array:
     """
     rows = _rows(stress)
     with np.errstate(invalid="ignore"):  # inf less inf, where stress is infinite
+        # In plane strain sigma_zz = nu (sigma_xx + sigma_yy) is not 0 and enters Hooke's law.
         volume = material.poisson_ratio * (rows[0] + rows[1])
         rows = np.concatenate([rows[:2] - volume, rows[2:]])
     return rows / (2 * material.shear_modulus)

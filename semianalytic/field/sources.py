@@ -104,6 +104,7 @@ class Step:
         fields = self.transform.fields
         factors = fields.factors
         ends = [Centre(-1, end, index) for index, end in enumerate(fields.panels.left)]
+        # Slip across c leaves a logarithm at c, which is a centre even though no panel ends there.
         if fields.layout.slips_at_c and all(end.first[3] for end in fields.panels.left):
             ends.append(Centre(-1, factors.front_c))
             ends.sort(key=lambda centre: centre.place, reverse=True)
@@ -112,6 +113,7 @@ class Step:
             right.insert(0, factors.front_a)
         every = [*ends, self._parting, *(Centre(1, point) for point in right)]
         pole = self.transform.pole
+        # The pole may coincide with a front or with the end of a panel, which then serves for both.
         if pole is not None and all(one.distance(pole) != 0.0 for one in every):
             every.append(pole)
         return sorted(every, key=cmp_to_key(_order))
@@ -189,6 +191,8 @@ class Step:
         """All integrals where no wave from the edge has come, x < 0: plane waves of the load."""
         factors, load = self.transform.fields.factors, self.transform.fields.load
         if self.transform.pole is not None:
+            # A front slower than the first wave parts nothing: its pole is one of the singular
+            # points.
             if self._parting is not self.transform.pole:  # no plane wave is ahead of others
                 return self.ahead
             reflected = reflected_wave(factors, self._mode, load.load_shear, load.slowness)

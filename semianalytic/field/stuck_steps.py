@@ -21,6 +21,7 @@ def stuck_step(material: Material, mode: Mode) -> Bodies:
     """
     load = Tractions(1.0, 0.0) if mode == "I" else Tractions(0.0, 1.0)
     kind = ANTIPLANE if mode == "III" else IN_PLANE
+    # Without zones nothing slips, whatever the friction: the scene says the material and the base.
     scene = Scene(material, 0.0, Tractions(0.0, 0.0), load, mode=kind)
     rule = rule_for(tuning.STEP_TOLERANCE)
     sheared = Load(0.0, 0.0, 0.0, load.pressure, load.shear, 0.0)

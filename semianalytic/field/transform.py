@@ -108,9 +108,12 @@ class Transform:
         sent = panels.jacobian * self._cut.imag
         for knot in knots:
             sent = sent / -(panels.at.v + knot)
+        # v + k = (v - a) + (k + a): both distances from the front of the cut are exact.
         kernel = 1 / (panels.at.from_a.ravel() + beyond[:, None])
         k, result = beyond - self.fields.factors.a, np.zeros(len(beyond))
         result -= panels.rule.spacing / np.pi * (kernel @ sent.ravel())
+        # Divided differences at the knots make the integral converge, which T itself, growing as
+        # k^1/2, does not allow.
         result *= np.prod(k[:, None] - knots, axis=1)
         for knot, value in zip(knots, self._known(knots), strict=True):
             others = knots[knots != knot]
@@ -144,6 +147,7 @@ class Transform:
         fields, load = self.fields, self.fields.load
         value = fields.stick_transform_off_cut(knots) * fields.factors.m_plus(knots)
         if self._slowness:
+            # T of a load that moves has a pole at k = -p and is 0 at k = 0: both are divided out.
             value *= (knots + self._slowness) / knots
         else:
             value[0] = float(np.ravel(load.load_shear - load.far_slip_rate)[0])
@@ -193,6 +197,8 @@ class Transform:
         """
         distances, place = self._offsets(centre), centre.place
         power = tuning.FADING + len(self._borders)
+        # T(k) is Cauchy's integral of T f over that of f: the fading factor f, analytic above the
+        # axis, drops out, and with it the errors that both integrals share.
         fading = self._weights * (1 + (distances + place) / (1j * scale)) ** -power
         carried = fading * self._values
         weights = np.stack([carried.real, carried.imag, fading.real, fading.imag], axis=1)
@@ -203,6 +209,7 @@ class Transform:
         for ring in np.unique(least):
             nearest = float(np.exp(tuning.RING * step * ring))
             farthest = nearest * float(np.exp((tuning.RING + 1) * step))
+            # What a node adds to any point of the ring, at the most.
             sizes = weight / (away + nearest)
             kept = sizes > tolerance * sizes.max()
             seen = _Seen.of(distances[kept], weights[kept], nearest, farthest, tolerance)
@@ -248,6 +255,8 @@ class _Seen(NamedTuple):
         terms = int(np.ceil(-np.log(tolerance) / np.log(tuning.FAR)))
         inside, outside = np.abs(place) < within, np.abs(place) > beyond
         # 1 / (w - k) in powers of w / k, and in powers of k / w.
+        # Multipoles: nodes far nearer and nodes far beyond are summed once for all points of the
+        # ring.
         inner = powers(place[inside] / within, terms) @ -weights[inside]
         beyond_weights = weights[outside] / place[outside, None]
         outer = powers(beyond / place[outside], terms) @ beyond_weights

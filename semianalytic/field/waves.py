@@ -85,6 +85,7 @@ class Slowness:
     def coupling(self) -> Complex:
         """The function 2 alpha beta - q, without cancellation for large k."""
         z, square = np.square(self.k), self.factors.a**2
+        # (2 alpha beta)^2 - q^2 = 4 a^2 - 1 - 4 a^2 k^2, over the sum, in which nothing cancels.
         return (4 * square - 1 - 4 * square * z) / (2 * self.alpha * self.beta + self.q)
 
     @cached_property
@@ -101,6 +102,7 @@ class Slowness:
         e1, e0 = self.factors.in_plane._spurious_roots
         over = -self.from_left[2] * self.from_right[2] * (z * (z + e1) + e0)
         lead = 16 * (1 - self.factors.a**2)
+        # R R* is a cubic in k^2 with the root c^2: where R cancels, it is that cubic over R*.
         rational = np.abs(conjugate) > np.abs(direct)
         return np.where(rational, lead * over / np.where(rational, conjugate, 1.0), direct)
 
@@ -140,6 +142,7 @@ def radiated(
     """
     k, alpha, beta, bulk, a = at.k, at.alpha, at.beta, at.bulk, at.factors.a
     (v_x, v_y), z = motion, np.square(k)
+    # Two equations, V_x and V_y of the surface, solved for the amplitudes of the two waves.
     compression = (k * v_x - beta * v_y) / bulk
     shear = beta * (v_y + alpha * v_x / k) / bulk
     along, across, shearing, press = (part / k for part in (*motion, *tractions))
@@ -171,6 +174,7 @@ def reflected_wave(factors: RayleighFactors, mode: Mode, load: float, slowness: 
     at = Slowness(factors, k, k + fronts, k - fronts)
     result = 1j * np.pi * densities(at, np.array([-slowness * load + 0j]), mode)[:, 0]
     if mode != "III":
+        # This row is kept as a density, so that it has no integral to change.
         result[SHEAR] = 0.0
     return result
 

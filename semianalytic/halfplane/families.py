@@ -90,6 +90,7 @@ class RayleighFamily(RayleighFactors):
 
     def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:
         """Return the impedance M(-v + i0) on the cut, at points on one side of the shear front."""
+        # All ratios of a family have their panels in the same order, and so on the same side of b.
         if at.from_b.flat[0] > 0:
             return np.asarray(1j * self.impedance_behind(at, mode))
         real, imag = self.impedance_ahead(at, mode)
@@ -164,6 +165,7 @@ def rayleigh_family(ratios: Array) -> RayleighFamily:
     for i in np.unique(interval):
         some = different[interval == i]
         inside = 0 <= i < len(_ENDS) - 1
+        # Interpolation costs the tables of its nodes: it pays from as many ratios on.
         parts.append(_interpolated(int(i), some) if inside and len(some) > _NODES else _each(some))
     tables = _joined(parts)
     a = np.sqrt((1 - 2 * different) / (2 * (1 - different)))[:, None]
@@ -224,6 +226,8 @@ def _tabulated(interval: int) -> tuple[Array, _Tables]:
     """Return the roots q (m,) in an interval of Poisson ratios that are tabulated, with tables."""
     start, stop = _root(_ENDS[interval]), _root(_ENDS[interval + 1])
     angle = np.pi * (np.arange(_NODES) + 0.5) / _NODES
+    # Tables are smooth in q, which falls like (1 - 2 nu)^(1/4) towards nu = 1/2; in nu they are
+    # not.
     q = (start + stop) / 2 + (start - stop) / 2 * np.cos(angle)
     a2 = q**4
     return q, _each((1 - 2 * a2) / (2 - 2 * a2))
@@ -235,6 +239,7 @@ def _interpolated(interval: int, ratios: Array) -> _Tables:
     away = _root(ratios)[:, None] - nodes
     weights = np.sin(np.pi * (np.arange(_NODES) + 0.5) / _NODES) * (-1.0) ** np.arange(_NODES)
     exact = away == 0
+    # Barycentric weights at Chebyshev points; a ratio that is one of them takes its own table.
     share = weights / np.where(exact, 1.0, away)
     share = np.where(exact.any(axis=1, keepdims=True), exact, share)
     share /= share.sum(axis=1, keepdims=True)

@@ -92,6 +92,7 @@ class AntiplanePrimitive(StuckPrimitive):
         """Return the primitive at slowness u [1/b], any shape; 0 ahead of the shear front."""
         z = np.maximum(np.asarray(u, dtype=float) - 1, 0.0)
         root, terms = np.sqrt(z), 2 * ARCTAN_SERIES / (5 + 2 * np.arange(len(ARCTAN_SERIES)))
+        # The primitive of the series of r - arctan r, term by term, where the closed form cancels.
         series = z * z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), terms)
         direct = (2 * z / 3 + 1) * root - (z + 1) * np.arctan(root)
         return np.asarray(2 / np.pi * np.where(z < NEAR_FRONT, series, direct))

@@ -40,6 +40,8 @@ def gauss(n: int) -> tuple[Array, Array]:
 
 def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
     """Return the Chebyshev coefficients of a smooth function on [-1, 1] down to rounding."""
+    # Most functions need few coefficients: more are computed only where those above rounding reach
+    # the end of the series.
     for count in (degree // 8 + 1, degree // 2 + 1, degree + 1):
         series = _interpolant(function, count)
         above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
@@ -185,6 +187,7 @@ class RayleighFactors:
         v = at.v
         product = -at.from_a * at.from_b * (v + self.a) * (v + 1)
         root = np.sqrt(np.maximum(product, 0.0))
+        # Outside of a < v < b the product is negative, the root 0, and with it the phase.
         return np.arctan2(4 * v * v * root, np.square(1 - 2 * v * v))
 
     @cached_property
@@ -218,6 +221,8 @@ class RayleighFactors:
 
         def log_s_plus(z: Array) -> Array:
             k_over = q * (1 + z)  # k = k_over / (1 - z)
+            # 1 / (w + k) times (1 - z) above and below, so that k = infinity is a point like any
+            # other.
             return -(((1 - z)[:, None] / (w * (1 - z)[:, None] + k_over[:, None])) @ density)
 
         return chebyshev_series(log_s_plus, _DEGREE)
@@ -235,6 +240,7 @@ class RayleighFactors:
     def log_s_plus_behind(self, at: CutPoints) -> Array:
         """Return ln S_+(-v) at v > b, where it is real, with all digits however small it is."""
         node, density = self.in_plane._phase_rule
+        # v - w from two distances from b, near which both may lie.
         return np.asarray((1 / (at.from_b[..., None] - node.from_b)) @ density)
 
     def s_plus(self, k: ArrayLike) -> Array:
@@ -268,6 +274,7 @@ class RayleighFactors:
         mode = mode or self.mode
         if k >= 0 or mode == "III":
             return float(self.m_plus(k, mode))
+        # Differences of squares in factors: the front of a load may be close to a wave front.
         alpha, beta = np.sqrt((self.a - k) * (self.a + k)), np.sqrt((1 - k) * (1 + k))
         rayleigh = (1 - 2 * k * k) ** 2 + 4 * k * k * alpha * beta
         impedance = rayleigh / (beta if mode == "II" else alpha)
@@ -281,6 +288,7 @@ class RayleighFactors:
             return 0.5 * r, -0.25 * r * r
         c, (at, density) = self.in_plane.c, self.in_plane._phase_rule
         moments = float(density.sum()), float(density @ at.v)
+        # ln(c + k) - ln(r + k) / 2, and ln S_+ = -(1/pi) int phi / (w + k) dw expanded in w / k.
         return c - r / 2 - moments[0], -c * c / 2 + r * r / 4 + moments[1]
 
     @cached_property
@@ -299,6 +307,8 @@ class RayleighFactors:
         if not self.has_rayleigh_wave:
             return 0j
         e1, e0 = self._spurious_roots
+        # z^2 + e1 z + e0 = 0 in z = v^2; of a conjugate pair the one above the axis stands for
+        # both.
         root = complex(np.sqrt((-e1 + np.sqrt(complex(e1 * e1 - 4 * e0))) / 2))
         return complex(root.real, abs(root.imag))
 
@@ -345,6 +355,7 @@ class RayleighFactors:
         c = self.c
         alpha2, beta2 = c * c - self.a**2, c * c - 1
         rayleigh = self._reduced_rayleigh(np.asarray(c * c), np.sqrt(alpha2 * beta2))
+        # M has the factors (v - c)(v + c), of which the first vanishes: it alone is differentiated.
         return 2 * c * rayleigh / np.sqrt(beta2 if self.mode == "II" else alpha2)
 
     def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:

@@ -110,6 +110,8 @@ class Rule:
         Those at either end include the part beyond them of densities that decay like exp(-|y| / 2).
         """
         result = np.full(len(self.y), self.spacing)
+        # The sum of a geometric series: the density goes on like exp(-|y| / 2) beyond its last
+        # node.
         result[[0, -1]] /= 1 - np.exp(-self.spacing / 2)
         return result
 
@@ -136,6 +138,7 @@ class Rule:
         """Return the integral from -inf to y of the interpolant of `density`, (n,) or (k, n)."""
         nodes, values = self._continued(density)
         weights = np.full(len(nodes), self.spacing)
+        # What lies beyond the continued nodes belongs to the last of them, as in `weights`.
         weights[[0, -1]] = self.weights[[0, -1]]
         first = round(nodes[0] / self.spacing)
         return _stepped(y / self.spacing, first, (weights * values).T)
@@ -259,6 +262,7 @@ def _folded(kernel: Array, n: int, decay: Array) -> Array:
     which the density is that of the last node times `decay` (b,).
     """
     beyond = len(decay)
+    # The kernel depends on j - i alone: every row is a window on the same values.
     rows = np.lib.stride_tricks.sliding_window_view(kernel[beyond : len(kernel) - beyond], n)
     result = rows[::-1].copy()
     result[0] += np.correlate(kernel[n + beyond :], decay)
@@ -270,6 +274,7 @@ def _folded(kernel: Array, n: int, decay: Array) -> Array:
 def rule_for(tolerance: float) -> Rule:
     """Return the grid on which end exponents from 1/2 on are integrated to about `tolerance`."""
     digits = np.log(1 / tolerance)
+    # Sinc methods leave exp(-pi d / h) for functions analytic in |Im y| < d, here d = pi.
     return Rule(float(np.pi**2 / (digits + 2)), float(REACH * (digits + 1)))
 
 
@@ -284,4 +289,5 @@ def finer_rule(rule: Rule, strip: float, further: float) -> Rule:
     if rule.held:
         return rule
     beyond = int(np.ceil(min(further, _FARTHEST))) if further > 0 else 0
+    # The spacing that a narrower strip needs is proportional to it, rounded down to a step.
     return _finer(rule, int(np.ceil(-_STEPS * np.log2(strip))), beyond)

@@ -98,6 +98,7 @@ class RunningIntegral:
             )
             for front in fronts
         ]
+        # Counted from the end itself, beside which the function may be singular.
         to_stop = (self.ends[-1] - right)[:, None] + to_right
         values = self.slope(CutPoints(np.stack(parts).reshape(4, -1)), to_stop.ravel())
         values = values.reshape(*values.shape[:-1], *v.shape)
@@ -115,5 +116,6 @@ class RunningIntegral:
         panel = np.clip(np.searchsorted(self.ends, place, "right") - 1, 0, len(self.ends) - 2)
         left, right = self.ends[panel], self.ends[panel + 1]
         share = np.clip((place - left) / (right - left), 0.0, 1.0)
+        # sin^2 maps the panel, so that a part of it is the same map up to a smaller angle.
         part = self._over(left, right, np.arcsin(np.sqrt(share)))
         return np.asarray(self._before[..., panel] + part)

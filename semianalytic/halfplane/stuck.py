@@ -119,6 +119,8 @@ class StuckTraction:
         t, weight = gauss(_GAUSS)
 
         def series(z: Array) -> Array:
+            # With v = a + (u - a) t^2 the root at the front is part of dv; Im M is 4 v^2 alpha in
+            # mode II and -(1 - 2 v^2)^2 / alpha in mode I.
             v = a + (1 - a) * (z[:, None] + 1) / 2 * t**2
             m = self._scale / (self._from_load(v) * self.factors.m_plus(v, self.mode))
             if self.mode == "II":
@@ -140,6 +142,7 @@ class StuckTraction:
             across = root * self._from_load(v)
             return 2 * self._scale * rayleigh / (across * self.factors.m_plus(v, self.mode))
 
+        # Both series meet at the shear front: the second is counted from the end of the first.
         start = float(self._near(np.array(1 - self.factors.a)))
         return series_behind_front(slope, start, 1, self.slowness)
 
@@ -162,6 +165,7 @@ class StuckTraction:
         """Return the traction at points on the cut, from their exact distances to the fronts."""
         result, behind = np.empty(points.v.shape), points.from_b > 0
         s = np.sqrt(points.from_b[behind])
+        # The traction is smooth in sqrt(u - b) behind the front and grows like it far behind.
         result[behind] = (s + 1) * chebyshev.chebval((s - 1) / (s + 1), self._behind_shear_front)
         result[~behind] = self._near(np.clip(points.from_a[~behind], 0, 1 - self.factors.a))
         return result
@@ -178,6 +182,7 @@ class AntiplaneTraction(StuckTraction):
         z = np.maximum(points.from_b, 0.0) / (1 - self.slowness)
         root = np.sqrt(z)
         series = z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), ARCTAN_SERIES)
+        # r - arctan r cancels to r^3 / 3 at the front; the series has all digits there.
         whole = np.where(z < NEAR_FRONT, series, root - np.arctan(root))
         return np.asarray(2 / np.pi * whole)
 

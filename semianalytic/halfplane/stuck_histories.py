@@ -41,6 +41,7 @@ def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: 
     """Return the sum of amplitude * response(t - start) over pieces, in blocks of memory."""
     start, amplitude = np.array(pieces).reshape(-1, 2).T
     total = np.zeros(t.shape)
+    # Tables of thousands of samples meet grids of thousands of points: not all at once.
     block = max(1, _BLOCK // max(1, t.size))
     for first in range(0, len(start), block):
         part = slice(first, first + block)
@@ -68,6 +69,7 @@ def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) ->
         return 0.0
     if abs(u - 1) < _AT_FRONT:
         u = 1.0  # no panel of rounding beside the root of dq*/dv
+    # Gauss points follow half a period of the wave, however many of them lie between the fronts.
     longest = 1 / (_PANELS_PER_PERIOD * wave.frequency * per)
     ends = [a, min(u, 1.0)]
     if u > 1:
@@ -160,6 +162,7 @@ def _root_response(history: LoadHistory, t: Array) -> Array:
 
     pieces = history.pieces
     total = _superposed(pieces.jumps, lambda lag: np.sqrt(np.maximum(lag, 0.0)), t)
+    # K of a step grows as sqrt(lag); of a ramp it is the integral of that.
     total += _superposed(pieces.kinks, lambda lag: 2 / 3 * np.maximum(lag, 0.0) ** 1.5, t)
     for wave in pieces.waves:
         # by parts: int_0^sqrt(lag) wave(lag - r^2) dr

@@ -56,6 +56,7 @@ def principal_panels(factors: RayleighFactors, order: int) -> tuple[Array, Array
     nodes_left, weights_left = square_root_panels(left, order)
     nodes_right, weights_right = square_root_panels(right, order)
     t, weight = gauss(order)
+    # Gauss nodes of even order are symmetric about the pole and miss it: its two sides cancel.
     middle = rayleigh + reach * (2 * t - 1)
     return (
         np.concatenate([nodes_left, middle, nodes_right]),

@@ -21,10 +21,10 @@ from semianalytic.interface.rate_and_state import RateAndState
 from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.named import INTERFACE_KEY
 from semianalytic.scene.incident import load_from_document
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
-from semianalytic.scene.named import INTERFACE_KEY
 from semianalytic.scene.scene import HISTORY_KINDS
 
 LAWS: Mapping[str, type[InterfaceLaw]] = {
@@ -112,6 +112,7 @@ def parsed(text: str, name: str, folder: Path) -> InterfaceFile:
     """Return the interface that a text describes; tables of values are sought in a folder."""
     try:
         document = tomllib.loads(text)
+    # tomllib recurses into nested arrays: a file of a thousand brackets is a mistake as well.
     except (ValueError, RecursionError) as error:
         raise SceneError(f"{name} is not a valid TOML file: {error}.") from error
     try:
@@ -153,6 +154,7 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
         bonds = {key: _field(f"adhesion.{key}", one, around) for key, one in table.items()}
         given["adhesion"] = Adhesion(**bonds)
     loads = document.get("load", [])
+    # [load] and [[load]] are both natural for a single load.
     loads = [loads] if isinstance(loads, dict) else loads
     if not isinstance(loads, list):
         raise SceneError("load must be one table, [load], or several, [[load]].")
@@ -164,8 +166,10 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     )
     named = interface_parameters(interface)
     for key in around.numbers:
+        # A number that stands nowhere is most likely a misspelt one of an expression.
         if key not in named:
             raise SceneError(f"numbers.{key} stands in no expression; use it, or leave it out.")
+    # The end time is an argument of `run` by itself; a fit or a survey may replace the others.
     options = {key: value for key, value in plan.items() if key != "end_time"}
     return InterfaceFile(interface, plan["end_time"], options, str(document.get("summary", "")))
 
@@ -186,6 +190,7 @@ def _solid(name: str, value: Any) -> Material:
     try:
         return Material(**material)
     except SceneError as error:
+        # `Material` does not know which of the two bodies it is.
         raise SceneError(str(error).replace("material:", f"{name}:", 1)) from error
 
 
@@ -205,6 +210,8 @@ def _front_load(table: dict[str, Any]) -> FrontLoad:
     given = {name: table[name] for name in ("at",) if name in table}
     if "history" in table:
         given["history"] = _history(table["history"])
+    # Waves and moving loads are those of scenes; where they meet the line, and their history, are
+    # of the engine.
     front = load_from_document(
         {key: value for key, value in table.items() if key not in ("at", "history")}
     )
@@ -228,10 +235,13 @@ def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad | FrontLoad:
     given = [name for name in _TRACTIONS if name in table]
     if not given:
         raise SceneError("load: shear or pressure is missing.")
+    # An expression of t is a load that varies by itself: it must not be multiplied by a step.
     timed = [_mentions_time(table[name], around) for name in given]
     if "history" not in table and any(timed):
         values["history"] = None
     for name in given:
+        # None was set above, for loads of x and t; without a history at all the default is any
+        # other object.
         if values.get("history", table) is None and isinstance(table[name], str):
             values[name] = Expression(table[name], ("x", "t"), around.numbers)
         else:
@@ -269,6 +279,7 @@ def _field(name: str, value: Any, around: _Around) -> Any:
         return value
     if isinstance(value, str):
         return Expression(value, ("x",), around.numbers)
+    # The keys alone tell a table of numbers from one in a file.
     if isinstance(value, dict) and set(value) == {"x", "values"}:
         return Table(value["x"], value["values"])
     if isinstance(value, dict) and "file" in value and set(value) <= {"file", "column"}:
@@ -295,6 +306,7 @@ def _kind(name: str, table: dict[str, Any], kinds: Mapping[str, Any]) -> Any:
 def _made(name: str, description: Any, values: dict[str, Any]) -> Any:
     try:
         return description(**values)
+    # Names were checked before: what Python still refuses is a parameter without a default.
     except TypeError as error:
         known = ", ".join(_names(description))
         raise SceneError(f"{name} takes {known}, got {', '.join(values) or 'nothing'}.") from error

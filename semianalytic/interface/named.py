@@ -13,7 +13,7 @@ from semianalytic.interface.files import InterfaceFile, parsed, read_interface
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import INTERFACE_KEY, NAMED_SCENES
+from semianalytic.scene.given.named import INTERFACE_KEY, NAMED_SCENES
 
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"
@@ -239,6 +239,7 @@ def find_interface(source: str | PathLike[str]) -> InterfaceFile:
         raise SceneError(f"find_interface: give a name or a path, got {shown(source)}.")
     source = fspath(source)
     if source in NAMED_INTERFACES:
+        # Descriptions that come with the package have no tables, and so no folder.
         return parsed(NAMED_INTERFACES[source], source, Path())
     if Path(source).suffix == ".toml" or Path(source).is_file():
         return read_interface(source)
@@ -261,6 +262,7 @@ def described_interface(source: object) -> InterfaceFile | None:
     if isinstance(source, InterfaceFile):
         return source
     if isinstance(source, Interface):
+        # An interface by itself says nothing of how long it is run.
         return InterfaceFile(source, math.nan, {})
     if not isinstance(source, str | PathLike):
         return None
@@ -268,6 +270,7 @@ def described_interface(source: object) -> InterfaceFile | None:
     if path in NAMED_INTERFACES and path not in NAMED_SCENES:
         return find_interface(path)
     try:
+        # Whatever cannot be read here is refused by the reader of scenes, which says why.
         found = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return None

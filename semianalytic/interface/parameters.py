@@ -97,6 +97,7 @@ def _add_field(
     found[f"{name}_factor"] = Parameter(factor, "1", (((*path, "factor"), 1.0),))
     inside = value.field if isinstance(value, Scaled) else value
     for key, number in (inside.numbers if isinstance(inside, Expression) else {}).items():
+        # One named number may stand in several expressions, and changes in all of them.
         before = found[key].targets if key in found else ()
         found[key] = Parameter(number, "1", (*before, ((*path, key), 1.0)))
 
@@ -122,6 +123,7 @@ def _add_load(found: dict[str, Parameter], prefix: str, load: Any, path: Path) -
                 _add_numbers(found, inner, value, (*path, one.name), PARAMETERS)
             elif callable(value):
                 _add_field(found, name, "1", value, (*path, one.name))
+        # Without a history the load is one expression of x and t, which has no number beside it.
         elif callable(value) or getattr(load, "history", load) is not None:
             _add_field(found, name, _LOAD.get(one.name, "1"), value, (*path, one.name))
 
@@ -139,6 +141,8 @@ def _ends(contact: Contact, even: bool) -> Iterator[tuple[str, Parameter]]:
     ]
     counted: dict[int, int] = {}
     for number, side, end in places:
+        # The image of an end on an even line is no parameter of its own, or fits would break
+        # symmetry.
         if even and end <= 0:
             continue
         own = counted.setdefault(number, len(counted) + 1)
@@ -168,8 +172,10 @@ def interface_at(interface: Interface, values: Mapping[str, float]) -> Interface
 
 def _changed(part: Any, changes: Mapping[Path, float]) -> Any:
     """Return a part with other numbers, by their paths."""
+    # The path ends here: this is the number itself.
     if () in changes:
         return changes[()]
+    # Fields are functions: their numbers are a common factor and those that an expression names.
     if callable(part) and not isinstance(part, type):
         factor = {path[0]: value for path, value in changes.items()}.pop("factor", None)
         named = {path[0]: value for path, value in changes.items() if path[0] != "factor"}
@@ -210,9 +216,11 @@ def interface_document(
 
 
 def _written(value: Any, x: Any, t: Any) -> Any:
+    # JSON has these as they are; numbers of numpy become Python's own below.
     if value is None or isinstance(value, bool | int | str):
         return value
     if isinstance(value, float):
+        # JSON has no infinity.
         return value if np.isfinite(value) else str(value)
     if isinstance(value, Expression):
         return {"text": value.text, **value.numbers} if value.numbers else value.text
@@ -234,6 +242,7 @@ def _written(value: Any, x: Any, t: Any) -> Any:
 def _digest(function: Callable[..., Any], x: Any, t: Any) -> str:
     """Return a digest of the values of a function of x, of x and t, or of t."""
     digest = hashlib.sha256()
+    # A function does not say what it takes: all three ways are tried, and failures count too.
     for arguments in ((x,), *((x, one) for one in t[:: _POINTS // _TIMES]), *((one,) for one in t)):
         try:
             digest.update(np.asarray(function(*arguments), dtype=float).tobytes())
@@ -248,6 +257,7 @@ def can_travel(interface: Interface) -> bool:
     They cannot receive functions and laws of a notebook or of the program that is running.
     """
     try:
+        # Pickle refers to such functions by name, and other processes have another __main__.
         return b"__main__" not in pickle.dumps(interface)
     except Exception:  # what cannot be pickled fails in any way
         return False

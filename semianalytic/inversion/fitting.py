@@ -13,13 +13,14 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import Gauge, check_gauge
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples
-from semianalytic.inversion.search import Minimum, minima
+from semianalytic.inversion.search import minima
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
+from semianalytic.inversion.verdict import covariance_of, verdict
 from semianalytic.results.notebook import html_table
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.named import NAMED_SCENES, checked_scene
+from semianalytic.scene.given.named import NAMED_SCENES, checked_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 
@@ -27,26 +28,11 @@ if TYPE_CHECKING:
     from semianalytic.interface.files import InterfaceFile
     from semianalytic.interface.interface import Interface
 
-UNCONSTRAINED = 1.0
-"""Standard error over the size of a parameter from which data are said not to constrain it."""
-LARGEST_CONDITION = 1e8
-"""Condition number of the weighted Jacobian beyond which some direction counts as free."""
-AS_GOOD = 4.0
-"""Difference of chi2 up to which another minimum is as good: two standard deviations of one."""
-FAR = 3.0
-"""Standard errors between two minima that are as good, from which on the status says so."""
-SILENT = 1e-6
-"""Fraction of the variance of a prior that data take away, below which they do not contradict it;
-rounding leaves 1e-14 of it."""
 ROUGH = 0.2
 """Relative error of derivatives in the bodies from which on the status says so."""
 COARSE = 1.0
 """Change of what gauges see by the grid, over the noise, from which on the status says so: values
 are off by up to a standard error."""
-TOO_RARE = 1e-6
-"""Probability of the misfits, if noise and priors are right, below which the status says that they
-are not.  For 100 samples it is reached when the noise is 1.35 times as large as stated; 1e-3 is
-reached at 1.22 times, and 1e-12 at 1.53 times."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,14 +230,14 @@ def fit(
     best, size = ends[0], trials.sizes
     if not np.isfinite(best.chi2):
         raise ComputationError("fit: no values within the ranges make a scene that can be solved.")
-    covariance, free = _covariance(best.jacobian)
+    covariance, free = covariance_of(best.jacobian)
     unconstrained = tuple(name for name, one in zip(names, free, strict=True) if one)
     derivative_error = trials.difference_error(best.scaled)
     trials.progress = None  # a posterior goes on with these trials and reports its own steps
     scene, fitted = trials.at(best.scaled)
     solution = trials.final(best.scaled)
     # What makes the values doubtful comes before what makes only their errors doubtful.
-    status = _status(ends, solution, unconstrained, covariance, trials)
+    status = verdict(ends, solution, unconstrained, covariance, trials)
     if status == "converged" and derivative_error > ROUGH:
         status = (
             f"derivatives by differences are off by {derivative_error:.0%}, and the errors as much"
@@ -355,98 +341,3 @@ def _check_priors(
         f"be at least that of parameters, {len(names)}",
         lambda given: given >= len(names),
     )
-
-
-def _status(
-    ends: list[Minimum],
-    solution: Solution,
-    unconstrained: tuple[str, ...],
-    covariance: Array,
-    trials: Trials,
-) -> str:
-    """Return the status: "converged", or what to distrust of the lowest minimum."""
-    # The order is that of gravity: without a covariance no other statement would mean anything.
-    if unconstrained:
-        together = " apart" if len(unconstrained) > 1 else ""
-        return f"the data do not constrain {' and '.join(unconstrained)}{together}"
-    if solution.status != "converged":
-        return solution.status
-    if not ends[0].converged:
-        return "the least squares did not converge"
-    best = ends[0]
-    if contradiction := _contradiction(trials, best, covariance):
-        return contradiction
-    for other in ends[1:]:
-        away = other.scaled - best.scaled
-        # Mahalanobis distance: in standard errors along the direction between the two minima.
-        apart = float(np.sqrt(away @ np.linalg.solve(covariance, away)))
-        if other.chi2 - best.chi2 < AS_GOOD and apart > FAR:
-            return (
-                f"another minimum, {apart:.1f} standard errors away, fits as well "
-                f"(chi2 {other.chi2 - best.chi2:.2g} above)"
-            )
-    return "converged"
-
-
-def _contradiction(trials: Trials, best: Minimum, covariance: Array) -> str:
-    """Say what misfits, or distances from priors, hold against the scene; "" if nothing.
-
-    Estimates are drawn towards their priors, the more the less the data constrain them: the
-    distances z, in standard deviations of the priors, have the covariance 1 - P C P^T, with the
-    rows P of the priors in the Jacobian and the covariance C of the estimates.
-    """
-    freedom = trials.rows - len(best.scaled)
-    if _is_rare(best.chi2, freedom):
-        # Misfits over noise in the root mean square, as freedom counts it.
-        share = float(np.sqrt(best.chi2 / freedom))
-        return (
-            f"misfits are {share:.2g} times what the noise allows (chi2 {best.chi2:.4g} of "
-            f"{freedom}): what is held is not that of the records, or the noise is larger than said"
-        )
-    pulls = trials.pulls(best.scaled)
-    if not pulls:
-        return ""
-    # Rows of priors follow those of samples.
-    rows = best.jacobian[len(trials.samples.t) :]
-    left, axes = np.linalg.eigh(np.eye(len(rows)) - rows @ covariance @ rows.T)
-    # Directions in which the data say nothing leave a prior where it is: its distance is 0 over 0
-    # there.
-    told = left > SILENT
-    along = (axes.T @ list(pulls.values()))[told] / np.sqrt(left[told])
-    if _is_rare(float(along @ along), int(told.sum())):
-        names = " and ".join(pulls)
-        return (
-            f"records and priors contradict each other: they are {np.sqrt(along @ along):.2g} "
-            f"standard deviations apart in {names}"
-        )
-    return ""
-
-
-def _is_rare(square: float, freedom: int) -> bool:
-    """Return whether so large a sum of squares of normal numbers occurs once in a million."""
-    from scipy.special import chdtrc  # here, for `import semianalytic` is to be quick
-
-    return freedom > 0 and float(chdtrc(freedom, square)) < TOO_RARE
-
-
-def _covariance(jacobian: Array) -> tuple[Array, np.ndarray]:
-    """Return the inverse (p, p) of the weighted normal matrix, and which parameters are free (p,).
-
-    Parameters are divided by their sizes.
-    """
-    # By singular values, not by inverting J^T J, which would square the condition number.
-    _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
-    if not np.all(np.isfinite(values)):
-        raise ComputationError("fit: the derivatives at the best values are not finite.")
-    # Directions in which the data change nothing have no inverse; parameters that take part in one
-    # are free.
-    lost = values <= values.max(initial=0.0) / LARGEST_CONDITION
-    inverse = np.where(lost, 0.0, 1 / np.where(lost, 1.0, values))
-    covariance = (rows.T * inverse**2) @ rows
-    # A share of 1e-3 of a lost direction is above what rounding mixes into it, and below what would
-    # be seen in a standard error.
-    within = np.abs(rows[lost]).max(axis=0, initial=0.0) > 1e-3
-    free = within | (np.diag(covariance) > UNCONSTRAINED**2)
-    covariance[free, :] = covariance[:, free] = 0.0
-    covariance[free, free] = np.inf
-    return covariance, free

@@ -25,7 +25,14 @@ from semianalytic.interface.parameters import (
 from semianalytic.inversion.gauges import FIELDS, Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
-from semianalytic.inversion.unknowns import SETUP, Setup, Unknowns, check_gains, is_of_setup
+from semianalytic.inversion.unknowns import (
+    SETUP,
+    Setup,
+    Unknowns,
+    check_each_once,
+    check_gains,
+    is_of_setup,
+)
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 
@@ -325,8 +332,7 @@ def interface_trials(
                 f"fit: the bodies do not touch at x = {gauge.x:g}; leave {gauge.label} out."
             )
     check_gains(names, gauges)
-    if not names or len(set(names)) < len(names):
-        raise SceneError("fit: name at least one parameter, and each of them once.")
+    check_each_once(names)
     samples = Samples(gauges)
     duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
     # A trigger that is fitted may turn out earlier, which needs a later end of the run.

@@ -21,7 +21,7 @@ import numpy as np
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import INTERFACE, QUANTITIES, Gauge, component, seen
 from semianalytic.inversion.unknowns import Setup
-from semianalytic.selfsimilar.derivative import Derivative
+from semianalytic.selfsimilar.derivatives.derivative import Derivative
 from semianalytic.selfsimilar.solution import Solution
 
 CLOSE = 0.01

@@ -18,7 +18,7 @@ from semianalytic.inversion.unknowns import MATERIAL, SOLVED, Setup, Unknowns, h
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.parameters import PARAMETERS
+from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 

@@ -10,10 +10,10 @@ from semianalytic.inversion.gauges import Gauge
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.given.named import override_scene
 from semianalytic.scene.incident import GRAZING, OF_FRONT, IncidentWave, MovingLoad
-from semianalytic.scene.named import override_scene
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.parameters import PARAMETERS, parameter
+from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS, parameter
 
 MATERIAL = ("shear_modulus", "density")
 """Parameters of the scene that by similarity change nothing but units."""
@@ -273,6 +273,12 @@ def check_gains(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
             raise SceneError(f"fit: {shown(name)} is of no gauge; their names: {known}.")
 
 
+def check_each_once(names: tuple[str, ...]) -> None:
+    """Raise SceneError unless there are names, each of them once."""
+    if not names or len(set(names)) < len(names):
+        raise SceneError("fit: name at least one parameter, and each of them once.")
+
+
 def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene) -> None:
     """Raise SceneError for names that cannot be fitted."""
     check_known(names)
@@ -290,5 +296,4 @@ def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene)
         )
     if "viscosity" in names and not parameter(scene, "viscosity"):
         raise SceneError("fit: viscosity needs ViscousFriction of a positive viscosity in scene.")
-    if not names or len(set(names)) < len(names):
-        raise SceneError("fit: name at least one parameter, and each of them once.")
+    check_each_once(names)

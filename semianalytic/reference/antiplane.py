@@ -86,6 +86,7 @@ def antiplane_slip(
     x, t = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
     xi = over_shear_speed(material, x / t, edge=True)
     edge = _edge(material, strength_ratio)
+    # (t/x - u_s) / (b + u_s) in velocities over c_t, without the difference of two slownesses.
     lag = np.maximum(edge - xi, 0.0) / (xi * (1 + edge))
     scale = 4 * load_shear / (np.pi * material.shear_modulus * np.sqrt(edge))
     rate = antiplane_slip_rate(material, load_shear, strength_ratio, x / t)
@@ -103,6 +104,7 @@ def antiplane_traction(
     xi = over_shear_speed(material, velocity, edge=True)
     edge = _edge(material, strength_ratio)
     ahead = xi > edge
+    # Inside the zone the strength stands for the formula, whose root would be imaginary.
     distance = np.where(ahead, xi - edge, 1.0)
     r = np.sqrt(edge * np.maximum(1 - xi, 0.0) / distance)
     grown = (1 + strength_ratio) * np.arctan(r) - np.arctan((1 + strength_ratio) * r)
@@ -163,6 +165,8 @@ class _ViscousZone:
     def _nodes(self) -> tuple[Array, Array, Array]:
         """Values of sin(angle), theta / sin(angle) and weights d sin(angle) on the zone."""
         node, weight = np.polynomial.legendre.leggauss(_GAUSS)
+        # The root sqrt(1 - xi^2) of the angle theta is smooth in arcsin xi, for edges up to the
+        # wave.
         last = np.arcsin(self.edge)
         angle = last * (node + 1) / 2
         return np.sin(angle), self._density(np.sin(angle)), last / 2 * weight * np.cos(angle)
@@ -175,6 +179,7 @@ class _ViscousZone:
         """Return |T| over sqrt(|b - v| / |u_s - v|), at exact distances |xi - edge|."""
         at, density, weight = self._nodes
         own = self._density(xi)
+        # The pole at xi is taken out of the integral and added in closed form, as a logarithm.
         quotient = (density - own[:, None]) / (at - xi[:, None])
         exponent = quotient @ weight + own * np.log(from_edge / xi)
         at_zero = -(density @ weight)
@@ -184,6 +189,7 @@ class _ViscousZone:
         """Traction at the edge of the zone, grown from 0 at the shear wave, over Q_0."""
         from_edge, from_wave, weight = _stretch(1 - self.edge)
         xi = self.edge + from_edge
+        # The traction is 0 at the shear wave and grows from there to the edge.
         density = np.sqrt(self.edge * from_wave / from_edge) * self._factor(xi, from_edge) / xi
         return float(density @ weight / np.pi)
 
@@ -202,12 +208,14 @@ class _ViscousZone:
 def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -> _ViscousZone:
     if not (strength_ratio > 0 and viscosity >= 0):
         raise SceneError("strength_ratio must be positive, and viscosity not negative.")
+    # The viscosity refers to relative slip rate, the impedance mu b to that of one side.
     eta = 2 * viscosity / material.shear_impedance
     last = _edge(material, strength_ratio)
 
     def excess(edge: float) -> float:
         return _ViscousZone(edge, eta).traction_at_edge() - strength_ratio
 
+    # Viscosity slows the edge; without any the root lies on the end of the bracket.
     above = last + 1e-9 * (1 - last)
     return _ViscousZone(float(brentq(excess, 1e-6 * last, above, xtol=1e-15, rtol=1e-14)), eta)
 
@@ -215,6 +223,7 @@ def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -
 def _stretch(width: float) -> tuple[Array, Array, Array]:
     """Return distances from both ends of an interval of a width, and weights."""
     y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
+    # A logistic map: both distances keep their digits, and roots at the ends decay in y.
     left, right = 1 / (1 + np.exp(-y)), 1 / (1 + np.exp(y))
     return width * left, width * right, width * _SPACING * left * right
 

@@ -51,6 +51,7 @@ def rate_from_contact_edge(
     def slope(s: float) -> float:  # v = u_e + s^2 / (1 - s)^2 covers u_e to infinity
         r = s / (1 - s)
         v = start + r * r
+        # dv / sqrt(v - u_e) = 2 dr: the root at the edge of the zone is gone.
         density = np.sqrt(front + v) / (v * (factors.c + v) * factors.s_plus(v))
         return float(2 * density / (1 - s) ** 2)
 
@@ -141,6 +142,7 @@ def slip_rate_under_remote_shock(
     """
     factors = rayleigh_factors(material.poisson_ratio)
     a, c = factors.a, factors.c
+    # M_+(0) of mode I.
     n_zero = c * float(factors.s_plus(0.0)) / np.sqrt(a)
     scale = 1 / (2 * np.pi * (1 - a * a) * n_zero)
 
@@ -185,6 +187,7 @@ def slip_rate_without_friction(material: Material, load_shear: float, velocity: 
     factors = rayleigh_factors(material.poisson_ratio)
     a, c = factors.a, factors.c
 
+    # Between the two fronts R is complex, and Im 1/M has |R|^2 below it: no pole.
     def before(w: float) -> float:
         z, p = w * w, (w * w - a * a) * (1 - w * w)
         return 4 * z * (1 - z) * np.sqrt(z - a * a) / ((1 - 2 * z) ** 4 + 16 * z * z * p) / w
@@ -208,9 +211,12 @@ def slip_rate_without_friction(material: Material, load_shear: float, velocity: 
             epsrel=1e-12,
         )[0]
         if u > 1:
+            # Without its pole the integrand is smooth, but the quotient is 0 / 0 at c: a break for
+            # `quad`.
             stop, pole = float(np.sqrt(u - 1)), float(np.sqrt(c - 1))
             points = [pole] if stop > pole else None
             value += quad(behind, 0, stop, epsabs=1e-14, epsrel=1e-12, limit=400, points=points)[0]
+            # The principal value of the pole that `behind` leaves out.
             value += regular(c) * np.log(abs((u - c) / (1 - c)))
         return float(value / np.pi)
 

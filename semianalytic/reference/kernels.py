@@ -77,6 +77,7 @@ def impedance_terms(poisson_ratio: float, u: ArrayLike, mode: Mode) -> KernelTer
         return KernelTerms(np.zeros_like(ahead), ahead)
     first, second = _fronts(poisson_ratio, mode)
     u = np.asarray(u, dtype=float)
+    # Ahead of its front a term is 0; any slowness behind it keeps the roots real meanwhile.
     behind, ahead = np.where(u > first, u, first + 1), np.where(u > second, u, second + 1)
     square = np.square(1 - 2 * behind**2) / np.sqrt(behind**2 - first**2)
     four = 4 * ahead**2 * np.sqrt(ahead**2 - second**2)
@@ -100,6 +101,7 @@ def _curvature_terms(poisson_ratio: float, u: Array, mode: Mode) -> KernelTerms:
     behind, ahead = np.where(u > first, u, first + 1), np.where(u > second, u, second + 1)
     z, y = behind**2, ahead**2
     polynomial = e - 8 * e**2 + (2 - 4 * e + 48 * e**2) * z - 60 * e * z**2 + 24 * z**3
+    # Differentiated twice by hand: differences of the terms would cancel far behind the fronts.
     square = polynomial / (z - e) ** 2.5
     four = 4 * (2 * g**2 - 9 * g * y + 6 * y**2) / (y - g) ** 1.5
     return KernelTerms(np.where(u > first, square, 0.0), np.where(u > second, four, 0.0))
@@ -205,6 +207,7 @@ def _held(
     outer = (t - start[:, 0]) * (slip.gradient(x + xi[:, None] * y, t - y) @ node_weight)
     rays = -outer
     if x > 0:  # rays from nearer to the edge, x' = x - xi y > 0
+        # A ray of velocity xi comes from the contact only, x' > 0, and only since t = 0.
         stop = np.minimum(x / xi, t)[:, None]
         y = stop * node
         rays = rays + stop[:, 0] * (slip.gradient(x - xi[:, None] * y, t - y) @ node_weight)
@@ -220,6 +223,7 @@ def _diffracted(
 ) -> float:
     """Return the diffracted wave that frees the slot, at x > 0; c_t = mu b = 1."""
     last = t / x
+    # Nothing that the edge sends out is faster than the longitudinal wave.
     if last <= factors.a:
         return 0.0
     # 1 / (v + 1/zeta) varies in proportion to both, down to the edge
@@ -232,6 +236,7 @@ def _diffracted(
 
     def imaginary_factor(at: Array) -> Array:
         imag = factors.impedance_on_cut(factors.cut(at), mode).imag
+        # n(v) = Im M / (kappa M_-) at -v, and M_-(-v) = M_+(v).
         return imag / (factors.kappa * factors.m_plus(at, mode))
 
     node, node_weight = _panels(panels)
@@ -291,11 +296,14 @@ def interface_traction(
     )
     local = local_impedance(material, mode) / material.shear_impedance
     points = list(zip((x / speed).ravel(), t.ravel(), strict=True))
+    # Shear resists the motion of the upper face; pressure is positive if it is driven into its
+    # body.
     sign = (1 if mode == "I" else -1) * material.shear_impedance
 
     def evaluate(panels: int) -> Array:
         values = np.zeros(len(points))
         for i, (place, time) in enumerate(points):
+            # A free slot carries nothing, whatever arrives there.
             if time <= 0 or (slot == "free" and place < 0):
                 continue
             value = -_held(factors, scaled, mode, place, time, panels)
@@ -307,6 +315,7 @@ def interface_traction(
         return sign * values
 
     panels, coarse = 1, evaluate(1)
+    # The difference of two rules is the error of the coarser one, a bound for that of the finer.
     while panels < _MOST_PANELS:
         panels *= 2
         fine = evaluate(panels)
@@ -348,6 +357,7 @@ def self_similar_transform(
     factors = _factors(poisson_ratio, mode)
     k = np.asarray(k, dtype=float)
     u = 1 / np.asarray(velocity, dtype=float)
+    # m(u_0) = M_-(-u_0), which is M_+(u_0) because M is even.
     density = factors.m_plus(u, mode) * np.asarray(rise, dtype=float)
     cauchy = (density / (u + k[..., None])).sum(axis=-1)
     at_rest = factors.m_plus_at_zero[mode]

@@ -38,6 +38,7 @@ _MOST_PANELS = 256
 
 def _direct(factors: RayleighFactors, v: Array, mode: Mode) -> Array:
     """Return -(1/pi) Im 1/M(-v + i0) for v > a, b = mu = 1."""
+    # On a front the response is a pole or the end of a cut: the value just behind it stands for it.
     on_front = (v == 1) | (v == factors.c)
     at = factors.cut(np.where(on_front, np.nextafter(v, np.inf), v))
     impedance = factors.impedance_on_cut(at, mode)
@@ -47,6 +48,8 @@ def _direct(factors: RayleighFactors, v: Array, mode: Mode) -> Array:
 def _coupled(factors: RayleighFactors, v: Array) -> Array:
     """Return (1/pi) Im of k N / R at k = -v + i0, b = mu = 1; 0 outside a < v < b."""
     inside = (v > factors.a) & (v < 1)
+    # Outside of a < v < b the quotient k N / R is real; any slowness inside keeps the root real
+    # meanwhile.
     w = np.where(inside, v, (1 + factors.a) / 2)
     polynomial = 1 - 2 * w * w
     root = np.sqrt((w - factors.a) * (w + factors.a) * (1 - w) * (1 + w))
@@ -230,11 +233,14 @@ def surface_displacement(
         result = np.empty((2, len(places)))
         for i, (place, time) in enumerate(zip(places, times, strict=True)):
             moment = time * (1 - fraction)[None, :]
+            # A ray leaves x' = x -+ xi tau at t - tau and arrives now.
             reach = material.shear_speed * rays.velocity[:, None] * (time * fraction)[None, :]
             forward = [field(place - reach, moment) for field in (shear, pressure)]
             backward = [field(place + reach, moment) for field in (shear, pressure)]
             even = [(f + g) @ weight * time for f, g in zip(forward, backward, strict=True)]
             odd = [(f - g) @ weight * time for f, g in zip(forward, backward, strict=True)]
+            # The outward normal of y > 0 is -y: the force on its surface is (-sigma_xy, p). Direct
+            # responses are even in x - x', coupled ones odd.
             result[0, i] = -rays.direct_x @ even[0] + rays.coupled @ odd[1]
             result[1, i] = rays.direct_y @ even[1] + rays.coupled @ odd[0]
         return scale * result
@@ -242,6 +248,7 @@ def surface_displacement(
     order, panels = 16, 2
     coarse = evaluate(order, panels)
     while panels < _MOST_PANELS:
+        # Both rules grow together: either may be the one that limits the digits.
         order, panels = order + 8, 2 * panels
         fine = evaluate(order, panels)
         error = float(np.abs(fine - coarse).max(initial=0.0))

@@ -122,6 +122,8 @@ def detached_opening(material: Material, outer: float) -> DetachedOpening:
         end = factors.c + np.exp(log)
         return _closed(factors, start, end, _constants(factors, start, end), 1)
 
+    # The unknown is the distance of the closing edge behind c, from a tenth of that of the opening
+    # edge ahead of it on.
     nearest, farthest = np.log((factors.c - start) / 10), np.log(100.0)
     end = factors.c + np.exp(brentq(gap_left, nearest, farthest, xtol=1e-14, rtol=1e-14))
     ratio = -_pressure_gained(factors, start, end, _constants(factors, start, end))
@@ -131,6 +133,7 @@ def detached_opening(material: Material, outer: float) -> DetachedOpening:
 def _constants(factors: RayleighFactors, start: float, end: float) -> tuple[float, float]:
     """Return R and r for P_0 = 1 for which the gap closes at zero rate."""
     smooth, sharp = (_closed(factors, start, end, one, 0) for one in ((1.0, 0.0), (0.0, 1.0)))
+    # P(0) = M_+(0) sqrt(u_o u_i) (R + r / u_i) / c = 1, with M_+(0) = c S_+(0) / sqrt(a).
     unit = np.sqrt(factors.a / (start * end)) / float(factors.s_plus(0.0))
     r = unit / (1 / end - sharp / smooth)
     return -r * sharp / smooth, r
@@ -153,6 +156,7 @@ def _closed(
         unit = -np.pi * factors.kappa * v * (v + factors.c) * factors.s_plus(v)
         return np.sqrt(v + factors.a) / unit * (big * (end - v) + small) * v**moment
 
+    # The pole at c is subtracted at the nodes and added as its principal value.
     at_c = float(numerator(np.array(factors.c)))
     return float(weight @ ((numerator(v) - at_c) / (v - factors.c)) + np.pi * at_c)
 
@@ -164,6 +168,7 @@ def _pressure_gained(
     big, small = constants
 
     def slope(v: float) -> float:  # times sqrt(v - a)
+        # Ahead of the shear wave only this term of R is on the cut; behind it all of R is.
         impedance = -np.square(1 - 2 * v * v)
         if v > 1:
             impedance = float(factors.reduced_rayleigh(v)) * (v + factors.c) * (v - factors.c)
@@ -175,6 +180,7 @@ def _pressure_gained(
     def over(left: float, right: float) -> float:  # v = left + (right - left) sin(s)^2
         def density(s: float) -> float:
             v = left + (right - left) * np.sin(s) ** 2
+            # dv / sqrt(v - a) = 2 sqrt(right - a) cos(s) ds: the root of the front is gone.
             if left == factors.a:
                 return 2 * np.sqrt(right - left) * np.cos(s) * slope(v)
             return (right - left) * np.sin(2 * s) * slope(v) / np.sqrt(v - factors.a)

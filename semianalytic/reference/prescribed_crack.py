@@ -63,6 +63,7 @@ class PrescribedCrack:
     def _constant(self) -> float:
         """C over the drop: drop = (C / pi) int_0^inf M(i eta) / (e^2 + eta^2)^(3/2) d eta."""
         e = self._slowness
+        # The traction on the crack is uniform, so that one condition, the drop, fixes C.
         integral = over_axis(
             lambda eta: np.asarray(impedance_on_axis(self.factors, eta) / np.hypot(e, eta) ** 3)
         )
@@ -82,6 +83,8 @@ class PrescribedCrack:
         """Return v^2 t^2 - x^2 on the crack, 0 ahead of it."""
         reach = self.speed * np.maximum(np.asarray(t, dtype=float), 0.0)
         distance = np.abs(np.asarray(x, dtype=float))
+        # In factors: the difference of squares loses its digits at the tips, where slip has its
+        # root.
         return np.asarray(np.maximum((reach - distance) * (reach + distance), 0.0))
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -98,6 +101,8 @@ class PrescribedCrack:
         xi = np.divide(np.abs(x), t, out=np.full(x.shape, np.inf), where=t > 0)
         with np.errstate(divide="ignore"):
             u = (self.material.shear_speed / xi).ravel()
+        # At the tip itself the traction is infinite; nearer to it than this it follows the root
+        # alone.
         stop = self._slowness * (1 - _NEAREST)
         ahead = self._running.at(np.minimum(u, stop)).reshape(x.shape)
         return self.drop * np.where(xi > self.speed, ahead, np.where(t > 0, -1.0, 0.0))

@@ -145,6 +145,7 @@ def published_grid(
     start = {"0": 0.0, "a": a, "b": 1.0}[reading.start]
     edges = np.linspace(start, _LAST, size + 1)
     points = edges[:-1] + place * np.diff(edges)
+    # As printed, a kernel is 0 until the lag exceeds its front; else the lag counts from the front.
     shifts = (0.0, 0.0) if reading.delay == "printed" else (a, 1.0)
 
     def primitive(lag: Array) -> Array:
@@ -167,10 +168,12 @@ def published_grid(
         for k, point in enumerate(points):
             # the lag passes 0 inside the point's own interval
             stop = np.clip(point - edges[:-1], 0.0, width)[:, None]
+            # The primitive starts like a root where the lag is 0: t^2 gathers the nodes there.
             lag = point - edges[:-1, None] - stop * (1 - t**2)
             mean[k] = (primitive(lag) * 2 * t * stop / width) @ weight
         matrix = ends[:, :-1] - mean
         matrix[:, 1:] += mean[:, :-1] - ends[:, 1:-1]
+    # A row or column of zeros, an equation or an unknown too few, has no finite condition number.
     singular = not np.all(np.abs(matrix).max(axis=0)) or not np.all(np.abs(matrix).max(axis=1))
     condition = np.inf if singular else float(np.linalg.cond(matrix))
     return PublishedGrid(edges, points, matrix, condition)
@@ -234,6 +237,7 @@ def published_slip(
     sense, settled, reversals = np.ones(size), False, 0
     while True:
         rate = lu_solve(factored, shear - sense * pressure)
+        # An unknown that is exactly 0 keeps the forward sense, or the rounds would not end.
         slip_sense = np.where(rate < 0, -1.0, 1.0)
         settled = bool(np.array_equal(slip_sense, sense))
         if settled or reversals == _MOST_REVERSALS:

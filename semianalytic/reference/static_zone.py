@@ -36,6 +36,7 @@ class StaticZone:
 
     def slip(self, x: Array) -> Array:
         """Return the relative slip at x > 0, (n,) [length]."""
+        # The logarithm is infinite at x = 0, where its factor vanishes faster.
         share = np.clip(x / self.length, 1e-300, 1.0)
         root = np.sqrt(1 - share)
         shape = root - share / 2 * np.log((1 + root) / (1 - root + 1e-300))
@@ -46,7 +47,9 @@ def static_zone(scene: Scene, t: float) -> StaticZone:
     """Return the static zone of a scene with slow shear under constant pressure, at a time."""
     held, load = scene.superposition
     gone = load.shear * float(scene.shear_history.value(t))
+    # In excess of the shear that the slot faces still carry: the base less what the load took off.
     strength = scene.friction * held.pressure - held.shear + gone
     _, intensity = intensity_history(scene.shear_history, load, scene.material, t, scene.shear_mode)
+    # K = 2 strength sqrt(2 length / pi), solved for the length.
     length = np.pi / 8 * (float(intensity) / strength) ** 2
     return StaticZone(strength, float(length), scene.static_modulus)

@@ -103,6 +103,8 @@ class _ViscousZone:
         """Return T / (R M_+) at distances k + u_s > 0, (m,)."""
         beyond, angle = self._at_nodes
         log = _STEP * (angle * beyond / (beyond + before[:, None])).sum(axis=-1)
+        # Nearer to the edge than the first node the angle is constant, and its integral a
+        # logarithm.
         log += angle[0] * np.log1p(beyond[0] * np.exp(-_STEP / 2) / before)
         return np.asarray(np.exp(-log / np.pi) / np.sqrt(before))
 
@@ -120,6 +122,8 @@ class _ViscousZone:
         total = 0.0
         for left, right in pairwise(ends):
             width = right.minus(left)
+            # Each half of a panel counts from its own end, so that distances from the front there
+            # keep their digits.
             near_left, near_right = left.parts + width * share, right.parts - width * other
             at = CutPoints(np.where(_NODES < 0, near_left, near_right))
             to_edge = width * other if right is ends[-1] else self.edge - at.v
@@ -131,6 +135,7 @@ class _ViscousZone:
         """Return the one-sided V at a velocity >= 0 in units of c_t."""
         if velocity * self.edge >= 1:
             return 0.0
+        # y = ln(u / u_s - 1) at u = 1 / velocity; the contact edge is at infinity.
         last = _REACH if velocity == 0 else np.log(1 / (velocity * self.edge) - 1)
         ends = np.linspace(-_REACH, last, int(last + _REACH) + 2)
         x, weight = _GAUSS
@@ -143,6 +148,8 @@ class _ViscousZone:
         """Return dV/dy; principal values use nodes that straddle each y."""
         beyond = self.edge * np.exp(y)
         angles = self._angle(beyond[:, None] * np.exp(_NODES))
+        # 1 / (v - w) over the nodes around y, none of which is y itself: their sum is the principal
+        # value.
         log = _STEP * (angles / -np.expm1(-_NODES)).sum(axis=-1)
         angle, v = self._angle(beyond), self.edge + beyond
         modulus = np.exp(-log / np.pi) / np.sqrt(beyond)  # |T| = R m / (kappa M_+) times this
@@ -160,6 +167,7 @@ def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -
         return _ViscousZone(factors, eta, edge).strength - strength_ratio
 
     dry = material.shear_speed / edge_speed_under_shear_step(material, strength_ratio)
+    # Viscosity makes the edge slower than without it, and no zone of this form passes c_R.
     least = max(dry * (1 - 1e-9), factors.c * (1 + 1e-9))
     edge = brentq(excess, least, 2 * dry * (1 + eta) ** 2, xtol=1e-15, rtol=1e-14)
     return _ViscousZone(factors, eta, float(edge))

@@ -10,8 +10,8 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.regimes.thresholds import (

@@ -18,9 +18,9 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq, root
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for

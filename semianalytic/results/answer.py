@@ -89,9 +89,11 @@ def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "
     form : str
         Whether digits are significant ones ("g") or those after the point ("f").
     """
+    # The same edge may have been computed twice: what differs by rounding alone is one number.
     different = {float(f"{edge:.15g}") for edge in edges if math.isfinite(edge)}
     for digits in range(least, 17):
         if len({f"{one:.{digits}{form}}" for one in different}) == len(different):
+            # One digit more than tells them apart, which shows by how much they differ.
             return digits if digits == least else digits + 1
     return 17
 
@@ -228,6 +230,7 @@ def sampled_history(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> Interf
         If so many points would take more than 70 % of the available memory.
     """
     x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
+    # Looking at the memory takes longer than small histories do.
     if x.size * t.size > FEW_POINTS:
         check_memory(
             POINT_BYTES * x.size * t.size,

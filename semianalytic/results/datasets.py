@@ -47,6 +47,7 @@ def dataset(x: ArrayLike, t: ArrayLike, values: Mapping[str, Any]) -> Any:
         import xarray
 
     data = xarray.Dataset(
+        # Totals have one axis, which is time; fields have both.
         {name: (("t", "x")[: value.ndim], value) for name, value in values.items()},
         coords={"x": x, "t": t},
     )

@@ -84,6 +84,7 @@ def new_file(
     made: list[Path] = []
     held: tuple[Path, int | None] | None = None
     try:
+        # A link stays a link: the file that it points to is replaced.
         place = Path(os.path.realpath(path))
         made = make_folder(place.parent)
         if place.exists() and not place.is_file():
@@ -97,6 +98,8 @@ def new_file(
                 end = seal.of(hashlib.file_digest(stream, "sha256").hexdigest())
                 stream.seek(0, os.SEEK_END)
                 stream.write(end)
+        # The contents reach the disk before the name does: a crash between the two leaves the
+        # earlier file, never an empty one.
         os.fsync(descriptor)
         size = max(size, os.fstat(descriptor).st_size)
         if _KEEPS_WHAT_IS_OPEN:
@@ -207,6 +210,7 @@ def has_seal(path: str | Path) -> bool:
     with Path(path).open("rb") as stream:
         size = stream.seek(0, os.SEEK_END)
         start = max(size - _LONGEST_SEAL, 0)
+        # The seal is at the end, so that a file without one is told from its last bytes.
         stream.seek(start)
         seal = _SEALED.search(stream.read())
         if seal is None:
@@ -224,6 +228,7 @@ def has_seal(path: str | Path) -> bool:
 
 def row_checksum(cells: list[str]) -> str:
     """Return the checksum of a row of a table, for tables that are read back or grow by rows."""
+    # 64 bits find damage; nobody has a reason to forge a row of his own table.
     return hashlib.sha256("\n".join(cells).encode()).hexdigest()[:16]
 
 
@@ -274,6 +279,7 @@ def try_lock(descriptor: int) -> bool:
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
+        # Any other error says that the file system has no locks, and then nobody holds one.
         return error.errno not in (errno.EWOULDBLOCK, errno.EACCES)
     return True
 
@@ -295,6 +301,7 @@ def discard(part: Path, descriptor: int | None) -> None:
         os.close(descriptor)
         descriptor = None
     with suppress(OSError):
+        # Removed while it is still locked, or another writer could sweep it up in between.
         part.unlink(missing_ok=True)
     if descriptor is not None:
         os.close(descriptor)
@@ -308,6 +315,7 @@ def _sweep(place: Path) -> None:
     for name in names:
         part = place.with_name(name)
         with suppress(OSError):
+            # Opening a pipe of that name would wait for ever.
             if not stat.S_ISREG(part.lstat().st_mode):
                 continue
             descriptor = os.open(part, os.O_RDWR)
@@ -319,6 +327,7 @@ def _sweep(place: Path) -> None:
 
 def _stem(place: Path) -> str:
     """Shorten a name so that an ending can be added."""
+    # The whole temporary name must fit into the 255 bytes that file systems allow.
     return place.name[:40]
 
 

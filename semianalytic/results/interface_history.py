@@ -72,6 +72,8 @@ class InterfaceHistory:
         with whole_hdf5(path) as file:
             file.attrs["format"] = FORMAT
             for field in fields(self):
+                # Fields ahead of the waves are constant, and half of most histories is ahead of the
+                # waves.
                 file.create_dataset(field.name, data=getattr(self, field.name), compression="gzip")
 
     def to_xarray(self) -> Any:

@@ -31,6 +31,8 @@ def available_memory() -> int:
     It is taken as 4 GB where the system gives no information.
     """
     amounts = [_of_machine()]
+    # A container may have less than its machine: its control group says so, of version 2 or of
+    # version 1.
     for limit, used in _GROUPS:
         try:
             amounts.append(int(limit.read_text()) - int(used.read_text()))
@@ -50,6 +52,8 @@ def _of_machine() -> int | None:
     except (OSError, ValueError, IndexError):
         pass
     try:
+        # Systems without /proc tell how much memory there is, not how much is free: half of it is
+        # assumed.
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
     except (AttributeError, OSError, ValueError):
         return None
@@ -100,6 +104,7 @@ def check_memory(needed: int, limit: float | None, what: str, advice: str) -> No
 
 def gigabytes(amount: int) -> str:
     """Write an amount of memory [bytes] in words, of any size."""
+    # Beyond the range of floats a whole number is written by its number of digits.
     if amount >= 10**300:
         return f"1e{len(str(amount)) - 10} GB"
     return f"{amount / GIGABYTE:.3g} GB"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.answer import ARRIVALS, FIELDS
-from semianalytic.scene.errors import SceneError
+from semianalytic.results.places import contact_positions
 
 Array = NDArray[np.float64]
 
@@ -107,23 +107,13 @@ class SelfSimilar(Protocol):
         ...
 
 
-def checked_positions(x: ArrayLike) -> Array:
-    """Return positions as an array; raise SceneError if one is not positive and finite."""
-    x = np.asarray(x, dtype=float)
-    if not np.all(np.isfinite(x)):
-        raise SceneError("positions must be finite numbers.")
-    if np.any(x <= 0):
-        raise SceneError("the contact is x > 0; ask for positive positions.")
-    return x
-
-
 def first_times(x: ArrayLike, zones: Iterable[_Zone]) -> Array:
     """Return when the first of zones inner t < x < outer t comes to positions x [time].
 
     It is x over the largest speed of an outer edge: inf without a zone, 0 where slip is ahead of
     all waves.
     """
-    x = checked_positions(x)
+    x = contact_positions(x)
     fastest = max((zone.outer for zone in zones), default=0.0)
     if fastest == 0:
         return np.full(x.shape, np.inf)
@@ -150,7 +140,7 @@ def self_similar_reading(
     scales : mapping from field to array
         Value to which the error of each field is relative, besides itself; broadcasts with t.
     """
-    x, t = np.broadcast_arrays(checked_positions(x), np.asarray(t, dtype=float))
+    x, t = np.broadcast_arrays(contact_positions(x), np.asarray(t, dtype=float))
     # an answer that broke the law may be wrong anywhere; one above its rtol has an estimate still
     known = answer.status == "converged" or answer.status.startswith("the error estimate")
     share = answer.error_estimate if known else math.inf
@@ -167,7 +157,10 @@ def self_similar_reading(
         change = np.zeros(value.shape)
         with np.errstate(invalid="ignore"):
             for sign in (-1, 1):
+                # However large the error of an edge, the point stays on the contact.
                 beside = np.asarray(field(np.maximum(x + sign * moved, x / 2), t))
+                # At c_R both may be infinite; `fmax` passes over the difference, which is no
+                # number.
                 change = np.fmax(change, np.abs(beside - value))
             error = share * (np.abs(value) + scales[name]) + change
         at_rest = t < 0
@@ -182,8 +175,10 @@ def _arrival(answer: SelfSimilar, x: Array, of: str, shift: float) -> Measured:
     when = answer.arrival(x, of)
     comes = np.isfinite(when) & (when > 0)
     edge = np.divide(x, when, out=np.full(x.shape, np.inf), where=comes)
+    # An edge that is slower than its own error may never come: there is no latest time.
     bounded = edge > shift
     slowest = np.where(bounded & comes, edge, 1.0) - (shift if math.isfinite(shift) else 0.0)
+    # x / speed is convex: being late is the larger of the two errors.
     late = np.divide(x, slowest, out=np.full(x.shape, np.inf), where=bounded)
     return Measured(when, np.where(comes, late - np.where(comes, when, 0.0), 0.0))
 
@@ -201,7 +196,7 @@ def sampled_reading(answer: Any, x: ArrayLike, t: ArrayLike) -> Reading:
     x, t : arrays
         Positions [length] and times [time], which broadcast.
     """
-    x, t = np.broadcast_arrays(checked_positions(x), np.asarray(t, dtype=float))
+    x, t = np.broadcast_arrays(contact_positions(x), np.asarray(t, dtype=float))
     arrivals = {of: _sampled_arrival(answer, x, of) for of in ARRIVALS}
     fields = {name: _sampled_field(answer, name, x, t) for name in FIELDS}
     return Reading(x, t, arrivals, status=answer.status, **fields)
@@ -215,6 +210,7 @@ def _around(fine: Array, coarse: Array, x: Array) -> tuple[list[Array], float]:
     step = float(coarse[1] - coarse[0]) if len(coarse) > 1 else float(coarse[0])
     # The contact that both answers know ends one node distance beyond the last node.
     reach = min(nodes[-1] + nodes[0] for nodes in (fine, coarse))
+    # Near either end the stencil is folded onto the contact that both answers know.
     return [np.clip(x + k * step, np.minimum(x, step / 8), reach) for k in _STENCIL], step
 
 

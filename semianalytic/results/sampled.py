@@ -6,8 +6,6 @@ A solver that steps through time keeps an `InterfaceHistory` of the levels it st
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +20,13 @@ from semianalytic.results.answer import (
     sampled_history,
 )
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.intervals import (
+    EDGE_STEPS,
+    beside_openings,
+    open_intervals,
+    slip_intervals,
+)
+from semianalytic.results.places import contact_positions, finite_times
 from semianalytic.results.reading import Reading, sampled_reading
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
@@ -32,8 +37,6 @@ Array = NDArray[np.float64]
 
 _ROUNDING = 1e-9
 """Relative amount by which a time or position may exceed the last one."""
-_EDGE_STEPS = 2
-"""Largest distance of an edge beyond the last sample that slips, in steps of the samples."""
 ONSET_SHARE = 0.01
 """Fraction of the largest slip rate so far that counts as the beginning of slip.  Grids and damping
 smear a front over a few nodes: a tenth of the value would let it begin ahead of the waves."""
@@ -191,6 +194,8 @@ class SampledAnswer:
     def _between_nodes(self, x: Array, onset: Array) -> Array:
         """Interpolate times (n,) at the nodes, some of which may be inf."""
         left, right, along = _between(self.interface.x, x)
+        # A node that never begins has inf, which a mean would pass on: the nearer node decides
+        # then.
         nearest = np.where(along < 0.5, onset[left], onset[right])
         both = np.isfinite(onset[left]) & np.isfinite(onset[right])
         first, second = (np.where(both, onset[side], 0.0) for side in (left, right))
@@ -205,8 +210,10 @@ class SampledAnswer:
         if of == "opening":
             opened = seen.gap > 0
             return np.where(opened.any(axis=0), seen.t[opened.argmax(axis=0)], np.inf)
+        # The wanted sense counts positive; the other one must not pass for slip.
         rate = {"forward": 1.0, "reverse": -1.0}.get(of, 0.0) * seen.slip_rate
         rate = np.maximum(rate, 0.0) if of != "slip" else np.abs(seen.slip_rate)
+        # Measured by what was until then, so that later and larger slip does not delay an onset.
         largest = np.maximum.accumulate(np.abs(seen.slip_rate).max(axis=1, initial=0.0))
         # rounding moves nodes of elements before any slip, when nothing larger was there
         threshold = np.maximum(share * largest, _NO_SLIP * largest[-1])[:, None]
@@ -214,6 +221,7 @@ class SampledAnswer:
         level = begun.argmax(axis=0)
         before, node = np.maximum(level - 1, 0), np.arange(len(seen.x))
         late, speed = rate[before, node], rate[level, node]
+        # At the first level, or after a jump, there is no earlier value to interpolate from.
         rise = np.where(speed > late, speed - late, 1.0)
         along = np.clip((threshold[level, 0] - late) / rise, 0.0, 1.0)
         times = seen.t[before] + (seen.t[level] - seen.t[before]) * along
@@ -255,10 +263,11 @@ class SampledAnswer:
             return ()
         seen = self.interface
         least = _NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
+        # Open sides move along one another without friction, which is no slip of the contact.
         rubbing = np.where(self.gap(seen.x, t) > 0, 0.0, self.slip_rate(seen.x, t))
-        openings, near = self.openings_at(t), _EDGE_STEPS * float(seen.x[0])
+        openings, near = self.openings_at(t), EDGE_STEPS * float(seen.x[0])
         return tuple(
-            _beside(zone, openings, near) for zone in slip_intervals(seen.x, rubbing, least)
+            beside_openings(zone, openings, near) for zone in slip_intervals(seen.x, rubbing, least)
         )
 
     def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
@@ -324,101 +333,9 @@ def _between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.in
     return before, after, np.clip(share, 0.0, 1.0)
 
 
-def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterval, ...]:
-    """Find the intervals that slip from a sampled slip rate.
-
-    An interval is a run of two or more samples of one sign whose size exceeds `least`.  Its ends
-    are placed between samples by the square-root law of slip rate at an edge: a straight line
-    through the squares of the two samples next to the end is followed down to zero, but no further
-    than `_EDGE_STEPS` steps.
-
-    Parameters
-    ----------
-    x : (n,) array
-        Positions [length], increasing, all positive; velocities x/t do as well.
-    slip_rate : (n,) array
-        Relative slip rate [length / time].
-    least : float
-        Largest |slip rate| that counts as none [length / time].
-
-    Returns
-    -------
-    tuple of SlipInterval
-        Intervals from the contact edge outward.  One that holds the first sample starts at 0, one
-        that holds the last sample ends at infinity.
-    """
-    sense = np.where(np.abs(slip_rate) > least, np.sign(slip_rate), 0.0)
-    return tuple(
-        SlipInterval(*_ends(x, slip_rate**2, run), int(sense[run[0]])) for run in _runs(sense)
-    )
-
-
-def open_intervals(x: Array, gap: Array, least: float = 0.0) -> tuple[OpenInterval, ...]:
-    """Find the open intervals from a sampled gap, like `slip_intervals`.
-
-    At a smooth end the gap grows like the distance to the power 3/2, so the line goes through its
-    powers 2/3.
-
-    Parameters
-    ----------
-    x : (n,) array
-        Positions [length], increasing, all positive; velocities x/t do as well.
-    gap : (n,) array
-        Opening of the contact [length], >= 0.
-    least : float
-        Largest gap that counts as none [length].
-
-    Returns
-    -------
-    tuple of OpenInterval
-        Intervals from the contact edge outward.  One that holds the first sample starts at 0, one
-        that holds the last sample ends at infinity.
-    """
-    return tuple(OpenInterval(*_ends(x, gap ** (2 / 3), run)) for run in _runs(gap > least))
-
-
-def _runs(kind: NDArray[Any]) -> Iterator[NDArray[np.intp]]:
-    """Yield the indices of each run of two or more neighbouring samples of one non-zero kind."""
-    for run in np.split(np.arange(len(kind)), np.flatnonzero(kind[1:] != kind[:-1]) + 1):
-        if len(run) > 1 and kind[run[0]]:
-            yield run
-
-
-def _ends(x: Array, straight: Array, run: NDArray[np.intp]) -> tuple[float, float]:
-    """Return the ends of a run of samples whose values fall to zero along straight lines."""
-    inward = run[::-1]
-    start = _edge(x[run], straight[run]) if run[0] else 0.0
-    end = _edge(x[inward], straight[inward]) if run[-1] < len(x) - 1 else math.inf
-    return start, end
-
-
-def _beside(zone: SlipInterval, openings: Iterable[OpenInterval], near: float) -> SlipInterval:
-    """Let a zone end where an opening begins, if its end lies within `near` of it.
-
-    Slip has its full speed there, so the law of an edge does not apply.
-    """
-    start, end = zone.start, zone.end
-    for opening in openings:
-        if opening.start < start < opening.end + near:
-            start = opening.end
-        if opening.start - near < end < opening.end:
-            end = opening.start
-    return SlipInterval(start, end, zone.sense)
-
-
-def _edge(x: Array, straight: Array) -> float:
-    """Return where a line through the first two samples, from the edge inward, falls to zero."""
-    first, second = straight[:2].tolist()
-    step = float(x[1] - x[0])
-    steps = first / (second - first) if second > first else 0.0
-    return float(x[0]) - min(steps, _EDGE_STEPS) * step
-
-
 def _check_times(t: Array, recorded: Array) -> None:
     """Raise SceneError for times that are not finite or later than what was recorded."""
-    if not np.all(np.isfinite(t)):
-        raise SceneError("times must be finite numbers.")
-    if np.any(t > recorded[-1] * (1 + _ROUNDING)):
+    if np.any(finite_times(t) > recorded[-1] * (1 + _ROUNDING)):
         raise SceneError(
             f"this answer ends at t = {recorded[-1]:.6g}; ask for earlier times, or compute it to "
             "a later end time."
@@ -427,10 +344,9 @@ def _check_times(t: Array, recorded: Array) -> None:
 
 def _check_positions(x: Array, nodes: Array) -> None:
     """Raise SceneError for positions that are not finite, off the contact or beyond the nodes."""
-    if not np.all(np.isfinite(x)):
-        raise SceneError("positions must be finite numbers.")
-    if np.any(x <= 0):
-        raise SceneError("the contact is x > 0; ask for positive positions.")
+    contact_positions(x)
+    # Nodes are the middles of cells: the last cell ends as far beyond its node as the first begins
+    # before its own.
     reach = nodes[-1] + nodes[0]
     if np.any(x > reach * (1 + _ROUNDING)):
         raise SceneError(

@@ -12,7 +12,7 @@ import difflib
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import MISSING, asdict, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -32,14 +32,13 @@ from semianalytic.scene.incident import (
     IncidentWave,
     Load,
     MovingLoad,
-    load_document,
-    load_from_document,
 )
 from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions
-from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.material import Material
-from semianalytic.scene.plugins import HISTORIES, LAWS, kind_of, known_class, plugin_names
+from semianalytic.scene.plugins import HISTORIES, LAWS, kind_of
 from semianalytic.scene.quantities import made_in_si, with_quantities
+from semianalytic.scene.tabulated import Tabulated
 from semianalytic.scene.units import SI
 
 HISTORY_KINDS: Mapping[str, type[LoadHistory]] = {
@@ -69,7 +68,7 @@ FRICTION_LAWS: Mapping[str, type[FrictionLaw]] = {
 }
 
 
-class _Part(NamedTuple):
+class Part(NamedTuple):
     """A part of a scene that is named by a kind in files.
 
     It has a group of entry points, the base class of its classes, the classes of this package by
@@ -82,11 +81,11 @@ class _Part(NamedTuple):
     default: LoadHistory | FrictionLaw
 
 
-_HISTORY = _Part(HISTORIES, LoadHistory, HISTORY_KINDS, Step())
-_PARTS: Mapping[str, _Part] = {
+_HISTORY = Part(HISTORIES, LoadHistory, HISTORY_KINDS, Step())
+PARTS: Mapping[str, Part] = {
     "pressure_history": _HISTORY,
     "shear_history": _HISTORY,
-    "friction_law": _Part(LAWS, FrictionLaw, FRICTION_LAWS, CoulombFriction()),
+    "friction_law": Part(LAWS, FrictionLaw, FRICTION_LAWS, CoulombFriction()),
 }
 """The parts by name of the field of a scene."""
 
@@ -187,7 +186,7 @@ class Scene:
                 )
         # The class is frozen; the number is stored as a plain float, whatever its type was.
         object.__setattr__(self, "friction", checked_number("scene: friction", self.friction))
-        for name, (group, base, own, _) in _PARTS.items():
+        for name, (group, base, own, _) in PARTS.items():
             part = getattr(self, name)
             if kind_of(group, base, own, type(part)) is None:
                 known = ", ".join(kind.__name__ for kind in own.values())
@@ -448,86 +447,3 @@ class Scene:
             np.array(shear), np.array(frictional), radiated, np.array(0.0)
         )
         return math.copysign(float(speed), held.shear)
-
-
-def scene_document(scene: Scene) -> dict[str, Any]:
-    """Return a scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
-
-    Histories and friction law are named by `kind`.  These, the mode, the place of the load and the
-    units are left out if they are the default.
-    """
-    document: dict[str, Any] = {
-        "friction": scene.friction,
-        "material": asdict(scene.material),
-        "base": asdict(scene.base),
-        "load": load_document(scene.load),
-    }
-    for name, known in _PARTS.items():
-        part = getattr(scene, name)
-        # Defaults are left out, so that files stay short and old files stay what they were.
-        if part != known.default:
-            document[name] = part_document(part)
-    if scene.antiplane:
-        document["mode"] = scene.mode
-    if scene.load_on != SLOT:
-        document["load_on"] = scene.load_on
-    if scene.units:
-        document["units"] = scene.units
-    return document
-
-
-def part_document(part: Any) -> dict[str, Any]:
-    """Return a history or friction law as a dictionary of its kind and parameters."""
-    known = _PARTS["friction_law" if isinstance(part, FrictionLaw) else "shear_history"]
-    return {"kind": kind_of(*known[:3], type(part)), **asdict(part)}
-
-
-def scene_from_document(document: Mapping[str, Any]) -> Scene:
-    """Make the scene that a dictionary of `scene_document`, or of a TOML file, describes.
-
-    Raises
-    ------
-    SceneError
-        If a kind or parameter of a history or friction law is unknown or missing, or a value is
-        out of range.
-    """
-    parts = {
-        name: _named(name, part, document[name])
-        for name, part in _PARTS.items()
-        if name in document
-    }
-    return Scene(
-        material=Material(**document["material"]),
-        friction=document["friction"],
-        base=Tractions(**document["base"]),
-        load=load_from_document(document["load"]),
-        mode=document.get("mode", IN_PLANE),
-        load_on=document.get("load_on", SLOT),
-        units=document.get("units", ""),
-        **parts,
-    )
-
-
-def _named(name: str, part: _Part, table: Any) -> Any:
-    """Make the history or friction law that a table with a kind and parameters describes."""
-    kind = table.get("kind") if isinstance(table, Mapping) else None
-    description: Any = None
-    if isinstance(kind, str):
-        description = known_class(part.group, part.base, part.own, kind)
-    if description is None:
-        kinds = ", ".join((*part.own, *plugin_names(part.group, part.own)))
-        raise SceneError(
-            f"{name}: kind must be one of {kinds}, got {shown(kind)} (docs/not_here.md)."
-        )
-    given = {key: value for key, value in table.items() if key != "kind"}
-    known = [part.name for part in fields(description)]
-    unknown = [key for key in given if key not in known]
-    if unknown:
-        raise SceneError(
-            f"{name}: kind {kind} has no {shown(unknown[0])}; "
-            f"it takes {', '.join(known) or 'nothing'} (docs/not_here.md)."
-        )
-    try:
-        return description(**given)
-    except TypeError as error:
-        raise SceneError(f"{name}: kind {kind} needs {', '.join(known)}.") from error

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.cut.profile import Profile
-from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
+from semianalytic.cut.slot_faces import SlotFaces
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import (
@@ -20,11 +19,9 @@ from semianalytic.results.answer import (
     SlipInterval,
     answer_dataset,
     checked_arrival,
-    digits_apart,
     sampled_history,
 )
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.notebook import html_table
 from semianalytic.results.reading import (
     Reading,
     first_times,
@@ -37,53 +34,17 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
-from semianalytic.scene.units import unit
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, is_open, motion, over_slowness
+from semianalytic.selfsimilar.shown import slips_said, zones_table
+from semianalytic.selfsimilar.statistics import Statistics
+from semianalytic.selfsimilar.totals import ContactTotals
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, motion, over_slowness
 from semianalytic.separation.normal import Normal
 
 if TYPE_CHECKING:  # imported where they are asked for, for a quick import
     from semianalytic.field.bodies import Bodies
-    from semianalytic.selfsimilar.derivative import Derivative
-    from semianalytic.selfsimilar.variation import Surroundings
-
-
-@dataclass(frozen=True)
-class Statistics:
-    """Numbers of iterations, unknowns and nodes of a solution, and the time it took.
-
-    Attributes
-    ----------
-    pivots : int
-        Pivots of the complementarity problem on the grid.
-    newton_steps : int
-        Newton and Broyden steps for the zone edges.
-    zone_sets : int
-        Sets of zones tried until Coulomb's law held everywhere.
-    unknowns : int
-        Number of zone edges.
-    nodes : int
-        Number of nodes of all panels.
-    seconds : dict
-        Time of each stage [s], by its name.
-
-    Examples
-    --------
-    >>> from semianalytic import Material, Scene, Tractions, solve
-    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
-    >>> solution = solve(Scene(Material(1.0, 1.0, 1 / 3), 1.0, base, load))
-    >>> solution.statistics.unknowns, solution.statistics.zone_sets
-    (1, 1)
-    >>> list(solution.statistics.seconds)
-    ['zones', 'edges', 'check']
-    """
-
-    pivots: int
-    newton_steps: int
-    zone_sets: int
-    unknowns: int
-    nodes: int
-    seconds: dict[str, float]
+    from semianalytic.selfsimilar.derivatives.derivative import Derivative
+    from semianalytic.selfsimilar.derivatives.variation import Surroundings
 
 
 @asked_in_units
@@ -148,34 +109,12 @@ class Solution:
     normal: Normal | None = None
 
     def __repr__(self) -> str:
-        digits = digits_apart((end for zone in self.zones for end in (zone.inner, zone.outer)), 4)
-        speeds = [
-            (f"{zone.inner:.{digits}g}", f"{zone.outer:.{digits}g}", zone.sense)
-            for zone in self.zones
-        ]
-        zones = ", ".join(f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds)
-        slips = f"slip at {zones}" if zones else "no slip"
-        return f"<Solution: {slips}; {self.status}, error estimate {self.error_estimate:.1e}>"
+        moving = slips_said(self.zones)
+        return f"<Solution: {moving}; {self.status}, error estimate {self.error_estimate:.1e}>"
 
     def _repr_html_(self) -> str:
-        speed = self.scene.material.shear_speed
-        parts = [(zone.inner, zone.outer, f"slip {zone.sense:+d}") for zone in self.zones]
-        parts += [(zone.inner, zone.outer, "open") for zone in self.openings]
-        ends = [end for *both, _ in parts for end in both]
-        digits, places = digits_apart(ends, 6), digits_apart([end / speed for end in ends], 6)
-        rows = [
-            (
-                kind,
-                *(f"{end:.{digits}g}" for end in (inner, outer)),
-                *(f"{end / speed:.{places}g}" for end in (inner, outer)),
-            )
-            for inner, outer, kind in sorted(parts)
-        ]
-        per = unit("length / time", self.scene.units)
-        columns = ("zone", f"from [{per}]", f"to [{per}]", "from / c_t", "to / c_t")
-        moves = "" if rows else "no slip; "
-        caption = f"Solution: {moves}{self.status}, error estimate {self.error_estimate:.1e}"
-        return html_table(caption, columns, rows)
+        caption = f"{self.status}, error estimate {self.error_estimate:.1e}"
+        return zones_table(self.scene, self.zones, self.openings, caption)
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]) -> Array:
         """Evaluate a field over slowness, (m,) or several (k, m), at x and t; it is 0 before t =
@@ -330,13 +269,7 @@ class Solution:
     def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length]; raises like
         `slip_rate`."""
-        unit = self._rate_unit * self.stress_unit / self.scene.material.shear_speed
-
-        def over_slowness(u: Array) -> Array:
-            return np.asarray(dissipation(self.profile, u)[1])
-
-        # At fixed x, an integral over time is x / c_t times one over slowness.
-        return unit * np.asarray(x, dtype=float) * self._evaluate(x, t, over_slowness)
+        return self._totals.work_density(x, t)
 
     def frictional_power(
         self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf
@@ -357,26 +290,7 @@ class Solution:
         SceneError
             If inner is negative, infinite or above outer, or t is not finite.
         """
-        t, inner, outer = _intervals(t, inner, outer)
-        time = np.maximum(t, 0.0)
-        # The power beyond `inner` less the power beyond `outer`.
-        per_time = self._power_per_time(inner, time) - self._power_per_time(outer, time)
-        power = self._rate_unit * self.stress_unit * self.scene.material.shear_speed * per_time
-        return np.asarray(np.multiply(power, time, out=np.zeros(t.shape), where=time > 0))
-
-    def _power_per_time(self, x: Array, time: Array) -> Array:
-        """Return the power beyond x over time, in units of `profile`.
-
-        Slip ahead of all waves counts from the longitudinal front.
-        """
-        value = np.full(x.shape, self._whole_power)
-        # Slip ahead of all waves dissipates without bound; counted from the longitudinal front,
-        # what lies beyond x = inf is then minus infinity, and the power of the contact +infinity.
-        value[np.isinf(x)] = -np.inf if self.scene.far_slip_rate else 0.0
-        part = (x > 0) & np.isfinite(x) & (time > 0)
-        u = time[part] * self.scene.material.shear_speed / x[part]
-        value[part] = dissipation(self.profile, u)[0]
-        return value
+        return self._totals.power(t, inner, outer)
 
     def frictional_work(
         self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf
@@ -386,13 +300,7 @@ class Solution:
 
         It is the time integral of `frictional_power`, with the same parameters and errors.
         """
-        t, inner, outer = _intervals(t, inner, outer)
-        twice = np.asarray(np.maximum(t, 0.0) * self.frictional_power(t, inner, outer))
-        # By self-similarity the power beyond x is t F(x/t), and the work at x follows from F.
-        for x, sign in ((inner, -1), (outer, 1)):
-            part = (x > 0) & np.isfinite(x)
-            twice[part] += sign * x[part] * self.work_density(x[part], t[part])
-        return twice / 2
+        return self._totals.work(t, inner, outer)
 
     def accumulated_slip(self, t: ArrayLike) -> Array:
         """Return the integral over the contact of `path`, the |slip| accumulated until t
@@ -405,18 +313,14 @@ class Solution:
         SceneError
             If a time is not finite.
         """
-        time = np.maximum(_finite_times(t), 0.0)
-        rate = math.inf if self.scene.far_slip_rate else self._rate_unit * self._whole_rate
-        # The integral of |V| over x is proportional to t, and its time integral to t^2 / 2.
-        area = rate * self.scene.material.shear_speed / 2
-        return np.asarray(np.multiply(area, time**2, out=np.zeros(time.shape), where=time > 0))
+        return self._totals.accumulated_slip(t)
 
     def max_slip(self, t: ArrayLike) -> Array:
         """Return the largest |slip| on the contact, or its limit at the edge, at times t [length].
 
         It grows linearly in time; raises like `accumulated_slip`.
         """
-        return self._rate_unit * np.maximum(_finite_times(t), 0.0) * self._largest_slip_over_time
+        return self._totals.max_slip(t)
 
     def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
         """Return the first time at which the sides move along one another, or come apart, at x
@@ -507,21 +411,10 @@ class Solution:
         return tuple(OpenInterval(t * part.inner, t * part.outer) for part in self.openings)
 
     @cached_property
-    def _whole_power(self) -> float:
-        """Frictional power over time, in units of `profile`."""
-        return self.profile.contact_integral(self.profile.carried_at_nodes)
-
-    @cached_property
-    def _whole_rate(self) -> float:
-        """Integral of |slip rate| over the contact, over time, in units of `profile`."""
-        speed = self.scene.material.shear_speed
-        zones = [(zone.inner / speed, zone.outer / speed, zone.sense) for zone in self._motion]
-        return slipped_rate(self.profile, zones)
-
-    @cached_property
-    def _largest_slip_over_time(self) -> float:
-        """Largest |slip| / t on the contact, in units of `profile`."""
-        return largest_slip_over_time(self.profile)
+    def _totals(self) -> ContactTotals:
+        """Power, work and slip of the whole contact."""
+        scene, rate, stress = self.scene, self._rate_unit, self.stress_unit
+        return ContactTotals(scene, self.profile, self._motion, rate, stress)
 
     @property
     def edge_speeds(self) -> Array:
@@ -539,8 +432,8 @@ class Solution:
     @cached_property
     def _surroundings(self) -> Surroundings:
         """Neighbouring sets of zones, which all derivatives share."""
-        from semianalytic.selfsimilar.parameters import at_the_front
-        from semianalytic.selfsimilar.variation import Surroundings
+        from semianalytic.selfsimilar.derivatives.parameters import at_the_front
+        from semianalytic.selfsimilar.derivatives.variation import Surroundings
 
         return Surroundings(at_the_front(self.profile))
 
@@ -568,7 +461,7 @@ class Solution:
         ComputationError
             If the zones on either side are of another kind, however near.
         """
-        from semianalytic.selfsimilar.derivative import Known, differentiated
+        from semianalytic.selfsimilar.derivatives.derivative import Known, differentiated
 
         # `differentiated` gets plain numbers, so that its module need not import this one.
         zones = tuple((zone.inner, zone.outer, zone.sense) for zone in self.zones)
@@ -578,7 +471,7 @@ class Solution:
     @cached_property
     def _bodies(self) -> Bodies:
         from semianalytic.field.bodies import Bodies
-        from semianalytic.selfsimilar.rated import on_any_panels
+        from semianalytic.selfsimilar.rated.law import on_any_panels
 
         fields = on_any_panels(self.profile)
         # Transforms that grow like k^(1/2) lose some digits far out: the bodies use a finer rule.
@@ -648,6 +541,10 @@ class Solution:
         """
         return self._bodies.error + self.error_estimate
 
+    @cached_property
+    def _slot_faces(self) -> SlotFaces:
+        return SlotFaces(self.profile.fields)
+
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Return the particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 
@@ -668,24 +565,6 @@ class Solution:
             return rows[-1 if self.scene.antiplane else 0], rows[1]
         # The velocity of one face has half the unit of the relative slip rate.
         unit = self._rate_unit / 2
-        both = self._evaluate(-x, t, lambda v: np.stack(self.profile.slot_velocity(v)))
+        both = self._evaluate(-x, t, lambda v: np.stack(self._slot_faces.velocity(v)))
         tangential, normal = both
         return unit * tangential, unit * normal
-
-
-def _finite_times(t: ArrayLike) -> Array:
-    """Return times as an array; raise SceneError if one is not finite."""
-    t = np.asarray(t, dtype=float)
-    if not np.all(np.isfinite(t)):
-        raise SceneError("times must be finite numbers.")
-    return t
-
-
-def _intervals(t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> tuple[Array, Array, Array]:
-    """Return times and the ends of intervals of the contact, broadcast and checked."""
-    t, inner, outer = np.broadcast_arrays(
-        _finite_times(t), *(np.asarray(one, dtype=float) for one in (inner, outer))
-    )
-    if not np.all((inner >= 0) & (inner <= outer) & np.isfinite(inner)):
-        raise SceneError("the contact is x > 0; ask for an interval with 0 <= inner <= outer.")
-    return t, inner, outer

@@ -45,6 +45,7 @@ class Normal:
         """
         fields, panels = self.profile.fields, self.profile.panels
         fall = (fields.traction_slope * panels.jacobian).ravel() * panels.rule.spacing
+        # Half of what a node stands for lies behind it: the midpoint of the sums around it.
         pressure = -fields.base_traction - np.cumsum(fall) + fall / 2
         pressure[np.repeat(panels.layout.slipping, len(panels.rule.y))] = 0.0
         return np.stack([panels.at.v.ravel(), np.maximum(pressure, 0.0)])
@@ -60,6 +61,7 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
     ComputationError
         If the edges of the opening are not found.
     """
+    # So little suction would open the contact within rounding of its edge.
     if -LEAST_BASE * load.base_pressure <= load.load_pressure < 0:
         return replace(load, load_pressure=0.0), None
     normal, of_mode = normal_problem(load, factors.poisson_ratio, rtol), factors.of_in_plane
@@ -83,6 +85,7 @@ def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | No
     of_load = poisson_ratio, load.base_pressure, load.load_pressure
     opening = opening_of(*of_load, tolerance, load.slowness)
     while (
+        # Slip zones are placed with the rest of rtol, which the opening must not use up.
         opening and opening.error > tuning.EDGE_SHARE * rtol and tolerance > tuning.LEAST_TOLERANCE
     ):
         tolerance = max(tolerance * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)

@@ -21,8 +21,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import normal_load
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
@@ -78,8 +78,10 @@ def opening_of(
         return _from_contact_edge(poisson_ratio, -base / step, slowness)
     if not step:
         return None
+    # The pressure of a stuck contact is least at the Rayleigh front, where p* is negative.
     if base >= -step * stuck_traction(poisson_ratio, "I", slowness).at_rayleigh_front:
         return None
+    # The problem is linear in (P_b, P_0): edges depend on their ratio alone.
     unit = detached_opening(poisson_ratio, base / step, tolerance, slowness)
     return replace(unit, closing=tuple((edge, amount * step) for edge, amount in unit.closing))
 
@@ -87,6 +89,7 @@ def opening_of(
 def _from_contact_edge(poisson_ratio: float, ratio: float, slowness: float) -> Opening:
     """Return one zone up to the contact edge, where P = P_0 - P_b: closed form of `reference`."""
     factors = rayleigh_factors(poisson_ratio, "I")
+    # p = 0, for which M_+(0)^2 = (1 - nu) / a in mode I.
     start = (1 - poisson_ratio) * (1 + ratio) ** 2 / factors.a
     if slowness:
         start = slowness + ((1 + ratio) * factors.m_plus_off_cut(-slowness)) ** 2
@@ -103,12 +106,16 @@ def detached_opening(
     are cached, since friction and shear do not change them.
     """
     problem = Detached(poisson_ratio, ratio, rule_for(tolerance), slowness)
+    # How far the base is below the least that keeps the contact closed: a barely open contact needs
+    # a finer rule already for its first edges.
     below = 1 + ratio / stuck_traction(poisson_ratio, "I", slowness).at_rayleigh_front
     loose = max(min(tuning.LOOSE_RULE, tuning.LOOSE_SHARE * below), tuning.LEAST_LOOSE)
     unknowns, inverse = _located(replace(problem, rule=rule_for(loose)))
     least = max(tuning.LEAST_MOVE, problem.rule.tolerance / 2)
     for _ in range(tuning.MOST_CHORD_STEPS):
         left = Left(problem.fields(unknowns))
+        # A chord method: the Jacobian of the loose rule serves on the fine one, and each step gains
+        # as many digits as both rules agree in.
         move = -inverse @ left.mismatch
         if np.abs(move).max() < least:
             break
@@ -138,6 +145,7 @@ def _shift(one: Zone, other: Zone) -> float:
 def _located(problem: Detached) -> tuple[Array, Array]:
     """Return approximate edges by Newton's method, and the inverse Jacobian there."""
     unknowns = problem.start()
+    # Three sets of edges at once: the edges themselves, and one with either edge nudged.
     nudges = tuning.NUDGE * np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     for _ in range(tuning.MOST_NEWTON_STEPS):
         values = Left(problem.fields(unknowns[:, None] + nudges)).mismatch
@@ -173,6 +181,7 @@ class Detached:
         """Return the opening of unknowns (2,), or of several (2, k)."""
         factors = self.factors
         width = factors.c - factors.a
+        # A logit gives both distances without a subtraction, however near the edge is to a front.
         from_a, from_c = (width / (1 + np.exp(sign * unknowns[0])) for sign in (-1, 1))
         left = np.where(
             from_a < from_c, factors.beside("a", from_a).parts, factors.beside("c", -from_c).parts
@@ -195,6 +204,7 @@ class Detached:
         both = np.stack([np.broadcast_to(first, second.shape), second])
         loose = replace(self, rule=rule_for(tuning.FIRST_RULE))
         pressure, gap = Left(loose.fields(both.reshape(2, -1))).mismatch.reshape(both.shape)
+        # The gap left at the closing edge changes sign between two of the tried edges.
         closes = gap[1:] * gap[:-1] <= 0
         row = np.where(closes.any(axis=0), closes.argmax(axis=0), np.abs(gap[1:]).argmin(axis=0))
         column = np.arange(len(first))
@@ -204,6 +214,7 @@ class Detached:
             each[row, column] + share * (each[row + 1, column] - each[row, column])
             for each in (pressure, np.broadcast_to(tuning.CLOSINGS[:, None], gap.shape))
         )
+        # `np.interp` needs increasing abscissas, and the pressure left need not fall with the edge.
         order = np.argsort(rest)
         opens, closing = (np.interp(0.0, rest[order], one[order]) for one in (first, closing))
         return np.array([opens, closing + np.log(width / (1 + np.exp(opens)))])
@@ -222,6 +233,7 @@ class Detached:
         stop = start / 2 if start < tuning.NEAR_FRONT else start + tuning.FARTHER
         for cut in factors.cuts:
             bound = float(np.log(cut.from_a[0] / -cut.from_c[0]))
+            # Panels differ on the two sides of a cut, and with them the mismatch, which would jump.
             if start < bound < stop:
                 stop = bound - tuning.BESIDE_CUT * (bound - start)
         return np.linspace(start, stop, tuning.OPENINGS)
@@ -255,6 +267,7 @@ class Left:
     @cached_property
     def term(self) -> Array:
         """The ratio rho = r / R_0 for which the gap closes at zero rate, () or (k,)."""
+        # The rate of the gap starts at zero and has to end at zero: its slopes sum up to nothing.
         smooth, sharp = (self._whole(rate) for rate in self._rates)
         return np.asarray(-smooth / sharp)
 

@@ -15,16 +15,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.spacetime.exponentials import Opening, fit_memory
-from semianalytic.spacetime.grid_loads import (
+from semianalytic.memory.exponentials import fit_memory
+from semianalytic.memory.impedance import Opening
+from semianalytic.spacetime.grid.grid_loads import (
     FrontLoad,
     FrontPressure,
     GridPressure,
     NodalPressure,
     table_bytes,
 )
+from semianalytic.spacetime.march_error import Departure
 from semianalytic.spacetime.march_memory import affordable_every, state_bytes
-from semianalytic.spacetime.marched import Departure, Marched
+from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.stepping import Segment, Walk, segments_between
 from semianalytic.spacetime.tuning import TOLERANCES

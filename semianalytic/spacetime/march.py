@@ -15,85 +15,42 @@ The cosine series is even about both ends of the grid and so mirrors the scene t
 long enough that no wave from x = 0 returns from a mirror to the observed length before the latest
 time.  Jumps of the loads fall on time levels; between them a level takes the load at its time, or
 the exact mean over a step that holds several samples of a table.  Loads that turn faster than the
-grid can follow are refused (`resolution`).  See docs/spacetime.md, "Method".
+grid can follow are refused (`grid.resolution`).  See docs/spacetime.md, "Method".
 """
 
 from __future__ import annotations
 
 import logging
 import math
-import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from os import PathLike
 
-import numpy as np
-
-from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.sampled import Totals
+from semianalytic.memory.tuning import LARGEST_FEEDBACK
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import checked_scene, of_scene
+from semianalytic.scene.given.named import checked_scene, of_scene
 from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.advancing import advance, loads_on_grid
-from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
-from semianalytic.spacetime.march_memory import check_size, extents
-from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
-from semianalytic.spacetime.resolution import (
-    check_loads,
+from semianalytic.spacetime.grid.resolution import (
     check_weakening_seen,
-    nodes_for_weakening,
-    nodes_for_zone,
 )
+from semianalytic.spacetime.grid.tuning import STEP_RATIO
+from semianalytic.spacetime.march_plan import MarchPlan
+from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.stepping import check_levels, segments_between
 from semianalytic.spacetime.tuning import (
     DAMPING,
-    FIRST_NODES,
-    GROWTH_MARGIN,
-    LARGEST_FEEDBACK,
-    LARGEST_GROWTH,
     LARGEST_STEP_RATIO,
-    LEAST_GROWTH,
     LEAST_NODES,
-    MARGIN_NODES,
-    MOST_NODES,
     NODES,
-    ORDERS,
-    STEP_RATIO,
     TOLERANCE,
     TOLERANCES,
 )
 
 _log = logging.getLogger(__name__)
-
-
-def causal_grid(scene: Scene, latest: float, length: float, nodes: int, entry: float = 0.0) -> Grid:
-    """Return the smallest grid whose mirror images do not reach 0 < x < length until `latest`.
-
-    Parameters
-    ----------
-    scene : Scene
-        The fastest wave speed is taken from it.
-    latest : float
-        Time until which the observed contact must be unaffected by the mirrors [time].
-    length : float
-        Length of the observed contact [length].
-    nodes : int
-        Number of nodes on the observed contact.
-    entry : float
-        Distance from the tip at which a load that comes along the slot begins [length].
-    """
-    from scipy.fft import next_fast_len
-
-    spacing = length / nodes
-    contact, slot = (
-        math.ceil(part / spacing) + MARGIN_NODES for part in extents(scene, latest, length, entry)
-    )
-    # the nodes that are added for the fast transform lengthen the slot
-    size = next_fast_len(contact + slot, real=True)
-    return Grid(spacing, size - contact, nodes, size)
 
 
 @of_scene
@@ -228,7 +185,7 @@ def march(
             raise SceneError("march: `rtol` needs the companion; leave `companion` out.")
     entry = _checked_entry(scene, latest, length, entry)
     _check_held(scene, latest + length * abs(scene.front_slowness))
-    plan = _Plan(
+    plan = MarchPlan(
         scene,
         end_time,
         latest,
@@ -274,135 +231,10 @@ def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> Non
     entry = _checked_entry(scene, end_time, length, None)
     _check_held(scene, end_time + length * abs(scene.front_slowness))
     ranges = (scene, end_time, end_time, length, STEP_RATIO, DAMPING, 1, TOLERANCE)
-    at_rest = _Plan(*ranges, None, False, entry).at_rest(nodes)
+    at_rest = MarchPlan(*ranges, None, False, entry).at_rest(nodes)
     check_weakening_seen(scene, at_rest.grid.spacing)
     segments = segments_between(scene, at_rest.begins, end_time, STEP_RATIO, at_rest.grid.spacing)
     check_levels(scene, segments, *loads_on_grid(at_rest, segments))
-
-
-@dataclass(frozen=True)
-class _Plan:
-    """The checked options of `march`, all but the number of nodes."""
-
-    scene: Scene
-    end_time: float
-    latest: float
-    length: float
-    step_ratio: float
-    damping: float
-    every: int
-    tolerance: float
-    rtol: float | None
-    companion: bool
-    entry: float
-
-    def enough_nodes(self, nodes: int | None, least: int, memory: float | None) -> int:
-        """Return the given nodes, or from `least` on as many as loads, edge and friction law need.
-
-        Raises
-        ------
-        SceneError
-            If the loads need more than are given, or more than `MOST_NODES`.
-        """
-        self._check_size(nodes or least, memory)
-        most = nodes
-        if nodes is None:
-            zones = (
-                nodes_for_zone(self.scene, self.end_time, self.length),
-                nodes_for_weakening(self.scene, self.length),
-            )
-            # A zone that even MOST_NODES do not resolve is marched on the usual number of nodes
-            # and reported as "unresolved" (`Marched.caution`).
-            nodes = max(least, *(needed for needed in zones if needed <= MOST_NODES), LEAST_NODES)
-            most = MOST_NODES
-        return check_loads(
-            self.scene, self.latest, self.length, nodes, most or nodes, self.step_ratio
-        )
-
-    def run_within(
-        self,
-        rtol: float,
-        memory: float | None,
-        progress: Callable[[int, int], object] | None,
-    ) -> Marched:
-        """March on more and more nodes until the error estimate is at most `rtol`; return the last.
-
-        See docs/spacetime.md, "Error of a march".
-        """
-        # Until two marches are known, first order is assumed, that of slip rate at edges.
-        nodes, order, coarser = self.enough_nodes(None, FIRST_NODES, memory), 1.0, None
-        while True:
-            marched = self.run(nodes, memory, progress)
-            if coarser is not None:
-                seen = _order_seen(coarser, marched)
-                marched, order = replace(marched, order=seen), seen or 1.0
-            estimate = marched.error_estimate
-            stopped = marched.end_time < self.end_time
-            if stopped or nodes >= MOST_NODES or estimate <= rtol:
-                return marched
-            # error ~ nodes^-order: the nodes that bring the estimate to rtol / GROWTH_MARGIN
-            growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / order)
-            growth = float(np.clip(growth, LEAST_GROWTH, LARGEST_GROWTH))
-            nodes, coarser = min(MOST_NODES, math.ceil(growth * nodes)), marched
-
-    def run(
-        self,
-        nodes: int,
-        memory: float | None,
-        progress: Callable[[int, int], object] | None,
-    ) -> Marched:
-        """March on a given number of contact nodes."""
-        started = time.perf_counter()
-        self._check_size(nodes, memory)
-        check_weakening_seen(self.scene, self.length / nodes)
-        at_rest = replace(self.at_rest(nodes), rtol=self.rtol)
-        setup = time.perf_counter() - started
-        return advance(at_rest, self.end_time, memory, setup, progress)
-
-    def _check_size(self, nodes: int, memory: float | None) -> None:
-        """Raise SceneError if the march does not fit into the memory."""
-        reach = self.scene, self.latest, self.length
-        check_size(*reach, nodes, memory, self.companion, self.entry)
-
-    def at_rest(self, nodes: int) -> Marched:
-        """Return the march on a number of contact nodes before its first step."""
-        grid = causal_grid(self.scene, self.latest, self.length, nodes, self.entry)
-        # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
-        # same sum of exponentials serves both.
-        passing = self.latest + max(self.scene.front_slowness, 0.0) * self.entry
-        horizon = grid.wavenumbers[-1] * self.scene.material.shear_speed * passing
-        past = fit_memory(impedance_of(self.scene), horizon, self.tolerance)
-        marched = self._on(grid, past)
-        if not self.companion:
-            return marched
-        # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
-        coarse = math.ceil(nodes / 2)
-        length = 2 * grid.spacing * coarse
-        coarser = causal_grid(self.scene, self.latest, length, coarse, self.entry)
-        return replace(marched, companion=self._on(coarser, past))
-
-    def _on(self, grid: Grid, past: Memory) -> Marched:
-        """Return a march on a grid before its first step, without a companion."""
-        no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
-        marched = Marched(
-            scene=self.scene,
-            interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 5),
-            totals=Totals(*[no_times] * 4),
-            latest=self.latest,
-            step_ratio=self.step_ratio,
-            damping=self.damping,
-            every=self.every,
-            statistics=MarchStatistics(
-                0, grid.size, len(past.poles), past.error, {"setup": 0.0, "steps": 0.0}
-            ),
-            grid=grid,
-            memory=past,
-            state=MarchState.at_rest(len(past.poles), grid),
-            seen=Extremes.at_rest(grid.observed),
-            entry=self.entry,
-        )
-        state = MarchState.at_rest(len(past.poles), grid, marched.begins)
-        return replace(marched, state=state)
 
 
 @taking_quantities
@@ -460,18 +292,6 @@ def march_on(
         )
     # the order was seen until the time that the march had reached, under its loads alone
     return advance(replace(marched, order=None), end_time, memory, 0.0, progress)
-
-
-def _order_seen(coarse: Marched, fine: Marched) -> float | None:
-    """Return the order at which marches of one scene approach their companions, or None.
-
-    It is None where a march saw no slip, or stopped early.
-    """
-    before, now = coarse.departure.share, fine.departure.share
-    if not (before > 0 and now > 0) or coarse.end_time != fine.end_time:
-        return None
-    growth = math.log(fine.grid.observed / coarse.grid.observed)
-    return float(np.clip(math.log(before / now) / growth, *ORDERS))
 
 
 def _checked_entry(scene: Scene, latest: float, length: float, entry: float | None) -> float:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from semianalytic.results.memory import check_memory, memory_limit
 from semianalytic.scene.scene import Scene
+from semianalytic.spacetime.grid.nodes import extents
 from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.tuning import (
     BYTES_PER_NODE,
@@ -27,36 +28,6 @@ _HUGE = 1e30
 def state_bytes(size: int, poles: int) -> int:
     """Return the memory of a march on a grid of `size` nodes [bytes], measured at its peak."""
     return size * (poles * BYTES_PER_POLE + BYTES_PER_NODE)
-
-
-def extents(scene: Scene, latest: float, length: float, entry: float) -> tuple[float, float]:
-    """Return the lengths of contact and slot beyond which nothing is seen until `latest` [length].
-
-    Parameters
-    ----------
-    scene : Scene
-        The fastest wave speed and the slowness of the front of the load are taken from it.
-    latest : float
-        Time until which the observed contact must be unaffected by the mirrors [time].
-    length : float
-        Length of the observed contact [length].
-    entry : float
-        Distance from the tip at which a load that comes along the slot begins [length], else 0.
-    """
-    speed, slowness = scene.fastest_speed, scene.front_slowness
-    begins = -max(slowness, 0.0) * entry
-    # waves leave the tip when the first of them, or the front itself, has come there
-    reach = speed * (latest - min(0.0, begins + entry / speed))
-    # A wave from x = 0 that is mirrored at x = L travels L + (L - length) to the observed contact;
-    # one that is mirrored at x = -L travels 2 L back to x = 0, one from x = -entry as much less.
-    slot = max(reach / 2, (speed * (latest - begins) + entry) / 2 if entry else 0.0, entry)
-    contact = max(length, (reach + length) / 2)
-    # A front that outruns the waves meets its mirror image at an end, whose waves come back.
-    if slowness < 0:
-        slot = max(slot, latest / (1 / speed - slowness))
-    elif slowness > 0 and scene.arrives and (scene.far_slip_rate or not scene.is_step):
-        contact = max(contact, (latest + length / speed) / (1 / speed + slowness))
-    return contact, slot
 
 
 def check_size(

@@ -2,247 +2,37 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.results.files import sealed_hdf5, whole_hdf5
+from semianalytic.memory.exponentials import Memory
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.notebook import html_table
 from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
-from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
-from semianalytic.scene.scene import Scene, Tractions, scene_document, scene_from_document
+from semianalytic.scene.scene import Scene, Tractions
 from semianalytic.scene.units import unit
-from semianalytic.spacetime.exponentials import Memory
-from semianalytic.spacetime.marched_bodies import MarchedBodies
-from semianalytic.spacetime.resolution import (
-    Shortfall,
-    advice,
-    coarse_weakening,
-    missed_zone,
-)
+from semianalytic.spacetime.bodies.marched_bodies import MarchedBodies
+from semianalytic.spacetime.bodies.tuning import FIELD_POINTS, FIELD_SMOOTHING
+from semianalytic.spacetime.grid.nodes import Grid
+from semianalytic.spacetime.grid.resolution import Shortfall, advice, coarse_weakening, missed_zone
+from semianalytic.spacetime.march_error import Departure, slip_rate_error
+from semianalytic.spacetime.march_files import read_march, write_march
+from semianalytic.spacetime.state import Extremes, MarchState, MarchStatistics
 from semianalytic.spacetime.tuning import (
-    ERROR_SAFETY,
-    FIELD_POINTS,
-    FIELD_SMOOTHING,
-    HIGHEST_ORDER,
     LARGEST_ERROR,
-    MEMORY_SAFETY,
-    ORDER_SAFETY,
     READING_SAFETY,
 )
 
 Array = NDArray[np.float64]
-
-FORMAT = "slipfront march 4"
-
-
-@dataclass(frozen=True)
-class Grid:
-    """The nodes x = (i + 1/2) h of a march: `slot` of them on x < 0, the others on the contact.
-
-    Attributes
-    ----------
-    spacing : float
-        Node distance h [length].
-    slot, observed, size : int
-        Numbers of nodes on the slot, on the observed part of the contact, and in all.
-    """
-
-    spacing: float
-    slot: int
-    observed: int
-    size: int
-
-    @property
-    def x(self) -> Array:
-        """Positions of the observed nodes of the contact (observed,) [length]."""
-        return np.asarray((np.arange(self.observed) + 0.5) * self.spacing)
-
-    @property
-    def contact(self) -> slice:
-        """The slice of all nodes that lie on the contact."""
-        return slice(self.slot, self.size)
-
-    @property
-    def nodes(self) -> Array:
-        """Positions of all nodes, slot included, (size,) [length]."""
-        return np.asarray((np.arange(self.size) - self.slot + 0.5) * self.spacing)
-
-    def observe(self, values: Array) -> Array:
-        """Return values (..., size) at the observed nodes of the contact, (..., observed)."""
-        return values[..., self.slot : self.slot + self.observed]
-
-    @property
-    def wavenumbers(self) -> Array:
-        """Wavenumbers of the cosines, (size,) [1 / length]."""
-        # cos(q x) is even about both ends of a grid of length size h
-        return np.asarray(np.pi * np.arange(self.size) / (self.size * self.spacing))
-
-
-@dataclass(frozen=True, eq=False)
-class Extremes:
-    """Extremes over every step of a march, stored or not, at the observed nodes.
-
-    Attributes
-    ----------
-    forward, reverse : (n,) arrays
-        Largest slip rate so far, at least 0, and least one, at most 0 [length / time].
-    slip : (n,) array
-        Largest |slip| so far [length].
-    onset : (n,) array
-        Time at which slip began [time], inf where it did not: |V| passed 1 % of the largest |V|
-        anywhere until then, interpolated linearly between the two levels around that time.
-    """
-
-    forward: Array
-    reverse: Array
-    slip: Array
-    onset: Array
-
-    @classmethod
-    def at_rest(cls, nodes: int) -> Extremes:
-        """Return the extremes at so many nodes before anything happens."""
-        rest = np.zeros(nodes)
-        return cls(rest, rest, rest, np.full(nodes, np.inf))
-
-    @property
-    def slip_rate(self) -> Array:
-        """Largest |slip rate| (n,) [length / time]."""
-        return np.maximum(self.forward, np.abs(self.reverse))
-
-    def with_levels(self, times: Sequence[float], rates: Array, slips: Array) -> Extremes:
-        """Return the extremes with k more levels included.
-
-        Parameters
-        ----------
-        times : (k + 1,) sequence
-            Times of the levels and of the one before them [time].
-        rates : (k + 1, n) array
-            Slip rates at these [length / time].
-        slips : (k, n) array
-            Slip at the levels [length].
-        """
-        forward = np.maximum(self.forward, rates[1:].max(axis=0))
-        reverse = np.minimum(self.reverse, rates[1:].min(axis=0))
-        slip = np.maximum(self.slip, np.maximum(slips.max(axis=0), -slips.min(axis=0)))
-        waiting = np.flatnonzero(np.isinf(self.onset))
-        if not len(waiting):
-            return Extremes(forward, reverse, slip, self.onset)
-        # The threshold of a level uses only what was until then, so that a march that is continued
-        # finds the same onsets.
-        speeds = np.abs(rates)
-        until = np.maximum.accumulate(speeds[1:].max(axis=1))
-        threshold = ONSET_SHARE * np.maximum(until, float(self.slip_rate.max()))
-        begins = speeds[1:, waiting] > threshold[:, None]
-        first = np.argmax(begins, axis=0)
-        began = np.flatnonzero(begins[first, np.arange(len(waiting))])
-        if not len(began):
-            return Extremes(forward, reverse, slip, self.onset)
-        level, node, t = first[began], waiting[began], np.asarray(times)
-        late, speed = speeds[level, node], speeds[level + 1, node]
-        # |V| is linear between the two levels; after a jump, where they are one, onset is now
-        rise = np.where(speed > late, speed - late, 1.0)
-        share = np.where(speed > late, (threshold[level] - late) / rise, 0.0)
-        onset = self.onset.copy()
-        onset[node] = t[level] + (t[level + 1] - t[level]) * np.clip(share, 0.0, 1.0)
-        return Extremes(forward, reverse, slip, onset)
-
-
-@dataclass(frozen=True, eq=False)
-class MarchState:
-    """The state of a march at one time, from which it can be continued.
-
-    Attributes
-    ----------
-    time : float
-        Time reached [time].
-    modes : (poles, size) complex array
-        Memory of past slip, per pole and cosine [length / time].
-    lasting : (size,) array
-        Static part of the memory, per cosine [length / time].
-    rate : (size,) array
-        Relative slip rate, slot included [length / time].
-    traction : (size - slot,) array
-        Shear traction of the contact [stress].
-    slip, path : (size - slot,) arrays
-        Slip and accumulated |slip| on the contact [length].
-    work : (size - slot,) array
-        Frictional work per area of the contact [stress length].
-    """
-
-    time: float
-    modes: NDArray[np.complex128]
-    lasting: Array
-    rate: Array
-    traction: Array
-    slip: Array
-    path: Array
-    work: Array
-
-    @classmethod
-    def at_rest(cls, poles: int, grid: Grid, time: float = 0.0) -> MarchState:
-        """Return the state before anything happens, at a time, for so many poles."""
-        lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
-        modes = np.zeros((poles, grid.size), dtype=complex)
-        return cls(time, modes, lasting, lasting, contact, contact, contact, contact)
-
-    def copy(self) -> MarchState:
-        """Return a state whose memory can be changed in place."""
-        return replace(self, modes=self.modes.copy(), lasting=self.lasting.copy())
-
-
-@dataclass(frozen=True)
-class Departure:
-    """The difference between a march and its companion, over the observed contact and time.
-
-    Attributes
-    ----------
-    difference, slip_rate : float
-        Integrals of |V - V of the companion| and of |V| [length^2].
-    """
-
-    difference: float = 0.0
-    slip_rate: float = 0.0
-
-    @property
-    def share(self) -> float:
-        """Difference relative to the slip rate, nan where nothing slips."""
-        return self.difference / self.slip_rate if self.slip_rate else math.nan
-
-
-@dataclass(frozen=True)
-class MarchStatistics:
-    """The cost of a march.
-
-    Attributes
-    ----------
-    steps : int
-        Number of time steps.
-    nodes : int
-        Number of nodes of the whole grid.
-    poles : int
-        Number of exponentials that carry the memory.
-    memory_error : float
-        Relative error of their transform.
-    seconds : dict
-        Seconds by stage: "setup" and "steps".
-    """
-
-    steps: int
-    nodes: int
-    poles: int
-    memory_error: float
-    seconds: dict[str, float]
 
 
 @asked_in_units
@@ -314,7 +104,7 @@ class Marched(SampledAnswer):
     state: MarchState
     seen: Extremes
     companion: Marched | None = None
-    departure: Departure = Departure()
+    departure: Departure = field(default_factory=Departure)
     rtol: float | None = None
     entry: float = 0.0
     order: float | None = None
@@ -346,17 +136,8 @@ class Marched(SampledAnswer):
         """
         if self.companion is None:
             return math.nan
-        # Without slip the ratio is 0 / 0.  That is no error where the edge sticks in the continuum
-        # as well, and a total one where K_II exceeds f K_I and the grid misses the zone.
-        if self.departure.slip_rate == 0:
-            return math.inf if self.departure.difference or self._missed_zone else 0.0
-        # Both marches share the error of the memory's transform, which their difference does not
-        # show.
-        safety = ERROR_SAFETY
-        if self.order is not None:
-            # difference = (2^order - 1) error, if errors fall as nodes^-order
-            safety = min(safety, ORDER_SAFETY / (2 ** min(self.order, HIGHEST_ORDER) - 1))
-        return safety * self.departure.share + MEMORY_SAFETY * self.memory.error
+        missed = self._missed_zone is not None
+        return slip_rate_error(self.departure, self.order, self.memory.error, missed)
 
     def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
         """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
@@ -568,28 +349,8 @@ class Marched(SampledAnswer):
         DataFileError
             If the file cannot be written.
         """
-        with whole_hdf5(path) as file:
-            file.attrs["format"] = FORMAT
-            file.attrs["scene"] = json.dumps(scene_document(self.scene))
-            self._write(file)
-            if self.companion is not None:
-                self.companion._write(file.create_group("companion"))
-
-    def _write(self, group: Any) -> None:
-        """Write everything but scene and companion into an HDF5 group."""
-        for name in _OPTIONS:
-            group.attrs[name] = getattr(self, name)
-        for name in ("rtol", "order"):
-            if getattr(self, name) is not None:
-                group.attrs[name] = getattr(self, name)
-        if self.entry:
-            group.attrs["entry"] = self.entry
-        group.attrs["statistics"] = json.dumps(asdict(self.statistics))
-        group.attrs["departure"] = json.dumps(asdict(self.departure))
-        for name in _GROUPS:
-            part = group.create_group(name)
-            for field in fields(getattr(self, name)):
-                part[field.name] = getattr(getattr(self, name), field.name)
+        companion = None if self.companion is None else vars(self.companion)
+        write_march(path, self.scene, vars(self), companion)
 
     @classmethod
     def load(cls, path: str | Path) -> Marched:
@@ -607,52 +368,4 @@ class Marched(SampledAnswer):
         DataFileError
             If the file is missing, damaged or not a march.
         """
-        try:
-            with sealed_hdf5(path) as file:
-                if file.attrs.get("format") != FORMAT:
-                    raise DataFileError(f"{path} is not a slipfront march; give a file of one.")
-                scene = scene_from_document(json.loads(file.attrs["scene"]))
-                companion = cls._read(file["companion"], scene) if "companion" in file else None
-                return replace(cls._read(file, scene), companion=companion)
-        except (OSError, KeyError, TypeError, ValueError, SceneError) as error:
-            raise DataFileError(
-                f"{path} cannot be read as a march ({error}); march again."
-            ) from error
-
-    @classmethod
-    def _read(cls, group: Any, scene: Scene) -> Marched:
-        """Read what `_write` wrote."""
-        parts = {
-            name: kind(**{field.name: group[name][field.name][()] for field in fields(kind)})
-            for name, kind in _GROUPS.items()
-        }
-        # HDF5 returns numpy scalars; the grid of a new march holds Python's own numbers.
-        parts["grid"] = Grid(
-            float(parts["grid"].spacing),
-            *(int(getattr(parts["grid"], name)) for name in ("slot", "observed", "size")),
-        )
-        return cls(
-            scene=scene,
-            **{name: kind(group.attrs[name]) for name, kind in _OPTIONS.items()},
-            statistics=MarchStatistics(**json.loads(group.attrs["statistics"])),
-            departure=Departure(**json.loads(group.attrs["departure"])),
-            rtol=_number_or_none(group, "rtol"),
-            order=_number_or_none(group, "order"),
-            entry=float(group.attrs.get("entry", 0.0)),
-            **parts,
-        )
-
-
-def _number_or_none(group: Any, name: str) -> float | None:
-    return float(group.attrs[name]) if name in group.attrs else None
-
-
-_OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}
-_GROUPS = {
-    "interface": InterfaceHistory,
-    "totals": Totals,
-    "grid": Grid,
-    "memory": Memory,
-    "state": MarchState,
-    "seen": Extremes,
-}
+        return read_march(path, cls)

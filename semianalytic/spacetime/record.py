@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.spacetime.marched import Marched, MarchState
+from semianalytic.spacetime.marched import Marched
+from semianalytic.spacetime.state import MarchState
 
 Array = NDArray[np.float64]
 

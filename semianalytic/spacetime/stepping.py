@@ -16,15 +16,18 @@ from itertools import islice, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.memory.cosines import cosines, from_cosines
+from semianalytic.memory.recursion import Recursion, exerted
 from semianalytic.scene.errors import ComputationError, TensionError
 from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid_loads import FrontLoad, NodalPressure
-from semianalytic.spacetime.line import Level, Line
-from semianalytic.spacetime.marched import Marched, MarchState
+from semianalytic.spacetime.grid.grid_loads import FrontLoad, NodalPressure
+from semianalytic.spacetime.grid.line import Level, Line
+from semianalytic.spacetime.grid.tuning import SWEEPS
+from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.record import MarchRecord
-from semianalytic.spacetime.recursion import Recursion, cosines, exerted, from_cosines
-from semianalytic.spacetime.tuning import AVERAGED_BREAKS, BLOCK_STEPS, STEP_VALUES, SWEEPS
+from semianalytic.spacetime.state import MarchState
+from semianalytic.spacetime.tuning import AVERAGED_BREAKS, BLOCK_STEPS, STEP_VALUES
 
 Array = NDArray[np.float64]
 

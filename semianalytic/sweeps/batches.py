@@ -12,10 +12,10 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule, rule_for
-from semianalytic.selfsimilar.coulomb import admissible
-from semianalytic.selfsimilar.edges import Edges, broyden, moves
-from semianalytic.selfsimilar.estimate import difference, loose_tolerance, missed_slip
-from semianalytic.selfsimilar.tuning import (
+from semianalytic.selfsimilar.zones.coulomb import admissible
+from semianalytic.selfsimilar.zones.edges import Edges, broyden, moves
+from semianalytic.selfsimilar.zones.estimate import difference, loose_tolerance, missed_slip
+from semianalytic.selfsimilar.zones.tuning import (
     COARSER_COMPANION,
     HOPED_ERROR,
     LEAST_LEFT_SHIFT,

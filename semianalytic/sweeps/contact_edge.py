@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import common_load, per_set, scaled_load
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import RayleighFamily, rayleigh_family
 from semianalytic.halfplane.rayleigh import Array, CutPoints

@@ -23,12 +23,13 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.edges import Edges, edges_of, moves
-from semianalytic.selfsimilar.estimate import loose_tolerance
-from semianalytic.selfsimilar.motion import slip_zones
-from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
-from semianalytic.selfsimilar.tuning import FARTHEST, NUDGE
+from semianalytic.selfsimilar.statistics import Statistics
+from semianalytic.selfsimilar.zones.edges import Edges, edges_of, moves
+from semianalytic.selfsimilar.zones.estimate import loose_tolerance
+from semianalytic.selfsimilar.zones.motion import slip_zones
+from semianalytic.selfsimilar.zones.tuning import FARTHEST, NUDGE
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import Prediction, ZoneSets, batches, continued, linearised
 from semianalytic.sweeps.interpolation import confirmed, fits, interpolated, lagrange

@@ -11,9 +11,9 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.coulomb import admissible
-from semianalytic.selfsimilar.edges import Edges, edge_shift, moves
-from semianalytic.selfsimilar.tuning import FARTHEST, SAFETY
+from semianalytic.selfsimilar.zones.coulomb import admissible
+from semianalytic.selfsimilar.zones.edges import Edges, edge_shift, moves
+from semianalytic.selfsimilar.zones.tuning import FARTHEST, SAFETY
 from semianalytic.sweeps import tuning
 
 

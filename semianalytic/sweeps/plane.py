@@ -25,11 +25,12 @@ from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.edges import Edges, edges_of, moves
-from semianalytic.selfsimilar.estimate import loose_tolerance, shift_error
-from semianalytic.selfsimilar.motion import slip_zones
-from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
+from semianalytic.selfsimilar.statistics import Statistics
+from semianalytic.selfsimilar.zones.edges import Edges, edges_of, moves
+from semianalytic.selfsimilar.zones.estimate import loose_tolerance, shift_error
+from semianalytic.selfsimilar.zones.motion import slip_zones
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import ZoneSets, continued, linearised
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED

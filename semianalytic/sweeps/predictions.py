@@ -11,15 +11,15 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.selfsimilar.coulomb import admissible
-from semianalytic.selfsimilar.edges import moves
-from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, shift_error
-from semianalytic.selfsimilar.tuning import FARTHEST, SAFETY
+from semianalytic.selfsimilar.zones.coulomb import admissible
+from semianalytic.selfsimilar.zones.edges import moves
+from semianalytic.selfsimilar.zones.estimate import loose_tolerance, missed_slip, shift_error
+from semianalytic.selfsimilar.zones.tuning import FARTHEST, SAFETY
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import Prediction, ZoneSets, approached
 from semianalytic.sweeps.neighbours import Neighbourhood, Stencils

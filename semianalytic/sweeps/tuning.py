@@ -37,7 +37,7 @@ MOST_STEPS = 4
 """Most steps of Newton's method on the loose rule, and of chord steps on a fine one.  Half: work
 2 % more; twice: no effect."""
 LONGEST_MOVE = 1.5
-"""Largest change of an edge unknown in one step, as in `selfsimilar.tuning`.  Half, twice: no
+"""Largest change of an edge unknown in one step, as in `selfsimilar.zones.tuning`.  Half, twice: no
 effect."""
 NEAR = 2e-3
 """Move of an edge unknown after which its Jacobian is kept.  Half, twice: work 1 % more."""

@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike
 from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
 from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.places import contact_points
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, MODES, Material, Tractions
 from semianalytic.scene.units import SI
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.growing_zone import GrowingZone, growing_zone
-from semianalytic.whole_line.solution import finite_points
 
 POWERS = (1, 2)
 _SAMPLES = 300
@@ -215,6 +215,8 @@ class GrowingSolution:
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Shear traction [stress]; raises as `slip_rate`."""
         xi, time = self._velocity(x, t)
+        # Behind the edge the contact carries its strength, and `traction` is known ahead of it
+        # only.
         ahead = np.maximum(xi, 1 / self.zone.edge)
         held = np.where(
             xi * self.zone.edge < 1, self.slot.strength_ratio, self.zone.traction(ahead)
@@ -267,6 +269,8 @@ class GrowingSolution:
     def accumulated_slip(self, t: ArrayLike) -> Array:
         """Integral over the contact of the |slip| until t [length^2]; it grows as t^(n + 2)."""
         n, time = self.slot.power, np.maximum(np.asarray(t, dtype=float), 0.0)
+        # The slip rate grows as t^n on a zone as long as t: its integral over x is one of t^(n +
+        # 1).
         return np.asarray(self._area * time ** (n + 2) / (n + 2))
 
     def frictional_work(self, t: ArrayLike) -> Array:
@@ -276,6 +280,7 @@ class GrowingSolution:
         """
         n, time = self.slot.power, np.maximum(np.asarray(t, dtype=float), 0.0)
         strength = self.slot.friction * self.slot.load.pressure
+        # The strength grows as t^n besides, so that the power grows as t^(2n + 1).
         return np.asarray(strength * self._area * time ** (2 * n + 2) / (2 * n + 2))
 
     @property
@@ -298,11 +303,10 @@ class GrowingSolution:
 
     def _velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Return x / (c_t t), beyond all waves up to t = 0, and t or 0."""
-        x, t = finite_points(x, t)
-        if not (x > 0).all():
-            raise SceneError("x must be positive; the contact is x > 0.")
+        x, t = contact_points(x, t)
         speed = self.slot.material.shear_speed
         xi = np.divide(x, speed * t, out=np.full(x.shape, np.inf), where=t > 0)
+        # Before t = 0 any velocity beyond that of the first wave, 1/a, stands for infinity.
         return np.minimum(xi, 2 / self.zone.factors.a), np.maximum(t, 0.0)
 
 
@@ -340,6 +344,7 @@ def solve_growing(slot: GrowingSlot) -> GrowingSolution:
     factors = rayleigh_factors(slot.material.poisson_ratio, mode)
     zone = growing_zone(factors, slot.power, slot.strength_ratio)
     _check_one_zone(zone)
+    # The j-th condition is a moment of v^j: of the size u_s^j times the jump of traction.
     scale = zone.edge ** np.arange(slot.power + 1) * (1 + slot.strength_ratio)
     error = float(np.abs(zone.conditions / scale).max()) + 1e-14
     status = "converged"
@@ -352,6 +357,7 @@ def _check_one_zone(zone: GrowingZone) -> None:
     """Raise SceneError if shear meets strength ahead of slip, or slip turns."""
     edge, fastest = 1 / zone.edge, 1 / zone.factors.a
     share = np.arange(1, _SAMPLES) / _SAMPLES
+    # Traction turns at the shear wave and at the Rayleigh wave, which samples might pass over.
     ahead = np.sort([1.0, 1 / zone.factors.c, *(edge + (fastest - edge) * share)])
     traction = np.abs(zone.traction(ahead[ahead > edge]))
     if traction.max() > zone.ratio:

@@ -51,22 +51,27 @@ def finite_part(power: int, lag: int) -> tuple[Array, Array]:
     from scipy.special import roots_jacobi
 
     nodes, rule = roots_jacobi(2 * _POINTS, lag, -0.5)
+    # From x on [-1, 1] with the weight (1 - x)^lag (1 + x)^(-1/2) to y = (1 + x) / 2.
     nodes, rule = (1 + nodes) / 2, rule / 2 ** (lag + 0.5)
     moments = np.zeros(_POINTS)
     for j in range(_POINTS):
         series = np.eye(_POINTS)[j]
         rest, finite = chebyshev.chebval(2 * nodes - 1, series), 0.0
+        # The Taylor terms at y = 0, where T_j(-1) = (-1)^j and d/dy = 2 d/dx, are integrated in
+        # closed form. What is left of T_j vanishes like y^power and may be divided by it.
         for m in range(power):
             slope = chebyshev.chebval(-1.0, chebyshev.chebder(series, m)) if m else (-1.0) ** j
             value = float(slope) * 2.0**m / factorial(m)
             rest = rest - value * nodes**m
             finite += value * factorial(lag) / np.prod(m + 0.5 - power + np.arange(lag + 1))
         moments[j] = finite + float(rule @ (rest / nodes**power))
+    # Values at Chebyshev nodes give the coefficients of T_j by a discrete cosine transform.
     angle = np.pi * (np.arange(_POINTS) + 0.5) / _POINTS
     transform = 2 * np.cos(np.arange(_POINTS)[:, None] * angle) / _POINTS
     transform[0] /= 2
     both = (1 + np.cos(angle)) / 2, moments @ transform
     for one in both:
+        # The cache hands out the same arrays to all callers.
         one.setflags(write=False)
     return both
 
@@ -144,8 +149,11 @@ class GrowingZone:
 
         y, weight = finite_part(n, 0)
         v = edge + short * y
+        # With v = u_s + short y, dv (v - u_s)^(-n - 1/2) is short^(1/2 - n) y^(-n - 1/2) dy.
         near = self._sign * short ** (0.5 - n) * (v**j * self._density(v)) @ weight
         count = int(np.ceil(np.log2(_FARTHEST)))
+        # Panels that double in length follow the density, whose scale is the distance from the
+        # edge.
         ends = edge + short * np.exp2(np.arange(count, dtype=float))
         return near, RunningIntegral(self.factors, slope, ends)
 
@@ -161,12 +169,16 @@ class GrowingZone:
         if near.any():
             y, weight = finite_part(n, order)
             length = (u[near] - edge)[:, None]
+            # (1 - v/u)^order = (length / u)^order (1 - y)^order, whose second factor is in the
+            # weights.
             values = self._density(edge + length * y) * (length / u[near, None]) ** order
             result[near] = self._sign * (values * length ** (0.5 - n)) @ weight
         if far.any():
             before, running = self._slip_moments
             moments = before[:, None] + running.at(u[far])
             powers = np.arange(order + 1)[:, None]
+            # Far behind the edge the binomial sum over moments of v^j loses no digits, and one
+            # running integral serves all slownesses.
             terms = _row(order) * (-1 / u[far]) ** powers * moments[: order + 1]
             result[far] = terms.sum(axis=0)
         return result
@@ -177,6 +189,7 @@ class GrowingZone:
 
     def slip(self, xi: ArrayLike) -> Array:
         """Return the slip of one side over t^(n + 1) at velocities xi >= 0."""
+        # int_0^t (s - x v)^n ds = (t - x v)^(n + 1) / (n + 1).
         return self._at(xi, self.power + 1) / (self.power + 1)
 
     def _at(self, xi: ArrayLike, order: int) -> Array:
@@ -256,6 +269,8 @@ class GrowingZone:
             length = np.maximum(self.edge - u[near], _TIP * self.edge)[:, None]
             at = self.factors.cut((self.edge - length * y).ravel())
             values = self._traction_density(at).reshape(length.shape[0], -1)
+            # (1 - v/u)^n = (-length / u)^n (1 - y)^n, and length^n times length^(1/2 - n) is a
+            # root. The traction is counted from the strength, which it reaches at the edge.
             short = (-1 / u[near]) ** n * np.sqrt(length[:, 0])
             result[near] = self.ratio - short * (values @ weight)
         powers = np.arange(n + 1)[:, None]
@@ -280,6 +295,7 @@ def growing_zone(factors: RayleighFactors, power: int, ratio: float) -> GrowingZ
         return GrowingZone(factors, power, ratio, factors.c * (1 + float(np.exp(x))))
 
     ends = float(np.log(_NEAREST)), float(np.log(_SLOWEST))
+    # T(0) falls as the edge becomes slower: the load 1 lies between the two ends, or nowhere.
     if zone(ends[0]).load < 1:
         wave = "Rayleigh" if factors.has_rayleigh_wave else "shear"
         raise SceneError(

@@ -244,6 +244,7 @@ class WholeLine:
         """+1 where the upper side slips towards +x, -1 towards -x; 0 where the interface opens."""
         if self.opens:
             return 0
+        # Beside a point force its own shear is infinite, and sets the sense whatever the base is.
         share = 0.0 if isinstance(self.load, PointForce) else self.base.shear
         return 1 if share + self.load.shear >= 0 else -1
 
@@ -255,6 +256,7 @@ class WholeLine:
         """
         if self.opens:
             return -self.load.pressure
+        # Pressure of the load raises the strength, and so lowers the drive.
         return self.sense * self.load.shear - self.friction * self.load.pressure
 
     @property
@@ -284,6 +286,7 @@ class WholeLine:
         """
         if not isinstance(self.load, HalfLine):
             raise SceneError("slot_scene: only a HalfLine moves like a slot.")
+        # Slip takes the shear from base plus load down to the strength: this fall radiates.
         drop = self.excess - self.missing
         load = Tractions(-drop, 0.0) if self.opens else Tractions(0.0, self.sense * drop)
         given = self.material, self.friction, self.base, load

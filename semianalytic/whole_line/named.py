@@ -10,7 +10,7 @@ from typing import Any
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import LINE_KEYS, TABLES, is_file, read_document
+from semianalytic.scene.given.named import LINE_KEYS, TABLES, is_file, read_document
 from semianalytic.scene.scene import IN_PLANE, Material, Tractions
 from semianalytic.whole_line.growing import GrowingSlot
 from semianalytic.whole_line.line import LOADS, Patch, PointForce, WholeLine
@@ -152,6 +152,7 @@ def line_from_document(document: Mapping[str, Any]) -> Problem:
     for name, table in tables.items():
         if not isinstance(table, Mapping):
             raise SceneError(f"{name} must be a table, [{name}], got {shown(table)}.")
+        # The load of a whole line has a kind, whose keys are checked below.
         if name != "load" or not whole:
             _check(table, f"{name}.", TABLES[name], ())
     common = {
@@ -165,6 +166,7 @@ def line_from_document(document: Mapping[str, Any]) -> Problem:
             **common,
             load=Tractions(**document["load"]),
             power=document["growth"],
+            # A base is accepted in a file so that `GrowingSlot` can say why it has to be zero.
             base=Tractions(**document.get("base", {"pressure": 0.0, "shear": 0.0})),
         )
     given = dict(document["load"])
@@ -189,6 +191,7 @@ def _check(
             close = difflib.get_close_matches(key, known, n=1)
             hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
             raise SceneError(f"unknown key {prefix}{key}; {hint}")
+        # All other keys are numbers; tables and words are checked where they are used.
         words = ("contact", "mode", "units", *TABLES)
         if key not in words and finite(value) is None:
             raise SceneError(f"{prefix}{key} must be a number, got {shown(value)}.")

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.scene.errors import SceneError
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone
+from semianalytic.results.places import line_points
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.line import Patch, PointForce, WholeLine
 from semianalytic.whole_line.spreading import Spreading
 
@@ -86,6 +86,8 @@ class LineSolution:
         It is relative, positive, in [length / time].
         """
         one = self.spreading
+        # At the edge ln ((y_p + y) / (y_p - y)) -> 2 y / y_p, and y -> sqrt(2 (1 - |x| / (xi_s
+        # t))).
         return float(self._rate_unit * one.scale * np.sqrt(8.0) / one.beyond)
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -159,6 +161,7 @@ class LineSolution:
 
     def accumulated_slip(self, t: ArrayLike) -> Array:
         """Integral over the line of the |slip| accumulated until t [length^2]; grows as t^2."""
+        # The sense is 0 where the interface opens: nothing slips there.
         return abs(self.line.sense) * self._areas(self.spreading.area, t)
 
     def opened_area(self, t: ArrayLike) -> Array:
@@ -170,6 +173,7 @@ class LineSolution:
         line = self.line
         if line.opens:
             return np.zeros(np.shape(t))
+        # Strength is uniform but for the pressure of the load, which acts on the patch alone.
         work = line.strength * self._areas(self.spreading.area, t)
         if isinstance(line.load, Patch) and line.load.pressure:
             share = self._areas(self.spreading.area_on_patch, t)
@@ -188,16 +192,18 @@ class LineSolution:
 
     @property
     def _rate_unit(self) -> float:
+        # `Spreading` gives the rate of one side; the two sides move apart, or along, evenly.
         return 2 * self._stress_unit / self.line.material.shear_impedance
 
     def _velocity(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return |x| / t, inf up to t = 0; x or t that is not finite is refused."""
-        x, t = finite_points(x, t)
+        x, t = line_points(x, t)
         return np.divide(np.abs(x), t, out=np.full(x.shape, np.inf), where=t > 0)
 
     def _moving(self, xi: Array, field: Any) -> Array:
         """Return a field of the spreading, 0 before the load."""
         speed = self.line.material.shear_speed
+        # Twice the speed of the edge is ahead of all motion, as everything is before the load.
         values = field(np.where(np.isfinite(xi), xi / speed, 2 / self.spreading.edge))
         return np.asarray(values)
 
@@ -223,6 +229,7 @@ class LineSolution:
         return line.base.pressure + np.where(on_patch, line.load.pressure, 0.0)
 
     def _areas(self, area: float, t: ArrayLike) -> Array:
+        # The integral of the rate over x grows as t, and its integral over time as t^2 / 2.
         unit = self._rate_unit * self.line.material.shear_speed * area / 2
         return np.asarray(unit * np.maximum(np.asarray(t, dtype=float), 0.0) ** 2)
 
@@ -230,11 +237,3 @@ class LineSolution:
     def excess_at_shear_wave(self) -> float:
         """Traction ahead of the zone at the shear wave, above the base [stress]."""
         return self._stress_unit * self.spreading.turning[0]
-
-
-def finite_points(x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
-    """Return positions and times as arrays of one shape; raise SceneError if one is not finite."""
-    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-    if not (np.isfinite(x).all() and np.isfinite(t).all()):
-        raise SceneError("x and t must be finite numbers.")
-    return x, t

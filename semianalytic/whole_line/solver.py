@@ -74,6 +74,7 @@ def solve_line(line: WholeLine) -> LineSolution | Solution:
                 f"{line.load.speed:.6g}."
             )
     elif isinstance(line.load, PointForce):
+        # The unit of stress under a force F_0 t is F_0 / c_t (`spreading`).
         unit /= speed
     found = spread(factors, patch, line.missing / unit)
     if mode == "II":
@@ -98,6 +99,7 @@ def _check_one_zone(line: WholeLine, found: Spreading, unit: float) -> None:
             f"the load adds, got {missing:.4g}: raise friction, or lower the load or the speed of "
             "its patch."
         )
+    # Reverse slip needs s tau < -f P_b, that is a rise below -(f P_b + s Q_b) = d - 2 f P_b.
     if at_rayleigh < missing - 2 * line.strength / unit:
         raise SceneError(
             "whole line: a zone of reverse slip starts at the Rayleigh wave, which has no closed "

@@ -66,6 +66,8 @@ class Spreading:
         """Share y_p = sqrt(1 - (w / xi_s)^2) of the edge at which the patch ends; 1 for a point."""
         if not self.patch:
             return 1.0
+        # 1 - w e_s = w (e_p - e_s): the lead is known to all its digits, the difference from 1 is
+        # not.
         return float(np.sqrt(self.lead * self.patch * (1 + self.patch * self.edge)))
 
     @cached_property
@@ -96,6 +98,7 @@ class Spreading:
             axis = np.sqrt(self.edge**2 + eta**2) * (end**2 + eta**2)
             return np.asarray(impedance_on_axis(self.factors, eta) / axis)
 
+        # C / pi for S = 1, since sqrt(e_p^2 - e_s^2) = e_p y_p.
         return 1 - 2 * self.scale * end**2 * self.beyond * over_axis(density, **rule)
 
     def slip_rate(self, xi: Array) -> Array:
@@ -110,6 +113,7 @@ class Spreading:
         """Return the slip over the time, at velocities xi >= 0."""
         y = self._share(xi)
         if not self.patch:
+            # The limit of the formula below for w -> 0, where the moment becomes elementary.
             return np.where(self._moves(xi), self.scale * (self._logarithm(xi) - 2 * y), 0.0)
         from scipy.special import xlogy  # imported late, which keeps commands fast to start
 
@@ -132,6 +136,8 @@ class Spreading:
 
     def _logarithm(self, xi: Array) -> Array:
         with np.errstate(divide="ignore"):
+            # y_p^2 - y^2 = (xi^2 - w^2) e_s^2, in factors: y_p - y itself would lose its digits
+            # beside the end of the patch.
             lag = np.abs((xi - self.patch) * (xi + self.patch)) * self.edge**2
             return np.asarray(2 * np.log(self.beyond + self._share(xi)) - np.log(lag))
 
@@ -154,6 +160,8 @@ class Spreading:
             from_end = (lead + to_edge) * (end + at.v)
             return np.asarray(2 * self.scale * end**2 * self.beyond * imaginary / (from_end * root))
 
+        # The pole at e_p lies `lead` beyond the edge: panels beside the edge must be shorter than
+        # that.
         least = min(lead / 2, self.edge)
         return RunningIntegral(self.factors, slope, panels_to(self.factors, self.edge, least))
 
@@ -182,6 +190,7 @@ class Spreading:
     @cached_property
     def area_on_patch(self) -> float:
         """Integral of the slip rate over the patch, |xi| < w."""
+        # The slip rate has a logarithm at |xi| = w, towards which the pieces become shorter.
         t, weight = gauss(20)
         ends = 1 - 0.5 ** np.arange(_PATCH_PIECES + 1)
         xi = self.patch * (ends[:-1, None] + np.diff(ends)[:, None] * t)
@@ -218,6 +227,7 @@ def spread(factors: RayleighFactors, patch: float, missing: float) -> Spreading:
     def excess(x: float) -> float:
         return at(x).missing() - missing
 
+    # `missing` grows with x: it is least for an edge at the wave and S for one at the patch.
     if excess(_NEAREST) > 0:
         wave = "Rayleigh" if factors.has_rayleigh_wave else "shear"
         raise SceneError(
@@ -232,6 +242,8 @@ def spread(factors: RayleighFactors, patch: float, missing: float) -> Spreading:
             "outside, and what is missing to motion must be less of the excess, got "
             f"{missing:.17g}."
         )
+    # The unknown is a logarithm, so that an edge beside the wave, or beside the patch, keeps all
+    # digits of that distance.
     return at(brentq(excess, _NEAREST, farthest, xtol=1e-15, rtol=1e-15))
 
 
@@ -249,6 +261,8 @@ def least_missing(factors: RayleighFactors, patch: float) -> float:
 
     x = _NEAREST
     if factors.mode == "II" and margin(x) < 0:
+        # Traction ahead of the zone peaks at the shear wave in mode II: there it would meet
+        # strength first.
         x = brentq(margin, x, _TO_PATCH, xtol=1e-10)
     return _at(factors, patch, x).missing()
 
@@ -258,6 +272,7 @@ def _at(factors: RayleighFactors, patch: float, x: float) -> Spreading:
     c = factors.c
     if not patch:
         return Spreading(factors, 0.0, c * (1 + float(np.exp(x))))
+    # The shorter of the two distances is formed by itself: the logistic map never subtracts.
     width, small = 1 / patch - c, float(np.exp(-abs(x)))
     near, far = width * small / (1 + small), width / (1 + small)
     return Spreading(factors, patch, *((c + near, far) if x < 0 else (1 / patch - near, near)))

@@ -21,15 +21,16 @@ from compare.output.tables import write_rows
 from semianalytic import Marched, Solution
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
-from semianalytic.scene.named import (
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.named import (
     DEFAULT_SCENE,
     find_scene,
     override_scene,
     scene_folder,
     scene_label,
 )
-from semianalytic.scene.scene import scene_document
 from slipfront.cli import terminal
+from slipfront.cli.endings.refusals import check_converged
 from slipfront.cli.options import (
     MESH_OPTIONS,
     SCENE_OPTIONS,
@@ -48,7 +49,6 @@ from slipfront.cli.options import (
 )
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.simulate_command import Allowance, simulate_into, with_error_bars
-from slipfront.cli.solve_command import check_converged
 
 if TYPE_CHECKING:
     from fem import Simulation

@@ -10,8 +10,8 @@ import typer
 from rich.console import Console
 
 from semianalytic.scene.extras import EXPLORE, PLOT, require
-from semianalytic.scene.named import DEFAULT_SCENE, find_scene, override_scene
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.named import DEFAULT_SCENE, find_scene, override_scene
 from slipfront.cli.options import SCENE_OPTIONS, AsJson, with_options
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.terminal import print_json

@@ -23,9 +23,10 @@ from semianalytic.prediction import chosen_method
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
-from semianalytic.scene.named import find_blocks, override_scene, scene_folder, scene_label
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.named import find_blocks, override_scene, scene_folder, scene_label
 from semianalytic.scene.units import unit
+from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.marching import check_rtol
 from slipfront.cli.options import (
     LOWER_OPTIONS,
@@ -58,7 +59,6 @@ from slipfront.cli.scenes.requests import (
     place_of,
     window_of,
 )
-from slipfront.cli.solve_command import check_converged
 from slipfront.cli.terminal import print_json
 
 if TYPE_CHECKING:
@@ -186,11 +186,8 @@ def field_command(
     if pair is not None:
         check_pair_options(method, march_options, None, None)
     marched = pair is None and chosen_method(scene, method) == "space-time"
-    if march_options and not marched:
-        raise SceneError(
-            f"{option_name(next(iter(march_options)))} is for the space-time solver; "
-            "add --method space-time."
-        )
+    if not marched:
+        check_no_march_options(march_options)
     time = asked(scene, "time", time, "time")
     thickness = asked(scene, "thickness", thickness, "length")
     stress_optical = asked(scene, "stress_optical", stress_optical, "stress length")

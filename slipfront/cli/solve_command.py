@@ -11,18 +11,14 @@ from rich.console import Console
 
 from compare.comparison.documents import solution_document
 from compare.output.places import check_file
-from semianalytic import PairSolution, Scene, Solution, solve
+from semianalytic import Scene, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.checks import checked_size
-from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.named import (
-    describes_line,
-    find_blocks,
-    override_scene,
-    scene_label,
-)
+from semianalytic.scene.given.named import describes_line, find_blocks, override_scene, scene_label
 from slipfront.cli import terminal
+from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.options import (
     LOWER_OPTIONS,
     MARCH_OPTIONS,
@@ -171,11 +167,7 @@ def solve_command(
             quiet=quiet,
         )
         return
-    if march_options:
-        raise SceneError(
-            f"{option_name(next(iter(march_options)))} is for the space-time solver; "
-            "add --method space-time."
-        )
+    check_no_march_options(march_options)
     _solve_exactly(scene, label, end_time, points, as_json=as_json, draw=draw, plot=plot)
 
 
@@ -227,12 +219,3 @@ def _solve_exactly(
         if plot is not None:
             console.print(f"Drawn in {plot}", highlight=False)
     check_converged(solution, label)
-
-
-def check_converged(solution: Solution | PairSolution, label: str) -> None:
-    """Raise ComputationError unless a solution has converged; call after printing."""
-    if solution.status != "converged":
-        raise ComputationError(
-            f"{label} has not converged: {solution.status}; do not rely on this answer, "
-            "change friction a little or simulate the scene."
-        )

@@ -26,9 +26,10 @@ from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_numb
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Scene
 from semianalytic.results.answer import digits_apart
+from semianalytic.scene.given.documents import part_document
 from semianalytic.scene.incident import IncidentWave
-from semianalytic.scene.loads import Step, Tabulated
-from semianalytic.scene.scene import part_document
+from semianalytic.scene.loads import Step
+from semianalytic.scene.tabulated import Tabulated
 from semianalytic.scene.units import unit
 from slipfront.cli.endings.refusals import in_options
 from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS

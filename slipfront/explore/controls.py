@@ -12,16 +12,11 @@ from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import Scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.documents import part_document, scene_document, scene_from_document
 from semianalytic.scene.incident import SIDES, WAVES, IncidentWave, MovingLoad
 from semianalytic.scene.loading import LOADED, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES
-from semianalytic.scene.scene import (
-    IN_PLANE,
-    MODES,
-    part_document,
-    scene_document,
-    scene_from_document,
-)
+from semianalytic.scene.scene import IN_PLANE, MODES
 from semianalytic.scene.units import unit
 
 Values = dict[str, Any]

@@ -26,7 +26,7 @@ from semianalytic import Marched, Scene, SlipZone, Solution, Tractions, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.errors import SlipfrontError
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.units import unit
 from slipfront.explore.controls import (
     CHOICES,

@@ -11,7 +11,8 @@ from semianalytic.interface.parameters import interface_parameters
 from semianalytic.inversion.fitting import Fit
 from semianalytic.inversion.priors import Normal
 from semianalytic.inversion.unknowns import DIMENSIONS, is_of_setup
-from semianalytic.scene.scene import Scene, scene_document
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.scene import Scene
 from slipfront.fits.posterior import Posterior
 
 WELL = 3.0

@@ -20,9 +20,9 @@ from semianalytic.interface.parameters import interface_at, interface_parameters
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.given.named import checked_scene, find_blocks
 from semianalytic.scene.given.parameters import part_parameters
 from semianalytic.scene.incident import IncidentWave
-from semianalytic.scene.named import checked_scene, find_blocks
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]

@@ -24,7 +24,7 @@ from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
 from slipfront.surveys.parameters import (
     Array,
     Subject,

@@ -6,7 +6,7 @@ import pytest
 
 from docs.studies import constants
 from docs.studies.constants import constant_rows, random_scenes, solved
-from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.zones import tuning
 
 
 def test_a_constant_that_matters_is_told_from_one_that_does_not():
@@ -23,6 +23,6 @@ def test_a_constant_that_matters_is_told_from_one_that_does_not():
 def test_an_unknown_constant_is_refused(capsys):
     with pytest.raises(SystemExit, match="2"):
         constants.main(["NO_SUCH_NUMBER"])
-    assert "NO_SUCH_NUMBER is no number of semianalytic.selfsimilar.tuning" in (
+    assert "NO_SUCH_NUMBER is no number of semianalytic.selfsimilar.zones.tuning" in (
         capsys.readouterr().err
     )

@@ -40,8 +40,8 @@ from docs.studies.accuracy.fem_loads import (
 from fem import load_simulation
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import MissingLibraryError
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loads import Ramp
-from semianalytic.scene.named import NAMED_SCENES
 from slipfront.cli import commands as cli
 
 

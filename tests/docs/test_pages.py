@@ -239,7 +239,7 @@ def test_every_file_and_link_named_in_docs_exists(page):
 
 
 def test_every_named_scene_has_its_section():
-    from semianalytic.scene.named import NAMED_SCENES
+    from semianalytic.scene.given.named import NAMED_SCENES
 
     page = (ROOT / "docs" / "scenes.md").read_text()
     sections = re.findall(r"^## (\S+)$", page, re.MULTILINE)

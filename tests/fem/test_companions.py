@@ -10,8 +10,8 @@ from fem import companions, load_simulation, simulate, with_companions
 from fem.results import ARRAYS, HISTORIES
 from fem.run import run_plan
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.given.named import find_scene
 from semianalytic.scene.loads import Harmonic, Pulse
-from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 UNIT = Material(1.0, 1.0, 1 / 3)

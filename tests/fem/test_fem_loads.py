@@ -20,8 +20,9 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
-from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.scene.tabulated import Tabulated
 
 UNIT = Material(1.0, 1.0, 1 / 3)
 HISTORIES = {

@@ -17,8 +17,9 @@ from semianalytic import march
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import SlipWeakening
-from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.scene.tabulated import Tabulated
 
 UNIT = Material(1.0, 1.0, 1 / 3)
 SLOWER = Material(1.0, 4.0, 1 / 3)

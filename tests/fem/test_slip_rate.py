@@ -6,8 +6,8 @@ import pytest
 from fem import prepare, simulate
 from fem.run import drift, levels
 from semianalytic import solve
+from semianalytic.scene.given.named import find_scene
 from semianalytic.scene.loads import Pulse
-from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 MIXED = Scene(

@@ -20,7 +20,8 @@ from compare.comparison.rows import Row
 from compare.comparison.scales import speed_regime
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import OpenInterval, SlipInterval
-from semianalytic.results.sampled import interpolated, open_intervals, slip_intervals
+from semianalytic.results.intervals import open_intervals, slip_intervals
+from semianalytic.results.sampled import interpolated
 
 Array = NDArray[np.float64]
 Part = SlipInterval | OpenInterval

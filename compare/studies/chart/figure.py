@@ -33,7 +33,7 @@ from compare.output.files import filled_template, write_text
 from compare.output.tables import markdown_table
 from compare.studies.chart.methods import EDGE_THRESHOLD, METHODS
 from compare.studies.chart.study import FINEST, SCENES, VERSIONS, Point
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 LEVELS = (0.1, 0.01, 1e-3, 1e-8)
 LEVEL_NAMES = ("10 %", "1 %", "0.1 %", "1e-8")

@@ -27,12 +27,12 @@ from compare.studies.chart.benchmark import forget_tables
 from compare.tasks.workers import LIFELINE, hang_on
 from semianalytic import Scene, SlipZone, Solution, march, solve
 from semianalytic.cut.load import scaled_load
+from semianalytic.memory.exponentials import fit_memory
 from semianalytic.reference import DEFAULT_READING, published_grid, published_slip
 from semianalytic.reference.known_answers import published_obstacle, published_unit
 from semianalytic.scene.errors import SlipfrontError
-from semianalytic.scene.named import NAMED_SCENES
-from semianalytic.selfsimilar.collocation import slip_grid, slip_on_grid
-from semianalytic.spacetime.exponentials import fit_memory
+from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.selfsimilar.zones.collocation import slip_grid, slip_on_grid
 
 Array = NDArray[np.float64]
 

@@ -32,7 +32,7 @@ from compare.tasks.workers import LIFELINE, ONE_THREAD, Progress, lifeline, run_
 from semianalytic import Scene, SlipZone, solve
 from semianalytic.reference.known_answers import closed_form
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 Array = NDArray[np.float64]
 

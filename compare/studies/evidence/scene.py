@@ -40,7 +40,7 @@ from compare.studies.evidence.html import (
 from compare.studies.evidence.study import FEM, PUBLISHED, SceneEvidence, differences
 from semianalytic import Marched, Solution
 from semianalytic.results.answer import Answer, digits_apart
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
 
 LOOKS = {AGREES: "good", DIFFERS: "bad", UNRESOLVED: "open"}
 READ_FROM = 0.01

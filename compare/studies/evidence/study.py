@@ -27,8 +27,8 @@ from semianalytic import InterfaceHistory, Material, Scene, Tractions, solve
 from semianalytic.reference import PublishedSlip
 from semianalytic.reference.known_answers import closed_form, published_answer, published_unit
 from semianalytic.scene.errors import SceneError, TensionError
+from semianalytic.scene.given.named import NAMED_SCENES, find_scene, scene_label
 from semianalytic.scene.loading import REMOTE
-from semianalytic.scene.named import NAMED_SCENES, find_scene, scene_label
 
 if TYPE_CHECKING:
     from compare.studies.article.cases import Cases

@@ -21,7 +21,7 @@ from compare.studies.profiles import errors_of
 from compare.tasks.workers import Progress, run_tasks
 from semianalytic import Scene, Tractions, solve
 from semianalytic.scene.errors import ComputationError, SlipfrontError
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 if TYPE_CHECKING:
     from fem import Simulation

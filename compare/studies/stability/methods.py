@@ -16,7 +16,7 @@ from semianalytic.halfplane.rayleigh import gauss, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.regimes import Loading, scene_of
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.collocation import lemke, slip_grid
+from semianalytic.selfsimilar.zones.collocation import lemke, slip_grid
 
 Array = NDArray[np.float64]
 PLACEMENTS = ("galerkin", "nodes", "midpoints")
@@ -89,8 +89,9 @@ def grid_problem(
 def traction_operator(poisson_ratio: float, xi: Array, points: Array) -> Array:
     """Return the corrective traction at points due to nodal slip rates, without the last node.
 
-    The result is (points, nodes - 1).  The gradient of `semianalytic.selfsimilar.collocation` is
-    integrated inward by Gauss rules between all nodes and points.
+    The result is (points, nodes - 1).  The gradient of
+    `semianalytic.selfsimilar.zones.collocation` is integrated inward by Gauss rules between all
+    nodes and points.
     """
     factors = rayleigh_factors(poisson_ratio)
     breaks = np.union1d(xi, points)

@@ -20,7 +20,7 @@ from compare.studies.stability.sweeps import StudyRow
 from compare.tasks.workers import Progress, run_tasks
 from semianalytic import Marched, Material, Scene, march
 from semianalytic.scene.errors import SlipfrontError
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 RAN = "ran"
 STEP_RATIOS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8)

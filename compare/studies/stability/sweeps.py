@@ -20,9 +20,9 @@ from compare.studies.stability.methods import (
     zigzag,
 )
 from semianalytic import Material, Solution, regimes, solve
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
@@ -32,7 +32,7 @@ from semianalytic.reference import (
 )
 from semianalytic.regimes import Loading, one_zone, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.tuning import CLEAR_OF_EDGES
+from semianalytic.selfsimilar.zones.tuning import CLEAR_OF_EDGES
 
 RTOL = 1e-10
 

@@ -25,7 +25,7 @@ from compare.studies.profiles import (
 )
 from compare.studies.tables import Study, run_studies
 from semianalytic import solve
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 if TYPE_CHECKING:

@@ -22,8 +22,8 @@ from docs.studies.accuracy.fem import PROFILE
 from semianalytic import solve
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.friction import RateWeakening, SlipWeakening
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
-from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 if TYPE_CHECKING:

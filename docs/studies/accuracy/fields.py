@@ -21,7 +21,7 @@ from compare.figures.snapshots import snapshot_figure
 from compare.studies.tables import Study, run_studies
 from fem import Simulation, simulate
 from semianalytic import Scene, solve
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 SCENES = ("preloaded", "lift-off-shear")
 RESOLUTIONS = (50, 100, 200)

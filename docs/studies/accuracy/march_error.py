@@ -27,7 +27,7 @@ from semianalytic import (
     solve,
 )
 from semianalytic.scene.contact import process_zone
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 Array = NDArray[np.float64]
 

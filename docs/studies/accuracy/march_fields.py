@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic import Scene, march, solve
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 Array = NDArray[np.float64]
 

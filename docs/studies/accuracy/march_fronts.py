@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from semianalytic import IncidentWave, Material, MovingLoad, Scene, Tractions, march, solve
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 GRIDS = (128, 256, 512, 1024)
 TIMES = (0.7, 0.8, 0.9, 1.0)

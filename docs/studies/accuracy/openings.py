@@ -16,7 +16,7 @@ from compare.comparison.rows import Row
 from compare.studies.tables import Study, run_studies
 from fem import simulate
 from semianalytic import Scene, solve
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 SCENES = ("lift-off", "lift-off-shear", "tap")
 RESOLUTIONS = (50, 100, 200)

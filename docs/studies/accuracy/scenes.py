@@ -25,7 +25,7 @@ from compare.figures.saving import figure_png
 from compare.studies.tables import Study, run_studies
 from semianalytic import Solution
 from semianalytic.results.files import write_bytes
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 RESOLUTION = 100
 """Default resolution of `slipfront compare`."""

@@ -25,10 +25,10 @@ from docs.studies.accuracy.march_fronts import fronts
 from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Tractions, march
 from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.reference import static_zone
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loads import Step
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.spacetime.grid.resolution import zone_at_edge
 from semianalytic.spacetime.march_memory import state_bytes
-from semianalytic.spacetime.resolution import zone_at_edge
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,10 @@ from scipy.fft import dct, idct
 
 from semianalytic import Scene
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.spacetime.exponentials import fit_memory, impedance_of
-from semianalytic.spacetime.march import causal_grid
-from semianalytic.spacetime.recursion import Recursion
+from semianalytic.memory.exponentials import fit_memory
+from semianalytic.memory.impedance import impedance_of
+from semianalytic.memory.recursion import Recursion
+from semianalytic.spacetime.grid.nodes import causal_grid
 
 Array = NDArray[np.float64]
 

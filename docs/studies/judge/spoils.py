@@ -24,9 +24,9 @@ from semianalytic import (
 )
 from semianalytic.reference import Reading, published_slip
 from semianalytic.reference.known_answers import published_obstacle, published_unit
-from semianalytic.results.sampled import slip_intervals
+from semianalytic.results.intervals import slip_intervals
+from semianalytic.scene.given.named import override_scene
 from semianalytic.scene.loading import SLOT
-from semianalytic.scene.named import override_scene
 
 Array = NDArray[np.float64]
 

@@ -1,1 +1,1 @@
-"""Helps for writing a scene: known solids, the parameters of a scene, and a TOML template."""
+"""How scenes are given: by name, in files and tables, and helps for writing them."""

@@ -18,6 +18,7 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.documents import part_document, scene_document
 from semianalytic.scene.given.parameters import (
     MATERIAL,
     TRACTIONS,
@@ -32,14 +33,9 @@ from semianalytic.scene.incident import (
     load_document,
     load_from_document,
 )
-from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
-from semianalytic.scene.scene import (
-    Material,
-    Scene,
-    Tractions,
-    part_document,
-    scene_document,
-)
+from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
+from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.scene.tabulated import Tabulated
 from semianalytic.scene.units import SI, unit
 
 Part = TypeVar("Part", LoadHistory, FrictionLaw)

@@ -6,14 +6,17 @@ typer and click word theirs each in its own way, and print them in a box of seve
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.errors import ComputationError, SceneError
 from slipfront.cli.options import option_name
+
+if TYPE_CHECKING:  # the command line starts without the solvers
+    from semianalytic import PairSolution, Solution
 
 ALIKE = {"nodes": "resolution"}
 """Options that replace arguments a command does not have: the nodes of a march follow from them."""
@@ -42,6 +45,24 @@ def in_options(sentence: str, options: Collection[str]) -> str:
         return option_name(name) if name in options else match[0]
 
     return _NAMED.sub(replaced, _SUBJECT.sub(replaced, sentence))
+
+
+def check_converged(solution: Solution | PairSolution, label: str) -> None:
+    """Raise ComputationError unless a solution has converged; call after printing."""
+    if solution.status != "converged":
+        raise ComputationError(
+            f"{label} has not converged: {solution.status}; do not rely on this answer, "
+            "change friction a little or simulate the scene."
+        )
+
+
+def check_no_march_options(given: Mapping[str, Any]) -> None:
+    """Raise SceneError if an exact solution is asked for with options of marches."""
+    if given:
+        raise SceneError(
+            f"{option_name(next(iter(given)))} is for the space-time solver; "
+            "add --method space-time."
+        )
 
 
 @contextmanager

@@ -35,7 +35,7 @@ def one_of(*names: str) -> Completer:
 
 def scene_names(incomplete: str) -> list[str]:
     """Complete names of scenes, of slipfront and of installed packages, and TOML files."""
-    from semianalytic.scene.named import NAMED_SCENES
+    from semianalytic.scene.given.named import NAMED_SCENES
     from semianalytic.scene.plugins import SCENES, plugin_names
 
     names = _starting([*NAMED_SCENES, *plugin_names(SCENES, NAMED_SCENES)], incomplete)

@@ -15,8 +15,9 @@ from semianalytic import PairSolution, solve_pair
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.checks import checked_size, shown
-from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.units import unit
+from slipfront.cli.endings.refusals import check_converged
 from slipfront.cli.options import option_name
 from slipfront.cli.scenes.points import Points, points_table
 from slipfront.cli.terminal import print_json
@@ -70,11 +71,7 @@ def pair_command(
             console.print(points_table(answer, points))
         console.print(_zones_table(answer, label))
         console.print(_facts_table(answer, end_time))
-    if answer.status != "converged":
-        raise ComputationError(
-            f"{label} has not converged: {answer.status}; do not rely on this answer, change "
-            "friction a little or simulate the scene."
-        )
+    check_converged(answer, label)
 
 
 def _zones_table(answer: PairSolution, title: str) -> Table:

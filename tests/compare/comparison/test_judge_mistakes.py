@@ -9,7 +9,7 @@ from compare_cases import Spoilt, differing, named, sampled_run, simulated
 
 from compare import judge
 from compare.comparison.bars import error_bar
-from semianalytic.scene.named import find_scene, override_scene
+from semianalytic.scene.given.named import find_scene, override_scene
 
 PRELOADED = find_scene("preloaded")
 

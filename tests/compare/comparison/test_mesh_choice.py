@@ -35,7 +35,7 @@ from semianalytic import (
     Tractions,
 )
 from semianalytic.scene.contact import process_zone
-from semianalytic.scene.named import find_scene, override_scene
+from semianalytic.scene.given.named import find_scene, override_scene
 from tests.catalogue import over
 from tests.compare_cases import SELF_SIMILAR
 

@@ -26,7 +26,7 @@ from compare.figures.style import scene_words
 from fem import simulate
 from semianalytic import RateWeakening
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 
 @pytest.fixture(scope="module", params=SELF_SIMILAR)

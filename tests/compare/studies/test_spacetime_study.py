@@ -18,7 +18,7 @@ from docs.studies.accuracy.spacetime import (
     resolution,
 )
 from semianalytic.reference import StaticZone
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 from slipfront.cli.commands import main
 
 

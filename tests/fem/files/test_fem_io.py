@@ -13,8 +13,9 @@ from fem.results import ARRAYS, HISTORIES
 from fem.run import drift, levels
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.friction import RateWeakening, SlipWeakening
-from semianalytic.scene.loads import Pulse, Tabulated
+from semianalytic.scene.loads import Pulse
 from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.scene.tabulated import Tabulated
 
 UNIT = Material(1.0, 1.0, 1 / 3)
 MIXED = Scene(UNIT, 0.5, Tractions(1.0, 0.2), Tractions(0.5, 0.5))

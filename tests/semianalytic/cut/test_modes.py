@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, Opened
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.selfsimilar.collocation import slip_grid
+from semianalytic.selfsimilar.zones.collocation import slip_grid
 
 RULE = rule_for(1e-12)
 

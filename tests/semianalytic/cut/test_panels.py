@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from semianalytic.cut import tuning
-from semianalytic.cut.layout import Zone
-from semianalytic.cut.panels import lay_panels
+from semianalytic.cut.quadrature import tuning
+from semianalytic.cut.quadrature.laying import lay_panels
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 

@@ -8,7 +8,7 @@ import pytest
 import semianalytic as sf
 from docs.studies.engine import freund_slip, kostrov_slip
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.spacetime.exponentials import Antiplane, InPlane
+from semianalytic.memory.impedance import Antiplane, InPlane
 
 THIRD = sf.Material(1.0, 1.0, 1 / 3)
 SPEED = 0.5

@@ -8,7 +8,7 @@ import pytest
 import semianalytic as sf
 from docs.studies.engine import marched_growth
 from semianalytic.engine.stability import critical_wavenumber, growth
-from semianalytic.spacetime.exponentials import Antiplane, InPlane
+from semianalytic.memory.impedance import Antiplane, InPlane
 
 MODES = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 

@@ -11,7 +11,8 @@ import semianalytic as sf
 from docs.studies.engine import beside_slot
 from semianalytic.engine.run import run
 from semianalytic.engine.steps import Stepper
-from semianalytic.spacetime.exponentials import Opening, fit_memory
+from semianalytic.memory.exponentials import fit_memory
+from semianalytic.memory.impedance import Opening
 
 mpmath = pytest.importorskip("mpmath")
 SOLID = sf.Material(1.0, 1.0, 1 / 3)

@@ -6,8 +6,9 @@ import pytest
 import semianalytic as sf
 from semianalytic.engine.line import Grid, LineMemory, Table, _phi
 from semianalytic.engine.steps import Stepper
-from semianalytic.spacetime import recursion
-from semianalytic.spacetime.exponentials import Antiplane, InPlane, fit_memory
+from semianalytic.memory import cosines
+from semianalytic.memory.exponentials import fit_memory
+from semianalytic.memory.impedance import Antiplane, InPlane
 
 mpmath = pytest.importorskip("mpmath")
 UNIT = sf.Material(1.0, 1.0, 1 / 3)
@@ -29,8 +30,8 @@ def test_phi_functions_keep_all_digits(z):
 def test_transforms_and_their_inverses(even, between, private, monkeypatch):
     grid = Grid(3.0, 16, between, even)
     if not private:  # a version of scipy without the function behind scipy.fft
-        monkeypatch.setattr(recursion, "_transform", recursion._transform.__wrapped__)
-        monkeypatch.setattr(recursion, "import_module", lambda name: None)
+        monkeypatch.setattr(cosines, "_transform", cosines._transform.__wrapped__)
+        monkeypatch.setattr(cosines, "import_module", lambda name: None)
     values = np.cos(2 * np.pi * grid.x / 3) + 0.3 + (0 if even else np.sin(4 * np.pi * grid.x / 3))
     assert np.allclose(grid.values(grid.amplitudes(values)), values, atol=1e-14)
     assert grid.amplitudes(values).shape[1] == len(grid.wavenumbers)

@@ -30,7 +30,8 @@ from semianalytic.dissimilar.whole_line import (
 )
 from semianalytic.engine.steps import Stepper
 from semianalytic.interface.named import NAMED_INTERFACES
-from semianalytic.spacetime.exponentials import InPlane, Opening, fit_shared
+from semianalytic.memory.exponentials import fit_shared
+from semianalytic.memory.impedance import InPlane, Opening
 
 FASTER = Material(2.25, 1.0, 0.25)
 """A body of 1.5 times the wave speeds of `ROCK`."""

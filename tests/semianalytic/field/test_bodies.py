@@ -8,7 +8,7 @@ from laws import scenes
 
 from semianalytic import SceneError, ViscousFriction, solve
 from semianalytic.field import body, tuning
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 FILM = {"friction_law": ViscousFriction(0.1)}
 FILMS = {

@@ -21,7 +21,8 @@ from semianalytic.halfplane.stuck_histories import (
     stuck_shear,
 )
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loads import PULSE_SHAPES, Harmonic, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.loads import PULSE_SHAPES, Harmonic, Pulse, Ramp, Step
+from semianalytic.scene.tabulated import Tabulated
 
 HISTORIES = [
     Step(),

@@ -22,7 +22,7 @@ from semianalytic import (
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.search import descend
 from semianalytic.inversion.unknowns import Setup
-from semianalytic.selfsimilar.parameters import parameter
+from semianalytic.selfsimilar.derivatives.parameters import parameter
 
 NOISE = 0.02
 START = replace(PRELOADED, friction=0.4, load=Tractions(0.0, 1.1))

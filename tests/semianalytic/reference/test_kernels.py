@@ -22,8 +22,8 @@ from semianalytic.reference.kernels import (
     self_similar_transform,
 )
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loads import Tabulated
 from semianalytic.scene.scene import Scene, Tractions
+from semianalytic.scene.tabulated import Tabulated
 from semianalytic.selfsimilar.solver import solve
 
 SOLID = Material(2.0, 0.5, 0.3)

@@ -26,8 +26,9 @@ from semianalytic import (
 )
 from semianalytic.results.answer import FIELDS, TOTALS, digits_apart
 from semianalytic.results.datasets import QUANTITIES
-from semianalytic.results.sampled import SampledAnswer, Totals, open_intervals, slip_intervals
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.results.intervals import open_intervals, slip_intervals
+from semianalytic.results.sampled import SampledAnswer, Totals
+from semianalytic.scene.given.named import NAMED_SCENES
 from slipfront.cli.terminal import end_table, zones_table
 
 NODES = 400

@@ -17,7 +17,7 @@ from semianalytic import (
     march,
 )
 from semianalytic.scene import scene as scenes
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 SCENE = NAMED_SCENES["preloaded"].scene
 LAWS = (

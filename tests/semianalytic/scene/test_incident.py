@@ -22,9 +22,9 @@ from semianalytic import (
     find_scene,
     solve,
 )
+from semianalytic.scene.given.documents import scene_document, scene_from_document
+from semianalytic.scene.given.named import NAMED_SCENES, override_scene
 from semianalytic.scene.given.template import in_si_units, scene_text
-from semianalytic.scene.named import NAMED_SCENES, override_scene
-from semianalytic.scene.scene import scene_document, scene_from_document
 
 SOLID = Material(2.0, 3.0, 0.29)
 kinds = st.sampled_from(["P", "SV", "SH"])

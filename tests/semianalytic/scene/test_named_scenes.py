@@ -20,7 +20,8 @@ from semianalytic import (
     ViscousFriction,
 )
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import (
+from semianalytic.scene.given.documents import scene_document, scene_from_document
+from semianalytic.scene.given.named import (
     DEFAULT_SCENE,
     NAMED_SCENES,
     find_scene,
@@ -28,7 +29,6 @@ from semianalytic.scene.named import (
     read_scene,
     scene_label,
 )
-from semianalytic.scene.scene import scene_document, scene_from_document
 
 STEEL = """
 friction = 0.4

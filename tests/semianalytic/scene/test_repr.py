@@ -7,7 +7,7 @@ import pytest
 
 import semianalytic
 from semianalytic import Harmonic, SlipWeakening, Tabulated
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 SCENE = NAMED_SCENES["preloaded"].scene
 SHORT = {

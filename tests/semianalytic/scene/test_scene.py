@@ -5,8 +5,8 @@ import pytest
 from catalogue import REMOTE, unit_scene
 
 from semianalytic import Material, Ramp, RateWeakening, SceneError, Tractions
-from semianalytic.scene.named import find_scene
-from semianalytic.scene.scene import scene_document, scene_from_document
+from semianalytic.scene.given.documents import scene_document, scene_from_document
+from semianalytic.scene.given.named import find_scene
 
 
 def test_wave_speeds_of_steel():

@@ -10,7 +10,7 @@ from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_shear_step,
 )
-from semianalytic.selfsimilar.collocation import slip_grid, slip_on_grid
+from semianalytic.selfsimilar.zones.collocation import slip_grid, slip_on_grid
 
 
 @pytest.mark.parametrize("strength", [1.0, 0.5])

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from semianalytic import ComputationError
-from semianalytic.selfsimilar.collocation import lemke
+from semianalytic.selfsimilar.zones.collocation import lemke
 
 
 @settings(max_examples=60, deadline=None)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from semianalytic import Material, Scene, Tractions
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, Opened, common_load, scaled_load
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.selfsimilar.corrections import corrected, rearranged
-from semianalytic.selfsimilar.coulomb import Violation
+from semianalytic.selfsimilar.zones.corrections import corrected, rearranged
+from semianalytic.selfsimilar.zones.coulomb import Violation
 
 FACTORS = rayleigh_factors(1 / 3)
 LOAD = Load(0.3, 1.0, 0.0, 0.0, 1.0, 0.0)

@@ -8,7 +8,7 @@ from catalogue import unit_scene
 
 from semianalytic import Solution, ViscousFriction, solve
 from semianalytic.cut.load import scaled_load
-from semianalytic.selfsimilar.collocation import slip_on_grid
+from semianalytic.selfsimilar.zones.collocation import slip_on_grid
 
 # nu, friction, base pressure, load, and what else a scene says
 AT_FRICTION: list[tuple[float, float, float, tuple[float, float], dict[str, Any]]] = [

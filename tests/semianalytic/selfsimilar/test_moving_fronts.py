@@ -21,7 +21,7 @@ from semianalytic import (
     solve,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.scene.named import find_scene, override_scene
+from semianalytic.scene.given.named import find_scene, override_scene
 
 SOLID = Material(1.0, 1.0, 1 / 3)
 

@@ -10,11 +10,13 @@ import semianalytic
 HOUSE = Path(semianalytic.__file__).parent
 FOLDERS = ("cut", "separation", "selfsimilar")
 STAGES = (
+    "cut.quadrature.tuning",
+    "cut.quadrature.layout",
+    "cut.quadrature.panels",
+    "cut.quadrature.laying",
+    "cut.quadrature.running",
     "cut.tuning",
-    "cut.layout",
     "cut.load",
-    "cut.panels",
-    "cut.running",
     "cut.canonical",
     "cut.strength",
     "cut.given_zones",
@@ -22,18 +24,27 @@ STAGES = (
     "cut.slopes",
     "cut.zones",
     "cut.profile",
+    "cut.slot_faces",
+    "cut.totals",
     "separation.tuning",
     "separation.opening",
     "separation.normal",
-    "selfsimilar.tuning",
-    "selfsimilar.edges",
-    "selfsimilar.coulomb",
-    "selfsimilar.collocation",
-    "selfsimilar.guesses",
-    "selfsimilar.motion",
-    "selfsimilar.corrections",
-    "selfsimilar.estimate",
-    "selfsimilar.rated",
+    "selfsimilar.zones.tuning",
+    "selfsimilar.zones.edges",
+    "selfsimilar.zones.placement",
+    "selfsimilar.zones.coulomb",
+    "selfsimilar.zones.collocation",
+    "selfsimilar.zones.first_front",
+    "selfsimilar.zones.weak_friction",
+    "selfsimilar.zones.guesses",
+    "selfsimilar.zones.motion",
+    "selfsimilar.zones.corrections",
+    "selfsimilar.zones.estimate",
+    "selfsimilar.rated.law",
+    "selfsimilar.rated.steepness",
+    "selfsimilar.rated.newton",
+    "selfsimilar.rated.approach",
+    "selfsimilar.search",
 )
 """In the order of docs/solver.md; `solver` leads through them, `solution` is what it gives."""
 
@@ -45,8 +56,11 @@ def neighbours(source):
             continue
         _, *rest = node.module.split(".")
         if rest and rest[0] in FOLDERS:
-            names = rest[1:] or [alias.name for alias in node.names]
-            yield from (f"{rest[0]}.{name}" for name in names)
+            folder = ".".join(rest)
+            if (HOUSE / f"{folder.replace('.', '/')}.py").exists():
+                yield folder
+            else:  # modules themselves are imported from their folder
+                yield from (f"{folder}.{alias.name}" for alias in node.names)
 
 
 def source(module):
@@ -60,10 +74,10 @@ def test_a_stage_knows_only_those_before_it(stage):
 
 
 def test_an_import_against_the_order_is_seen():
-    planted = "from semianalytic.selfsimilar import tuning\n" + (
-        "from semianalytic.selfsimilar.guesses import guesses\n"
+    planted = "from semianalytic.selfsimilar.zones import tuning\n" + (
+        "from semianalytic.selfsimilar.zones.guesses import guesses\n"
     )
-    assert list(neighbours(planted)) == ["selfsimilar.tuning", "selfsimilar.guesses"]
+    assert list(neighbours(planted)) == ["selfsimilar.zones.tuning", "selfsimilar.zones.guesses"]
 
 
 def test_the_solver_goes_through_every_stage():

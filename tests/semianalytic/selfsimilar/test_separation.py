@@ -12,7 +12,7 @@ from semianalytic import Material, Scene, TensionError, Tractions, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.regimes import opening_threshold
-from semianalytic.selfsimilar.collocation import slip_on_grid
+from semianalytic.selfsimilar.zones.collocation import slip_on_grid
 from semianalytic.separation.normal import with_opening
 
 STEEL = Material(1.0, 1.0, 1 / 3)

@@ -11,7 +11,7 @@ from semianalytic.reference.closed_forms import (
 )
 from semianalytic.regimes.reverse_slip import reverse_threshold
 from semianalytic.regimes.thresholds import scene_of
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 SCENES, SOLVER, STABILITY = "docs/scenes.md", "docs/solver.md", "docs/stability.md"
 

@@ -9,7 +9,7 @@ from laws import random_scenes
 from scipy.integrate import quad
 
 from semianalytic import Material, Scene, SceneError, Tractions, solve
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 

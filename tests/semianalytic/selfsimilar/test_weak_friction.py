@@ -11,8 +11,8 @@ from semianalytic import ComputationError, Tractions, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.selfsimilar import guesses
-from semianalytic.selfsimilar.guesses import frictionless_profile, slip_senses
+from semianalytic.selfsimilar.zones import guesses
+from semianalytic.selfsimilar.zones.weak_friction import frictionless_profile, slip_senses
 
 
 def edges_from_c(solution):

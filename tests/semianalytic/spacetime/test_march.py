@@ -34,9 +34,11 @@ from semianalytic import (
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
-from semianalytic.scene.named import find_scene
-from semianalytic.spacetime import recursion, stepping
-from semianalytic.spacetime.exponentials import InPlane, fit_memory
+from semianalytic.memory import cosines, recursion
+from semianalytic.memory.exponentials import fit_memory
+from semianalytic.memory.impedance import InPlane
+from semianalytic.scene.given.named import find_scene
+from semianalytic.spacetime import stepping
 
 
 def preloaded(friction=0.3, shear=1.0, **parts):
@@ -427,13 +429,13 @@ def test_march_does_without_the_private_transform(monkeypatch):
         raise ImportError(name)
 
     direct = march(preloaded(), nodes=60).interface.slip_rate
-    monkeypatch.setattr(recursion, "import_module", missing)
-    recursion._transform.cache_clear()
+    monkeypatch.setattr(cosines, "import_module", missing)
+    cosines._transform.cache_clear()
     try:
         public = march(preloaded(), nodes=60).interface.slip_rate
-        assert "pypocketfft" not in repr(recursion._transform())
+        assert "pypocketfft" not in repr(cosines._transform())
     finally:
-        recursion._transform.cache_clear()
+        cosines._transform.cache_clear()
     np.testing.assert_allclose(public, direct, atol=1e-12)
 
 

@@ -9,11 +9,12 @@ from scipy.special import j1
 from semianalytic import SlipWeakening, Step, march, solve
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.stuck_histories import stuck_shear
+from semianalytic.memory.exponentials import fit_memory
+from semianalytic.memory.impedance import Antiplane
 from semianalytic.reference import antiplane_slip, antiplane_slip_rate
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.scene import MODES
-from semianalytic.spacetime.exponentials import Antiplane, fit_memory
-from semianalytic.spacetime.march import causal_grid
+from semianalytic.spacetime.grid.nodes import causal_grid
 
 
 def antiplane(friction, base=(1.0, 0.0), load=(0.0, 1.0), **parts):

@@ -31,10 +31,10 @@ from semianalytic import (
     solve,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.memory.impedance import InPlane
 from semianalytic.scene.contact import process_zone
-from semianalytic.scene.named import find_scene
-from semianalytic.spacetime import march as march_module
-from semianalytic.spacetime.exponentials import InPlane
+from semianalytic.scene.given.named import find_scene
+from semianalytic.spacetime import march_plan
 from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, MOST_NODES, READING_SAFETY
 from slipfront.cli.commands import main
 
@@ -234,7 +234,7 @@ def test_march_within_an_rtol(name, rtol):
 
 @pytest.mark.slow
 def test_out_of_reach_of_the_nodes(monkeypatch, capsys):
-    monkeypatch.setattr(march_module, "MOST_NODES", 300)
+    monkeypatch.setattr(march_plan, "MOST_NODES", 300)
     marched = march(PRELOADED, 1.0, rtol=1e-4, every=10**6)
     assert marched.grid.observed == 300
     assert marched.status == "unresolved"

@@ -19,8 +19,8 @@ from semianalytic import (
     solve,
 )
 from semianalytic.field.stuck_steps import stuck_step
-from semianalytic.scene.named import find_scene
-from semianalytic.spacetime import wavefield
+from semianalytic.scene.given.named import find_scene
+from semianalytic.spacetime.bodies import wavefield
 
 QUANTITIES = ("velocity", "stress", "displacement")
 HARD = {"friction": 300.0, "base": (3.0, 0.3)}

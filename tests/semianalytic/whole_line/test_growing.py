@@ -264,7 +264,7 @@ def test_a_growing_load_that_cannot_be_is_refused_in_a_sentence(change, said):
 
 def test_positions_are_on_the_contact():
     found = solve_growing(slot("in-plane", 1, 0.5))
-    with pytest.raises(SceneError, match="x must be positive"):
+    with pytest.raises(SceneError, match="positive positions"):
         found.slip(0.0, 1.0)
     with pytest.raises(SceneError, match="finite"):
         found.slip(1.0, np.nan)

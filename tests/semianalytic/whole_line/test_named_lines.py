@@ -3,7 +3,7 @@
 import pytest
 
 from semianalytic import GrowingSlot, SceneError, WholeLine, find_line, find_scene
-from semianalytic.scene.named import LINES, NAMED_SCENES, describes_line
+from semianalytic.scene.given.named import LINES, NAMED_SCENES, describes_line
 from semianalytic.whole_line.named import (
     NAMED_LINES,
     line_document,

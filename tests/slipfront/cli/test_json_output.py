@@ -29,7 +29,7 @@ from compare.studies.regimes.points import BoundaryPoint, MapPoint
 from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
 from slipfront.cli.commands import app_for, main
 
 ROOT = Path(__file__).parents[3]

@@ -10,7 +10,7 @@ import pytest
 
 import slipfront as sf
 from semianalytic.scene import plugins
-from semianalytic.scene.scene import scene_document, scene_from_document
+from semianalytic.scene.given.documents import scene_document, scene_from_document
 from slipfront.cli.commands import main
 
 RATE_LAW = '''

@@ -22,7 +22,7 @@ from compare.output.files import filled_template
 from compare.studies.evidence import html
 from compare.studies.evidence.page import _program_digest
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import NamedScene, find_scene
+from semianalytic.scene.given.named import NamedScene, find_scene
 from slipfront.explore import controls, page
 from slipfront.explore.serving import content_policy, make_server
 

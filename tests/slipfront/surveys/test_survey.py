@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import slipfront as sf
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import scene_document
+from semianalytic.scene.given.documents import scene_document
 from slipfront.surveys import survey
 from slipfront.surveys.parameters import parameters_of, scene_at
 from slipfront.surveys.plan import MARCHED, SOLVED, SWEPT, Question, planned

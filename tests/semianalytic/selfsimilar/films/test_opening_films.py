@@ -13,7 +13,7 @@ from semianalytic import (
     ViscousFriction,
     solve,
 )
-from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.zones import tuning
 
 
 def film(

@@ -16,16 +16,12 @@ from semianalytic import (
 )
 from semianalytic.reference import viscous_edge_speed, viscous_slip_rate
 from semianalytic.scene.scene import Material
-from semianalytic.selfsimilar import rated as rated_module
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.edges import polish_edges
-from semianalytic.selfsimilar.rated import (
-    approached,
-    rated_zones,
-    settled_zones,
-    unit_law,
-    unsettled,
-)
+from semianalytic.selfsimilar.rated import approach, newton
+from semianalytic.selfsimilar.rated.approach import approached, settled_zones, unsettled
+from semianalytic.selfsimilar.rated.law import unit_law
+from semianalytic.selfsimilar.rated.newton import rated_zones
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.placement import polish_edges
 
 ONE_ZONE = unit_scene(1.0, friction_law=RateWeakening(0.4, 1.0))
 
@@ -138,8 +134,8 @@ def test_slip_rate_that_no_step_makes_less_steep_is_given_up_at_once(monkeypatch
         fields.append(1 + found[0].steps)
         return found
 
-    monkeypatch.setattr(rated_module, "rated_zones", counted)
-    monkeypatch.setattr(rated_module, "polish_edges", polished)
+    monkeypatch.setattr(approach, "rated_zones", counted)
+    monkeypatch.setattr(newton, "polish_edges", polished)
     law = RateWeakening(0.5673157809443904, 2.021263565484365)
     base = (0.8160586945782151, 0.0011639241467299353)
     friction, nu = 0.0014262750393603937, 0.41993813926217527
@@ -159,7 +155,7 @@ def test_fields_without_end_are_given_up(monkeypatch):
         fields.append(1 + found[0].steps)
         return found
 
-    monkeypatch.setattr(rated_module, "polish_edges", polished)
+    monkeypatch.setattr(newton, "polish_edges", polished)
     law = unit_law(ONE_ZONE, start.stress_unit)
     assert not rated_zones(start.profile, start.profile.fields.zones, law, 1e-6).converged
     assert 6 <= sum(fields) <= 6 + tuning.MOST_BROYDEN_STEPS
@@ -176,7 +172,7 @@ def test_steps_of_the_share_lead_where_the_whole_law_at_once_does_not(monkeypatc
         tried.append(towards.share)
         return settled_zones(profile, towards, tolerance, speed)
 
-    monkeypatch.setattr(rated_module, "settled_zones", settled)
+    monkeypatch.setattr(approach, "settled_zones", settled)
     rated, last = approached(start.profile, law, 1e-5, 1.0)
     assert tried == [0.25, 0.5, 0.75, 1.0]
     assert rated.profile is last
@@ -187,6 +183,6 @@ def test_steps_of_the_share_lead_where_the_whole_law_at_once_does_not(monkeypatc
 def test_where_no_step_leads_the_last_profile_is_left(monkeypatch):
     start = dry(ONE_ZONE)
     law = unit_law(ONE_ZONE, start.stress_unit)
-    monkeypatch.setattr(rated_module, "settled_zones", lambda *_: None)
+    monkeypatch.setattr(approach, "settled_zones", lambda *_: None)
     assert approached(start.profile, law, 1e-5, 1.0) == (None, start.profile)
     assert unsettled(start.profile, law, 1.0).startswith("Newton's method found no slip rate")

@@ -18,7 +18,7 @@ from semianalytic.regimes import (
     viscous_closing,
     viscous_nucleation,
 )
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.scene import Material, Tractions
 
 VISCOUS = NAMED_SCENES["viscous"].scene

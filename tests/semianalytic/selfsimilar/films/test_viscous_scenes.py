@@ -7,11 +7,11 @@ import pytest
 from laws import check_invariants, viscous_scene
 
 from semianalytic import Material, Scene, Tractions, ViscousFriction, solve
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import scaled_load
+from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.selfsimilar.edges import locate_edges
+from semianalytic.selfsimilar.zones.placement import locate_edges
 
 ANSWERED = ("converged", "the error estimate ", "no set of slip zones ")
 

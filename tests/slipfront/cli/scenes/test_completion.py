@@ -12,8 +12,8 @@ from fem.assembly import FAMILIES
 from meshes.blocks import PATTERNS
 from semianalytic import find_scene
 from semianalytic.prediction import chosen_method
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loading import LOADED
-from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import MODES
 from slipfront.cli.commands import main
 from slipfront.cli.scenes import completion

@@ -9,8 +9,8 @@ import pytest
 
 from semianalytic import RateWeakening, SlipWeakening, find_scene, march, solve
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.given.template import in_si_units, scene_text
-from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import FRICTION_LAWS, HISTORY_KINDS
 from slipfront.cli.commands import main
 

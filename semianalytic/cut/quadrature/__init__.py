@@ -1,0 +1,1 @@
+"""Panels of slowness between edges and wave fronts, and integrals along them."""

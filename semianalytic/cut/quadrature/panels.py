@@ -1,0 +1,274 @@
+"""Panels of slowness between zone edges and wave fronts, with double-exponentially fine ends.
+
+On each panel v = left + width / (1 + rho exp(-y)), or left + rho exp(y) on an unbounded last one,
+and functions live on a uniform grid in y. Whatever power or logarithm a field has at a panel end,
+it is analytic in a strip |Im y| < pi. The trapezoidal rule and sinc interpolation therefore
+converge geometrically in the spacing, uniformly down to the ends (docs/solver.md, "Quadrature").
+
+`lay_panels` constructs the panels of a set of zones.
+
+Shapes: a zone edge is a CutPoints of shape (1,), or (k, 1) for k neighbouring sets of zones at
+once; node arrays are then (p, n) or (p, k, n), panel first, node last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from semianalytic.cut.quadrature import tuning
+from semianalytic.cut.quadrature.layout import Layout, Pairs
+from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rules import Rule
+
+
+class _Piece(NamedTuple):
+    """Nodes (m,) of a panel for which a few points stand, at distances (..., q) from its near end.
+
+    The matrix `onto` (m, q) takes values at the points to the nodes, and weights the other way.
+    """
+
+    nodes: slice
+    distances: Array
+    onto: Array
+
+
+@dataclass(frozen=True)
+class Panels:
+    """Consecutive panels from the longitudinal front inward, and the grid on each.
+
+    Attributes
+    ----------
+    layout : Layout
+    left, right : tuple of CutPoints (right None on an unbounded last panel)
+    ends : CutPoints of (m, ..., 1), all their ends
+    widths : (m - 1, ..., 1) array, distances between consecutive ends
+    from_left, from_right, jacobian : (p, ..., n) arrays, v - left, right - v and dv/dy
+    at : CutPoints of (p, ..., n)
+    skew : (p, ..., 1) array, rho of the maps
+    rule : Rule
+    """
+
+    layout: Layout
+    left: tuple[CutPoints, ...]
+    right: tuple[CutPoints | None, ...]
+    ends: CutPoints
+    widths: Array
+    from_left: Array
+    from_right: Array
+    jacobian: Array
+    at: CutPoints
+    skew: Array
+    rule: Rule
+
+    def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Panels:
+        """Return the panels with all points mapped by a function of points."""
+        left = tuple(see(end) for end in self.left)
+        right = tuple(end if end is None else see(end) for end in self.right)
+        return replace(self, left=left, right=right, ends=see(self.ends), at=see(self.at))
+
+    @property
+    def sense(self) -> tuple[int, ...]:
+        """Sense of slip per panel, 0 where the interface sticks."""
+        return self.layout.sense
+
+    @cached_property
+    def _nearest(self) -> np.ndarray:
+        """Index of the front nearest to each end, (m,)."""
+        right = self.right[-1]
+        ends = self.left if right is None else (*self.left, right)
+        return np.array([end.nearest for end in ends])
+
+    @cached_property
+    def from_ends(self) -> Array:
+        """Differences v - end at all nodes, (m, p, ..., n), exact in the panels that end there."""
+        parts = self.ends.parts
+        # Each end is known best by its distance from its nearest front, so that differences are
+        # formed from distances from that front.
+        own = parts[self._nearest, np.arange(len(self._nearest))]
+        differences = self.at.parts[self._nearest] - own[:, None]
+        panels = np.arange(len(self.left))
+        # In the panels that end there, the distances come from the map itself and lose no digits.
+        differences[panels, panels] = self.from_left
+        bounded = panels[: len(own) - 1]
+        differences[bounded + 1, bounded] = -self.from_right[bounded]
+        return differences
+
+    def integrals(self, density: Array) -> Array:
+        """Return integrals over whole panels, (p, ...); principal values at a pole at c."""
+        return np.einsum("...n,...n,n->...", density, self.jacobian, self.rule.weights)
+
+    def panel_of(self, at: CutPoints) -> np.ndarray:
+        """Return the panels (m,) that contain points, for a single set of zones; -1 ahead of
+        all."""
+        return np.searchsorted([left.v[0] for left in self.left], at.v, "right") - 1
+
+    def coordinate(self, panel: int, at: CutPoints) -> Array:
+        """Return the coordinate y of (m,) points inside a panel of a single set of zones."""
+        left, right = self.left[panel], self.right[panel]
+        from_left = np.maximum(at.minus(left), 0.0)
+        # Points at the ends have y = -inf and inf.
+        with np.errstate(divide="ignore"):
+            if right is None:
+                return np.log(from_left / self.skew[panel])
+            to_right = np.maximum(-at.minus(right), 0.0)
+            return np.log(from_left) - np.log(to_right) + np.log(self.skew[panel])
+
+    def inside(self, panel: int, y: Array) -> CutPoints:
+        """Return points (m,) at given y inside a panel of a single set of zones."""
+        skew, left = self.skew[panel], self.left[panel]
+        if self.right[panel] is None:
+            return CutPoints(left.parts + skew * np.exp(y))
+        return CutPoints(left.parts + self.widths[panel] / (1 + skew * np.exp(-y)))
+
+    def cauchy(self, pairs: Pairs, weights: Array) -> Array:
+        """Return integrals of weights / (w - v) over the sources of pairs at nodes v of the
+        targets.
+
+        `weights` (r, ..., n) contain the Jacobian; the result is (r, ..., n).
+        """
+        source, behind = pairs.source, pairs.behind
+        # Distances from the end between source and target add up: no digits are lost.
+        own, other = np.empty_like(weights), np.abs(self.from_ends[pairs.near, pairs.target])
+        own[:behind] = self.from_left[source[:behind]]
+        own[behind:] = self.from_right[source[behind:]]
+        weights = self.rule.weights * weights
+        # w - v is negative for sources ahead of their targets; distances are positive.
+        weights[behind:] *= -1
+        if own.shape[-1] < tuning.MANY_NODES or not len(source):
+            return _summed(weights, own, other)
+        # From here on the nodes of both count outward from the end between them.
+        for values, part in ((weights, slice(behind, None)), (own, slice(behind, None))):
+            values[part] = values[part, ..., ::-1].copy()
+        other[:behind] = other[:behind, ..., ::-1].copy()
+        result, sizes = np.zeros_like(own), np.abs(weights) / own
+        least = tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2) * self.rule.spacing
+        matter = sizes.reshape(len(own), -1, own.shape[-1]).max(axis=1) > least
+        for i, (sent, target) in enumerate(zip(source, pairs.target, strict=True)):
+            # Nodes whose contribution is negligible to every target are left out.
+            counted = np.flatnonzero(matter[i])
+            if not len(counted):
+                continue
+            first = (
+                self.from_right[target, ..., -1:] if i < behind else self.from_left[target, ..., :1]
+            )
+            gap = other[i, ..., :1] - first  # between the near ends of both
+            kept, pieces = self._pieces(sent, gap)
+            kept = slice(max(kept.start, counted[0]), min(kept.stop, counted[-1] + 1))
+            few = [
+                weights[i, ..., kept],
+                *(weights[i, ..., one.nodes] @ one.onto for one in pieces),
+            ]
+            away = [own[i, ..., kept], *(one.distances for one in pieces)]
+            condensed = np.concatenate(few, axis=-1), np.concatenate(away, axis=-1)
+            self._spread(target, gap, *condensed, other[i], result[i])
+        result[:behind] = result[:behind, ..., ::-1].copy()
+        return result
+
+    def _spread(
+        self, target: int, gap: Array, weights: Array, own: Array, other: Array, result: Array
+    ) -> None:
+        """Write sums of weights / (own + other) over (..., m) to the nodes (..., n) of a target.
+
+        Nodes count from the near end, at distances `other` from that of the source, `gap` (..., 1)
+        beyond it.
+        """
+        kept, pieces = self._pieces(target, gap)
+        to, core = kept, self.rule.core
+        if target not in self._long:
+            to = slice(max(to.start, core.start), min(to.stop, core.stop))
+        at = [other[..., to], *(gap + piece.distances for piece in pieces)]
+        sums, done = _summed(weights, own, np.concatenate(at, axis=-1)), to.stop - to.start
+        result[..., to] = sums[..., :done]
+        # Beyond the inner nodes of the target the integral hardly changes.
+        result[..., kept.start : to.start] = result[..., to.start, None]
+        result[..., to.stop : kept.stop] = result[..., to.stop - 1, None]
+        for piece in pieces:
+            begun, done = done, done + piece.distances.shape[-1]
+            result[..., piece.nodes] = sums[..., begun:done] @ piece.onto.T
+
+    def _pieces(self, panel: int, gap: Array) -> tuple[slice, list[_Piece]]:
+        """Return the nodes of a panel that are kept, and pieces of others, over a gap (..., 1).
+
+        Nodes count from the near end. Seen from outside, 1 / (w - v) is smooth on the far half, and
+        beside the near end as far as the gap is wide: its nearest singularity lies beyond.
+        """
+        half = self._far_halves[panel]
+        if half is None:
+            return slice(0, len(self.rule.y)), []
+        far, size = half
+        # The least gap over all sets of zones decides, 0 between neighbours.
+        most, least = float(size.max()), float(gap.min())
+        if not (least > 0 and least * 2.0**tuning.MOST_HALVINGS >= most):
+            return slice(0, far.nodes.start), [far]
+        near = self.rule.beside_end(max(1, int(np.ceil(np.log2(most / least)))))
+        share = near.share / near.rest if self.right[panel] is None else near.share
+        beside = _Piece(slice(0, near.count), size * share, near.onto)
+        return slice(near.count, far.nodes.start), [far, beside]
+
+    @cached_property
+    def _far_halves(self) -> list[tuple[_Piece, Array] | None]:
+        """The far half of each panel as a piece, and the panel's width, or rho of an unbounded one.
+
+        None where the map is skewed, with its nodes elsewhere.
+        """
+        half = self.rule.beside_end(1)
+        result: list[tuple[_Piece, Array] | None] = []
+        nodes = slice(len(self.rule.y) - half.count, len(self.rule.y))
+        for panel, right in enumerate(self.right):
+            if right is None:
+                size, share, onto = self.skew[panel], half.rest / half.share, half.onto_falling
+                plain = np.all(size == self.ends.v[-1])
+            else:
+                size, share, onto = self.widths[panel], half.rest, half.onto[::-1]
+                plain = np.all(self.skew[panel] == 1)
+            result.append((_Piece(nodes, size * share, onto), size) if plain else None)
+        return result
+
+    @cached_property
+    def _long(self) -> tuple[int, ...]:
+        """Panels on which fields vary out to the end of the rule, not only to its `reach`.
+
+        These are the panels around c and the unbounded one.
+        """
+        over_c, last = self.layout.over_c, len(self.right) - 1
+        unbounded = [i for i, right in enumerate(self.right) if right is None]
+        if over_c < 0:
+            return tuple(unbounded)
+        # what slips beside a strip around c begins beyond the stick gaps on either side of it
+        # Slip beside a narrow zone around c begins beyond the stick gaps on either side of that
+        # zone.
+        slips = 0 <= self.layout.pole < last
+        near = 2 if slips and bool(np.all(self.widths[over_c] < tuning.NARROW_STRIP)) else 1
+        return (*range(max(over_c - near, 0), min(over_c + near, last) + 1), *unbounded)
+
+    def principal_values(self, sources: np.ndarray, weights: Array) -> Array:
+        """Return the Cauchy integrals at the nodes of the source panels (s,) themselves.
+
+        They are principal values, from the nodes of other parity. For every map of `lay_panels`, w
+        - v = sqrt(jacobian(w) jacobian(v)) 2 sinh(dy / 2).
+        """
+        # One matrix of 1 / (2 sinh(dy / 2)) therefore serves all panels.
+        root = np.sqrt(self.jacobian[sources])
+        return self.rule.spacing / root * ((weights / root) @ self.rule.alternate)
+
+
+def _summed(weights: Array, own: Array, other: Array) -> Array:
+    """Return sums of weights / (own + other) over the nodes of `own` (..., m), for `other` (...,
+    n)."""
+    m, n = own.shape[-1], other.shape[-1]
+    rows, sources, to = weights.reshape(-1, m, 1), own.reshape(-1, 1, m), other.reshape(-1, n, 1)
+    result = np.empty((len(to), n, 1))
+    step = max(1, min(len(to), tuning.CACHED_KERNEL // (m * n)))
+    kernel = np.empty((step, n, m))
+    for start in range(0, len(to), step):
+        part = slice(start, start + step)
+        within = kernel[: len(to[part])]
+        np.add(sources[part], to[part], out=within)
+        np.reciprocal(within, out=within)
+        np.matmul(within, rows[part], out=result[part])
+    return result.reshape(other.shape)

@@ -1,0 +1,168 @@
+"""The memory of the interface for past slip, as a short sum of exponentials.
+
+The memory kernel h has the Laplace transform G(s) - 1 (`impedance`).  Near s = 0, G tends to
+2 (1 - g^2)/s and 1/s, the static stiffness.  The remainder is approximated by poles in the left
+half-plane (`rational`), which turns the convolution over all the past into one recursion per pole
+(as for non-reflecting boundaries: Alpert, Greengard & Hagstrom 2000).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.memory.impedance import Impedance
+from semianalytic.memory.rational import fitted, samples
+from semianalytic.memory.tuning import LEAST_KERNEL, SAMPLES
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """The memory kernel h(x) = static + Re sum residues exp(poles x), for 0 <= x <= horizon.
+
+    Attributes
+    ----------
+    poles, residues : (m,) complex arrays
+        One pole of each conjugate pair, with twice its residue.
+    static : float
+        1/(1 - nu) in plane, 1 in antiplane shear: traction of lasting slip over mu q / 2.
+    horizon : float
+        Largest q c_t t for which the sum is made.
+    error : float
+        Largest error of the transform on Re s = 1/horizon over its largest value.
+    """
+
+    poles: Complex
+    residues: Complex
+    static: float
+    horizon: float
+    error: float
+
+    def __call__(self, x: Array) -> Array:
+        """Return h at x = q c_t t >= 0, (n,)."""
+        return self.static + (np.exp(np.multiply.outer(x, self.poles)) @ self.residues).real
+
+
+@dataclass(frozen=True, eq=False)
+class SharedMemory:
+    """Several memory kernels with the same poles, static + Re sum residues exp(poles x) each.
+
+    Attributes
+    ----------
+    poles : (m,) complex array
+        One pole of each conjugate pair.
+    residues : (k, m) complex array
+        Twice the residue of a pair, for every kernel.
+    static : (k,) array
+        Limits of the kernels for long times.
+    horizon : float
+        Largest q c_t t for which the sums are made.
+    error : float
+        Largest error of a transform on Re s = 1/horizon over its largest value.
+    """
+
+    poles: Complex
+    residues: Complex
+    static: Array
+    horizon: float
+    error: float
+
+
+class Kernels(Protocol):
+    """Transforms of several kernels that have their branch points in common."""
+
+    @property
+    def branches(self) -> tuple[float, ...]:
+        """Branch points and poles divided by i."""
+
+    @property
+    def direct(self) -> Array:
+        """Limits at s = infinity, (k,)."""
+
+    @property
+    def static(self) -> Array:
+        """Limits of s times the transforms at s = 0, (k,)."""
+
+    @property
+    def lasting(self) -> tuple[Complex, Complex]:
+        """Known poles with Re s = 0 < Im s, (p,), and their residues, (k, p)."""
+
+    def __call__(self, s: Complex) -> Complex:
+        """Return the transforms without those poles at s (n,) with Re s > 0, (k, n)."""
+
+
+@lru_cache(maxsize=32)
+def fit_memory(impedance: Impedance, horizon: float, tolerance: float) -> Memory:
+    """Fit poles and residues to the memory of an impedance; results are cached.
+
+    Parameters
+    ----------
+    impedance : Impedance
+        G of in-plane or antiplane shear.
+    horizon : float
+        Largest q c_t t that will be asked for.
+    tolerance : float
+        Relative error of the transform at which to stop.
+
+    Raises
+    ------
+    ComputationError
+        If the tolerance is not met.
+    """
+    static = impedance.static
+
+    def remainder(s: Complex) -> Complex:
+        # what is left of G - 1 without the static stiffness, bounded at s = 0
+        return impedance(s) - 1 - static / s
+
+    poles, residues, error = fitted(
+        lambda s: remainder(s)[None], impedance.branches, horizon, tolerance
+    )
+    return Memory(poles, residues[0], static, horizon, error)
+
+
+@lru_cache(maxsize=32)
+def fit_shared(kernels: Kernels, horizon: float, tolerance: float) -> SharedMemory:
+    """Fit poles that several kernels have in common, and their residues; results are cached.
+
+    Kernels are fitted relative to their own sizes, by set-valued AAA (one set of support points).
+
+    Parameters
+    ----------
+    kernels : Kernels
+        Transforms of the kernels.
+    horizon : float
+        Largest q c_t t that will be asked for.
+    tolerance : float
+        Relative error of the transforms at which to stop.
+
+    Raises
+    ------
+    ComputationError
+        If the tolerance is not met.
+    """
+    direct, static = kernels.direct[:, None], kernels.static[:, None]
+
+    def remainder(s: Complex) -> Complex:
+        return kernels(s) - direct - static / s
+
+    sizes = np.abs(remainder(samples(kernels.branches, horizon, SAMPLES))).max(axis=1)
+    sizes = np.maximum(sizes, LEAST_KERNEL * sizes.max())[:, None]
+    poles, residues, error = fitted(
+        lambda s: remainder(s) / sizes, kernels.branches, horizon, tolerance
+    )
+    waves, parts = kernels.lasting
+    return SharedMemory(
+        np.concatenate([poles, waves]),
+        np.concatenate([residues * sizes, 2 * parts], axis=1),
+        kernels.static,
+        horizon,
+        error,
+    )

@@ -1,0 +1,137 @@
+"""Transforms of decaying kernels, approximated by poles in the left half-plane.
+
+The poles come from the AAA algorithm (Nakatsukasa, Sete & Trefethen 2018) with support points in
+conjugate pairs, their residues from least squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.memory.tuning import FAR_SAMPLE, MOST_PAIRS, SAMPLES, SHORTEST_SAMPLE
+from semianalytic.scene.errors import ComputationError
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+def fitted(
+    remainder: Callable[[Complex], Complex],
+    branches: tuple[float, ...],
+    horizon: float,
+    tolerance: float,
+) -> tuple[Complex, Complex, float]:
+    """Return poles (m,), residues (k, m) and the error of a fit to functions of s, (k, n)."""
+    s = samples(branches, horizon, SAMPLES)
+    values = remainder(s)
+    poles = _poles(s, values, tolerance)
+    residues = _residues(s, values, poles)
+    # check at other points than those of the fit, four times as many
+    check = samples(branches, horizon, 4 * SAMPLES + 1)
+    exact = remainder(check)
+    error = float(np.abs(residues @ _columns(check, poles).T - exact).max() / np.abs(exact).max())
+    if not error < 10 * tolerance:
+        raise ComputationError(
+            f"the memory of the interface could be fitted to {error:.1e} only, not to "
+            f"{tolerance:.1e}; raise the tolerance or shorten the run."
+        )
+    pairs, real = _split(poles)
+    half = len(pairs)
+    # r exp(z x) + conj = Re [2 r exp(z x)]: one of each pair is kept, with twice its residue
+    twice = 2 * (residues[:, :half] + 1j * residues[:, half : 2 * half])
+    kept = np.concatenate([twice, residues[:, 2 * half :] + 0j], axis=1)
+    return np.concatenate([pairs, real + 0j]), kept, error
+
+
+def samples(branches: tuple[float, ...], horizon: float, count: int) -> Complex:
+    """Return points on Re s = 1/horizon, dense beside the branch points, (n,).
+
+    On that line the inverse transform amplifies errors by exp(x/horizon) <= e at most, for all x up
+    to the horizon.
+    """
+    near, last = SHORTEST_SAMPLE / horizon, max(branches)
+    spread = np.geomspace(near, last, count)
+    parts = [np.geomspace(near, max(FAR_SAMPLE, 3 * last), count)]
+    parts += [branch + sign * spread for branch in branches for sign in (1, -1)]
+    # Im s > 0 is enough: h is real, so the transform takes conjugate values at conjugate points
+    return 1 / horizon + 1j * np.unique(np.maximum(np.abs(np.concatenate(parts)), near))
+
+
+def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
+    """Return the stable poles with Im >= 0 of rational approximations to values (k, n) at s (n,).
+
+    By set-valued AAA: all k functions have the same support points and weights.  Support points
+    come in conjugate pairs, which makes the approximation real on the real axis.
+    """
+    from scipy.linalg import eigvals  # here, for `import semianalytic` is to be quick
+
+    chosen: list[int] = []
+    left = np.ones(len(s), dtype=bool)
+    approximation = np.zeros(values.shape, dtype=complex)
+    while True:
+        errors = np.abs(values - approximation).max(axis=0)
+        chosen.append(int(np.argmax(np.where(left, errors, -1.0))))
+        left[chosen[-1]] = False
+        support, at_support = s[chosen], values[:, chosen]
+        direct = 1 / (s[left, None] - support)
+        mirrored = 1 / (s[left, None] - support.conj())
+        differences = values[:, left, None] - at_support[:, None]
+        upper = np.concatenate(list(differences * direct))
+        differences = values[:, left, None] - at_support[:, None].conj()
+        lower = np.concatenate(list(differences * mirrored))
+        # Weights w and conj(w) of a pair as two real unknowns: w U + conj(w) L =
+        # Re w (U + L) + i Im w (U - L).
+        loewner = np.hstack([upper + lower, 1j * (upper - lower)])
+        # the weights are the last right singular vector; the triangle of a QR has the same one
+        triangle = np.linalg.qr(np.vstack([loewner.real, loewner.imag]), "r")
+        last = np.linalg.svd(triangle)[2][-1]
+        weights = last[: len(chosen)] + 1j * last[len(chosen) :]
+        weighted = (weights * at_support).T
+        numerator = direct @ weighted + mirrored @ weighted.conj()
+        denominator = direct @ weights + mirrored @ weights.conj()
+        approximation[:, left] = numerator.T / denominator
+        approximation[:, chosen] = at_support
+        error = np.abs(values - approximation).max() / np.abs(values).max()
+        if error < tolerance or len(chosen) == MOST_PAIRS:
+            break
+    # The zeros of the denominator are the finite eigenvalues of an arrowhead pencil (Nakatsukasa,
+    # Sete & Trefethen 2018, section 3.2); two are infinite.
+    both = np.concatenate([support, support.conj()])
+    pencil = np.diag(np.concatenate([[0], both]))
+    pencil[0, 1:], pencil[1:, 0] = np.concatenate([weights, weights.conj()]), 1
+    mass = np.eye(len(pencil))
+    mass[0, 0] = 0
+    poles: Complex = np.asarray(eigvals(pencil, mass), dtype=complex)
+    poles = poles[np.isfinite(poles) & (np.abs(poles) < 100 * FAR_SAMPLE)]
+    # poles with Re > 0 come from rounding, beside a zero that cancels them: their residues vanish
+    return poles[(poles.real < 0) & (poles.imag > -1e-8 * np.abs(poles))]
+
+
+def _split(poles: Complex) -> tuple[Complex, Array]:
+    """Separate the poles of conjugate pairs from the real poles."""
+    real = poles.imag <= 1e-8 * np.abs(poles)
+    return poles[~real], poles[real].real
+
+
+def _columns(s: Complex, poles: Complex) -> Complex:
+    """Return the matrix (n, unknowns) from residues to values of the transform at s.
+
+    The unknowns are the real parts, then the imaginary parts of the residues of pairs, then the
+    residues of real poles.
+    """
+    pairs, real = _split(poles)
+    upper, lower = 1 / (s[:, None] - pairs), 1 / (s[:, None] - pairs.conj())
+    return np.hstack([upper + lower, 1j * (upper - lower), 1 / (s[:, None] - real)])
+
+
+def _residues(s: Complex, values: Complex, poles: Complex) -> Array:
+    """Return the residues that fit values (k, n) at s best, (k, unknowns) as in `_columns`."""
+    columns = _columns(s, poles)
+    matrix = np.vstack([columns.real, columns.imag])
+    # columns of equal norm, so that `rcond` judges all poles alike
+    scale = np.linalg.norm(matrix, axis=0)
+    both = np.concatenate([values.real, values.imag], axis=1)
+    return np.asarray(np.linalg.lstsq(matrix / scale, both.T, rcond=1e-13)[0].T / scale)

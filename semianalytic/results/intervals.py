@@ -1,0 +1,112 @@
+"""Intervals that slip or are open, found from samples, with ends between the samples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.results.answer import OpenInterval, SlipInterval
+
+Array = NDArray[np.float64]
+
+EDGE_STEPS = 2
+"""Largest distance of an edge beyond the last sample that slips, in steps of the samples."""
+
+
+def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterval, ...]:
+    """Find the intervals that slip from a sampled slip rate.
+
+    An interval is a run of two or more samples of one sign whose size exceeds `least`.  Its ends
+    are placed between samples by the square-root law of slip rate at an edge: a straight line
+    through the squares of the two samples next to the end is followed down to zero, but no further
+    than `EDGE_STEPS` steps.
+
+    Parameters
+    ----------
+    x : (n,) array
+        Positions [length], increasing, all positive; velocities x/t do as well.
+    slip_rate : (n,) array
+        Relative slip rate [length / time].
+    least : float
+        Largest |slip rate| that counts as none [length / time].
+
+    Returns
+    -------
+    tuple of SlipInterval
+        Intervals from the contact edge outward.  One that holds the first sample starts at 0, one
+        that holds the last sample ends at infinity.
+    """
+    sense = np.where(np.abs(slip_rate) > least, np.sign(slip_rate), 0.0)
+    return tuple(
+        SlipInterval(*_ends(x, slip_rate**2, run), int(sense[run[0]])) for run in _runs(sense)
+    )
+
+
+def open_intervals(x: Array, gap: Array, least: float = 0.0) -> tuple[OpenInterval, ...]:
+    """Find the open intervals from a sampled gap, like `slip_intervals`.
+
+    At a smooth end the gap grows like the distance to the power 3/2, so the line goes through its
+    powers 2/3.
+
+    Parameters
+    ----------
+    x : (n,) array
+        Positions [length], increasing, all positive; velocities x/t do as well.
+    gap : (n,) array
+        Opening of the contact [length], >= 0.
+    least : float
+        Largest gap that counts as none [length].
+
+    Returns
+    -------
+    tuple of OpenInterval
+        Intervals from the contact edge outward.  One that holds the first sample starts at 0, one
+        that holds the last sample ends at infinity.
+    """
+    return tuple(OpenInterval(*_ends(x, gap ** (2 / 3), run)) for run in _runs(gap > least))
+
+
+def _runs(kind: NDArray[Any]) -> Iterator[NDArray[np.intp]]:
+    """Yield the indices of each run of two or more neighbouring samples of one non-zero kind."""
+    for run in np.split(np.arange(len(kind)), np.flatnonzero(kind[1:] != kind[:-1]) + 1):
+        # A single sample has no line through it, and so no ends that could be placed.
+        if len(run) > 1 and kind[run[0]]:
+            yield run
+
+
+def _ends(x: Array, straight: Array, run: NDArray[np.intp]) -> tuple[float, float]:
+    """Return the ends of a run of samples whose values fall to zero along straight lines."""
+    # `_edge` looks from an edge inward; for the right end that is backwards.
+    inward = run[::-1]
+    start = _edge(x[run], straight[run]) if run[0] else 0.0
+    end = _edge(x[inward], straight[inward]) if run[-1] < len(x) - 1 else math.inf
+    return start, end
+
+
+def beside_openings(
+    zone: SlipInterval, openings: Iterable[OpenInterval], near: float
+) -> SlipInterval:
+    """Let a zone end where an opening begins, if its end lies within `near` of it.
+
+    Slip has its full speed there, so the law of an edge does not apply.
+    """
+    start, end = zone.start, zone.end
+    for opening in openings:
+        if opening.start < start < opening.end + near:
+            start = opening.end
+        if opening.start - near < end < opening.end:
+            end = opening.start
+    return SlipInterval(start, end, zone.sense)
+
+
+def _edge(x: Array, straight: Array) -> float:
+    """Return where a line through the first two samples, from the edge inward, falls to zero."""
+    first, second = straight[:2].tolist()
+    step = float(x[1] - x[0])
+    steps = first / (second - first) if second > first else 0.0
+    # Samples that hardly fall say little about the end, which the next sample in stick bounds.
+    return float(x[0]) - min(steps, EDGE_STEPS) * step

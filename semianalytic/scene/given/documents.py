@@ -1,0 +1,97 @@
+"""Scenes as plain dictionaries, for TOML and JSON, and scenes made of such dictionaries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import FrictionLaw
+from semianalytic.scene.incident import load_document, load_from_document
+from semianalytic.scene.loading import SLOT, Tractions
+from semianalytic.scene.material import Material
+from semianalytic.scene.plugins import kind_of, known_class, plugin_names
+from semianalytic.scene.scene import IN_PLANE, PARTS, Part, Scene
+
+
+def scene_document(scene: Scene) -> dict[str, Any]:
+    """Return a scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
+
+    Histories and friction law are named by `kind`.  These, the mode, the place of the load and the
+    units are left out if they are the default.
+    """
+    document: dict[str, Any] = {
+        "friction": scene.friction,
+        "material": asdict(scene.material),
+        "base": asdict(scene.base),
+        "load": load_document(scene.load),
+    }
+    for name, known in PARTS.items():
+        part = getattr(scene, name)
+        # Defaults are left out, so that files stay short and old files stay what they were.
+        if part != known.default:
+            document[name] = part_document(part)
+    if scene.antiplane:
+        document["mode"] = scene.mode
+    if scene.load_on != SLOT:
+        document["load_on"] = scene.load_on
+    if scene.units:
+        document["units"] = scene.units
+    return document
+
+
+def part_document(part: Any) -> dict[str, Any]:
+    """Return a history or friction law as a dictionary of its kind and parameters."""
+    known = PARTS["friction_law" if isinstance(part, FrictionLaw) else "shear_history"]
+    return {"kind": kind_of(*known[:3], type(part)), **asdict(part)}
+
+
+def scene_from_document(document: Mapping[str, Any]) -> Scene:
+    """Make the scene that a dictionary of `scene_document`, or of a TOML file, describes.
+
+    Raises
+    ------
+    SceneError
+        If a kind or parameter of a history or friction law is unknown or missing, or a value is
+        out of range.
+    """
+    parts = {
+        name: _named(name, part, document[name]) for name, part in PARTS.items() if name in document
+    }
+    return Scene(
+        material=Material(**document["material"]),
+        friction=document["friction"],
+        base=Tractions(**document["base"]),
+        load=load_from_document(document["load"]),
+        mode=document.get("mode", IN_PLANE),
+        load_on=document.get("load_on", SLOT),
+        units=document.get("units", ""),
+        **parts,
+    )
+
+
+def _named(name: str, part: Part, table: Any) -> Any:
+    """Make the history or friction law that a table with a kind and parameters describes."""
+    kind = table.get("kind") if isinstance(table, Mapping) else None
+    description: Any = None
+    if isinstance(kind, str):
+        description = known_class(part.group, part.base, part.own, kind)
+    if description is None:
+        kinds = ", ".join((*part.own, *plugin_names(part.group, part.own)))
+        raise SceneError(
+            f"{name}: kind must be one of {kinds}, got {shown(kind)} (docs/not_here.md)."
+        )
+    given = {key: value for key, value in table.items() if key != "kind"}
+    known = [part.name for part in fields(description)]
+    unknown = [key for key in given if key not in known]
+    if unknown:
+        raise SceneError(
+            f"{name}: kind {kind} has no {shown(unknown[0])}; "
+            f"it takes {', '.join(known) or 'nothing'} (docs/not_here.md)."
+        )
+    try:
+        return description(**given)
+    except TypeError as error:
+        raise SceneError(f"{name}: kind {kind} needs {', '.join(known)}.") from error

@@ -1,0 +1,1 @@
+"""Derivatives of zones and fields with respect to the parameters of a scene."""

@@ -1,0 +1,76 @@
+"""The error of a derivative, from its difference from a coarser one (docs/derivatives.md)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from semianalytic.cut.profile import Profile
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.selfsimilar.derivatives.edges import edges_moved, edges_of_zones
+from semianalytic.selfsimilar.derivatives.varied import VariedProfile
+from semianalytic.selfsimilar.zones import tuning
+
+
+def difference_error(fine: VariedProfile, coarse: VariedProfile, size: float) -> float:
+    """Return the error estimate of a derivative from a coarser one.
+
+    It covers edges, slip rate, slip and tractions, relative to their largest derivative, or to c_t
+    and the largest values of the fields per `size` of the parameter, if these are larger.
+    """
+    profile = fine.profile
+    u = _compared(profile)
+    worst = _share(edges_moved(fine), edges_moved(coarse), 1 / size)
+    worst = max(worst, _largest_share(fine, coarse, u, size))
+    if profile.edge_slips:
+        # A film may slip at the contact edge alone, nearer than any of these points.
+        near = _compared(profile, tuning.NEAREST_COMPARED)
+        worst = max(worst, _largest_share(fine, coarse, near, size))
+    safety = tuning.UNSEEN_SAFETY if _passes_over_a_strip(profile, u) else tuning.SAFETY
+    return tuning.LEAST_DERIVATIVE_ERROR + safety * worst
+
+
+def _largest_share(fine: VariedProfile, coarse: VariedProfile, u: Array, size: float) -> float:
+    """Return the largest difference of two derivatives at slownesses u, over their largest value.
+
+    If that is smaller, it is over the largest value of the field, per `size` of the parameter.
+    """
+    profile, worst = fine.profile, 0.0
+    compared = [
+        (fine.slip_rate(u), coarse.slip_rate(u), profile.slip_rate(u)),
+        (fine.slip_over_time(u), coarse.slip_over_time(u), profile.slip_over_time(u)),
+        (fine.traction(u), coarse.traction(u), profile.shear_change(u)),
+    ]
+    if profile.normal and fine.normal and coarse.normal:
+        near, far, normal = fine.normal, coarse.normal, profile.normal
+        # In antiplane shear the panels have no nodes on either side of c_R, so that the gap is
+        # left out.
+        if profile.fields.factors.has_rayleigh_wave:
+            compared.append((near.slip_rate(u), far.slip_rate(u), normal.slip_rate(u)))
+        compared.append((near.traction(u), far.traction(u), normal.shear_change(u)))
+    for one, other, field in compared:
+        worst = max(worst, _share(one, other, float(np.abs(field).max()) / size))
+    return worst
+
+
+def _compared(profile: Profile, nearest: float = tuning.CLEAR_OF_EDGES) -> Array:
+    """Return slownesses at which a derivative is compared, away from zone edges and wave fronts.
+
+    `nearest` [c_t] is the least velocity.
+    """
+    factors = profile.fields.factors
+    marks = np.array([edge.v[0] for edge in edges_of_zones(profile)] + [factors.a, 1.0, factors.c])
+    xi = np.geomspace(nearest, 1 / factors.a, tuning.COMPARED_POINTS)
+    return np.asarray(1 / xi[np.abs(xi[:, None] - 1 / marks).min(axis=1) > tuning.CLEAR_OF_EDGES])
+
+
+def _passes_over_a_strip(profile: Profile, u: Array) -> bool:
+    """Return whether two neighbouring edges have none of some slownesses between them."""
+    edges = np.unique([edge.v[0] for edge in edges_of_zones(profile)])
+    return bool(np.any(np.histogram(u, edges)[0] == 0)) if len(edges) > 1 else False
+
+
+def _share(one: Array, other: Array, least: float) -> float:
+    """Return the largest difference of derivatives over the largest of them, or over a lower
+    bound."""
+    away, size = np.abs(one - other).max(initial=0.0), np.abs(one).max(initial=0.0)
+    return float(away / max(size, least)) if away else 0.0

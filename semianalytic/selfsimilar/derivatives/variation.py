@@ -1,0 +1,414 @@
+"""Differentiate placed zones and their fields with respect to a parameter, implicitly.
+
+The edges e satisfy m(e, p) = 0 for every value of a parameter p, so that de/dp = -J^(-1) dm/dp with
+the Jacobian J of the mismatch m. At the nodes of panels, which move with the edges, fields are
+analytic in p whatever their powers at the edges. They are therefore differenced there, along de/dp,
+to fourth order; the contribution of the motion of the nodes is subtracted afterwards (`varied`).
+For fixed zones the fields are linear in the tractions, and that part is exact. See
+docs/derivatives.md, "Fields".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.cut.load import Load
+from semianalytic.cut.node_fields import (
+    FOURTH_ORDER,
+    SECOND_ORDER,
+    NodeFields,
+    Stencil,
+    stencils,
+)
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.rates import Rates
+from semianalytic.cut.zones import ZoneFields
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.scene.errors import ComputationError
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.edges import Edges, edges_of
+from semianalytic.selfsimilar.zones.placement import linearised
+from semianalytic.separation.normal import with_opening
+
+_OF_SLOWNESS = 0.5
+"""Step of the slowness of the front of a load over its distance from the first front, before which
+fields bend; the share of the step in it is that of every unknown."""
+_OF_POISSON = 0.25
+"""Step of the Poisson ratio over its distance from its bounds: the longitudinal front moves, and
+fields on nodes right behind it bend faster than the ratio itself."""
+
+
+_OF_LOAD = (
+    "friction",
+    "base_pressure",
+    "base_shear",
+    "load_pressure",
+    "load_shear",
+    "far_slip_rate",
+    "resistance",
+    "slowness",
+)
+"""Numbers of a load that a parameter may change."""
+
+
+def _widths(fields: ZoneFields) -> Array:
+    """Return the widths (r, ...) of what lies between the ends of panels, without hidden roots.
+
+    Fields are smooth at the cut beside a hidden root. An edge that lies close to it may cross it,
+    so that a panel that ends there does not limit the step.
+    """
+    cuts = [cut.first[0] for cut in fields.factors.in_plane.cuts[:-1]]
+    panels, kept, before = fields.panels, [], np.zeros(1)
+    for width, right in zip(panels.widths[..., 0], panels.right, strict=False):
+        before = before + width
+        if right is None or right.first[0] not in cuts:
+            kept.append(before)
+            before = np.zeros(1)
+    return np.reshape(kept, (len(kept), *panels.widths.shape[1:-1]))
+
+
+@dataclass(frozen=True)
+class Variation:
+    """Derivatives of placed zones and their fields.
+
+    Attributes
+    ----------
+    rates : Rates
+        Derivatives of load and material.
+    unknowns : (e,) array
+        Derivatives of the unknowns of `edges`.
+    nodes : NodeFields
+        Derivatives at fixed nodes.
+    stencil : Stencil or None
+        Stencil by which they were differenced; None if the zones stay.
+    normal : NodeFields or None
+        Derivatives of the normal problem; None if it stays.
+    """
+
+    rates: Rates
+    unknowns: Array
+    nodes: NodeFields
+    stencil: Stencil | None
+    normal: NodeFields | None = None
+
+    @property
+    def of_normal(self) -> Variation | None:
+        """Variation of the normal problem, minus pressure for traction; None if it stays."""
+        if self.normal is None:
+            return None
+        rates = Rates(
+            base_shear=-self.rates.base_pressure,
+            load_shear=-self.rates.load_pressure,
+            poisson_ratio=self.rates.poisson_ratio,
+            slowness=self.rates.slowness,
+        )
+        return Variation(rates, self.unknowns, self.normal, self.stencil)
+
+
+@dataclass(frozen=True)
+class _Change:
+    """Derivatives at fixed nodes, of shear and of the normal problem (None if all is closed)."""
+
+    nodes: NodeFields
+    normal: NodeFields | None
+
+    @classmethod
+    def of(cls, beside: list[ZoneFields], stencil: Stencil) -> _Change:
+        """Return the derivatives from neighbours on a stencil."""
+        profiles = [Profile(one) for one in beside]
+        normals = [NodeFields.of(one.normal) for one in profiles if one.normal is not None]
+        return cls(
+            NodeFields.difference([NodeFields.of(one) for one in profiles], stencil),
+            NodeFields.difference(normals, stencil) if normals else None,
+        )
+
+    def plus(self, other: _Change) -> _Change:
+        """Return the sum of two changes."""
+        normal = self.normal
+        if normal is not None and other.normal is not None:
+            normal = normal.plus(other.normal)
+        return _Change(self.nodes.plus(other.nodes), normal)
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """Placed zones, and neighbouring zones on the same nodes.
+
+    Attributes
+    ----------
+    profile : Profile
+        Profile of the zones.
+    finer : Surroundings or None
+        Surroundings of which these are the `companion`.
+    """
+
+    profile: Profile
+    finer: Surroundings | None = None
+
+    @cached_property
+    def companion(self) -> Surroundings:
+        """Surroundings of the same zones on a coarser rule, with the edges that this rule requires.
+
+        Their derivatives share only the Jacobian with those of the zones, and the Jacobian only
+        affects the direction of differences. Rule, nodes, edges and step differ.
+        """
+        (edges, unknowns), fields = self._placed, self._fields
+        rule = rule_for(tuning.COARSER_COMPANION * fields.rule.tolerance)
+        # One chord step places the edges on the coarser rule: they are off by its error only.
+        if len(unknowns):
+            left = replace(fields, rule=rule).mismatch()
+            unknowns = unknowns - self._inverse @ left.reshape(-1)
+        placed = replace(fields, rule=rule, zones=edges.zones(unknowns))
+        return Surroundings(Profile(placed), self)
+
+    @property
+    def _fields(self) -> ZoneFields:
+        return self.profile.fields
+
+    @cached_property
+    def _rule(self) -> Rule:
+        return replace(self.profile.panels.rule, held=True)
+
+    @cached_property
+    def _loose_rule(self) -> Rule:
+        """Rule on which directions are found, to the digits of a Jacobian."""
+        return rule_for(max(tuning.DIRECTION_RULE, self._fields.rule.tolerance))
+
+    @cached_property
+    def _placed(self) -> tuple[Edges, Array]:
+        opened = self._fields.load.opened
+        opening = opened.zone if opened else None
+        return edges_of(self._fields.factors, self._fields.zones, opening)
+
+    @cached_property
+    def _inverse(self) -> Array:
+        """Inverse Jacobian (e, e) of the mismatch, to about six digits."""
+        if self.finer is not None:
+            return self.finer._inverse
+        edges, unknowns = self._placed
+        if not len(unknowns):
+            return np.zeros((0, 0))
+        _, jacobian = linearised(edges, unknowns, self._fields.load, self._loose_rule)
+        return np.asarray(np.linalg.inv(jacobian))
+
+    def _neighbours(
+        self, rates: Rates, moved: Array, points: Array, rule: Rule | None = None
+    ) -> list[ZoneFields]:
+        """Return neighbouring zones: as sets of one, or one by one if more than the edges changes.
+
+        They are on the nodes of these zones, or on another rule without the tail behind the last
+        edge.
+        """
+        (edges, unknowns), fields = self._placed, self._fields
+        every, tail = unknowns[:, None] + moved[:, None] * points, rule is None
+        fields = replace(fields, rule=rule or self._rule, tail=tail)
+        if not self._one_by_one(rates):
+            return [replace(fields, zones=edges.zones(every))]
+        result = []
+        for point, column in zip(points.tolist(), every.T, strict=True):
+            own, load = self._beside(rates, point)
+            opening = load.opened.zone if load.opened else None
+            zones = replace(edges, factors=own, opening=opening).zones(column)
+            result.append(replace(fields, factors=own, load=load, zones=zones))
+        return result
+
+    def _one_by_one(self, rates: Rates) -> bool:
+        """Return whether more than the edges changes, so that neighbours cannot share one sweep."""
+        opened = self._fields.load.opened is not None and rates.of_pressure
+        return bool(rates.nonlinear or opened)
+
+    def _beside(self, rates: Rates, point: float) -> tuple[RayleighFactors, Load]:
+        """Return factors and load at a changed value of the parameter, with the opening under that
+        load."""
+        factors, load = self._fields.factors, self._fields.load
+        own = rayleigh_factors(factors.poisson_ratio + rates.poisson_ratio * point, factors.mode)
+        changed = {
+            name: getattr(load, name) + getattr(rates, name) * point
+            for name in _OF_LOAD
+            if getattr(rates, name)
+        }
+        load = replace(load, **changed)
+        # A film changes no pressure, so the opening stays where it is.
+        if load.opened is None or rates.resistance:
+            return own, load
+        known = self._opened
+        if (rates, point) not in known:
+            opened, _ = with_opening(replace(load, opened=None), own, tuning.VARIED_OPENING)
+            known[rates, point] = opened
+        return own, known[rates, point]
+
+    @cached_property
+    def _opened(self) -> dict[tuple[Rates, float], Load]:
+        """Loads with their openings, for neighbours that have been computed."""
+        return {}
+
+    def _unfulfilled(self, beside: list[ZoneFields], stencil: Stencil) -> Array:
+        """Return the derivatives (e,) of the mismatch from neighbours."""
+        values = np.stack([one.mismatch() for one in beside], -1)
+        return stencil.difference(values.reshape(-1, len(stencil.points)), 1)
+
+    def _step(self, rates: Rates, moved: Array) -> float:
+        """Return the longest step in a direction that changes no panel by much; infinite if none
+        moves."""
+        step = self._step_of_unknowns(rates, moved)
+        for _ in range(tuning.MOST_NARROWINGS if step < np.inf else 0):
+            change = self._change_of_widths(rates, moved, step)
+            if change <= self._share_of_step:
+                break
+            step *= max(self._share_of_step / change, tuning.FASTEST_NARROWING)
+        return step
+
+    def _change_of_widths(self, rates: Rates, moved: Array, step: float) -> float:
+        """Return the largest change of the logarithm of a panel's width by a step in a direction.
+
+        The unknowns do not represent how narrow a zone is, nor the slip ahead of an opening.
+        """
+        beside = self._neighbours(rates, moved, np.array([-step, step]), self._loose_rule)
+        one, other = (_widths(fields) for fields in (beside[0], beside[-1]))
+        if len(beside) == 1:
+            one, other = one[:, 0], other[:, 1]
+        # Other panels, or a negative width, mean that the step crosses a change of zones.
+        if one.shape != other.shape or np.any(one <= 0) or np.any(other <= 0):
+            return np.inf
+        return float(np.abs(np.log(other / one)).max(initial=0.0)) / 2
+
+    def _step_of_unknowns(self, rates: Rates, moved: Array) -> float:
+        """Return the longest step in a direction that the unknowns and the parameter itself
+        allow."""
+        steps, nu = [np.inf], self._fields.factors.poisson_ratio
+        if moved.any():
+            steps.append(1 / float(np.abs(moved).max()))
+        # Fields are singular at nu = 1/2, where a = 0, and at nu = -1.
+        if rates.poisson_ratio:
+            steps.append(_OF_POISSON * min(0.5 - nu, 1 + nu))
+        if rates.resistance:
+            steps.append(float(np.max(self._fields.load.resistance or 0.0)))
+        if rates.slowness:
+            # the pole of the load at v = p keeps its distance from the first front
+            distance = self._fields.panels.ends.v[0].flat[0] - self._fields.load.slowness
+            steps.append(_OF_SLOWNESS * float(distance) / abs(rates.slowness))
+        steps.extend(self._steps_of_opening(rates))
+        return self._share_of_step * min(steps)
+
+    def _steps_of_opening(self, rates: Rates) -> list[float]:
+        """Return changes of a parameter that would close the contact or bring the base to zero."""
+        load, factors = self._fields.load, self._fields.factors
+        if load.opened is None:
+            return []
+        stuck = load.stuck(factors, "I").at_rayleigh_front
+        margin = load.base_pressure
+        if load.load_pressure > 0:
+            # The contact closes at the Rayleigh front when P_b + P_0 p*(c) = 0.
+            margin = min(margin, abs(margin + load.load_pressure * stuck))
+        fastest = abs(rates.base_pressure) + abs(rates.load_pressure)
+        of_front = abs(rates.poisson_ratio) + abs(rates.slowness)
+        fastest += of_front * abs(load.load_pressure) * (load.load_pressure > 0)
+        return [margin / fastest] if fastest else []
+
+    @property
+    def _share_of_step(self) -> float:
+        shorter = 1.0 if self.finer is None else tuning.COMPANION_STEP
+        return tuning.VARIED_STEP * shorter
+
+    def _stencil(
+        self, rates: Rates, moved: Array, central: tuple[Array, Array] = FOURTH_ORDER
+    ) -> Stencil | None:
+        """Return a stencil whose neighbours in a direction have the same panels; None if none
+        moves."""
+        step = self._step(rates, moved)
+        if step == np.inf:
+            return None
+        for stencil in stencils(step, central):
+            ends = (stencil.points[[0, 0]], stencil.points[[-1, -1]])
+            outer = [one for end in ends for one in self._neighbours(rates, moved, end)]
+            if all(one.layout == self._fields.layout for one in outer):
+                return stencil
+        raise ComputationError(
+            "the zones beside the solution are of another kind however near; ask for the "
+            "derivative a little to one side of the parameter."
+        )
+
+    def variation(self, rates: Rates) -> Variation:
+        """Return the derivatives with respect to a parameter.
+
+        Parameters
+        ----------
+        rates : Rates
+            Derivatives of load and material with respect to it.
+
+        Raises
+        ------
+        ComputationError
+            If zones on either side of these, however near, have other panels.
+        """
+        load, resting = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
+        differenced = load is None
+        if differenced and rates.front_excess:
+            # What a sticking base retains is linear in the tractions, however the opening moves.
+            load = Rates().of_load(self._fields.load)
+        nodes, unfulfilled = NodeFields.zero(self.profile), resting
+        # The exact part: fields of the load of derivatives on the present panels.
+        if load is not None:
+            fixed = self._let_go(replace(self._fields, load=load, rule=self._rule), rates)
+            nodes = NodeFields.of(Profile(fixed)).of_resting_panels
+            unfulfilled = fixed.mismatch().reshape(-1)
+        along = unfulfilled
+        if differenced and len(resting):
+            # A second-order difference on a loose rule suffices to find the direction de/dp.
+            first = Stencil(*SECOND_ORDER, self._step(rates, resting))
+            beside = self._neighbours(rates, resting, first.points, self._loose_rule)
+            along = unfulfilled + self._unfulfilled(beside, first)
+        # The mismatch F(e, p) stays 0: de/dp = -(dF/de)^-1 dF/dp.
+        moved = -self._inverse @ along
+        stencil = self._stencil(rates, moved)
+        if stencil is None:
+            return Variation(rates, moved, nodes, None)
+        beside = self._neighbours(rates, moved, stencil.points)
+        change = _Change.of(beside, stencil)
+        change = replace(change, nodes=nodes.plus(change.nodes))
+        if len(moved):
+            unfulfilled = unfulfilled + self._unfulfilled(beside, stencil)
+            # The Jacobian is inexact; one more difference along the residual compensates for that.
+            moved, change = self._improved(moved, change, unfulfilled)
+        normal = change.normal if self._one_by_one(rates) else None
+        return Variation(rates, moved, change.nodes, stencil, normal)
+
+    def _let_go(self, fields: ZoneFields, rates: Rates) -> ZoneFields:
+        """Return fields with the part of slip at the longitudinal front that a sticking base
+        retains.
+
+        Behind the front the traction equals the strength. It jumps by minus the excess, like a term
+        r / (k + a) of T, and the slip rate by the excess over the impedance. A strip that sticks
+        behind the front makes both smooth; its width is of higher order (docs/derivatives.md,
+        "Where the set of zones changes").
+        """
+        if not rates.front_excess:
+            return fields
+        factors, load, front = fields.factors, fields.load, self.profile.panels.left[0]
+        root = float(np.sqrt(1 - factors.a**2))
+        # M(a) in units b = mu = 1.
+        impedance = root if factors.mode == "III" else (1 - 2 * factors.a**2) ** 2 / root
+        rate = rates.front_excess / float(impedance + (load.resistance or 0.0))
+        amount = impedance * rate * factors.a / self._fields.canonical.values[0, ..., 0]
+        # T(0) is that of the load: V behind the front is no far slip rate
+        load = replace(load, far_slip_rate=rate, load_shear=load.load_shear + rate)
+        return replace(fields, load=load, closing=((front, float(amount)),))
+
+    def _improved(self, moved: Array, change: _Change, unfulfilled: Array) -> tuple[Array, _Change]:
+        """Return derivatives of unknowns and fields, corrected for the remaining mismatch."""
+        largest = float(np.abs(moved).max())
+        for _ in range(tuning.MOST_IMPROVEMENTS):
+            more = -self._inverse @ unfulfilled
+            if np.abs(more).max() <= tuning.NEGLIGIBLE_CHANGE * largest:
+                break
+            stencil = self._stencil(Rates(), more, SECOND_ORDER)
+            assert stencil is not None
+            beside = self._neighbours(Rates(), more, stencil.points)
+            change = change.plus(_Change.of(beside, stencil))
+            unfulfilled = unfulfilled + self._unfulfilled(beside, stencil)
+            moved = moved + more
+        return moved, change

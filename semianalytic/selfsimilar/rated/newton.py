@@ -1,0 +1,145 @@
+"""Newton's method for strength that depends on slip rate in any smooth way, S(f p, |V|).
+
+About a slip rate V_k the strength is S + S' (|V| - |V_k|), so that on slip of sense s
+
+    dtau/dv = s f dp/dv + eta dV/dv + dg/dv,    eta = S',
+    dg/dv = s (dS/d(f p) - 1) f dp/dv + (d eta/dv) (V - V_k).
+
+This is a viscous problem with eta(v) and a given slope of strength, which `cut` solves exactly. The
+last term contains the new V; it is iterated while the edges are moved to the positions required by
+the linear problem. V_k is stored at the nodes of panels, which move with the edges, on a held rule.
+See docs/rate.md, "Newton's method for any smooth law".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.quadrature.layout import Zone
+from semianalytic.cut.zones import ZoneFields
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.selfsimilar.rated.law import RateStep, SlipRate, UnitLaw
+from semianalytic.selfsimilar.rated.steepness import held_rule
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.placement import Placement, locate_edges, polish_edges
+
+_LOCATED, _LEFT = 1e-7, 1e-13  # shifts of edges at which Newton's method and Broyden's end
+
+
+@dataclass(frozen=True)
+class Rated:
+    """Zones under strength that depends on slip rate, as the last step of Newton's method left
+    them.
+
+    Attributes
+    ----------
+    placement : Placement
+    profile : Profile
+    moves : tuple of float
+        Largest change of V in each step, over the largest V.
+    converged : bool
+    """
+
+    placement: Placement
+    profile: Profile
+    moves: tuple[float, ...]
+    converged: bool
+
+
+# Iterates that overflow end as unconverged.
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
+def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: float) -> Rated:
+    """Apply Newton's method to given zones, from the slip rate of a profile.
+
+    Parameters
+    ----------
+    start : Profile
+        One set of zones, which may differ from `zones`.
+    zones : sequence of Zone
+        From the longitudinal front inward.
+    law : UnitLaw
+    tolerance : float
+        Tolerance of the quadrature rule.
+    """
+    factors, load = start.fields.factors, replace(start.fields.load, linearised=None)
+    beginning = ZoneFields(factors, load, tuple(zones), rule_for(tolerance))
+    # The rule is held: it must not change with the edges, since V_k lives on its nodes.
+    rule = held_rule(beginning, law, tolerance)
+    step = RateStep.about(law, replace(beginning, rule=rule), SlipRate.of(start))
+    about, most = replace(load, linearised=step), tuning.MOST_RATE_EDGE_STEPS
+    placement = locate_edges(factors, zones, about, rule, _LOCATED, most)
+    changes: list[float] = []
+    profile, left = start, tuning.MOST_RATE_FIELDS
+    for _ in range(tuning.MOST_RATE_STEPS):
+        # What has not settled by now lies next to c_R, where each of a thousand fields moves the
+        # edges as far as the one before.
+        if not (placement.converged and left > 0):
+            break
+        placement, profile, used = _iterated(step, placement, rule, 1 if not changes else left)
+        left -= used
+        fields, largest = profile.fields, float(profile.largest_rate)
+        if not step.follows(fields):  # an edge has passed a front: V_k does not move with it
+            changes, step = [], RateStep.about(law, fields, SlipRate.of(profile))
+            continue
+        new = profile.slip_rate_at_nodes
+        changes.append(float(np.abs(new - step.before).max()) / largest)
+        # Newton's method has failed once a step is longer than the one before.
+        if not (changes[-1] < np.inf and _shrinks(changes)):
+            break
+        density = fields.slip_rate_slope * fields.panels.jacobian
+        step = replace(step, rate=SlipRate.of(profile), before=new, density=density, last=new)
+        if not changes[-1] > tuning.RATE_SETTLED:
+            break
+    settled = placement.converged and bool(changes) and changes[-1] <= tuning.RATE_SETTLED
+    return Rated(placement, profile, tuple(changes), settled)
+
+
+def _iterated(
+    step: RateStep, placement: Placement, rule: Rule, most: int
+) -> tuple[Placement, Profile, int]:
+    """Return edges and fields for one linearisation, with its term in the new V iterated, and how
+    many fields that took.
+
+    The iteration ends once it settles, an edge passes a front, or it has taken `most` fields.
+    """
+    factors, mixed, used = step.factors, list[tuple[Array, Array]](), 0
+    while used < most:
+        fields = ZoneFields(factors, replace(step.load, linearised=step), placement.zones, rule)
+        placement, fields, _ = polish_edges(placement, fields, rule, _LEFT)
+        profile, used = Profile(fields), used + 1 + placement.steps
+        if not step.follows(fields):
+            break
+        new = profile.slip_rate_at_nodes
+        moved = float(np.abs(new - step.last).max()) / float(profile.largest_rate)
+        if not tuning.RATE_ROUNDING < moved < np.inf:
+            break
+        mixed = [*mixed[-tuning.MIXED_ITERATES :], (step.last, new)]
+        step = replace(step, last=_mixed(mixed))
+    return placement, profile, used
+
+
+def _shrinks(changes: Sequence[float]) -> bool:
+    """Return whether the last step of Newton's method is shorter than the one before, or
+    rounding."""
+    return len(changes) < 2 or changes[-1] < max(changes[-2], tuning.RATE_SETTLED)
+
+
+def _mixed(iterates: Sequence[tuple[Array, Array]]) -> Array:
+    """Return the next iterate x of x = g(x) by Anderson's method, from the last pairs (x, g(x)).
+
+    It is the combination with the least residual.
+    """
+    before, after = (
+        np.stack([part.ravel() for part in parts]) for parts in zip(*iterates, strict=True)
+    )
+    if len(before) == 1:
+        return iterates[-1][1]
+    left = after - before
+    weights, *_ = np.linalg.lstsq(np.diff(left, axis=0).T, left[-1], rcond=None)
+    mixed = after[-1] - weights @ np.diff(after, axis=0)
+    return np.asarray(mixed.reshape(iterates[-1][1].shape))

@@ -1,0 +1,48 @@
+"""Zones of a self-similar solution in words and as a table.
+
+Numbers have as many digits as tell the edges apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from semianalytic.results.answer import digits_apart
+from semianalytic.results.notebook import html_table
+from semianalytic.scene.scene import Scene
+from semianalytic.scene.units import unit
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
+
+
+def slips_said(zones: Iterable[SlipZone]) -> str:
+    """Return where the contact slips and which way, or "no slip"."""
+    zones = tuple(zones)
+    digits = digits_apart((end for zone in zones for end in (zone.inner, zone.outer)), 4)
+    speeds = [
+        (f"{zone.inner:.{digits}g}", f"{zone.outer:.{digits}g}", zone.sense) for zone in zones
+    ]
+    said = ", ".join(f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds)
+    return f"slip at {said}" if said else "no slip"
+
+
+def zones_table(
+    scene: Scene, zones: Iterable[SlipZone], openings: Iterable[OpenZone], caption: str
+) -> str:
+    """Return slip zones and open parts as HTML, from the contact edge outward."""
+    speed = scene.material.shear_speed
+    parts = [(zone.inner, zone.outer, f"slip {zone.sense:+d}") for zone in zones]
+    parts += [(zone.inner, zone.outer, "open") for zone in openings]
+    ends = [end for *both, _ in parts for end in both]
+    digits, places = digits_apart(ends, 6), digits_apart([end / speed for end in ends], 6)
+    rows = [
+        (
+            kind,
+            *(f"{end:.{digits}g}" for end in (inner, outer)),
+            *(f"{end / speed:.{places}g}" for end in (inner, outer)),
+        )
+        for inner, outer, kind in sorted(parts)
+    ]
+    per = unit("length / time", scene.units)
+    columns = ("zone", f"from [{per}]", f"to [{per}]", "from / c_t", "to / c_t")
+    moves = "" if rows else "no slip; "
+    return html_table(f"Solution: {moves}{caption}", columns, rows)

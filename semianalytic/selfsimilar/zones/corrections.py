@@ -1,0 +1,284 @@
+"""Propose the next set of zones where Newton's method failed or Coulomb's law does not hold.
+
+Zones are in slowness, from the longitudinal front inward.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from semianalytic.cut.load import Load
+from semianalytic.cut.quadrature.layout import Zone
+from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
+from semianalytic.selfsimilar.zones import tuning
+from semianalytic.selfsimilar.zones.coulomb import Violation
+
+
+def rearranged(
+    factors: RayleighFactors, zones: Sequence[Zone], load: Load, may_turn: bool = True
+) -> list[Zone] | None:
+    """Return other zones where Newton's method did not place the edges; None if there are none.
+
+    If `may_turn`, slip ahead of an opening may be tried in the other sense. The caller allows this
+    once, so that the sense does not alternate.
+    """
+    opening = load.opened.zone if load.opened else None
+    # The order matters: the mildest change that applies is tried first.
+    other = _across_shear_front(factors, zones, opening)
+    if other is None:
+        other = _without_vanished(zones)
+    if other is None:
+        other = _joined(zones, load)
+    if other is None and opening is not None:
+        other = _turned_at_opening(zones, opening, may_turn)
+    return other
+
+
+def _across_shear_front(
+    factors: RayleighFactors, zones: Sequence[Zone], opening: Zone | None
+) -> list[Zone] | None:
+    """Return the zones with edges that ran into the shear front restarted on its other side.
+
+    The new place is short of the Rayleigh front (1/2 c_t in antiplane shear) and of an opening
+    behind. The result is None if no edge is at the front.
+    """
+    segment = factors.c - 1 if factors.has_rayleigh_wave else 1.0
+    if opening is not None and opening.left is not None and opening.left.from_b[0] > 0:
+        segment = min(segment, float(opening.left.from_b[0]))
+    behind = 1 + tuning.BEHIND_SHEAR_FRONT * segment
+    ahead = 1 - tuning.AHEAD_OF_SHEAR_FRONT * (1 - factors.a)
+
+    def started(edge: CutPoints | None) -> CutPoints | None:
+        if edge is None or abs(edge.from_b[0]) >= tuning.AT_SHEAR_FRONT:
+            return edge
+        return factors.cut([ahead if edge.from_b[0] > 0 else behind])
+
+    others = []
+    for zone in zones:
+        left, right = started(zone.left), started(zone.right)
+        # with both ends at the front a zone has vanished rather than crossed it
+        crossed = left is None or right is None or left.first_below(right)
+        others.append(replace(zone, left=left, right=right) if crossed else zone)
+    moved = any(
+        one.left is not other.left or one.right is not other.right
+        for one, other in zip(zones, others, strict=True)
+    )
+    return others if moved else None
+
+
+def _turned_at_opening(zones: Sequence[Zone], opening: Zone, may_turn: bool) -> list[Zone] | None:
+    """Return the zones with the zone around the opening changed; None if neither change applies.
+
+    If that zone ended near the closing edge, it ends there now. Otherwise, if it began near the
+    opening edge and may turn, it slips in the other sense ahead of the opening.
+    """
+    result = list(zones)
+    for index, zone in enumerate(zones):
+        if not _holds(zone, opening):
+            continue
+        closing, ahead = opening.right, opening.left
+        if not zone.held and _near(closing, zone.right):
+            result[index] = replace(zone, right=closing, inward=0, held=True)
+            return result
+        if may_turn and _near(zone.left, ahead):
+            result[index] = replace(zone, sense=-zone.sense, inward=zone.last_sense)
+            return result
+    return None
+
+
+def _near(outward: CutPoints | None, inward: CutPoints | None) -> bool:
+    """Return whether one point lies slightly inward of another."""
+    if outward is None or inward is None:
+        return False
+    return bool(inward.minus(outward)[0] < tuning.NEAR_OPENING * outward.v[0])
+
+
+def _holds(zone: Zone, opening: Zone) -> bool:
+    """Return whether an opening lies in a zone."""
+    assert opening.left is not None
+    starts = zone.left is None or not opening.left.first_below(zone.left)
+    return starts and (zone.right is None or opening.left.first_below(zone.right))
+
+
+def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
+    """Return the zones without those that Newton's method has nearly closed; None if there are
+    none.
+
+    If slip ended with an opening and such a zone was next behind, slip continues to that zone.
+    """
+    kept: list[Zone] = []
+    for zone in zones:
+        left, right = zone.left, zone.right
+        if left is None or right is None or right.minus(left)[0] > tuning.VANISHED_ZONE * left.v[0]:
+            kept.append(zone)
+        elif kept and kept[-1].held:
+            kept[-1] = replace(kept[-1], right=left, inward=zone.sense, held=False)
+    return None if len(kept) == len(zones) else kept
+
+
+def _joined(zones: Sequence[Zone], load: Load) -> list[Zone] | None:
+    """Return the zones with the two on either side of the narrowest stick gap joined, or None.
+
+    Newton's method closes a gap where the zones have just met. A gap around c stays open, because V
+    has a logarithm there, unless slip meets resistance.
+    """
+    gaps = {}
+    for i, (outer, inner) in enumerate(pairwise(zones)):
+        if outer.last_sense == inner.sense and outer.right is not None and inner.left is not None:
+            off_c = bool(outer.right.from_c[0] * inner.left.from_c[0] > 0)
+            may_close = off_c or load.resistance is not None
+            width = float(inner.left.minus(outer.right)[0] / outer.right.v[0])
+            if may_close and width < tuning.NARROW_GAP:
+                gaps[i] = width
+    if not gaps:
+        return None
+    i = min(gaps, key=lambda i: gaps[i])
+    return [*zones[:i], replace(zones[i], right=zones[i + 1].right), *zones[i + 2 :]]
+
+
+def corrected(zones: Sequence[Zone], violations: list[Violation], load: Load) -> list[Zone]:
+    """Return zones without intervals that slip the wrong way, and with intervals that must slip.
+
+    Parameters
+    ----------
+    zones : sequence of Zone
+    violations : list of Violation
+        Violations of Coulomb's law in these zones.
+    load : Load
+
+    Returns
+    -------
+    list of Zone
+        New zones are added only if the present ones are sound.
+    """
+    if load.opened is not None:
+        return _corrected_beside(load.opened.zone, zones, violations, load)
+    wrong_slip = [one for one in violations if one.zone >= 0]
+    missing_slip = [one for one in violations if one.zone < 0]
+    kept = _without_wrong_slip(zones, wrong_slip)
+    return _with_missing_slip(kept, missing_slip, load, sound=not wrong_slip)
+
+
+def _corrected_beside(
+    opening: Zone, zones: Sequence[Zone], violations: list[Violation], load: Load
+) -> list[Zone]:
+    """Return corrected zones where the contact is open, treating its closed parts as zones."""
+    parts: list[Zone] = []
+    # Index in `parts` of the first part of each zone.
+    first = {}
+    for index, zone in enumerate(zones):
+        first[index] = len(parts)
+        parts += _closed_parts(zone, opening) if _holds(zone, opening) else [zone]
+    moved = [replace(one, zone=_part_of(one, parts, first.get(one.zone, -1))) for one in violations]
+    closed = corrected(parts, moved, replace(load, opened=None))
+    return _joined_across(closed, opening)
+
+
+def _closed_parts(zone: Zone, opening: Zone) -> list[Zone]:
+    """Return the closed parts of a zone ahead of an opening and behind it."""
+    parts = [replace(zone, right=opening.left, inward=0, held=False)]
+    if opening.right is not None and not zone.held:
+        parts.append(Zone(opening.right, zone.right, zone.last_sense))
+    return parts
+
+
+def _part_of(violation: Violation, parts: list[Zone], first: int) -> int:
+    """Return the closed part that contains a violation of a zone; -1 for a violation in stick."""
+    if first < 0:
+        return -1
+    right = parts[first].right
+    if right is None or first + 1 == len(parts) or violation.left.first_below(right):
+        return first
+    return first + 1
+
+
+def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
+    """Return zones from closed parts, joining those that reach the opening from either side."""
+    ahead, closing = opening.left, opening.right
+    assert ahead is not None
+    before = [one for one in parts if one.left is None or one.left.first_below(ahead)]
+    behind = [one for one in parts[len(before) :]]
+    last = before[-1] if before else None
+    if last is not None and last.right is not None and last.right.first_below(ahead):
+        last = None
+    # Slip always extends further than the opening at its outer edge, because the strength falls to
+    # zero there and the traction does not. If no part reaches the opening, a narrow zone is added.
+    if last is None:
+        sense = -before[-1].sense if before else (behind[0].sense if behind else 1)
+        start = ahead.parts - tuning.NEAR_OPENING / 2 * ahead.v
+        if before and before[-1].right is not None:
+            start = np.maximum(start, (before[-1].right.parts + ahead.parts) / 2)
+        before.append(Zone(CutPoints(start), ahead, sense))
+    held = before.pop()
+    if closing is None or held.right is None or closing.first_below(held.right):
+        return [*before, replace(held, right=held.right if closing is not None else None), *behind]
+    if behind and _begins_at(closing, behind[0]):
+        joined = replace(held, right=behind[0].right, inward=behind[0].sense)
+        return [*before, joined, *behind[1:]]
+    return [*before, replace(held, right=closing, held=True), *behind]
+
+
+def _begins_at(closing: CutPoints, behind: Zone) -> bool:
+    """Return whether slip behind an opening begins where the opening closes.
+
+    It may lie slightly further in, because nodes represent it that way.
+    """
+    if behind.left is None:
+        return False
+    least = tuning.AT_OPENING * float(closing.v[0])
+    if behind.right is not None:
+        least = max(least, tuning.NEAR_CLOSING * float(behind.right.minus(behind.left)[0]))
+    return bool(behind.left.minus(closing)[0] < least)
+
+
+def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> list[Zone]:
+    """Return zones cut where they slip against their sense: at one end, or in two."""
+    result = list(zones)
+    # From the contact edge outward, so that the indices of zones still to be cut stay valid.
+    for one in reversed(sorted(violations, key=lambda one: float(one.left.v[0]))):
+        zone = result[one.zone]
+        to_end = one.touches_right or _reaches(one.right, zone.right)
+        from_start = one.touches_left or _reaches(zone.left, one.left)
+        if from_start and one.right is None:
+            # The violation covers all of a zone at the contact edge.
+            del result[one.zone]
+        elif from_start:
+            result[one.zone] = replace(zone, left=one.right)
+        elif to_end and zone.right is not None:
+            result[one.zone] = replace(zone, right=one.left)
+        else:
+            inner = [] if one.right is None else [replace(zone, left=one.right)]
+            result[one.zone : one.zone + 1] = [replace(zone, right=one.left), *inner]
+    return result
+
+
+def _reaches(outward: CutPoints | None, inward: CutPoints | None) -> bool:
+    """Return whether the first of two points comes up to the other; between nodes rounding
+    decides."""
+    return outward is not None and inward is not None and not outward.first_below(inward)
+
+
+def _with_missing_slip(
+    zones: list[Zone], violations: list[Violation], load: Load, sound: bool
+) -> list[Zone]:
+    """Return zones widened where traction exceeds friction beside them, and new ones elsewhere.
+
+    New ones are added only if the present ones are sound. If the base is critical, the first one
+    starts at the longitudinal front if it slips in the direction of the base.
+    """
+    result = list(zones)
+    for one in violations:
+        # Index of the first zone inward of the violation.
+        after = sum(zone.left is None or bool(zone.left.v < one.left.v) for zone in result)
+        if one.touches_right and after < len(result) and result[after].sense == one.sense:
+            result[after] = replace(result[after], left=one.left)
+        elif one.touches_left and after > 0 and result[after - 1].sense == one.sense:
+            result[after - 1] = replace(result[after - 1], right=one.right)
+        elif sound:
+            at_front = after == 0 and load.critical and one.sense * load.base_shear > 0
+            result.insert(after, Zone(None if at_front else one.left, one.right, one.sense))
+    return result

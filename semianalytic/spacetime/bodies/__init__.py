@@ -1,0 +1,1 @@
+"""Fields in the bodies after a march, summed over wavenumbers and frequencies."""

@@ -1,0 +1,296 @@
+"""The resolution of a march: turns of its loads, the slip zone at the edge, and slip weakening.
+
+A grid of node distance h follows events that last longer than some steps of h / (2 c_t), whatever
+the time step.  Measured on waves and pulses of every shape (docs/spacetime.md, "What the grid
+resolves"), frictional work is off by 1 to 3 % where a load turns by no more than 0.32 of its
+largest value within four such steps: a wave then has 16 of them in a period, a triangle lasts 13,
+a rectangle 4.  Within one step a load may turn by 0.08; otherwise short pulses on top of longer
+ones would be lost.  A slip zone of a few nodes is seen badly, and one shorter than the distance of
+the first node from the edge is not seen at all.  Slip weakening has a length of its own, that of
+its process zone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.halfplane.stuck import front_share
+from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.scene.contact import process_zone
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loads import LoadHistory
+from semianalytic.scene.scene import Scene
+from semianalytic.spacetime.grid.tuning import (
+    HALVINGS,
+    LARGEST_TURN,
+    LEAST_TIMES,
+    LEAST_WEAKENING_NODES,
+    MOST_SAMPLES,
+    NO_INTENSITY,
+    STEP_RATIO,
+    TIMES,
+    WEAKENING_NODES,
+    ZONE_NODES,
+)
+
+Array = NDArray[np.float64]
+
+
+def _follows(history: LoadHistory, step: float, latest: float) -> bool:
+    """Return whether a history turns slowly enough for steps h / (2 c_t) of this length [time]."""
+    return all(
+        history.turn(steps * step, latest) <= allowed for steps, allowed in LARGEST_TURN.items()
+    )
+
+
+def longest_following(history: LoadHistory, step: float, latest: float) -> float:
+    """Return the longest step h / (2 c_t), up to `step`, that follows a history until `latest`.
+
+    It is found to 0.1 %, and 0 if the history turns back within no time at all.
+    """
+    if _follows(history, step, latest):
+        return step
+    # Bisect: sixteenths until one is short enough, then halves of the interval.
+    enough, lacking = 0.0, step
+    for _ in range(HALVINGS):
+        middle = lacking / 16 if enough == 0 else (enough + lacking) / 2
+        enough, lacking = (
+            (middle, lacking) if _follows(history, middle, latest) else (enough, middle)
+        )
+        if enough > 0.999 * lacking:
+            break
+    return enough
+
+
+def nodes_for_loads(
+    scene: Scene, latest: float, length: float, least: int, step_ratio: float = STEP_RATIO
+) -> tuple[int, str]:
+    """Return how many contact nodes follow the loads until `latest`, and which load needs them.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its load histories and shear wave speed are used.
+    latest : float
+        Time until which the loads are looked at [time].
+    length : float
+        Length on which the nodes lie [length].
+    least : int
+        Least number of nodes; returned with "" if it is enough.
+    step_ratio : float
+        Largest c_t dt / h; less than 0.5 does not help.
+
+    Returns
+    -------
+    (int, str)
+        The number of nodes, and "pressure" or "shear", or "" if `least` is enough.
+
+    Raises
+    ------
+    SceneError
+        If a load turns back within no time at all.
+    """
+    nodes, reason = least, ""
+    # step times nodes: a step of step_ratio h / c_t with h = length / nodes
+    times_nodes = max(step_ratio, STEP_RATIO) * length / scene.material.shear_speed
+    for name, history in scene.acting_histories.items():
+        step = times_nodes / nodes
+        enough = longest_following(history, step, latest)
+        if enough == step:
+            continue
+        if enough == 0:
+            raise SceneError(
+                f"march: the {name} history turns back within no time at all; "
+                "smooth it, or take out samples that lie beside each other (docs/limits.md)."
+            )
+        nodes, reason = math.ceil(times_nodes / enough), name
+    return nodes, reason
+
+
+def check_loads(
+    scene: Scene,
+    latest: float,
+    length: float,
+    nodes: int,
+    most: int,
+    step_ratio: float = STEP_RATIO,
+) -> int:
+    """Return the contact nodes to march with: `nodes`, or as many up to `most` as the loads need.
+
+    Parameters are those of `nodes_for_loads`, with `nodes` for `least`.
+
+    Raises
+    ------
+    SceneError
+        If more than `most` are needed; the message states their number.
+    """
+    # Nodes that were given are not raised silently: `most` equals them, and the message says more.
+    needed, name = nodes_for_loads(scene, latest, length, nodes, step_ratio)
+    if needed > most:
+        raise SceneError(
+            f"march: the {name} history turns faster than {most} nodes on a length of {length:.4g} "
+            f"follow; raise `nodes` to {_rounded(needed)}, or shorten `length` "
+            f"{needed / most:.2g} times (docs/limits.md)."
+        )
+    return needed
+
+
+def _rounded(count: float) -> str:
+    """Write a number of nodes, rounded up to two figures."""
+    unit = 10 ** max(0, int(math.log10(count)) - 1)
+    rounded = math.ceil(count / unit) * unit
+    return f"{rounded}" if rounded < 1_000_000 else f"{rounded:.1e}"
+
+
+def zone_at_edge(scene: Scene, end_time: float) -> float:
+    """Return the longest slip zone at the edge that the stuck tractions cause until a time.
+
+    Its length is Dugdale's, (pi/8) (K / s)^2, where K is the excess of the stress intensity of a
+    stuck edge over friction and s the strength left beside the edge (docs/spacetime.md, "What the
+    grid resolves"); it is at most the distance that waves have travelled.
+
+    Parameters
+    ----------
+    scene : Scene
+        Material, friction, tractions and load histories.
+    end_time : float
+        Time until which the zone is looked for [time].
+
+    Returns
+    -------
+    float
+        Length of the zone [length]; 0 where the edge sticks.
+    """
+    if scene.front_too_slow:
+        return 0.0  # its intensity depends on where the load begins
+    breaks = [at for history in scene.acting_histories.values() for at in history.pieces.breaks]
+    # Each time costs a sum over all breaks (the Duhamel integral (3.20)), hence fewer of them.
+    count = max(LEAST_TIMES, min(TIMES, MOST_SAMPLES // max(1, len(breaks))))
+    times = np.linspace(0, end_time, count + 1)
+    times = np.concatenate([times, [at for at in breaks[:count] if at < end_time]])
+    mode_one, mode_two = np.zeros(times.shape), np.zeros(times.shape)
+    held, load = scene.superposition
+    for name, history in scene.acting_histories.items():
+        intensities = intensity_history(history, load, scene.material, times, scene.shear_mode)
+        if name == "pressure":
+            mode_one = intensities[0] * front_share(scene.material, scene.front_slowness, "I")
+        else:
+            share = front_share(scene.material, scene.front_slowness, scene.shear_mode)
+            mode_two = intensities[1] * share
+    # Beside the edge |tau| - f p ~ (|K_II| - f K_I) / sqrt(2 pi x).  The zone closes that against
+    # f p less the shear that the slot faces carry, both of the tractions left on the slot.
+    excess = np.abs(mode_two) - scene.friction * mode_one
+    strength = scene.friction * (
+        held.pressure - load.pressure * scene.pressure_history.value(times)
+    ) - np.sign(mode_two) * (held.shear - load.shear * scene.shear_history.value(times))
+    scale = np.abs(mode_two).max() + scene.friction * np.abs(mode_one).max()
+    slips = excess > NO_INTENSITY * scale
+    bounded = strength > 0
+    ratio = np.where(slips, excess, 0.0) / np.where(bounded, strength, 1.0)
+    # Without strength beside the edge nothing bounds the zone but the waves.
+    zone = np.where(slips & ~bounded, np.inf, np.pi / 8 * ratio**2)
+    return float(np.minimum(zone, scene.fastest_speed * times).max())
+
+
+def nodes_for_zone(scene: Scene, end_time: float, length: float) -> int:
+    """Return how many contact nodes on a length resolve the slip zone at the edge; 0 without one.
+
+    `zone_at_edge` gives the longest zone until `end_time` [time]; `length` is in [length].
+    """
+    zone = zone_at_edge(scene, end_time)
+    return math.ceil(ZONE_NODES * length / zone) if zone else 0
+
+
+def nodes_for_weakening(scene: Scene, length: float) -> int:
+    """Return how many contact nodes on a length resolve the process zone of slip weakening.
+
+    The number is 0 for other friction laws.
+    """
+    return math.ceil(WEAKENING_NODES * length / process_zone(scene))
+
+
+@dataclass(frozen=True)
+class Shortfall:
+    """A reason why a march is too coarse.
+
+    Attributes
+    ----------
+    reason : str
+        The reason, as a clause.
+    times : float
+        How many times as many nodes would be enough.
+    """
+
+    reason: str
+    times: float
+
+
+def advice(shortfalls: Sequence[Shortfall], option: str) -> str:
+    """Return the reasons, and how many times an option has to be raised; "" without reasons."""
+    if not shortfalls:
+        return ""
+    reasons = "; ".join(one.reason for one in shortfalls)
+    return f"{reasons}; raise `{option}` {_rounded(max(one.times for one in shortfalls))} times"
+
+
+def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> Shortfall | None:
+    """Return the slip zone at the edge that a march does not resolve; None if there is none.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene that was marched.
+    end_time : float
+        End time of the march [time].
+    spacing : float
+        Node distance [length].
+    reach : float
+        Largest distance from the edge at which the march found slip [length].
+    """
+    least = ZONE_NODES * spacing
+    # What the march found is asked first, because it costs nothing.
+    if reach >= least:
+        return None
+    zone = zone_at_edge(scene, end_time)
+    if not 0 < zone < least:
+        return None
+    return Shortfall(
+        f"the edge slips over a length of about {zone:.2g}, which nodes {spacing:.2g} apart do not "
+        "resolve",
+        least / zone,
+    )
+
+
+def coarse_weakening(scene: Scene, spacing: float) -> Shortfall | None:
+    """Return the shortfall of slip weakening on too few nodes; None if they are enough.
+
+    `spacing` is the node distance [length].
+    """
+    zone = process_zone(scene)
+    nodes = zone / spacing
+    if nodes >= WEAKENING_NODES:
+        return None
+    return Shortfall(
+        f"friction weakens within about {zone:.2g} of length, over {nodes:.2g} nodes where "
+        f"{WEAKENING_NODES:g} resolve it",
+        WEAKENING_NODES / nodes,
+    )
+
+
+def check_weakening_seen(scene: Scene, spacing: float) -> None:
+    """Raise SceneError if the process zone of slip weakening is shorter than two nodes.
+
+    The grid, not the friction law, would then set the length over which friction weakens.
+    """
+    zone = process_zone(scene)
+    if zone < LEAST_WEAKENING_NODES * spacing:
+        raise SceneError(
+            f"march: friction weakens within about {zone:.3g} of length, which nodes {spacing:.3g} "
+            f"apart do not resolve; raise `nodes` {_rounded(WEAKENING_NODES * spacing / zone)} "
+            "times (docs/limits.md)."
+        )

@@ -1,0 +1,164 @@
+"""How a march is set up: its nodes, those that an error asks for, and its state at rest."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from semianalytic.memory.exponentials import Memory, fit_memory
+from semianalytic.memory.impedance import impedance_of
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.sampled import Totals
+from semianalytic.scene.scene import Scene
+from semianalytic.spacetime.advancing import advance
+from semianalytic.spacetime.grid.nodes import Grid, causal_grid
+from semianalytic.spacetime.grid.resolution import (
+    check_loads,
+    check_weakening_seen,
+    nodes_for_weakening,
+    nodes_for_zone,
+)
+from semianalytic.spacetime.march_error import order_seen
+from semianalytic.spacetime.march_memory import check_size
+from semianalytic.spacetime.marched import Marched
+from semianalytic.spacetime.state import Extremes, MarchState, MarchStatistics
+from semianalytic.spacetime.tuning import (
+    FIRST_NODES,
+    GROWTH_MARGIN,
+    LARGEST_GROWTH,
+    LEAST_GROWTH,
+    LEAST_NODES,
+    MOST_NODES,
+)
+
+
+@dataclass(frozen=True)
+class MarchPlan:
+    """The checked options of `march`, all but the number of nodes."""
+
+    scene: Scene
+    end_time: float
+    latest: float
+    length: float
+    step_ratio: float
+    damping: float
+    every: int
+    tolerance: float
+    rtol: float | None
+    companion: bool
+    entry: float
+
+    def enough_nodes(self, nodes: int | None, least: int, memory: float | None) -> int:
+        """Return the given nodes, or from `least` on as many as loads, edge and friction law need.
+
+        Raises
+        ------
+        SceneError
+            If the loads need more than are given, or more than `MOST_NODES`.
+        """
+        self._check_size(nodes or least, memory)
+        most = nodes
+        if nodes is None:
+            zones = (
+                nodes_for_zone(self.scene, self.end_time, self.length),
+                nodes_for_weakening(self.scene, self.length),
+            )
+            # A zone that even MOST_NODES do not resolve is marched on the usual number of nodes
+            # and reported as "unresolved" (`Marched.caution`).
+            nodes = max(least, *(needed for needed in zones if needed <= MOST_NODES), LEAST_NODES)
+            most = MOST_NODES
+        return check_loads(
+            self.scene, self.latest, self.length, nodes, most or nodes, self.step_ratio
+        )
+
+    def run_within(
+        self,
+        rtol: float,
+        memory: float | None,
+        progress: Callable[[int, int], object] | None,
+    ) -> Marched:
+        """March on more and more nodes until the error estimate is at most `rtol`; return the last.
+
+        See docs/spacetime.md, "Error of a march".
+        """
+        # Until two marches are known, first order is assumed, that of slip rate at edges.
+        nodes, order, coarser = self.enough_nodes(None, FIRST_NODES, memory), 1.0, None
+        while True:
+            marched = self.run(nodes, memory, progress)
+            if coarser is not None:
+                seen = None
+                if coarser.end_time == marched.end_time:  # neither was stopped early
+                    before, now = ((one.grid.observed, one.departure) for one in (coarser, marched))
+                    seen = order_seen(before, now)
+                marched, order = replace(marched, order=seen), seen or 1.0
+            estimate = marched.error_estimate
+            stopped = marched.end_time < self.end_time
+            if stopped or nodes >= MOST_NODES or estimate <= rtol:
+                return marched
+            # error ~ nodes^-order: the nodes that bring the estimate to rtol / GROWTH_MARGIN
+            growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / order)
+            growth = float(np.clip(growth, LEAST_GROWTH, LARGEST_GROWTH))
+            nodes, coarser = min(MOST_NODES, math.ceil(growth * nodes)), marched
+
+    def run(
+        self,
+        nodes: int,
+        memory: float | None,
+        progress: Callable[[int, int], object] | None,
+    ) -> Marched:
+        """March on a given number of contact nodes."""
+        started = time.perf_counter()
+        self._check_size(nodes, memory)
+        check_weakening_seen(self.scene, self.length / nodes)
+        at_rest = replace(self.at_rest(nodes), rtol=self.rtol)
+        setup = time.perf_counter() - started
+        return advance(at_rest, self.end_time, memory, setup, progress)
+
+    def _check_size(self, nodes: int, memory: float | None) -> None:
+        """Raise SceneError if the march does not fit into the memory."""
+        reach = self.scene, self.latest, self.length
+        check_size(*reach, nodes, memory, self.companion, self.entry)
+
+    def at_rest(self, nodes: int) -> Marched:
+        """Return the march on a number of contact nodes before its first step."""
+        grid = causal_grid(self.scene, self.latest, self.length, nodes, self.entry)
+        # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
+        # same sum of exponentials serves both.
+        passing = self.latest + max(self.scene.front_slowness, 0.0) * self.entry
+        horizon = grid.wavenumbers[-1] * self.scene.material.shear_speed * passing
+        past = fit_memory(impedance_of(self.scene), horizon, self.tolerance)
+        marched = self._on(grid, past)
+        if not self.companion:
+            return marched
+        # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
+        coarse = math.ceil(nodes / 2)
+        length = 2 * grid.spacing * coarse
+        coarser = causal_grid(self.scene, self.latest, length, coarse, self.entry)
+        return replace(marched, companion=self._on(coarser, past))
+
+    def _on(self, grid: Grid, past: Memory) -> Marched:
+        """Return a march on a grid before its first step, without a companion."""
+        no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
+        marched = Marched(
+            scene=self.scene,
+            interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 5),
+            totals=Totals(*[no_times] * 4),
+            latest=self.latest,
+            step_ratio=self.step_ratio,
+            damping=self.damping,
+            every=self.every,
+            statistics=MarchStatistics(
+                0, grid.size, len(past.poles), past.error, {"setup": 0.0, "steps": 0.0}
+            ),
+            grid=grid,
+            memory=past,
+            state=MarchState.at_rest(len(past.poles), grid),
+            seen=Extremes.at_rest(grid.observed),
+            entry=self.entry,
+        )
+        state = MarchState.at_rest(len(past.poles), grid, marched.begins)
+        return replace(marched, state=state)
