@@ -14,9 +14,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from compare.benchmarks.sheet import PAIRS, Sheet
+from compare.benchmarks.sheet import Sheet
 from compare.output.files import filled_template
-from semianalytic import Pulse, Scene, ViscousFriction
+from semianalytic import Pulse, Scene, ViscousFriction, find_pair
 
 CELLS = 40
 LENGTH, SLOT = 5.2, 2.2
@@ -72,7 +72,7 @@ def uguca_parameters(sheet: Sheet) -> str:
         fields += ["bot_disp_0", "bot_velo_0"]
     lower, wider = scene.material, 1.0
     if sheet.is_pair:
-        lower = PAIRS[sheet.name].lower
+        lower = find_pair(sheet.name).lower
         wider = max(1.0, lower.longitudinal_speed / FASTEST)
     lines = (
         ("string", "name", sheet.name),

@@ -47,9 +47,11 @@ def _dimensions_of(name: str) -> Callable[[Scene], Dimensions]:
 
 
 _TRACTIONS: Dimensions = {name: one.dimension for name, one in TRACTIONS.items()}
+_MATERIAL: Dimensions = {name: one.dimension for name, one in MATERIAL.items()}
 SCENE_DIMENSIONS: Dimensions = {
     "friction": "1",
-    "material": {name: one.dimension for name, one in MATERIAL.items()},
+    "material": _MATERIAL,
+    "lower_material": _MATERIAL,
     "base": _TRACTIONS,
     "load": {name: one.dimension for name, one in EVERY_LOAD.items() if one.dimension},
     **{

@@ -31,8 +31,8 @@ def folder(tmp_path, monkeypatch):
 
 
 KNOWS_ONE = (
-    "two.toml: this knows identical bodies only, so take out [lower_material], solve a step on the "
-    "slot exactly, slipfront solve or survey or solve_pair in Python, or simulate the scene"
+    "two.toml: this knows identical bodies only, and there are two; solve a step on the slot "
+    "exactly, slipfront solve or survey or solve_pair in Python, or simulate the scene"
 )
 OTHERWISE = "slipfront solve, field, survey and simulate take different ones"
 REFUSED = [
@@ -41,7 +41,6 @@ REFUSED = [
     ("validate record.csv --scene two.toml", KNOWS_ONE),
     ("fit record.csv --scene two.toml --parameters friction", KNOWS_ONE),
     ("evidence two.toml", KNOWS_ONE),
-    ("init new.toml --from two.toml", KNOWS_ONE),
     ("compare preloaded --lower-density 2", OTHERWISE),
     ("field two.toml --method space-time", "march them with slipfront run"),
     ("field two.toml --nodes 64", "march them with slipfront run"),
@@ -172,6 +171,19 @@ def test_a_pair_is_surveyed_in_python():
     assert "waves that run ahead grow" in found.status.values[1]
     assert np.isnan(found.edges[1]).all()
     assert "mode" not in found.coords
+
+
+def test_a_file_of_two_bodies_is_written_from_another(printed):
+    for units, scale in (("", 1.0), (" --units SI", 1e9)):
+        document = printed(f"init new.toml --force --from two.toml{units}")
+        lower = document["scene"]["lower_material"]
+        assert lower["shear_modulus"] == scale * LOWER.shear_modulus
+        pair = sf.find_pair("new.toml")
+        assert pair.lower.shear_modulus == pytest.approx(scale * LOWER.shear_modulus, rel=1e-14)
+        assert pair.lower.poisson_ratio == LOWER.poisson_ratio
+        ratio = pair.lower.density / pair.upper.density
+        assert ratio == pytest.approx(LOWER.density / UPPER.density, rel=1e-14)
+        assert set(document["units"]["scene"]["lower_material"]) == set(lower)
 
 
 def test_a_simulation_of_a_file_takes_its_lower_body():
