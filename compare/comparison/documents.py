@@ -26,7 +26,7 @@ from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
-    from semianalytic import Marched, Measured, Reading, Solution
+    from semianalytic import Marched, Material, Measured, Reading, Solution
     from semianalytic.dissimilar.pair import Pair
 
 WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
@@ -105,6 +105,11 @@ MARCH_DIMENSIONS: Dimensions = {
     "stress_intensity_of_a_stuck_edge": "stress sqrt(length)",
     "statistics": {"memory_error": "1", "seconds": "s"},
 }
+
+
+def bodies_document(scene: Scene, lower: Material | None) -> dict[str, Any]:
+    """Return a scene as its file has it, with the lower body where that is another one."""
+    return scene_document(scene) | ({} if lower is None else {"lower_material": asdict(lower)})
 
 
 def units_document(document: Any, dimensions: Any, scene: Scene | Pair) -> Any:

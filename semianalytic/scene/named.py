@@ -345,7 +345,8 @@ def _identical(source: str | Path, scene: Scene, lower: Material | None) -> Scen
         raise SceneError(
             f"{source}: this knows identical bodies only, and there are two; solve a step on the "
             "slot exactly, slipfront solve or survey or solve_pair in Python, or simulate the "
-            "scene with finite elements, slipfront simulate (docs/dissimilar.md)."
+            "scene with finite elements, slipfront simulate; slipfront compare does both "
+            "(docs/dissimilar.md)."
         )
     return scene
 

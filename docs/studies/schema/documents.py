@@ -259,7 +259,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "explore": (
         {
-            "scene": _SCENE_KEY,
+            "scene": Key("the scene or both bodies, as their TOML file has them", _SCENES),
             "address": Key("address of the page, served until the command ends", TEXT),
         },
     ),
@@ -286,7 +286,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "scene": _LABEL,
             "verdict": _VERDICT,
             "counts": _COUNTS,
-            "parameters": _PARAMETERS,
+            "parameters": Key("the scene itself, or both bodies", _SCENES),
             "method": _METHOD,
             "caution": Key("reason why the prediction is unresolved", TEXT),
             "semianalytic": Key(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,7 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from compare.comparison.documents import SCENE_DIMENSIONS, units_document
+from compare.comparison.documents import SCENE_DIMENSIONS, bodies_document, units_document
 from compare.output.files import write_text
 from compare.output.places import check_file
 from semianalytic import Material, Scene, WholeLine
@@ -84,7 +83,7 @@ def _own_rows() -> Iterator[dict[str, Any]]:
             "package": None,
             "problem": "",
             "summary": named.summary,
-            "scene": _document(named.scene, named.lower),
+            "scene": bodies_document(named.scene, named.lower),
         }
 
 
@@ -132,13 +131,7 @@ def _brought_row(plugin: Plugin) -> dict[str, Any]:
 
 
 def _units(scene: Scene, lower: Material | None) -> dict[str, Any]:
-    return {"scene": units_document(_document(scene, lower), SCENE_DIMENSIONS, scene)}
-
-
-def _document(scene: Scene, lower: Material | None) -> dict[str, Any]:
-    """Return a scene as its file has it, with the lower body where that is another one."""
-    own = {} if lower is None else {"lower_material": asdict(lower)}
-    return scene_document(scene) | own
+    return {"scene": units_document(bodies_document(scene, lower), SCENE_DIMENSIONS, scene)}
 
 
 def _beside(upper: Material, former: Material, lower: Material) -> Material:
@@ -200,7 +193,11 @@ def init(
             raise SceneError(f"{file} exists already; give another name, or --force.")
         write_text(file, text)
     if as_json:
-        document = {"scene": _document(scene, lower), "text": text, "units": _units(scene, lower)}
+        document = {
+            "scene": bodies_document(scene, lower),
+            "text": text,
+            "units": _units(scene, lower),
+        }
         print_json("init", document, files=[] if file == STDOUT else [file])
     elif file == STDOUT:
         sys.stdout.write(text)
