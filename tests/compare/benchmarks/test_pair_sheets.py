@@ -60,11 +60,11 @@ def test_the_page_states_both_bodies_and_the_answer(name):
     assert f"{edge:.10g}" in text
 
 
-def test_an_export_has_page_answer_figure_and_input_for_uguca_alone():
+def test_an_export_has_page_answer_figure_and_inputs_for_both_codes():
     names = {one.removeprefix("pair-slip/") for one in exported([PAIR_SHEETS["pair-slip"]])}
     assert {"pair-slip.html", "figure.png", "records.csv", "answers.json"} <= names
     assert {"uguca/pair-slip.in", "uguca/uguca_sheet.cc"} <= names
-    assert not any("sem2dpack/" in one for one in names)
+    assert {"sem2dpack/Par.inp", "sem2dpack/two.mesh2d"} <= names
 
 
 @every
