@@ -61,7 +61,7 @@ LOCKSTEP = "antisymmetric and symmetric halves in lockstep"
 ANTIPLANE = "antiplane half"
 ANTIPLANE_LOCKSTEP = "antiplane and symmetric halves in lockstep"
 TWO_BLOCKS = "two blocks"
-TWO_MATERIALS = "two blocks of different materials, to which the theory does not apply"
+TWO_MATERIALS = "two blocks of different materials"
 
 HALVES: Mapping[str, tuple[int, ...]] = {
     ANTISYMMETRIC: (X,),
@@ -96,8 +96,7 @@ class Settings:
         "squares"; "graded", rows that grow away from the interface; or "triangles",
         unstructured, for P1.  P1 cuts squares and graded rows along a diagonal.
     lower_material : Material, optional
-        Material of the lower block, if it differs from the scene's.  The semi-analytic theory does
-        not apply then.
+        Material of the lower block, if it differs from the scene's.
     every : int
         Store every n-th step in the histories; the last one is always stored.
     frames : int

@@ -163,7 +163,7 @@ class Simulation(SampledAnswer):
     model : str
         Model that was simulated, e.g. "antisymmetric half".
     lower_material : Material or None
-        Material of the lower block if it differs from the scene's; the theory does not apply then.
+        Material of the lower block if it differs from the scene's.
     step_ratio : float
         Largest time step asked for, over the critical one.
     time_step, critical_step : float

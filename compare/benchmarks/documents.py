@@ -30,9 +30,8 @@ ANSWER_DIMENSIONS: Dimensions = {
     **_RATES,
     **_STRESSES,
 }
-_PROBLEM: Dimensions = {**SCENE_DIMENSIONS, "lower_material": SCENE_DIMENSIONS["material"]}
 SHEET_DIMENSIONS: Dimensions = {
-    "scene": _PROBLEM,
+    "scene": SCENE_DIMENSIONS,
     "stations": "length",
     "times": "time",
     "answers": ANSWER_DIMENSIONS,
@@ -54,7 +53,7 @@ def sheets_document() -> dict[str, Any]:
         }
         for sheet in ALL_SHEETS.values()
     ]
-    units = units_document(sheets, {"scene": _PROBLEM}, DIMENSIONLESS)
+    units = units_document(sheets, {"scene": SCENE_DIMENSIONS}, DIMENSIONLESS)
     return {"sheets": sheets, "units": {"sheets": units}}
 
 

@@ -18,7 +18,7 @@ from time import perf_counter
 
 from compare.benchmarks.interfaces.entries import run_stations, simulated_stations
 from compare.benchmarks.interfaces.sheets import SI, InterfaceSheet
-from compare.benchmarks.sheet import PAIRS, STATIONS, Sheet
+from compare.benchmarks.sheet import STATIONS, Sheet
 from compare.benchmarks.sheets import find_sheet
 from compare.output.files import write_text
 from compare.records.read import read_records
@@ -28,6 +28,7 @@ from semianalytic import march
 from semianalytic.results.sampled import SampledAnswer
 from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.given.named import find_blocks
 
 LABELS = ("benchmark", "code", "version", "cells", "seconds")
 """Labels of the comment lines of a file; cells are counted over c_t T, or what the sheet says."""
@@ -73,7 +74,7 @@ def _simulated(sheet: Sheet, cells: int) -> Stations:
         return simulated_stations(sheet, cells)
     from fem import simulate
 
-    lower = PAIRS[sheet.name].lower if sheet.is_pair else None
+    lower = find_blocks(sheet.name)[1] if sheet.is_pair else None
     return _stations_of(simulate(sheet.scene, 1.0, resolution=cells, lower_material=lower))
 
 

@@ -24,10 +24,10 @@ from semianalytic import (
     WholeLine,
     find_line,
 )
-from semianalytic.dissimilar.described import pair_of
+from semianalytic.dissimilar.described import find_pair, pair_of
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import LINES, find_scene
+from semianalytic.scene.given.named import LINES, NAMED_PAIRS, find_blocks
 from semianalytic.scene.units import SI
 
 Array = NDArray[np.float64]
@@ -55,14 +55,6 @@ SI_SCALES: Mapping[str, float] = {
     "pressure": SI_STRESS,
 }
 """Factors that convert numbers in units mu = rho = c_t = T = 1 to SI units."""
-
-_GOUGE, _ROCK = Material(1.0, 1.0, 0.25), Material(2.5, 1.2, 0.25)
-"""A slow solid on a fast one, with the ratios of gouge and rock."""
-PAIRS: Mapping[str, Pair] = {
-    "pair-slip": Pair(_GOUGE, _ROCK, 0.2, Tractions(2.0, 0.0), Tractions(0.3, 1.0)),
-    "pair-opening": Pair(_GOUGE, _ROCK, 0.3, Tractions(1.0, 0.0), Tractions(-1.0, 0.5)),
-}
-"""Problems of two different bodies, in units of the upper one."""
 
 
 @dataclass(frozen=True)
@@ -99,12 +91,12 @@ class Sheet:
         Of two different bodies it is the upper one on its own kind, which has friction, tractions
         and scales of the problem.
         """
-        return PAIRS[self.name].alike if self.is_pair else find_scene(self.name)
+        return find_blocks(self.name)[0]
 
     @property
     def is_pair(self) -> bool:
         """Whether the problem is of two different bodies; all units are those of the upper one."""
-        return self.name in PAIRS
+        return self.name in NAMED_PAIRS
 
     @property
     def is_line(self) -> bool:
@@ -145,7 +137,7 @@ class Sheet:
     def problem(self) -> Scene | Pair | WholeLine:
         """The scene, the two bodies or the whole line, in units mu = rho = c_t = 1."""
         if self.is_pair:
-            return PAIRS[self.name]
+            return find_pair(self.name)
         if not self.is_line:
             return self.scene
         line = find_line(self.name)

@@ -14,9 +14,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from compare.benchmarks.sheet import PAIRS, Sheet
+from compare.benchmarks.sheet import Sheet
 from compare.output.files import filled_template
-from semianalytic import Pulse, Scene, ViscousFriction
+from semianalytic import Material, Pulse, Scene, ViscousFriction, find_pair
 
 CELLS = 40
 LENGTH, SLOT = 5.2, 2.2
@@ -26,8 +26,11 @@ lengths larger in proportion."""
 FASTEST = 2.0
 SCALE = 100.0
 LEFT, RIGHT, DEPTH = 2.0, 1.5, 1.0
-"""Extents of SEM2DPACK's blocks, over c_t T; no reflection reaches a station until T."""
+"""Extents of SEM2DPACK's blocks, over c_t T; no reflection reaches a station until T.  Different
+bodies have them larger in proportion to their fastest wave."""
 NGLL, DAMPED_LAYERS = 5, 2
+SOLIDS = {"up": (1, 2), "low": (3, 4)}
+"""Tags of the solids of both bodies, plain and damped."""
 CONTACT, SLOT_FACES = {"low": 5, "up": 6}, {"low": 7, "up": 8}
 """Tags of the boundaries of the SEM2DPACK mesh."""
 
@@ -36,7 +39,7 @@ def starter_inputs(sheet: Sheet) -> Mapping[str, str]:
     """Texts of the inputs for a sheet by file name, code/name.
 
     There are none where there is no slot, or where the load comes to one place after the other, and
-    for interfaces; and none for SEM2DPACK where the bodies differ.
+    for interfaces.
     """
     if sheet.is_interface or sheet.is_line or sheet.scene.front_slowness:
         return {}
@@ -44,7 +47,7 @@ def starter_inputs(sheet: Sheet) -> Mapping[str, str]:
         f"uguca/{sheet.name}.in": uguca_parameters(sheet),
         "uguca/uguca_sheet.cc": filled_template("compare.benchmarks", "uguca_sheet.cc"),
     }
-    for name, text in ({} if sheet.is_pair else sem2dpack_files(sheet)).items():
+    for name, text in sem2dpack_files(sheet).items():
         inputs[f"sem2dpack/{name}"] = text
     return inputs
 
@@ -63,6 +66,16 @@ def _is_pressed(scene: Scene) -> bool:
     return scene.superposition.taken_off.pressure != 0
 
 
+def _lower_of(sheet: Sheet) -> Material:
+    """The solid of the lower body."""
+    return find_pair(sheet.name).lower if sheet.is_pair else sheet.scene.material
+
+
+def _wider(lower: Material) -> float:
+    """What all lengths are multiplied by for the waves of the lower body, at least 1."""
+    return max(1.0, lower.longitudinal_speed / FASTEST)
+
+
 def uguca_parameters(sheet: Sheet) -> str:
     """The parameters that ``uguca_sheet.cc`` reads."""
     scene, law = sheet.scene, sheet.scene.friction_law
@@ -70,10 +83,8 @@ def uguca_parameters(sheet: Sheet) -> str:
     fields = [f"cohesion_{axis}", "cohesion_1", f"top_disp_{axis}", f"top_velo_{axis}"]
     if pressed:
         fields += ["bot_disp_0", "bot_velo_0"]
-    lower, wider = scene.material, 1.0
-    if sheet.is_pair:
-        lower = PAIRS[sheet.name].lower
-        wider = max(1.0, lower.longitudinal_speed / FASTEST)
+    lower = _lower_of(sheet)
+    wider = _wider(lower)
     lines = (
         ("string", "name", sheet.name),
         ("string", "kernels", "kernels/"),
@@ -105,11 +116,12 @@ def sem2dpack_files(sheet: Sheet) -> dict[str, str]:
 
     Nothing where there is a viscous film.
     """
-    scene = sheet.scene
+    scene, lower = sheet.scene, _lower_of(sheet)
     if isinstance(scene.friction_law, ViscousFriction):
         return {}
     elements = CELLS // (NGLL - 1)
-    pressed, steps = _is_pressed(scene), _steps(scene, elements)
+    fastest = max(scene.material.longitudinal_speed, lower.longitudinal_speed)
+    pressed, steps = _is_pressed(scene), _steps(fastest, elements)
     load = scene.superposition.taken_off
     loads = {"up.x": load.shear}
     if pressed:
@@ -119,14 +131,14 @@ def sem2dpack_files(sheet: Sheet) -> dict[str, str]:
         for name, value in loads.items()
     }
     if pressed:
-        files["two.mesh2d"] = "".join(_two_blocks(elements))
+        files["two.mesh2d"] = "".join(_two_blocks(elements, _wider(lower), lower == scene.material))
     mesh = _pressed_mesh() if pressed else _sheared_mesh(elements)
     bounds = _pressed_bounds(scene) if pressed else _sheared_bounds(scene)
     kind = f"ndof={1 if scene.antiplane else 2}, title='{sheet.name}', verbose='1111'"
     blocks = [
         f"&GENERAL iexec=1, ngll={NGLL}, fmax=0.1d0, {kind}, ItInfo=1000 /",
         *mesh,
-        *_material(scene),
+        *_materials(scene, lower),
         *bounds,
         f"&TIME NbSteps={steps}, Dt={SCALE / steps:.12g}, kind='leapfrog' /",
     ]
@@ -139,7 +151,9 @@ def _load_table(value: float, until: float, step: float) -> str:
     The code puts a cubic spline through them, which would swing far beyond few points.
     """
     times = np.array([0, 2 * SCALE])
-    if until < 1:
+    if until >= 1:  # it stays, beyond the end of the table too
+        until = math.inf
+    else:
         near = until * SCALE + step * (np.arange(-120, 120) + 0.5) / 40
         before, after = np.linspace(0, near[0], 400), np.linspace(near[-1], 2 * SCALE, 800)
         times = np.concatenate([before[:-1], near, after[1:]])
@@ -160,22 +174,30 @@ def _pressed_mesh() -> list[str]:
     return ["&MESH_DEF method='MESH2D' /", "&MESH_MESH2D file='two.mesh2d' /"]
 
 
-def _material(scene: Scene) -> list[str]:
-    """The solid, and the same with Kelvin-Voigt damping beside the contact."""
-    nu, speed = scene.material.poisson_ratio, scene.material.longitudinal_speed
-    elastic = [f"&MAT_ELASTIC rho=1d0, cp={speed:.15g}, cs=1d0 /"]
-    if nu < 0:  # refused as a number, not as a distribution
-        elastic = [
-            "&MAT_ELASTIC rho=1d0, cpH='ORDER0', cs=1d0 /",
-            f"&DIST_ORDER0 xn=1, zn=1 /\n{speed:.15g}",
+def _materials(scene: Scene, lower: Material) -> list[str]:
+    """The solids, and the same with Kelvin-Voigt damping beside the contact; tags of both bodies
+    where they differ, else of the upper one alone."""
+    lines = []
+    bodies = {"up": scene.material} | ({} if lower == scene.material else {"low": lower})
+    for side, body in bodies.items():
+        density, shear = f"{body.density:.15g}d0", f"{body.shear_speed:.15g}"
+        shear += "d0" if shear.isdigit() else ""
+        speed = f"{body.longitudinal_speed:.15g}"
+        elastic = [f"&MAT_ELASTIC rho={density}, cp={speed}, cs={shear} /"]
+        if body.poisson_ratio < 0:  # refused as a number, not as a distribution
+            elastic = [
+                f"&MAT_ELASTIC rho={density}, cpH='ORDER0', cs={shear} /",
+                f"&DIST_ORDER0 xn=1, zn=1 /\n{speed}",
+            ]
+        plain, damped = SOLIDS[side]
+        lines += [
+            f"&MATERIAL tag={plain}, kind='ELAST' /",
+            *elastic,
+            f"&MATERIAL tag={damped}, kind='ELAST','KV' /",
+            *elastic,
+            f"&MAT_KV eta={0.3 if _is_pressed(scene) else 0.2} /",
         ]
-    return [
-        "&MATERIAL tag=1, kind='ELAST' /",
-        *elastic,
-        "&MATERIAL tag=2, kind='ELAST','KV' /",
-        *elastic,
-        f"&MAT_KV eta={0.3 if _is_pressed(scene) else 0.2} /",
-    ]
+    return lines
 
 
 def _friction(scene: Scene, shear: float) -> list[str]:
@@ -212,30 +234,33 @@ def _pressed_bounds(scene: Scene) -> list[str]:
     return [*lines, f"&BC_DEF tags={tags}, kind='DYNFLT' /", *_friction(scene, held)]
 
 
-def _steps(scene: Scene, elements: int) -> int:
-    """Time steps, 200 times a whole number."""
-    longest = 0.069 * SCALE / elements / scene.material.longitudinal_speed
+def _steps(fastest: float, elements: int) -> int:
+    """Time steps, 200 times a whole number, for the speed of the fastest wave."""
+    longest = 0.069 * SCALE / elements / fastest
     return 200 * math.ceil(SCALE / longest / 200)
 
 
-def _two_blocks(elements: int) -> Iterator[str]:
-    """Both bodies with separate nodes on y = 0, in the format MESH2D; what is damped has tag 2."""
-    across, down, left = (round(one * elements) for one in (LEFT + RIGHT, DEPTH, LEFT))
+def _two_blocks(elements: int, wider: float, alike: bool) -> Iterator[str]:
+    """Both bodies with separate nodes on y = 0, in the format MESH2D; tags are those of `SOLIDS`,
+    and of the upper body alone where both are alike."""
+    left, right, down = (math.ceil(wider * one * elements) for one in (LEFT, RIGHT, DEPTH))
+    across = left + right
     row = across + 1
     nodes = row * (down + 1)
     yield f"NEL NPEL NNOD NBC\n{2 * across * down} 4 {2 * nodes} 4\nNID X Y\n"
     size = SCALE / elements
     for block in range(2):
         for node in range(nodes):
-            x = -LEFT * SCALE + size * (node % row)
-            y = size * (node // row) - (0 if block else DEPTH * SCALE)
+            x = size * (node % row - left)
+            y = size * (node // row - (0 if block else down))
             yield f"{block * nodes + node + 1} {x:.10g} {y:.10g}\n"
     yield "EID NODES TAG\n"
     for block in range(2):
         for element in range(across * down):
             level = element // across
             corner = block * nodes + level * row + element % across + 1
-            tag = 2 if (level if block else down - 1 - level) < DAMPED_LAYERS else 1
+            plain, damped = SOLIDS["up" if block or alike else "low"]
+            tag = damped if (level if block else down - 1 - level) < DAMPED_LAYERS else plain
             number = block * across * down + element + 1
             yield f"{number} {corner} {corner + 1} {corner + row + 1} {corner + row} {tag}\n"
     first = {"low": (down - 1) * across + 1, "up": across * down + 1}

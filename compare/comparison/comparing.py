@@ -10,7 +10,7 @@ from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from compare.comparison.prediction import check_marched, predict_before
-from semianalytic import Marched, Scene, Solution
+from semianalytic import Marched, PairSolution, Scene, Solution
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -25,7 +25,7 @@ def planned(
     *,
     snapshots: bool,
     **settings: Any,
-) -> tuple[Solution | None, MeshChoice]:
+) -> tuple[Solution | PairSolution | None, MeshChoice]:
     """Predict a scene, unless that has to follow the simulation, and choose the mesh to compare on.
 
     The prediction is None if it has to follow.
@@ -42,16 +42,17 @@ def planned(
     SceneError, TensionError
         As `predict_before` and `check_marched`, and as `choose_mesh`.
     """
-    prediction = predict_before(scene, method)
+    prediction = predict_before(scene, method, settings.get("lower_material"))
     choice = choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **settings)
     # else a march, which follows the simulation, would refuse its loads only after that has run
-    check_marched(scene, method, choice.resolution, settings.get("end_time"))
+    if prediction is None:
+        check_marched(scene, method, choice.resolution, settings.get("end_time"))
     return prediction, choice
 
 
 def held_against(
     simulation: Simulation,
-    prediction: Solution | Marched,
+    prediction: Solution | PairSolution | Marched,
     frames: Path | None = None,
     progress: Progress | None = None,
 ) -> Judgement:
@@ -60,7 +61,7 @@ def held_against(
     Parameters
     ----------
     simulation : Simulation
-    prediction : Solution or Marched
+    prediction : Solution, PairSolution or Marched
     frames : Path, optional
         Folder of its field snapshots, if they are to be judged as well.
     progress : callable, optional

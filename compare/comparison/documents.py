@@ -26,7 +26,7 @@ from semianalytic.scene.given.parameters import EVERY_LOAD, MATERIAL, TRACTIONS,
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
-    from semianalytic import Marched, Measured, Reading, Solution
+    from semianalytic import Marched, Material, Measured, Reading, Solution
     from semianalytic.dissimilar.pair import Pair
 
 WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
@@ -47,9 +47,11 @@ def _dimensions_of(name: str) -> Callable[[Scene], Dimensions]:
 
 
 _TRACTIONS: Dimensions = {name: one.dimension for name, one in TRACTIONS.items()}
+_MATERIAL: Dimensions = {name: one.dimension for name, one in MATERIAL.items()}
 SCENE_DIMENSIONS: Dimensions = {
     "friction": "1",
-    "material": {name: one.dimension for name, one in MATERIAL.items()},
+    "material": _MATERIAL,
+    "lower_material": _MATERIAL,
     "base": _TRACTIONS,
     "load": {name: one.dimension for name, one in EVERY_LOAD.items() if one.dimension},
     **{
@@ -103,6 +105,11 @@ MARCH_DIMENSIONS: Dimensions = {
     "stress_intensity_of_a_stuck_edge": "stress sqrt(length)",
     "statistics": {"memory_error": "1", "seconds": "s"},
 }
+
+
+def bodies_document(scene: Scene, lower: Material | None) -> dict[str, Any]:
+    """Return a scene as its file has it, with the lower body where that is another one."""
+    return scene_document(scene) | ({} if lower is None else {"lower_material": asdict(lower)})
 
 
 def units_document(document: Any, dimensions: Any, scene: Scene | Pair) -> Any:

@@ -30,6 +30,7 @@ from compare.comparison.quantities.profile_rows import (
 )
 from compare.comparison.quantities.slot_rows import slot_rows
 from compare.comparison.rows import DIFFERS, UNRESOLVED, HasRows, Row, overall, shown_number
+from semianalytic import Marched, Solution
 from semianalytic.results.answer import Answer
 from semianalytic.results.notebook import html_table
 from semianalytic.scene.errors import SceneError
@@ -116,7 +117,8 @@ class Judgement(HasRows[Row]):
 def mesh_sentence(simulation: Simulation, resolution: int) -> str:
     """Element size of a resolution, and the time and memory that such a simulation would take."""
     size = simulation.element_size * simulation.resolution / resolution
-    options = {name: getattr(simulation, name) for name in ("damping", "element", "mesh")}
+    named = ("damping", "element", "mesh", "lower_material")
+    options = {name: getattr(simulation, name) for name in named}
     prices = Prices(simulation.scene, simulation.end_time, options=options)
     remedy = prices.unseen(Feature("", resolution))
     return f"resolution {resolution}, h = {size:.2g}: {remedy.toll}"
@@ -134,8 +136,8 @@ def judge(
     Parameters
     ----------
     prediction : Answer
-        A `Solution`, a `Marched`, or another object with the same methods, on the nodes of the
-        simulation and until its last time.
+        A `Solution`, a `PairSolution`, a `Marched`, or another object with the same methods, on the
+        nodes of the simulation and until its last time.
     simulation : Simulation
         Its companions, from which error bars come, are simulated unless it already has them.
     fields : FieldErrors, optional
@@ -148,14 +150,16 @@ def judge(
     Raises
     ------
     SceneError
-        If the simulation has blocks of two materials, or the prediction does not reach as far.
+        If the simulation has blocks of two materials, and the prediction is for identical ones, or
+        does not reach as far.
     """
     from fem import with_companions
 
-    if simulation.lower_material is not None:
+    different = simulation.lower_material not in (None, simulation.scene.material)
+    if different and isinstance(prediction, Solution | Marched):
         raise SceneError(
             "judge: this simulation has blocks of two materials, to which the theory of identical "
-            "bodies does not apply; solve a step on the slot with solve_pair (docs/dissimilar.md)."
+            "bodies does not apply; give the answer of solve_pair (docs/dissimilar.md)."
         )
     case = side_by_side(prediction, with_companions(simulation))
     whole = () if fields is None else field_rows(case, fields.changes)

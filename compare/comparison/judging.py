@@ -290,6 +290,8 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
         return replace(row, obstacle="the prediction has not converged")
     if not error.converges:
         return _diverging(row, error, comparison, finer)
+    if row.verdict == DIFFERS and case.amplified and row.kind not in ("arrival", "law"):
+        return replace(row, obstacle=case.amplified)
     if row.verdict == UNRESOLVED:
         return replace(row, obstacle=BEYOND, resolution=finer)
     # what is nothing at the nodes has no size that a bar could be held against

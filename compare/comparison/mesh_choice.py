@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from compare.comparison.case import NARROW
-from semianalytic import Scene
+from semianalytic import Material, Scene
 from semianalytic.results.answer import Answer
 from semianalytic.results.memory import GIGABYTE, memory_limit
 from semianalytic.scene.checks import checked_size
@@ -233,6 +233,7 @@ def choose_mesh(
     end_time = checked_size("simulate: end_time", end_time)
     loads = _loads(scene, end_time)
     features = [*_narrow(prediction, end_time), *_weakening(scene, end_time)]
+    features += _slow_waves(scene, options.get("lower_material"))
     features.sort(key=lambda feature: feature.resolution)
     reason = "as given"
     if resolution is None:
@@ -303,6 +304,15 @@ def _weakening(scene: Scene, end_time: float) -> Iterator[Feature]:
     if width < math.inf:
         name = f"the weakening front, {width:.2g} c_t T long"
         yield Feature(name, math.ceil(WEAKENING_ELEMENTS / width))
+
+
+def _slow_waves(scene: Scene, lower: Material | None) -> Iterator[Feature]:
+    """Shear waves of a slower lower body, if there is one."""
+    from fem.resolution import LEAST_CROSSED
+
+    if lower is not None and lower.shear_speed < scene.material.shear_speed:
+        ratio = lower.shear_speed / scene.material.shear_speed
+        yield Feature("shear waves of the slower body", math.ceil(LEAST_CROSSED / ratio))
 
 
 def _loads(scene: Scene, end_time: float) -> dict[str, int]:

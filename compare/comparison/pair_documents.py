@@ -17,14 +17,9 @@ from compare.comparison.scales import wave_speeds
 from semianalytic import PairSolution
 from semianalytic.dissimilar.described import pair_document
 
-PAIR_DIMENSIONS = {
-    name: SCENE_DIMENSIONS["material" if name == "lower_material" else name]
-    for name in ("friction", "material", "lower_material", "base", "load")
-}
-"""Dimensions of what describes a pair."""
 _DIMENSIONS = {
     **SOLUTION_DIMENSIONS,
-    "pair": PAIR_DIMENSIONS,
+    "pair": SCENE_DIMENSIONS,
     "wave_speeds": {
         body: dict.fromkeys(("rayleigh", "shear", "longitudinal"), "length / time")
         for body in ("upper", "lower")

@@ -8,8 +8,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from semianalytic import Marched, Scene, Solution, march, solve
+from semianalytic import (
+    Marched,
+    Material,
+    Pair,
+    PairSolution,
+    Scene,
+    Solution,
+    march,
+    solve,
+    solve_pair,
+)
 from semianalytic.cut.load import check_pressure
+from semianalytic.dissimilar.described import pair_of
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
@@ -24,16 +35,27 @@ FINER = 4
 """Nodes of a march per element of the simulation."""
 
 
-def check_predictable(scene: Scene, method: str = "auto") -> None:
+def check_predictable(scene: Scene, method: str = "auto", lower: Material | None = None) -> None:
     """Raise the errors of `predict_like` that are known without solving the scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    method : str
+        As for `predict_like`.
+    lower : Material, optional
+        Of the lower body, if it is another one.
 
     Raises
     ------
     SceneError
-        If the method does not apply to the scene.
+        If the method does not apply to the scene, or two different bodies have no exact answer.
     TensionError
         If the pressure of a self-similar scene turns tensile.
     """
+    if lower not in (None, scene.material):
+        _pair_of(scene, method, lower)
+        return
     if chosen_method(scene, method) == "self-similar":
         check_pressure(scene)
 
@@ -65,11 +87,33 @@ def check_marched(scene: Scene, method: str, resolution: int, end_time: float | 
     check_march(scene, end_time, nodes, length)
 
 
-def predict_before(scene: Scene, method: str = "auto") -> Solution | None:
+def _pair_of(scene: Scene, method: str, lower: Material | None) -> Pair:
+    """Return a scene with another lower body as a pair.
+
+    Raises
+    ------
+    SceneError
+        If only a march would do, or the pair has no exact answer.
+    """
+    if method == "space-time":
+        raise SceneError(
+            "--method space-time is for identical bodies; leave it out for different ones, or "
+            "march them with slipfront run (docs/engine.md)."
+        )
+    assert lower is not None
+    return pair_of(scene, lower)
+
+
+def predict_before(
+    scene: Scene, method: str = "auto", lower: Material | None = None
+) -> Solution | PairSolution | None:
     """Return the prediction of a self-similar scene, which needs no simulation first; else None.
 
-    It raises the same errors as `predict_like`.
+    A scene with another lower body has one, or is refused.  It raises the same errors as
+    `predict_like`.
     """
+    if lower not in (None, scene.material):
+        return solve_pair(_pair_of(scene, method, lower))
     return solve(scene) if chosen_method(scene, method) == "self-similar" else None
 
 
@@ -77,7 +121,7 @@ def predict_like(
     simulation: Simulation,
     method: str = "auto",
     progress: Callable[[int, int], None] | None = None,
-) -> Solution | Marched:
+) -> Solution | PairSolution | Marched:
     """Predict the scene of a simulation, on its contact and until its end.
 
     Parameters
@@ -92,13 +136,14 @@ def predict_like(
     Raises
     ------
     SceneError
-        If the method does not apply to the scene, or a march cannot follow its loads.
+        If the method does not apply to the scene, a march cannot follow its loads, or two different
+        bodies have no exact answer.
     TensionError
         If the pressure turns tensile, so that neither solver applies.
     ComputationError
         If a march fails.
     """
-    solution = predict_before(simulation.scene, method)
+    solution = predict_before(simulation.scene, method, simulation.lower_material)
     if solution is not None:
         return solution
     x, t = simulation.interface.x, simulation.interface.t
@@ -107,7 +152,7 @@ def predict_like(
 
 def method_of(prediction: Answer) -> str:
     """Method of a prediction: "self-similar", "space-time" or the name of its class."""
-    if isinstance(prediction, Solution):
+    if isinstance(prediction, Solution | PairSolution):
         return "self-similar"
     return "space-time" if isinstance(prediction, Marched) else type(prediction).__name__
 

@@ -10,6 +10,7 @@ from compare.comparison.case import Case
 from compare.comparison.documents import (
     SCENE_DIMENSIONS,
     Dimensions,
+    bodies_document,
     json_text,
     row_units,
     solution_document,
@@ -17,9 +18,11 @@ from compare.comparison.documents import (
 )
 from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement, own_bars, side_by_side
+from compare.comparison.pair_documents import pair_answer_document
 from compare.comparison.prediction import method_of
 from compare.output.files import write_text
-from semianalytic import Solution
+from semianalytic import PairSolution, Solution
+from semianalytic.results.answer import Answer
 from semianalytic.scene.given.documents import scene_document
 
 if TYPE_CHECKING:
@@ -57,12 +60,10 @@ def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
         "scene": label,
         "verdict": judgement.verdict,
         "counts": judgement.counts,
-        "parameters": scene_document(simulation.scene),
+        "parameters": bodies_document(simulation.scene, simulation.lower_material),
         "method": method_of(prediction),
         "caution": judgement.case.caution,
-        "semianalytic": (
-            solution_document(prediction) if isinstance(prediction, Solution) else None
-        ),
+        "semianalytic": _exact(prediction),
         "finite_elements": _run(judgement.case),
         "rows": [
             {**asdict(row), "verdict": row.verdict, "remedy": judgement.remedy(row)}
@@ -94,6 +95,13 @@ def simulation_document(simulation: Simulation) -> dict[str, Any]:
     document["units"] = units_document(document, SIMULATION_DIMENSIONS, simulation.scene)
     document["units"]["own_bars"] = row_units(simulation.scene, simulation.end_time)
     return document
+
+
+def _exact(prediction: Answer) -> dict[str, Any] | None:
+    """Return an exact answer as a document; None for other predictions."""
+    if isinstance(prediction, PairSolution):
+        return pair_answer_document(prediction)
+    return solution_document(prediction) if isinstance(prediction, Solution) else None
 
 
 def _run(case: Case) -> dict[str, Any]:

@@ -9,6 +9,8 @@ from semianalytic.scene.units import unit
 
 WAVE_SYMBOLS = {"Rayleigh": "c_R", "S": "c_t", "P": "c_l"}
 """Symbols of the wave speeds, by the name of the signal."""
+LOWER = "lower "
+"""What the names of signals of a different lower body begin with."""
 
 
 def stress_scale(scene: Scene) -> float:
@@ -56,6 +58,17 @@ def scene_fronts(scene: Scene) -> dict[str, float]:
     speeds = wave_speeds(scene.material)
     alone = scene.fastest_speed == speeds["S"]
     return {name: speed for name, speed in speeds.items() if name == "S" or not alone}
+
+
+def contact_fronts(scene: Scene, lower: Material | None = None) -> dict[str, float]:
+    """Speeds of the signals along the contact: those of the scene or, with another lower body, body
+    waves of both, the lower ones called "lower S" and "lower P"."""
+    if lower is None or lower == scene.material:
+        return scene_fronts(scene)
+    fronts: dict[str, float] = {}
+    for before, body in (("", scene.material), (LOWER, lower)):
+        fronts |= {before + name: wave_speeds(body)[name] for name in ("S", "P")}
+    return fronts
 
 
 def speed_regime(speed: float, scene: Scene) -> str:

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from compare.comparison.scales import scene_fronts
 from compare.figures.fronts import Front, Moving, Window, fronts, moving_parts, reach
-from compare.figures.pairs import pair_words
+from compare.figures.pairs import words_of
 from compare.figures.quantities import Array, Quantity
 from compare.figures.style import (
     BLACK,
@@ -27,7 +27,6 @@ from compare.figures.style import (
     marker_handle,
     new_figure,
     outline,
-    scene_words,
 )
 from compare.output.bodies import Fields, fastest_speed, materials_of, scene_of
 from semianalytic import PairSolution
@@ -138,15 +137,8 @@ class FieldPicture:
         panel.set(xlabel=f"x [{length}]", ylabel=f"y [{length}]")
         panel.set(xlim=self.window[:2], ylim=self.window[2:])
         moment = f"t = {time:.4g} {unit('time', scene.units) if scene.units else ''}"
-        describe(self.figure, f"{_words(self.fields)},  {moment}")
+        describe(self.figure, f"{words_of(self.fields)},  {moment}")
         return image
-
-
-def _words(fields: Fields) -> str:
-    """Return what a picture says of the bodies, friction and load."""
-    return (
-        pair_words(fields.pair) if isinstance(fields, PairSolution) else scene_words(fields.scene)
-    )
 
 
 def _rayleigh_fronts(fields: Fields, parts: list[Moving], time: float) -> list[float]:

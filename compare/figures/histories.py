@@ -20,6 +20,7 @@ from compare.figures.interface import (
     slip_rate_figure,
     tractions_figure,
 )
+from compare.figures.pairs import bodies_words
 from compare.figures.style import (
     BLACK,
     GAP_LABEL,
@@ -41,7 +42,7 @@ from compare.figures.style import (
     styled,
     waves_handle,
 )
-from semianalytic import Marched, Solution
+from semianalytic import Marched, PairSolution, Solution
 from semianalytic.results.answer import Answer
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
@@ -53,7 +54,7 @@ def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
     """Return the figures of a comparison, by file name without suffix."""
     figures: dict[str, Callable[[Case], Figure]] = {}
     solution = case.prediction
-    if isinstance(solution, Solution):
+    if isinstance(solution, Solution | PairSolution):
         figures = {
             "slip_rate": lambda one: slip_rate_figure(solution, one.seen),
             "tractions": lambda one: tractions_figure(solution, one.seen),
@@ -80,7 +81,7 @@ def sense_figure(case: Case) -> Figure:
     share = differs.sum() / reached.sum()
     shown = list(SENSE_COLOURS.items())[: None if case.opens else -1]
     kinds, most = ListedColormap([colour for _, colour in shown]), len(shown) - 2
-    figure = describe(new_figure(10.5, 4.6), case.scene)
+    figure = describe(new_figure(10.5, 4.6), bodies_words(case.scene, case.bodies[1]))
     panels = figure.subplots(1, 3, sharex=True, sharey=True)
     for panel, title, values, colours, low, high in (
         (panels[0], f"semi-analytic ({method_of(case.prediction)})", predicted, kinds, -1, most),
@@ -99,12 +100,11 @@ def sense_figure(case: Case) -> Figure:
         )
         panel.set(xlabel=PLACE_LABEL, xlim=(0, right), ylim=(0, 1))
         panel.set_title(title, pad=16)
-        speeds = scene_fronts(case.scene)
-        mark_waves(panel, speeds, material.shear_speed, "rays", colour=BLACK, outlined="white")
+        mark_waves(panel, case.fronts, material.shear_speed, "rays", colour=BLACK, outlined="white")
     panels[0].set_ylabel(TIME_LABEL)
     handles = [Patch(color=colour, label=kind) for kind, colour in shown]
     panels[1].legend(
-        handles=[*handles, waves_handle(scene_fronts(case.scene), BLACK)],
+        handles=[*handles, waves_handle(case.fronts, BLACK)],
         loc="lower right",
     )
     return figure
@@ -113,9 +113,9 @@ def sense_figure(case: Case) -> Figure:
 @styled
 def history_figure(case: Case) -> Figure:
     """Draw the slip rate along the interface at four times, by both methods."""
-    seen, scene, end = case.seen, case.scene, case.end_time
+    seen, end = case.seen, case.end_time
     length, scale = case.length, case.rate
-    figure = describe(new_figure(7, 7.7), scene)
+    figure = describe(new_figure(7, 7.7), bodies_words(case.scene, case.bodies[1]))
     panels = figure.subplots(len(MOMENTS), 1, sharex=True)
     reach = np.flatnonzero(np.abs(case.at_nodes.slip_rate).max(axis=0) > 0)[-1]
     for panel, moment in zip(panels, MOMENTS, strict=True):
@@ -139,7 +139,7 @@ def wear_figure(case: Case) -> Figure:
     simulation, x, length = case.simulation, case.seen.x, case.length
     path, work = case.worn_at_nodes
     slip, stress = case.rate * case.end_time, case.stress
-    figure = describe(new_figure(7, 5.7), case.scene)
+    figure = describe(new_figure(7, 5.7), bodies_words(case.scene, case.bodies[1]))
     panels = figure.subplots(2, 1, sharex=True)
     for panel, label, (predicted, seen), unit in (
         (panels[0], PATH_LABEL, (path, simulation.final_path), slip),
@@ -159,7 +159,7 @@ def wear_figure(case: Case) -> Figure:
 def gap_figure(case: Case) -> Figure:
     """Draw the gap at four times, and the contact pressure at the end, by both methods."""
     seen, length, end = case.seen, case.length, case.end_time
-    figure = describe(new_figure(7, 5.7), case.scene)
+    figure = describe(new_figure(7, 5.7), bodies_words(case.scene, case.bodies[1]))
     upper, lower = figure.subplots(2, 1, sharex=True)
     x = np.linspace(seen.x[-1] / POINTS, seen.x[-1], POINTS)
     for moment in MOMENTS:

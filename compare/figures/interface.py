@@ -17,7 +17,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from compare.comparison.scales import scene_fronts, slip_rate_scale, stress_scale
+from compare.comparison.case import lower_of
+from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
+from compare.figures.pairs import words_of
 from compare.figures.style import (
     BLACK,
     GAP_LABEL,
@@ -43,23 +45,25 @@ from compare.figures.style import (
     styled,
     waves_handle,
 )
-from semianalytic import OpenZone, Scene, SlipZone, Solution
+from compare.output.bodies import fastest_speed
+from semianalytic import OpenZone, PairSolution, SlipZone, Solution
 from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
+Exact = Solution | PairSolution
 
 POINTS = 1500
 
 
 @styled
 def slip_rate_figure(
-    solution: Solution, history: InterfaceHistory, *, axes: tuple[Axes, Axes] | None = None
+    solution: Exact, history: InterfaceHistory, *, axes: tuple[Axes, Axes] | None = None
 ) -> Figure:
     """Draw slip rate against ξ/c_t at the last time of the history, with the difference below."""
     scene, scale, time = solution.scene, slip_rate_scale(solution.scene), history.t[-1]
-    upper, lower = axes or _new_panels(scene, (3, 1))
-    unit, dense = scene.material.shear_speed, _speeds(scene)
-    shown = history.x <= _speed_limit(scene) * time
+    upper, lower = axes or _new_panels(solution, (3, 1))
+    unit, dense = scene.material.shear_speed, _speeds(solution)
+    shown = history.x <= _speed_limit(solution) * time
     velocity, seen = history.x[shown] / time / unit, history.slip_rate[-1, shown] / scale
     difference = seen - solution.slip_rate(history.x[shown], time) / scale
 
@@ -69,7 +73,7 @@ def slip_rate_figure(
     lower.plot(velocity, difference, color=SIMULATION, linewidth=1)
     lower.axhline(0, color=PREDICTION, linewidth=0.8)
     for panel in (upper, lower):
-        mark_waves(panel, scene_fronts(scene), unit, labels=panel is upper)
+        mark_waves(panel, _fronts(solution), unit, labels=panel is upper)
     if not solution.zones:
         _widen(upper, 0.1)
         _widen(lower, 0.01)
@@ -81,13 +85,13 @@ def slip_rate_figure(
 
 @styled
 def tractions_figure(
-    solution: Solution, history: InterfaceHistory, *, axes: Axes | None = None
+    solution: Exact, history: InterfaceHistory, *, axes: Axes | None = None
 ) -> Figure:
     """Draw shear traction and friction bound ±f p against ξ/c_t at the last time of the history."""
     scene, scale, time = solution.scene, stress_scale(solution.scene), history.t[-1]
-    panel = axes or _new_axes(scene)
+    panel = axes or _new_axes(solution)
     unit = scene.material.shear_speed
-    shown = history.x <= _speed_limit(scene) * time
+    shown = history.x <= _speed_limit(solution) * time
     velocity = history.x[shown] / time / unit
     shear = history.shear_traction[-1, shown] / scale
     bound = scene.friction * history.pressure[-1, shown] / scale
@@ -97,7 +101,7 @@ def tractions_figure(
     panel.plot(velocity, shear, ".", color=SIMULATION, markersize=3)
     for sign in (1, -1):
         panel.plot(velocity, sign * bound, "_", color=SIMULATION, markersize=3)
-    mark_waves(panel, scene_fronts(scene), unit)
+    mark_waves(panel, _fronts(solution), unit)
     handles = (
         line_handle("shear traction, semi-analytic", PREDICTION),
         marker_handle("shear traction, finite elements", SIMULATION),
@@ -105,14 +109,14 @@ def tractions_figure(
         marker_handle(r"bound $\pm f p$, finite elements", SIMULATION, "_"),
     )
     _legend(panel, solution, *handles)
-    panel.set(xlabel=SPEED_LABEL, ylabel=TRACTION_LABEL, xlim=(0, _right_end(scene)))
+    panel.set(xlabel=SPEED_LABEL, ylabel=TRACTION_LABEL, xlim=(0, _right_end(solution)))
     panel.set_ylim(_traction_limits(predicted))
     return _figure(panel)
 
 
 @styled
 def fronts_figure(
-    solution: Solution, history: InterfaceHistory, *, axes: Axes | None = None
+    solution: Exact, history: InterfaceHistory, *, axes: Axes | None = None
 ) -> Figure:
     """Draw a space–time map of the simulated slip rate with predicted fronts and zone edges.
 
@@ -120,7 +124,7 @@ def fronts_figure(
     """
     scene, scale, time = solution.scene, slip_rate_scale(solution.scene), history.t[-1]
     length = scene.material.shear_speed * time
-    panel = axes or _new_axes(scene)
+    panel = axes or _new_axes(solution)
     rate = history.slip_rate / scale
     signed = bool(np.any(rate < -1e-3))
     top = max(float(np.quantile(np.abs(rate), 0.999)), 1e-3)
@@ -135,11 +139,11 @@ def fronts_figure(
     )
     _figure(panel).colorbar(image, ax=panel, label=RATE_LABEL + ", finite elements")
     panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, facecolor=ink(0.1))
-    panel.set(xlim=(0, _right_end(scene)), ylim=(0, 1))
+    panel.set(xlim=(0, _right_end(solution)), ylim=(0, 1))
     waves, edges, around = (BLACK, VIOLET, "white") if signed else ("white", ORANGE, BLACK)
     speed = scene.material.shear_speed
-    mark_waves(panel, scene_fronts(scene), speed, "rays", colour=waves, outlined=around)
-    handles = [waves_handle(scene_fronts(scene), waves)]
+    mark_waves(panel, _fronts(solution), speed, "rays", colour=waves, outlined=around)
+    handles = [waves_handle(_fronts(solution), waves)]
     lines: tuple[tuple[Iterable[SlipZone | OpenZone], str, LineStyle], ...] = (
         (solution.zones, "predicted zone edges", "-"),
         (solution.openings, "predicted ends of the opening", ":"),
@@ -157,18 +161,18 @@ def fronts_figure(
 
 
 @styled
-def prediction_figure(solution: Solution, *, axes: tuple[Axes, ...] | None = None) -> Figure:
+def prediction_figure(solution: Exact, *, axes: tuple[Axes, ...] | None = None) -> Figure:
     """Draw the semi-analytic answer alone: slip rate above, tractions and friction bound below.
 
     If the contact opens, a third panel shows the gap.
     """
     scene = solution.scene
-    panels = axes or _new_panels(scene, (1, 1, *(1 for _ in solution.openings[:1])))
+    panels = axes or _new_panels(solution, (1, 1, *(1 for _ in solution.openings[:1])))
     upper, lower = panels[:2]
-    unit, dense = scene.material.shear_speed, _speeds(scene)
+    unit, dense = scene.material.shear_speed, _speeds(solution)
     for panel in panels:
         _shade_zones(panel, solution)
-        mark_waves(panel, scene_fronts(scene), unit, labels=panel is upper)
+        mark_waves(panel, _fronts(solution), unit, labels=panel is upper)
     rate = solution.slip_rate(dense, 1.0) / slip_rate_scale(scene)
     upper.plot(dense / unit, rate, color=PREDICTION)
     upper.set_ylabel(RATE_LABEL)
@@ -177,7 +181,7 @@ def prediction_figure(solution: Solution, *, axes: tuple[Axes, ...] | None = Non
     bound = line_handle(r"bound $\pm f p$", PREDICTION, ":")
     handles = [line_handle("shear traction", PREDICTION), bound]
     lower.legend(handles=handles, loc="best")
-    lower.set(ylabel=TRACTION_LABEL, xlim=(0, _right_end(scene)))
+    lower.set(ylabel=TRACTION_LABEL, xlim=(0, _right_end(solution)))
     lower.set_ylim(_traction_limits(shear))
     for panel in panels[2:]:
         gap = solution.gap(dense, 1.0) / slip_rate_scale(scene)
@@ -187,13 +191,13 @@ def prediction_figure(solution: Solution, *, axes: tuple[Axes, ...] | None = Non
     return _figure(upper)
 
 
-def _new_axes(scene: Scene) -> Axes:
-    return describe(new_figure(7, 4.7), scene).subplots()
+def _new_axes(solution: Exact) -> Axes:
+    return describe(new_figure(7, 4.7), words_of(solution)).subplots()
 
 
-def _new_panels(scene: Scene, ratios: tuple[int, ...]) -> tuple[Axes, ...]:
+def _new_panels(solution: Exact, ratios: tuple[int, ...]) -> tuple[Axes, ...]:
     """Return panels above each other, with these ratios of heights."""
-    figure = describe(new_figure(7, 1.9 + 1.9 * len(ratios)), scene)
+    figure = describe(new_figure(7, 1.9 + 1.9 * len(ratios)), words_of(solution))
     return tuple(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios))
 
 
@@ -203,17 +207,21 @@ def _figure(panel: Axes) -> Figure:
     return figure
 
 
-def _speed_limit(scene: Scene) -> float:
-    return 1.05 * scene.fastest_speed
+def _speed_limit(solution: Exact) -> float:
+    return 1.05 * fastest_speed(solution)
 
 
-def _right_end(scene: Scene) -> float:
-    return _speed_limit(scene) / scene.material.shear_speed
+def _right_end(solution: Exact) -> float:
+    return _speed_limit(solution) / solution.scene.material.shear_speed
 
 
-def _speeds(scene: Scene) -> Array:
+def _fronts(solution: Exact) -> dict[str, float]:
+    return contact_fronts(solution.scene, lower_of(solution))
+
+
+def _speeds(solution: Exact) -> Array:
     """Return similarity velocities [length / time] for smooth curves, without the edge itself."""
-    limit = _speed_limit(scene)
+    limit = _speed_limit(solution)
     return np.linspace(limit / POINTS, limit, POINTS)
 
 
@@ -222,7 +230,7 @@ def _finite_edges(zones: Iterable[SlipZone | OpenZone]) -> Iterator[float]:
         yield from (edge for edge in (zone.inner, zone.outer) if 0 < edge < np.inf)
 
 
-def _parts(solution: Solution) -> list[SlipZone | OpenZone]:
+def _parts(solution: Exact) -> list[SlipZone | OpenZone]:
     """Return the slip zones and openings."""
     return [*solution.zones, *solution.openings]
 
@@ -233,9 +241,9 @@ def _zone_kind(zone: SlipZone | OpenZone) -> str:
     return "slip" if zone.sense > 0 else "reverse slip"
 
 
-def _shade_zones(panel: Axes, solution: Solution) -> None:
+def _shade_zones(panel: Axes, solution: Exact) -> None:
     """Shade slip, reverse slip and openings, and the sticking parts between them."""
-    limit, unit = _speed_limit(solution.scene), solution.scene.material.shear_speed
+    limit, unit = _speed_limit(solution), solution.scene.material.shear_speed
     zones = sorted(_parts(solution), key=lambda zone: zone.inner)
     ends = [0.0, *(min(e, limit) for zone in zones for e in (zone.inner, zone.outer)), limit]
     for number, (start, stop) in enumerate(pairwise(ends)):
@@ -243,13 +251,13 @@ def _shade_zones(panel: Axes, solution: Solution) -> None:
         panel.axvspan(start / unit, stop / unit, color=shade(kind), linewidth=0, zorder=0)
 
 
-def _draw_predicted_tractions(panel: Axes, solution: Solution, time: float) -> Array:
+def _draw_predicted_tractions(panel: Axes, solution: Exact, time: float) -> Array:
     """Draw predicted shear traction and friction bound.
 
     Return the shear traction / τ₀ at all ξ, or the bound if there is no shear traction.
     """
     scene, scale = solution.scene, stress_scale(solution.scene)
-    dense = _speeds(scene)
+    dense = _speeds(solution)
     shear = solution.shear_traction(dense * time, time) / scale
     bound = scene.friction * solution.pressure(dense * time, time) / scale
     position = dense / scene.material.shear_speed
@@ -273,7 +281,7 @@ def _widen(panel: Axes, least: float) -> None:
     panel.set_ylim(min(lowest, -least), max(highest, least))
 
 
-def _legend(panel: Axes, solution: Solution, *handles: Artist) -> None:
+def _legend(panel: Axes, solution: Exact, *handles: Artist) -> None:
     """Add a legend of these entries and of the shades of the zones."""
     kinds = dict.fromkeys(["stick", *(_zone_kind(zone) for zone in _parts(solution))])
     shades = [Patch(color=shade(kind), label=kind) for kind in kinds]

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 
-from compare.comparison.scales import WAVE_SYMBOLS, slip_rate_scale, stress_scale
+from compare.comparison.scales import LOWER, WAVE_SYMBOLS, slip_rate_scale, stress_scale
 from semianalytic import CoulombFriction, Scene
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loading import REMOTE
@@ -50,7 +50,9 @@ SHADES = {
 }
 """Shades of zones behind curves: a colour ("" for that of text) and its share in the mixture."""
 
-SYMBOLS = {name: f"${symbol}$" for name, symbol in WAVE_SYMBOLS.items()}
+SYMBOLS = {name: f"${symbol}$" for name, symbol in WAVE_SYMBOLS.items()} | {
+    LOWER + name: f"${symbol[:2]}{{{symbol[2:]}2}}$" for name, symbol in WAVE_SYMBOLS.items()
+}
 PLACE_LABEL, TIME_LABEL = r"$x/(c_t T)$", r"$t/T$"
 SPEED_LABEL = r"$\xi/c_t = x/(c_t t)$"
 RATE_LABEL = r"slip rate $/\ V_0$"
@@ -210,7 +212,7 @@ def mark_waves(
         style |= {"path_effects": outline(outlined, 2.0)}
     sides = {"Rayleigh": "right", "S": "left", "P": "center"}  # c_R and c_t are neighbours
     for name, speed in speeds.items():
-        at, side = speed / unit, sides[name]
+        at, side = speed / unit, sides.get(name, "center")
         if kind == "vertical":
             panel.axvline(at, zorder=1, **style)
             place = (at, 1.0), panel.get_xaxis_transform(), (0, 2), side, "bottom"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,12 +22,20 @@ from semianalytic.dissimilar_slot.profile import (
 )
 from semianalytic.dissimilar_slot.zones import Zone
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
+from semianalytic.results.answer import (
+    OpenInterval,
+    SlipInterval,
+    answer_dataset,
+    checked_arrival,
+    sampled_history,
+)
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.checks import checked_number
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
 if TYPE_CHECKING:  # imported where it is asked for, for a quick import
@@ -117,6 +125,11 @@ class PairSolution:
     profile: Profile
     stress_unit: float
 
+    @property
+    def scene(self) -> Scene:
+        """The upper body on its own kind, with friction, tractions and units of the pair."""
+        return self.pair.alike
+
     def __repr__(self) -> str:
         speeds = [(f"{zone.inner:.4g}", f"{zone.outer:.4g}", zone.sense) for zone in self.zones]
         parts = [f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds]
@@ -205,6 +218,20 @@ class PairSolution:
         """
         return self._bodies.velocity(x, y, t)
 
+    def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
+        """Particle velocity (v_x, v_y) [length / time] of the upper slot face, at x < 0; it is
+        infinite at the Rayleigh front of the upper body.
+
+        Raises
+        ------
+        SceneError
+            If a position is not negative, or x or t is not finite.
+        """
+        if np.any(np.asarray(x) >= 0):
+            raise SceneError("the slot is x < 0; ask for negative positions.")
+        along, across = self.velocity(x, 0.0, t)
+        return along, across
+
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Stress sigma_xx, sigma_yy, sigma_xy anywhere in both bodies, (3, ...), tension positive
         [stress]; positions, times and errors as `velocity`.
@@ -262,9 +289,12 @@ class PairSolution:
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
-        x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
-        fields = (self.slip, self.slip_rate, self.shear_traction, self.pressure, self.gap)
-        return InterfaceHistory(x, t, *(field(x, t[:, None]) for field in fields))
+        return sampled_history(self, x, t)
+
+    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
+        """Fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`; raises as
+        `slip_rate`."""
+        return answer_dataset(self, x, t)
 
     @cached_property
     def growing(self) -> tuple[GrowingWave, ...]:

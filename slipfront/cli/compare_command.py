@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from compare.comparison.comparing import held_against, planned
+from compare.comparison.documents import bodies_document
 from compare.comparison.judgement import Judgement
 from compare.comparison.prediction import check_predictable, predict_like
 from compare.comparison.report import report_document, write_report
@@ -18,13 +19,12 @@ from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
-from semianalytic import Marched, Solution
+from semianalytic import Marched, Material, PairSolution, Scene, Solution
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
-from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.named import (
     DEFAULT_SCENE,
-    find_scene,
+    find_blocks,
     override_scene,
     scene_folder,
     scene_label,
@@ -32,6 +32,7 @@ from semianalytic.scene.given.named import (
 from slipfront.cli import terminal
 from slipfront.cli.endings.refusals import check_converged
 from slipfront.cli.options import (
+    LOWER_OPTIONS,
     MESH_OPTIONS,
     SCENE_OPTIONS,
     AsJson,
@@ -44,6 +45,7 @@ from slipfront.cli.options import (
     asked,
     in_bytes,
     in_seconds,
+    lower_body,
     option_name,
     with_options,
 )
@@ -54,9 +56,10 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 
-@with_options(overrides=SCENE_OPTIONS, settings=MESH_OPTIONS)
+@with_options(overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS, settings=MESH_OPTIONS)
 def compare_command(
     overrides: Mapping[str, Any],
+    lower: Mapping[str, Any],
     settings: Mapping[str, Any],
     scene_name: Annotated[
         str | None,
@@ -82,6 +85,9 @@ def compare_command(
 ) -> None:
     """Solve and simulate a scene; write figures and a judgement on whether the two agree.
 
+    The lower body is that of the file's [lower_material], or is like the upper one but for the
+    numbers that are given.  Interfaces are judged by slipfront run --compare.
+
     The exit code is 0 if no quantity differs by more than the error bars allow, 1 if one does, and
     4 if the prediction has not converged.  Quantities that this mesh cannot resolve are listed.
     """
@@ -89,7 +95,7 @@ def compare_command(
     seconds, snapshots = in_seconds(budget), not no_snapshots
     if from_ is not None:
         given = settings if budget is None else {"budget": budget}
-        simulation = _earlier_simulation(from_, scene_name, overrides, given)
+        simulation = _earlier_simulation(from_, scene_name, overrides, lower, given)
         label = scene_label(scene_name) if scene_name else from_.resolve().name
         directory = output or from_
     else:
@@ -97,11 +103,13 @@ def compare_command(
             raise _without_effect("budget", "resolution")
         scene_name = scene_name or DEFAULT_SCENE
         label = scene_label(scene_name)
-        directory = output or scene_folder(scene_name, overrides)
-        scene = override_scene(find_scene(scene_name), **overrides)
+        directory = output or scene_folder(scene_name, {**overrides, **lower})
+        scene, body = _bodies(scene_name, overrides, lower)
         asked(scene, "end_time", settings.get("end_time"), "time")
-        check_predictable(scene, method)
-    prediction: Solution | Marched | None = None
+        check_predictable(scene, method, body)
+        if body is not None:
+            settings = {**settings, "lower_material": body}
+    prediction: Solution | PairSolution | Marched | None = None
     notes = Console(stderr=True)
     with working_folder(directory) as files:
         frames = (from_ or directory) / SNAPSHOTS
@@ -136,7 +144,7 @@ def compare_command(
         _show(judgement, label, directory)
         if written and judgement.fields is None:
             notes.print(NO_FIELDS, highlight=False)
-    if isinstance(prediction, Solution):
+    if not isinstance(prediction, Marched):
         check_converged(prediction, label)
     raise typer.Exit(1 if judgement.verdict == DIFFERS else 0)
 
@@ -172,28 +180,41 @@ def _show(judgement: Judgement, label: str, directory: Path) -> None:
     console.print(f"Written to {directory}/", highlight=False)
 
 
+def _bodies(
+    scene_name: str, overrides: Mapping[str, Any], lower: Mapping[str, Any]
+) -> tuple[Scene, Material | None]:
+    """Return the scene that is asked for, and the material of its lower body if that is another."""
+    scene, known = find_blocks(scene_name)
+    scene = override_scene(scene, **overrides)
+    body = lower_body(scene, known, lower)
+    return scene, None if body == scene.material else body
+
+
 def _earlier_simulation(
     directory: Path,
     scene_name: str | None,
     overrides: Mapping[str, Any],
+    lower: Mapping[str, Any],
     settings: Mapping[str, Any],
 ) -> Simulation:
-    """Load a simulation; check that it is of the scene asked for, if one was."""
+    """Load a simulation; check that it is of the scene and bodies asked for, if any were."""
     from fem import load_simulation
 
     if settings:
         raise _without_effect(next(iter(settings)), "from")
     simulation = load_simulation(directory)
-    if simulation.lower_material is not None:
+    own = simulation.lower_material
+    own = None if own == simulation.scene.material else own
+    if scene_name:
+        scene, body = _bodies(scene_name, overrides, lower)
+    else:
+        scene = override_scene(simulation.scene, **overrides)
+        body = lower_body(scene, own, lower)
+    if (scene, body) != (simulation.scene, own):
+        held = bodies_document(simulation.scene, own)
         raise SceneError(
-            f"{directory} holds blocks of two materials, to which the theory of identical "
-            "bodies does not apply; solve a step on the slot with solve_pair (docs/dissimilar.md)."
-        )
-    scene = override_scene(find_scene(scene_name) if scene_name else simulation.scene, **overrides)
-    if scene != simulation.scene:
-        raise SceneError(
-            f"{directory} holds a simulation of another scene "
-            f"({scene_document(simulation.scene)}); leave the scene out or simulate again."
+            f"{directory} holds a simulation of another scene ({held}); leave the scene out or "
+            "simulate again."
         )
     return simulation
 

@@ -10,16 +10,16 @@ import typer
 from rich.console import Console
 
 from semianalytic.scene.extras import EXPLORE, PLOT, require
-from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.named import DEFAULT_SCENE, find_scene, override_scene
-from slipfront.cli.options import SCENE_OPTIONS, AsJson, with_options
+from semianalytic.scene.given.named import DEFAULT_SCENE, find_blocks, override_scene
+from slipfront.cli.options import LOWER_OPTIONS, SCENE_OPTIONS, AsJson, lower_body, with_options
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.terminal import print_json
 
 
-@with_options(overrides=SCENE_OPTIONS)
+@with_options(overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS)
 def explore_command(
     overrides: Mapping[str, Any],
+    lower: Mapping[str, Any],
     scene_name: Annotated[
         str,
         typer.Argument(
@@ -37,21 +37,29 @@ def explore_command(
     """Explore a scene in the browser, where all pictures follow the sliders; Ctrl-C ends it.
 
     The page is served to this machine only.  Its address contains the scene.  Its buttons download
-    the figure, a table, the scene file and a program that reproduces the answer.
+    the figure, a table, the scene file and a program that reproduces the answer.  The lower body
+    may be another one: that of the file's [lower_material], or with the numbers that are given.
     """
     require("slipfront explore", *EXPLORE, *PLOT)
+    from compare.comparison.documents import bodies_document
+    from semianalytic.dissimilar.described import pair_of
     from slipfront.explore.controls import defaults
     from slipfront.explore.serving import serve
 
-    scene = override_scene(find_scene(scene_name), **overrides)
-    defaults(scene)  # refuses scenes that the controls cannot describe
+    scene, known = find_blocks(scene_name)
+    scene = override_scene(scene, **overrides)
+    body = lower_body(scene, known, lower)
+    problem = scene if body is None or body == scene.material else pair_of(scene, body)
+    defaults(problem)  # refuses scenes that the controls cannot describe
 
     def tell(address: str) -> None:
         if as_json:
-            print_json("explore", {"scene": scene_document(scene), "address": address}, "serving")
+            print_json(
+                "explore", {"scene": bodies_document(scene, body), "address": address}, "serving"
+            )
             sys.stdout.flush()
         else:
             words = f"Open {address} (Ctrl-C ends it)"
             Console().print(words, highlight=False, soft_wrap=True)
 
-    serve(scene, port, browser=browser, tell=tell)
+    serve(problem, port, browser=browser, tell=tell)

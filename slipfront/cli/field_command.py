@@ -12,7 +12,6 @@ import typer
 from rich.console import Console
 
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
-from compare.comparison.pair_documents import PAIR_DIMENSIONS
 from compare.comparison.prediction import method_of
 from compare.output.bodies import Fields, scene_of
 from compare.output.places import working_folder
@@ -67,7 +66,7 @@ if TYPE_CHECKING:
 MARCHED_OPTIONS = {name: MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")}
 _DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
-    "pair": PAIR_DIMENSIONS,
+    "pair": SCENE_DIMENSIONS,
     "error_estimate": "1",
     "time": "time",
     "window": "length",

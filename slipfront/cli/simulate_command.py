@@ -80,8 +80,7 @@ def simulate_command(
 
     With --checkpoint-every or --checkpoint-seconds, a run that was interrupted or killed resumes
     with the same options and --resume; the result is identical to the last bit.  A finished run
-    removes its checkpoint.  The lower block may be of another material, but the theory does not
-    apply to two materials.
+    removes its checkpoint.  The lower block may be of another material.
     """
     require("slipfront simulate", *FEM)
     label = scene_label(scene_name)

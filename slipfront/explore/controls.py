@@ -9,7 +9,8 @@ from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
-from semianalytic import Scene
+from semianalytic import Material, Pair, Scene
+from semianalytic.dissimilar.described import pair_of
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import part_document, scene_document, scene_from_document
@@ -40,6 +41,13 @@ LOADS: Mapping[str, tuple[str, ...]] = {
     "moving": ("load_pressure", "load_shear", "load_speed"),
 }
 """Friction laws, load histories and loads to choose from, and the controls that each shows."""
+ALIKE, ANOTHER = "like the upper", "another"
+LOWER: Mapping[str, tuple[str, ...]] = {
+    ALIKE: (),
+    ANOTHER: ("modulus_ratio", "density_ratio", "lower_poisson_ratio"),
+}
+"""Lower bodies to choose from, and the controls that each shows; ratios are those of the lower body
+over the upper one."""
 
 CHOICES: Mapping[str, tuple[str, ...]] = {
     "mode": MODES,
@@ -50,7 +58,10 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
     "law": tuple(LAWS),
     "history": tuple(HISTORIES),
     "shape": tuple(PULSE_SHAPES),
+    "lower_body": tuple(LOWER),
 }
+Problem = Scene | Pair
+"""What the page shows: identical bodies, or different ones."""
 STEEPEST = 85.0
 """Largest angle of the slider [degrees], unless the scene has a larger one."""
 FIXED = ("shear_modulus", "density", "units")
@@ -69,8 +80,13 @@ class Slider:
     step: float
 
 
-def sliders(scene: Scene) -> tuple[Slider, ...]:
-    """Return the sliders for scenes like a given one, in its units.
+def upper_scene(problem: Problem) -> Scene:
+    """Return a scene itself, or that of the upper body of two different ones on its own kind."""
+    return problem.alike if isinstance(problem, Pair) else problem
+
+
+def sliders(problem: Problem) -> tuple[Slider, ...]:
+    """Return the sliders for problems like a given one, in its units.
 
     Tractions range up to twice its own.  Ranges of rates and lengths follow from the motion that
     its waves cause while they cross a length of 1.
@@ -81,6 +97,7 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
         If a range cannot be divided into steps, for instance because an impedance underflows, or
         for the reasons of `values_of`.
     """
+    scene = upper_scene(problem)
     stress, rate = 2 * stress_scale(scene), slip_rate_scale(scene)
     time, impedance = 1 / scene.material.shear_speed, scene.material.shear_impedance
     given = (
@@ -100,8 +117,11 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
         ("rise_time", "rise time", "time", 0.0, 2 * time),
         ("duration", "duration", "time", time / 20, 2 * time),
         ("frequency", "frequency", "1 / time", 0.25 / time, 8 / time),
+        ("modulus_ratio", "modulus, lower over upper", "1", 0.1, 10.0),
+        ("density_ratio", "density, lower over upper", "1", 0.25, 4.0),
+        ("lower_poisson_ratio", "Poisson ratio, lower", "1", -0.95, 0.49),
     )
-    values = values_of(scene)
+    values = values_of(problem)
     result = []
     for name, label, dimension, low, high in given:
         own = values.get(name, low)
@@ -116,12 +136,12 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
     return tuple(result)
 
 
-def serve_for(sliders_of: Scene, values: Mapping[str, Any]) -> bool:
-    """Return whether the sliders of a scene suit other values too.
+def serve_for(sliders_of: Problem, values: Mapping[str, Any]) -> bool:
+    """Return whether the sliders of a problem suit other values too.
 
-    The values must have the same units and the same material, and lie within the ranges.
+    The values must have the same units and the same upper body, and lie within the ranges.
     """
-    own, called_for = values_of(sliders_of), values_of(scene_of(values))
+    own, called_for = values_of(sliders_of), values_of(problem_of(values))
     return all(values[name] == own[name] for name in FIXED) and all(
         one.low <= called_for.get(one.name, one.low) <= one.high for one in sliders(sliders_of)
     )
@@ -132,25 +152,30 @@ def _step(width: float) -> float:
     return float(10.0 ** math.floor(math.log10(width / 200)))
 
 
-def defaults(scene: Scene) -> Values:
-    """Return the values of all controls; those that the scene does not use are mid-range."""
-    rest = {one.name: _rounded((one.low + one.high) / 4, one.step) for one in sliders(scene)}
+def defaults(problem: Problem) -> Values:
+    """Return the values of all controls; those that the problem does not use are mid-range.
+
+    A lower body that is not used has the Poisson ratio of the upper one.
+    """
+    rest = {one.name: _rounded((one.low + one.high) / 4, one.step) for one in sliders(problem)}
+    rest["lower_poisson_ratio"] = upper_scene(problem).material.poisson_ratio
     words = {name: words[0] for name, words in CHOICES.items()}
-    return rest | words | values_of(scene)
+    return rest | words | values_of(problem)
 
 
 def _rounded(value: float, step: float) -> float:
     return float(f"{round(value / step) * step:.12g}")
 
 
-def values_of(scene: Scene) -> Values:
-    """Return a scene as values of controls.
+def values_of(problem: Problem) -> Values:
+    """Return a scene, or two different bodies, as values of controls.
 
     Raises
     ------
     SceneError
         If pressure and shear have different histories, or there is no control for a law or history.
     """
+    scene = upper_scene(problem)
     document = scene_document(scene)
     words = {"mode": scene.mode, "load_on": scene.load_on}
     values: Values = {**document["material"], "friction": scene.friction, **words}
@@ -171,7 +196,19 @@ def values_of(scene: Scene) -> Values:
             )
         values[name] = part.pop("kind")
         values |= part
-    return values | {"units": scene.units}
+    return values | {"units": scene.units} | _lower_values(problem)
+
+
+def _lower_values(problem: Problem) -> Values:
+    if not isinstance(problem, Pair):
+        return {"lower_body": ALIKE}
+    upper, lower = problem.upper, problem.lower
+    return {
+        "lower_body": ANOTHER,
+        "modulus_ratio": lower.shear_modulus / upper.shear_modulus,
+        "density_ratio": lower.density / upper.density,
+        "lower_poisson_ratio": lower.poisson_ratio,
+    }
 
 
 def _load_values(scene: Scene) -> Values:
@@ -228,6 +265,28 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
     return scene_from_document(document)
 
 
+def problem_of(values: Mapping[str, Any]) -> Problem:
+    """Return the scene or the two different bodies that values of controls describe.
+
+    Raises
+    ------
+    SceneError
+        As `scene_of`, or if different bodies have no exact answer under such a load or law.
+    """
+    scene, kind = scene_of(values), values.get("lower_body", ALIKE)
+    if kind not in LOWER:
+        raise SceneError(f"lower_body must be one of {', '.join(LOWER)}, got {shown(kind)}.")
+    if kind == ALIKE:
+        return scene
+    upper = scene.material
+    lower = Material(
+        upper.shear_modulus * _number(values, "modulus_ratio"),
+        upper.density * _number(values, "density_ratio"),
+        _number(values, "lower_poisson_ratio"),
+    )
+    return scene if lower == upper else pair_of(scene, lower)
+
+
 _NUMBERS = (
     "shear_modulus",
     "density",
@@ -270,13 +329,15 @@ def query_of(values: Mapping[str, Any]) -> str:
     names += [] if _at_once(values) else ["load"]
     names += ["history"]
     names += HISTORIES[values["history"]]
+    own = LOWER[values["lower_body"]]
+    names += ["lower_body", *own] if own else []
     return "?" + urlencode({name: values[name] for name in names})
 
 
-def values_from_query(query: str, start: Scene) -> Values:
+def values_from_query(query: str, start: Problem) -> Values:
     """Return the values of all controls for the query of an address.
 
-    Values missing from the query are those of the scene `start`; values that neither uses are
+    Values missing from the query are those of the problem `start`; values that neither uses are
     mid-range.
 
     Raises
@@ -295,4 +356,4 @@ def values_from_query(query: str, start: Scene) -> Values:
         if name in CHOICES and text not in CHOICES[name]:
             known = ", ".join(CHOICES[name])
             raise SceneError(f"{name} must be one of {known}, got {shown(text)}.")
-    return defaults(scene_of(base | given)) | given
+    return defaults(problem_of(base | given)) | given

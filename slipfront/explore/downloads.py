@@ -8,10 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any
 
-from semianalytic import Marched, Scene, Solution
+from semianalytic import Marched, Pair, PairSolution
 from semianalytic.scene.given.template import scene_text
 from semianalytic.scene.units import unit
-from slipfront.explore.views import end_time, interface_view
+from slipfront.explore.controls import Problem, upper_scene
+from slipfront.explore.views import Shown, end_time, interface_view
 
 Content = tuple[str, str, bytes]
 """Name of a file, its MIME type, and its content."""
@@ -26,7 +27,7 @@ _COLUMNS = {
 }
 
 
-def figure_file(answer: Solution | Marched, form: str) -> Content:
+def figure_file(answer: Shown, form: str) -> Content:
     """Return the matplotlib figure of an answer as svg, pdf or png."""
     from compare.figures.histories import march_figure
     from compare.figures.interface import prediction_figure
@@ -38,7 +39,7 @@ def figure_file(answer: Solution | Marched, form: str) -> Content:
     return f"slipfront.{form}", mime, drawn.getvalue()
 
 
-def table_file(answer: Solution | Marched) -> Content:
+def table_file(answer: Shown) -> Content:
     """Return slip rate, slip and tractions along the contact at T as CSV; line 1 has the units."""
     scene, time = answer.scene, end_time(answer.scene)
     x = interface_view(answer).x * scene.material.shear_speed * time
@@ -52,21 +53,27 @@ def table_file(answer: Solution | Marched) -> Content:
     return "slipfront.csv", "text/csv", text.getvalue().encode()
 
 
-def scene_file(scene: Scene) -> Content:
-    """Return the scene as a commented TOML file, which all commands accept."""
-    return "scene.toml", "application/toml", scene_text(scene, "slipfront explore").encode()
+def scene_file(problem: Problem) -> Content:
+    """Return the scene as a commented TOML file, which commands accept."""
+    lower = problem.lower if isinstance(problem, Pair) else None
+    text = scene_text(upper_scene(problem), "slipfront explore", lower=lower)
+    return "scene.toml", "application/toml", text.encode()
 
 
-def program(scene: Scene) -> str:
+def program(problem: Problem) -> str:
     """Return a short Python program that reproduces the answer."""
-    parts = [one.name for one in fields(scene) if getattr(scene, one.name) != _default(one)]
-    lines = ["import slipfront as sf", "", "scene = sf.Scene("]
+    parts = [one.name for one in fields(problem) if getattr(problem, one.name) != _default(one)]
+    kind = type(problem).__name__
+    lines = ["import slipfront as sf", "", f"{kind.lower()} = sf.{kind}("]
     for name in parts:
-        value = repr(getattr(scene, name))
+        value = repr(getattr(problem, name))
         made = value.replace("(", "(", 1) if value.startswith("'") else _qualified(value)
         lines += _argument(name, made)
+    scene = upper_scene(problem)
     time = end_time(scene)
-    if scene.is_self_similar and scene.friction_law.fall_with_rate == 0:
+    if isinstance(problem, Pair):
+        lines += [")", "answer = sf.solve_pair(pair)", "print(answer.zones, answer.openings)"]
+    elif scene.is_self_similar and scene.friction_law.fall_with_rate == 0:
         lines += [")", "answer = sf.solve(scene)", "print(answer.zones, answer.openings)"]
     else:
         lines += [")", f"answer = sf.march(scene, {time!r})", "print(answer)"]
@@ -96,17 +103,22 @@ def _default(one: Any) -> Any:
     return one.default_factory() if one.default_factory is not MISSING else MISSING
 
 
-def program_file(scene: Scene) -> Content:
+def problem_shown(answer: Shown) -> Problem:
+    """Return the scene, or the two different bodies, that an answer is of."""
+    return answer.pair if isinstance(answer, PairSolution) else answer.scene
+
+
+def program_file(problem: Problem) -> Content:
     """Return `program` as a file."""
-    return "scene.py", "text/x-python", program(scene).encode()
+    return "scene.py", "text/x-python", program(problem).encode()
 
 
-FILES: Mapping[str, Callable[[Solution | Marched], Content]] = {
+FILES: Mapping[str, Callable[[Shown], Content]] = {
     "svg": lambda answer: figure_file(answer, "svg"),
     "pdf": lambda answer: figure_file(answer, "pdf"),
     "png": lambda answer: figure_file(answer, "png"),
     "csv": table_file,
-    "toml": lambda answer: scene_file(answer.scene),
-    "python": lambda answer: program_file(answer.scene),
+    "toml": lambda answer: scene_file(problem_shown(answer)),
+    "python": lambda answer: program_file(problem_shown(answer)),
 }
 """The function behind each download button of the page."""

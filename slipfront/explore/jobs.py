@@ -6,9 +6,20 @@ from collections.abc import Callable
 from typing import NamedTuple
 from urllib.parse import parse_qsl, urlencode
 
-from semianalytic import Marched, Scene, Tractions, march, solve
+from semianalytic import (
+    Marched,
+    Pair,
+    PairSolution,
+    Scene,
+    Solution,
+    Tractions,
+    march,
+    solve,
+    solve_pair,
+)
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from slipfront.explore.controls import Problem
 from slipfront.explore.views import (
     DISPLACEMENT,
     SPEED,
@@ -76,11 +87,18 @@ class MarchViews(NamedTuple):
     field: FieldView | None
 
 
+def solved(problem: Problem, rtol: float) -> Solution | PairSolution:
+    """Solve a self-similar scene, or two different bodies."""
+    if isinstance(problem, Pair):
+        return solve_pair(problem, rtol=rtol)
+    return solve(problem, rtol=rtol)
+
+
 def solved_field(
-    scene: Scene, points: int, rtol: float, moment: Moment, progress: Progress
+    problem: Problem, points: int, rtol: float, moment: Moment, progress: Progress
 ) -> FieldView:
-    """Compute the field of a self-similar scene."""
-    return field_view(solve(scene, rtol=rtol), points, *moment)
+    """Compute the field of a self-similar scene, or of two different bodies."""
+    return field_view(solved(problem, rtol), points, *moment)
 
 
 def marched_field(marched: Marched, moment: Moment, progress: Progress) -> FieldView:

@@ -22,22 +22,25 @@ from bokeh.server.views.static_handler import StaticHandler
 from jinja2 import Environment, Template
 
 from compare.comparison.scales import reference_values
-from semianalytic import Marched, Scene, SlipZone, Solution, Tractions, solve
+from semianalytic import Marched, Scene, SlipZone, Tractions, find_pair
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.errors import SlipfrontError
-from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES, find_scene
 from semianalytic.scene.units import unit
 from slipfront.explore.controls import (
     CHOICES,
     HISTORIES,
     LAWS,
     LOADS,
+    LOWER,
+    Problem,
     defaults,
+    problem_of,
     query_of,
-    scene_of,
     serve_for,
     sliders,
+    upper_scene,
     values_from_query,
 )
 from slipfront.explore.downloads import FILES, program
@@ -48,6 +51,7 @@ from slipfront.explore.jobs import (
     marched_field,
     marched_views,
     moment_in,
+    solved,
     solved_field,
 )
 from slipfront.explore.maps import RegimeMap, can_map, highest_friction, map_key, regime_map
@@ -65,6 +69,7 @@ from slipfront.explore.views import (
     NODES,
     SPEED,
     FieldView,
+    Shown,
     end_time,
     interface_view,
     space_time_view,
@@ -89,16 +94,16 @@ class Session:
     ----------
     document : Document
         Bokeh document, to which the pictures are added.
-    start : Scene
-        Scene that the page shows at first unless its address says more; it sets the sliders.
+    start : Scene or Pair
+        Problem that the page shows at first unless its address says more; it sets the sliders.
     query : str
         Query of the address, "" or "?friction=...".
     """
 
-    def __init__(self, document: Document, start: Scene, query: str) -> None:
+    def __init__(self, document: Document, start: Problem, query: str) -> None:
         self._start = self._ruled = start
-        self._answer: Solution | Marched | None = None
-        self._shown: Scene | None = None
+        self._answer: Shown | None = None
+        self._shown: Problem | None = None
         self._marching: Scene | None = None
         self._map_key: tuple[object, ...] | None = ()  # the map of no scene yet
         self._map_to = 0.0  # its largest friction
@@ -143,7 +148,7 @@ class Session:
             quantities=(SPEED, DISPLACEMENT),
             given={
                 **self._opened(query),
-                "shown": {"law": LAWS, "history": HISTORIES, "load": LOADS},
+                "shown": {"law": LAWS, "history": HISTORIES, "load": LOADS, "lower_body": LOWER},
                 "kinds": list(SHADES.items()),
                 "curves": [(name, f"{dash} {colour}") for name, (colour, dash) in CURVES.items()],
             },
@@ -164,7 +169,7 @@ class Session:
             values = defaults(self._start)
             message = f"The address is no scene: {error} The scene of the command is shown instead."
         if not serve_for(self._ruled, values):
-            self._ruled = scene_of(values)
+            self._ruled = problem_of(values)
         ruled = [asdict(one) for one in sliders(self._ruled)]
         shown = {"values": values, "sliders": ruled, "message": message}
         return {**shown, "moment": moment._asdict()}
@@ -201,7 +206,8 @@ class Session:
     def _show(self, values: Mapping[str, Any], moving: bool, since: float) -> None:
         """Draw the scene of the controls, or say why it does not exist."""
         try:
-            scene, query = scene_of(values), query_of(values) + self._moment.query
+            problem, query = problem_of(values), query_of(values) + self._moment.query
+            scene = upper_scene(problem)
             if isinstance(self._answer, Marched) and self._answer.scene == scene:
                 self._show_march(self._answer, moving, since, query)
                 return
@@ -212,11 +218,11 @@ class Session:
             self._shown = self._marching = None
             self._map.place(scene.friction, scene.material.poisson_ratio)
             if chosen_method(scene) == "self-similar":
-                self._show_solution(scene, moving, since, query)
+                self._show_solution(problem, moving, since, query)
             else:
                 self._march(scene, moving, since, query)
             if not moving:
-                self._draw_map(scene)
+                self._draw_map(problem)
         except SlipfrontError as error:
             self._refuse(str(error), since=since)
         except Exception as error:
@@ -255,32 +261,32 @@ class Session:
         if not moving and isinstance(marched.scene.load, Tractions):
             self._march_worker.start(marched_field, marched, self._moment)
 
-    def _draw_contact(self, answer: Solution | Marched, nodes: int) -> None:
+    def _draw_contact(self, answer: Shown, nodes: int) -> None:
         """Draw the pictures of the contact at the present moment."""
         share, space_time = self._moment.share, space_time_view(answer)
         self._interface.draw(interface_view(answer, nodes, share), space_time, share)
         self._space_time.draw(space_time)
         self._space_time.mark(share)
 
-    def _show_solution(self, scene: Scene, moving: bool, since: float, query: str) -> None:
+    def _show_solution(self, problem: Problem, moving: bool, since: float, query: str) -> None:
         began = time.perf_counter()
-        solution = solve(scene, rtol=MOVING_RTOL if moving else RTOL)
-        solved = time.perf_counter() - began
+        solution = solved(problem, MOVING_RTOL if moving else RTOL)
+        seconds = time.perf_counter() - began
         self._draw_contact(solution, MOVING_NODES if moving else NODES)
-        self._answer, self._shown = solution, scene
+        self._answer, self._shown = solution, problem
         self._tell(
             since=since,
             query=query,
             moving=moving,
             status=solution.status,
             error=f"{solution.error_estimate:.1e}",
-            solved=1e3 * solved,
+            solved=1e3 * seconds,
             readings=_readings(solution),
-            scales=_scales(scene),
-            program=program(scene),
+            scales=_scales(solution.scene),
+            program=program(problem),
         )
         points, rtol = (MOVING_POINTS, MOVING_RTOL) if moving else (POINTS, RTOL)
-        self._asked_field = (scene, points, rtol, self._moment)
+        self._asked_field = (problem, points, rtol, self._moment)
         if not self._field_worker.busy:
             self._next_field()
 
@@ -289,12 +295,14 @@ class Session:
             self._field_worker.start(solved_field, *self._asked_field)
             self._asked_field = None
 
-    def _draw_map(self, scene: Scene) -> None:
+    def _draw_map(self, problem: Problem) -> None:
         """Draw another map if anything but friction and Poisson ratio has changed.
 
-        A map is kept while friction lies on it, and found again when a scene comes back.
+        A map is kept while friction lies on it, and found again when a scene comes back.  Two
+        different bodies have none.
         """
-        key = map_key(scene) if can_map(scene) else None
+        scene = upper_scene(problem)
+        key = map_key(scene) if problem is scene and can_map(scene) else None
         if key == self._map_key and (key is None or scene.friction <= self._map_to):
             return
         self._map_key, self._map_to = key, highest_friction(scene)
@@ -388,7 +396,7 @@ def _bokeh_scripts() -> list[str]:
     return [str(address) for address in resources.js_files]
 
 
-def _readings(answer: Solution | Marched) -> list[list[str]]:
+def _readings(answer: Shown) -> list[list[str]]:
     """Return further results of an answer, each with name and value."""
     scene = answer.scene
     if isinstance(answer, Marched):
@@ -425,6 +433,8 @@ def _scales(scene: Scene) -> list[list[str]]:
 def _known_queries() -> dict[str, str]:
     """Return the addresses of the named scenes that the page can show, by name."""
     known = {}
-    for name, one in NAMED_SCENES.items():
-        known[name] = query_of(defaults(one.scene))
+    for name in NAMED_SCENES:
+        known[name] = query_of(defaults(find_scene(name)))
+    for name in NAMED_PAIRS:
+        known[name] = query_of(defaults(find_pair(name)))
     return known

@@ -24,6 +24,7 @@ from bokeh.models import (
 from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
+from compare.comparison.scales import LOWER, WAVE_SYMBOLS
 from compare.figures.style import (
     BLACK,
     BLUE,
@@ -40,7 +41,8 @@ from slipfront.explore.views import KINDS, Array, FieldView, InterfaceView, Spac
 
 SHADES = {kind: shade(kind) for kind in KINDS}
 REGIME_COLOURS = {**COLOURS, "open": PURPLE}
-WAVES = {"Rayleigh": "c_R", "S": "c_t", "P": "c_l"}
+WAVES = WAVE_SYMBOLS | {f"{LOWER}{name}": f"{symbol}2" for name, symbol in WAVE_SYMBOLS.items()}
+"""Symbols of wave fronts; c_t2 and c_l2 are those of a different lower body."""
 CURVES = {
     "shear traction": (BLUE, "solid"),
     "± f p": (VERMILLION, "dotted"),

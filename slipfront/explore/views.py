@@ -12,13 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.scales import scene_fronts, slip_rate_scale, stress_scale
+from compare.comparison.case import lower_of
+from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
-from semianalytic import Marched, OpenZone, Scene, SlipZone, Solution
+from semianalytic import Marched, OpenZone, PairSolution, Scene, SlipZone, Solution
 from semianalytic.results.answer import WholeFields
 
 Array = NDArray[np.float64]
 
+Shown = Solution | PairSolution | Marched
+"""Answers that the page shows."""
 KINDS = ("stick", "slip", "reverse slip", "open")
 """States of the contact; arrays store the index of a state."""
 NODES = 300
@@ -79,9 +82,7 @@ class InterfaceView:
         return _limits(np.concatenate([part[inner] for part in parts]), 0.1)
 
 
-def interface_view(
-    answer: Solution | Marched, nodes: int = NODES, share: float = 1.0
-) -> InterfaceView:
+def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> InterfaceView:
     """Return slip rate, slip and tractions along the contact, at `nodes` places and at edges."""
     scene = answer.scene
     end, stress = end_time(scene), stress_scale(scene)
@@ -98,13 +99,13 @@ def interface_view(
     )
 
 
-def _places(solution: Solution, nodes: int, share: float) -> Array:
+def _places(solution: Solution | PairSolution, nodes: int, share: float) -> Array:
     """Return positions [length] that make curves smooth, denser near edges and fronts."""
-    scene = solution.scene
-    far = BEYOND * scene.fastest_speed
+    scene, fronts = solution.scene, contact_fronts(solution.scene, lower_of(solution))
+    far = BEYOND * max(fronts.values())
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
     edges = [one for part in parts for one in (part.inner, part.outer) if 0 < one < np.inf]
-    near = np.array([*scene_fronts(scene).values(), *edges])
+    near = np.array([*fronts.values(), *edges])
     even = np.linspace(far / nodes, far, nodes)
     speeds = np.concatenate([even / share, even, (near[:, None] * (1 + BESIDE)).ravel()])
     inside = (speeds > 0) & (speeds <= far / share)
@@ -145,12 +146,13 @@ class SpaceTimeView:
     waves: Mapping[str, float]
 
 
-def space_time_view(answer: Solution | Marched) -> SpaceTimeView:
+def space_time_view(answer: Shown) -> SpaceTimeView:
     """Return zones as wedges if they are self-similar, otherwise as an image of slip senses."""
     scene = answer.scene
     speed = scene.material.shear_speed
-    far = BEYOND * scene.fastest_speed / speed
-    waves = {name: one / speed for name, one in scene_fronts(scene).items()}
+    fronts = contact_fronts(scene, lower_of(answer))
+    waves = {name: one / speed for name, one in fronts.items()}
+    far = BEYOND * max(waves.values())
     if isinstance(answer, Marched):
         reach = float(answer.interface.x[-1]) / (speed * end_time(scene))
         return SpaceTimeView((), _senses(answer), reach, waves)

@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.benchmarks.sheet import PAIRS
 from docs.studies.pages import ROOT, read_data
-from slipfront import find_scene, predict, solve_pair
+from semianalytic.scene.given.named import NAMED_PAIRS
+from slipfront import find_pair, find_scene, predict, solve_pair
 
 ENTRANTS = ROOT / "tests" / "data" / "entrants"
 COLUMNS = ("t", "x", "slip_rate", "slip", "shear_traction", "pressure")
@@ -61,7 +61,7 @@ def runs(folder):
 
 @cache
 def exact(name):
-    return solve_pair(PAIRS[name]) if name in PAIRS else predict(find_scene(name))
+    return solve_pair(name) if name in NAMED_PAIRS else predict(find_scene(name))
 
 
 def error(path, quantity):
@@ -121,9 +121,9 @@ def test_friction_three_per_cent_off_is_worse(code):
     assert error(wrong, "slip_rate") > 3 * error(right, "slip_rate")
 
 
-@pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.parametrize("name", NAMED_PAIRS)
 def test_an_answer_whose_lower_body_is_three_per_cent_stiffer_is_worse(name, monkeypatch):
-    path, pair = runs(f"uguca/{name}")[-1], PAIRS[name]
+    path, pair = runs(f"uguca/{name}")[-1], find_pair(name)
     right = {quantity: error(path, quantity) for quantity in QUANTITIES}
     lower = replace(pair.lower, shear_modulus=1.03 * pair.lower.shear_modulus)
     monkeypatch.setitem(globals(), "exact", lambda _: solve_pair(replace(pair, lower=lower)))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
-from compare.comparison.case import Case
+from compare.comparison.case import Case, lower_of
 from compare.comparison.judging import Comparison, judged, mesh_changes
 from compare.comparison.measures import ROUNDING
 from compare.comparison.quantities.arrivals import (
@@ -28,7 +28,7 @@ from compare.comparison.quantities.arrivals import (
     tabulated,
 )
 from compare.comparison.rows import Row
-from compare.comparison.scales import scene_fronts
+from compare.comparison.scales import contact_fronts, scene_fronts
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
@@ -85,23 +85,24 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     """
     if not _reaches(case):
         return
-    fronts = scene_fronts(case.prediction.scene)
+    scene, lower = case.prediction.scene, lower_of(case.prediction)
+    own, fronts = scene_fronts(scene), contact_fronts(scene, lower)
     end, prediction = case.end_time, case.prediction
     ends = [(zone.start, zone.end) for zone in prediction.zones_at(end)]
     ends += [(opening.start, opening.end) for opening in prediction.openings_at(end)]
     edges = [edge / end for both in ends for edge in both if 0 < edge < math.inf]
-    first = list(fronts)[-1]
-    signals: tuple[str, ...] = (first,)
-    faces = [("interface", signals, edges, _interface_fields(case))]
+    signals: tuple[str, ...] = (max(fronts, key=fronts.__getitem__),)
+    faces = [("interface", fronts, signals, edges, _interface_fields(case))]
     slot_velocity = getattr(case.prediction, "slot_velocity", None)
     # a front of the load runs over the slot among the waves, and covers the first of them
     if slot_velocity is not None and not case.scene.front_slowness:
-        signals = ("Rayleigh", first) if "Rayleigh" in fronts else (first,)
-        faces.append(("slot face", signals, [], _slot_fields(case, slot_velocity)))
-    for face, signals, others, fields in faces:
+        first = list(own)[-1]
+        signals = ("Rayleigh", first) if "Rayleigh" in own else (first,)
+        faces.append(("slot face", own, signals, [], _slot_fields(case, slot_velocity)))
+    for face, waves, signals, others, fields in faces:
         for signal in signals:
-            front = fronts[signal]
-            window = front_window(front, {*fronts.values(), *others} - {front})
+            front = waves[signal]
+            window = front_window(front, {*waves.values(), *others} - {front})
             row = _arrival_row(case, f"{signal} front, {face}", window, fields)
             if row is not None:
                 yield row
@@ -109,7 +110,7 @@ def arrival_rows(case: Case) -> Iterator[Row]:
 
 def _reaches(case: Case) -> bool:
     """Whether a prediction has values beyond all fronts at the end."""
-    speed = case.scene.fastest_speed
+    speed = case.fastest_speed
     try:
         case.prediction.slip_rate(np.array([FARTHEST * speed * case.end_time]), case.end_time)
     except SceneError:

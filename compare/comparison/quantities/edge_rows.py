@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar, error_bar
-from compare.comparison.case import NARROW, UNSEEN, Case
+from compare.comparison.case import NARROW, UNSEEN, Case, lower_of
 from compare.comparison.judging import Comparison, judged, rate_bar, value_row
 from compare.comparison.measures import NOTHING, ROUNDING
 from compare.comparison.rows import Row
-from compare.comparison.scales import speed_regime
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import OpenInterval, SlipInterval
 from semianalytic.results.intervals import open_intervals, slip_intervals
@@ -103,10 +102,10 @@ def _edge_rows(
     case: Case, parts: tuple[Part, ...], seen: Seen, elsewhere: set[float]
 ) -> Iterator[Row]:
     """Rows of the ends of parts of one kind, except those listed in `elsewhere`."""
-    scene, rows = case.prediction.scene, {}
+    rows = {}
     for number, part in enumerate(parts):
         for end, edge in zip(("start", "end"), _ends(part), strict=True):
-            if not 0 < edge < math.inf or (speed_regime(edge / case.end_time, scene) == "at c_l"):
+            if not 0 < edge < math.inf or _is_arrival(case, edge):
                 continue
             if any(math.isclose(edge, other, rel_tol=SHARED) for other in elsewhere):
                 continue
@@ -120,6 +119,16 @@ def _edge_rows(
                 if rows[side].bar is not None:
                     rows[side] = replace(rows[side], bar=max(bars))
     yield from rows.values()
+
+
+def _is_arrival(case: Case, edge: float) -> bool:
+    """Whether an edge [length] runs with the P wave of either body."""
+    bodies = case.prediction.scene.material, lower_of(case.prediction)
+    speed = edge / case.end_time
+    return any(
+        body is not None and math.isclose(speed, body.longitudinal_speed, rel_tol=SHARED)
+        for body in bodies
+    )
 
 
 def narrow_obstacle(

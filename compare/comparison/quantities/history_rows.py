@@ -176,7 +176,7 @@ def _behind_front(case: Case, x: Array, t: Array) -> NDArray[np.bool_]:
     """Mask of where the first wave has passed, except for `FRONT` elements of the coarsest mesh
     behind it, by which slip may begin too early on all meshes."""
     width = FRONT * case.runs[-1].element_size
-    return np.asarray(x <= (1 + ROUNDING) * case.scene.fastest_speed * t - width)
+    return np.asarray(x <= (1 + ROUNDING) * case.fastest_speed * t - width)
 
 
 def sense_rows(case: Case) -> Iterator[Row]:

@@ -15,7 +15,6 @@ from compare.comparison.fields.fronts import jump_times
 from compare.comparison.judging import Comparison, judged
 from compare.comparison.measures import NOTHING, ROUNDING
 from compare.comparison.rows import Row
-from compare.comparison.scales import scene_fronts
 from semianalytic import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
@@ -122,7 +121,7 @@ def _beside_fronts(case: Case) -> Mask:
     width = BAND * case.runs[2].element_size + ASIDE * case.simulation.element_size
     beside = np.zeros((len(seen.t), len(seen.x)), dtype=bool)
     for start in {0.0, *jump_times(scene)}:  # t = 0 has fronts even without a jump
-        for speed in scene_fronts(scene).values():
+        for speed in case.fronts.values():
             beside |= np.abs(seen.x - speed * (seen.t[:, None] - start)) < width
     motions = [_motion(case, case.at_nodes)]
     for run in case.runs[1:]:

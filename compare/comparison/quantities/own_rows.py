@@ -177,7 +177,7 @@ def _between_levels(case: Case) -> Array:
     """
     simulation, seen = case.simulation, case.seen
     passed = np.diff(seen.t)
-    nodes = math.ceil(case.scene.fastest_speed * float(passed.max()) / simulation.element_size)
+    nodes = math.ceil(case.fastest_speed * float(passed.max()) / simulation.element_size)
     most, least = (
         find(seen.slip_rate, 2 * nodes + 1, axis=1, mode="nearest")
         for find in (scipy.ndimage.maximum_filter1d, scipy.ndimage.minimum_filter1d)

@@ -1,7 +1,7 @@
 """Different bodies in numbers: the tables of docs/dissimilar.md.
 
 ``python -m compare.studies.dissimilar.tables named thresholds halflines slots honesty cost
-witness --csv docs/data``
+witness judged drawn --csv docs/data``
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from time import process_time
 import numpy as np
 
 from compare.studies.dissimilar.honesty import honesty_rows
+from compare.studies.dissimilar.judged import drawn_rows, judged_rows
 from compare.studies.dissimilar.pairs import NAMED, SCENES, of_contrast
 from compare.studies.dissimilar.points import ThresholdPoint, threshold_point
 from compare.studies.dissimilar.witness import witness_rows
@@ -163,6 +164,8 @@ STUDIES: dict[str, Study] = {
     "honesty": honesty_rows,
     "cost": cost_rows,
     "witness": witness_rows,
+    "judged": judged_rows,
+    "drawn": drawn_rows,
 }
 
 if __name__ == "__main__":

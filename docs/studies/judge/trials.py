@@ -37,7 +37,7 @@ from docs.studies.judge.scenes import (
     power_scenes,
 )
 from docs.studies.judge.spoils import SPOILS, Spoil, Window, effect, spoilt
-from semianalytic import Answer, DataFileError, Marched, Scene, SceneError, Solution
+from semianalytic import Answer, DataFileError, Marched, PairSolution, Scene, SceneError, Solution
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -168,7 +168,7 @@ class SpoiltRow:
 
 def simulated(
     scene: Scene, resolution: int | None = None, snapshots: Path | None = None
-) -> tuple[Simulation, Solution | Marched]:
+) -> tuple[Simulation, Solution | PairSolution | Marched]:
     """A simulation on the mesh that `slipfront compare` takes by itself, and the prediction.
 
     Parameters

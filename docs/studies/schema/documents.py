@@ -83,6 +83,7 @@ _PAIR = object_of(
     friction_law=_KIND,
     units=TEXT,
 )
+_SCENES: Schema = {"anyOf": [SCENE, _PAIR]}
 _PROBLEM: Schema = {"anyOf": [SCENE, _LINE, _PAIR, object_of(interface=TEXT)]}
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
 _INTERFACE = object_of(
@@ -258,7 +259,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "explore": (
         {
-            "scene": _SCENE_KEY,
+            "scene": Key("the scene or both bodies, as their TOML file has them", _SCENES),
             "address": Key("address of the page, served until the command ends", TEXT),
         },
     ),
@@ -285,7 +286,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "scene": _LABEL,
             "verdict": _VERDICT,
             "counts": _COUNTS,
-            "parameters": _PARAMETERS,
+            "parameters": Key("the scene itself, or both bodies", _SCENES),
             "method": _METHOD,
             "caution": Key("reason why the prediction is unresolved", TEXT),
             "semianalytic": Key(
@@ -393,7 +394,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                         package=or_null(TEXT),
                         problem=TEXT,
                         summary=TEXT,
-                        scene=or_null(SCENE),
+                        scene=or_null(_SCENES),
                     )
                 ),
             ),
@@ -403,7 +404,12 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             ),
         },
     ),
-    "init": ({"scene": _SCENE_KEY, "text": Key("text of the TOML file", TEXT)},),
+    "init": (
+        {
+            "scene": Key("the scene, as its TOML file has it", _SCENES),
+            "text": Key("text of the TOML file", TEXT),
+        },
+    ),
     "docs": (
         {"pages": Key("titles of the installed pages, by name", named(TEXT))},
         {"page": Key("name of the page", TEXT), "text": Key("the page, in Markdown", TEXT)},

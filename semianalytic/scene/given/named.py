@@ -49,10 +49,19 @@ WORDS = ("mode", "load_on", "units")
 
 @dataclass(frozen=True)
 class NamedScene:
-    """A scene that comes with the package, and a line that says what it shows."""
+    """A scene that comes with the package, and a line that says what it shows.
+
+    Attributes
+    ----------
+    scene : Scene
+    summary : str
+    lower : Material or None
+        The lower body of a pair of two different ones.
+    """
 
     scene: Scene
     summary: str
+    lower: Material | None = None
 
 
 _UNIT_SOLID = Material(shear_modulus=1.0, density=1.0, poisson_ratio=1 / 3)
@@ -61,7 +70,7 @@ _SHEAR, _BOTH = Tractions(0.0, 1.0), Tractions(1.0, 1.0)
 
 DEFAULT_SCENE = "preloaded"
 
-NAMED_SCENES: Mapping[str, NamedScene] = {
+NAMED_SCENES: dict[str, NamedScene] = {
     "preloaded": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.0), load=Tractions(0.0, 1.0)),
         "constant pressure, sudden shear: two slip zones, one ahead of the shear wave",
@@ -143,6 +152,22 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
     ),
 }
 
+_GOUGE, _ROCK = Material(1.0, 1.0, 0.25), Material(2.5, 1.2, 0.25)
+"""A slow solid on a fast one, with the ratios of gouge and rock."""
+NAMED_PAIRS: dict[str, NamedScene] = {
+    "pair-slip": NamedScene(
+        Scene(_GOUGE, 0.2, base=Tractions(2.0, 0.0), load=Tractions(0.3, 1.0)),
+        "two different bodies, sudden pressure and shear: slip changes the pressure",
+        _ROCK,
+    ),
+    "pair-opening": NamedScene(
+        Scene(_GOUGE, 0.3, base=_PRELOAD, load=Tractions(-1.0, 0.5)),
+        "two different bodies, pressure and shear put on the slot: slip ahead of an opening",
+        _ROCK,
+    ),
+}
+"""Problems of two different bodies, in units of the upper one."""
+
 
 def find_scene(source: str | PathLike[str]) -> Scene:
     """Find a scene by its name or by the path of a TOML file.
@@ -209,8 +234,9 @@ def of_scene(function: Function) -> Function:
 
 def find_blocks(source: str) -> tuple[Scene, Material | None]:
     """Find a scene like `find_scene`, with the lower material of its file; None without one."""
-    if source in NAMED_SCENES:
-        return NAMED_SCENES[source].scene, None
+    named = NAMED_SCENES.get(source) or NAMED_PAIRS.get(source)
+    if named is not None:
+        return named.scene, named.lower
     if is_file(source):
         return read_blocks(source)
     if source in LINES:
@@ -218,7 +244,8 @@ def find_blocks(source: str) -> tuple[Scene, Material | None]:
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin), None
-    names = [*NAMED_SCENES, *plugin_names(SCENES, NAMED_SCENES)]
+    own = (*NAMED_SCENES, *NAMED_PAIRS)
+    names = [*own, *plugin_names(SCENES, own)]
     close = difflib.get_close_matches(source, names, n=1, cutoff=0.5)
     hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}"
     raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
@@ -274,7 +301,7 @@ def brought_summary(plugin: Plugin) -> str:
 def scene_label(source: str) -> str:
     """Return a short name of a scene for titles: its name, or the stem of its file."""
     # Names of packages are no files either.
-    named = source in NAMED_SCENES or not is_file(source)
+    named = source in (*NAMED_SCENES, *NAMED_PAIRS) or not is_file(source)
     return source if named else Path(source).stem
 
 
@@ -322,9 +349,10 @@ def _identical(source: str | Path, scene: Scene, lower: Material | None) -> Scen
     """Return the scene; raise SceneError if its lower block is of another material."""
     if lower not in (None, scene.material):
         raise SceneError(
-            f"{source}: this knows identical bodies only, so take out [{LOWER_MATERIAL}], solve a "
-            "step on the slot exactly, slipfront solve or survey or solve_pair in Python, or "
-            "simulate the scene with finite elements, slipfront simulate (docs/dissimilar.md)."
+            f"{source}: this knows identical bodies only, and there are two; solve a step on the "
+            "slot exactly, slipfront solve or survey or solve_pair in Python, or simulate the "
+            "scene with finite elements, slipfront simulate; slipfront compare does both "
+            "(docs/dissimilar.md)."
         )
     return scene
 

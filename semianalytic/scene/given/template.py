@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from decimal import Decimal
 from textwrap import wrap
 from typing import Any, TypeVar
@@ -130,10 +130,12 @@ def _load_in(scales: Mapping[str, float], load: Load) -> Load:
     return load_from_document(document)
 
 
-def scene_text(scene: Scene, origin: str = "", remark: str = "") -> str:
+def scene_text(
+    scene: Scene, origin: str = "", remark: str = "", lower: Material | None = None
+) -> str:
     """Write a scene as a TOML file with comments, which also show the other laws and histories.
 
-    `find_scene` reads the same scene from the file.
+    `find_scene` reads the same scene from the file, `find_blocks` the same lower body.
 
     Parameters
     ----------
@@ -143,11 +145,13 @@ def scene_text(scene: Scene, origin: str = "", remark: str = "") -> str:
         Origin of the scene, for the first line.
     remark : str
         A sentence about the material.
+    lower : Material, optional
+        Of the lower body, where it is another one.
     """
-    return "\n".join(_lines(scene, origin, remark)) + "\n"
+    return "\n".join(_lines(scene, origin, remark, lower)) + "\n"
 
 
-def _lines(scene: Scene, origin: str, remark: str) -> Iterator[str]:
+def _lines(scene: Scene, origin: str, remark: str, lower: Material | None) -> Iterator[str]:
     document = scene_document(scene)
     yield f"# A scene of slipfront{origin and f', made from {origin}'}: slipfront solve FILE."
     yield "# Contact on y = 0, x > 0, an open slot on x < 0; the load comes at t = 0."
@@ -163,7 +167,7 @@ def _lines(scene: Scene, origin: str, remark: str) -> Iterator[str]:
     if not isinstance(scene.load, Tractions):
         said_of_load = "its front reaches the tip of the slot at t = 0"
     for table, said, parameters in (
-        ("material", "of both bodies", MATERIAL),
+        ("material", "of both bodies" if lower is None else "of the upper body", MATERIAL),
         ("base", "in place before the load, on the whole line y = 0", TRACTIONS),
         ("load", said_of_load, load_parameters(scene.load)),
     ):
@@ -182,7 +186,11 @@ def _lines(scene: Scene, origin: str, remark: str) -> Iterator[str]:
     yield from _part(scene, scene.shear_history, _HISTORIES)
     yield "\n[friction_law]  # strength of what slips at V under the pressure p"
     yield from _part(scene, scene.friction_law, _LAWS)
-    yield "\n# [lower_material]  # where it is another solid: for solve, survey and simulate"
+    if lower is not None:
+        yield "\n[lower_material]  # of the lower body"
+        yield from _values(asdict(lower), MATERIAL, scene.units)
+        return
+    yield "\n# [lower_material]  # where it is another solid: for solve, compare and others"
     for line in _values(document["material"], MATERIAL, scene.units):
         yield f"# {line}"
 

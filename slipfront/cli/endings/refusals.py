@@ -91,7 +91,7 @@ def sentence(error: Any) -> str:
         if str(error.option_name).startswith("--lower-"):
             return (
                 f"{called} has no option {error.option_name}, for it knows identical bodies only; "
-                "slipfront solve, field, survey and simulate take different ones "
+                "slipfront solve, compare, explore, field, survey and simulate take others "
                 "(docs/dissimilar.md)."
             )
         guesses = " or ".join(sorted(error.possibilities or ()))

@@ -12,19 +12,20 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from compare.comparison.documents import SCENE_DIMENSIONS, units_document
+from compare.comparison.documents import SCENE_DIMENSIONS, bodies_document, units_document
 from compare.output.files import write_text
 from compare.output.places import check_file
-from semianalytic import Scene, WholeLine
+from semianalytic import Material, Scene, WholeLine
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.named import (
     DEFAULT_SCENE,
+    NAMED_PAIRS,
     NAMED_SCENES,
     brought_scene,
     brought_summary,
-    find_scene,
+    find_blocks,
 )
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
@@ -49,7 +50,7 @@ STDOUT = Path("-")
 
 
 _OWN: Mapping[str, Collection[str]] = {
-    SCENES: NAMED_SCENES,
+    SCENES: (*NAMED_SCENES, *NAMED_PAIRS, *NAMED_LINES),
     LAWS: FRICTION_LAWS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
@@ -61,7 +62,7 @@ def scenes(as_json: AsJson = False) -> None:
     rows = [*_own_rows(), *_line_rows(), *map(_brought_row, plugins(SCENES))]
     others = [_row(plugin) for group in (LAWS, HISTORIES, FIGURES) for plugin in plugins(group)]
     if as_json:
-        units = {"scenes": _units(find_scene(DEFAULT_SCENE))}
+        units = {"scenes": _units(*find_blocks(DEFAULT_SCENE))}
         print_json("scenes", {"scenes": rows, "brought": others, "units": units})
         return
     table = Table("scene", "what it shows", title="Scenes")
@@ -76,14 +77,14 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def _own_rows() -> Iterator[dict[str, Any]]:
-    for name, named in NAMED_SCENES.items():
+    for name, named in (NAMED_SCENES | NAMED_PAIRS).items():
         yield {
             "name": name,
-            "what": "scene",
+            "what": "scene" if named.lower is None else "two bodies",
             "package": None,
             "problem": "",
             "summary": named.summary,
-            "scene": scene_document(named.scene),
+            "scene": bodies_document(named.scene, named.lower),
         }
 
 
@@ -130,8 +131,17 @@ def _brought_row(plugin: Plugin) -> dict[str, Any]:
     return row
 
 
-def _units(scene: Scene) -> dict[str, Any]:
-    return {"scene": units_document(scene_document(scene), SCENE_DIMENSIONS, scene)}
+def _units(scene: Scene, lower: Material | None) -> dict[str, Any]:
+    return {"scene": units_document(bodies_document(scene, lower), SCENE_DIMENSIONS, scene)}
+
+
+def _beside(upper: Material, former: Material, lower: Material) -> Material:
+    """Return a lower body that differs from another upper body as it did from the former one."""
+    return Material(
+        upper.shear_modulus * (lower.shear_modulus / former.shear_modulus),
+        upper.density * (lower.density / former.density),
+        lower.poisson_ratio,
+    )
 
 
 def init(
@@ -171,18 +181,24 @@ def init(
     """
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
-    scene = find_scene(from_)
+    scene, lower = find_blocks(from_)
     solid = None if material is None else find_solid(material)
     if units or solid:
+        given = scene.material
         scene = in_si_units(scene, None if solid is None else solid.material)
-    text = scene_text(scene, from_, f"{material}: {solid.source}." if solid else "")
+        lower = None if lower is None else _beside(scene.material, given, lower)
+    text = scene_text(scene, from_, f"{material}: {solid.source}." if solid else "", lower)
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:
             raise SceneError(f"{file} exists already; give another name, or --force.")
         write_text(file, text)
     if as_json:
-        document = {"scene": scene_document(scene), "text": text, "units": _units(scene)}
+        document = {
+            "scene": bodies_document(scene, lower),
+            "text": text,
+            "units": _units(scene, lower),
+        }
         print_json("init", document, files=[] if file == STDOUT else [file])
     elif file == STDOUT:
         sys.stdout.write(text)

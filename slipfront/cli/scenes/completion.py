@@ -35,10 +35,11 @@ def one_of(*names: str) -> Completer:
 
 def scene_names(incomplete: str) -> list[str]:
     """Complete names of scenes, of slipfront and of installed packages, and TOML files."""
-    from semianalytic.scene.given.named import NAMED_SCENES
+    from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES
     from semianalytic.scene.plugins import SCENES, plugin_names
 
-    names = _starting([*NAMED_SCENES, *plugin_names(SCENES, NAMED_SCENES)], incomplete)
+    own = (*NAMED_SCENES, *NAMED_PAIRS)
+    names = _starting([*own, *plugin_names(SCENES, own)], incomplete)
     return names + _starting(_toml_files(incomplete), incomplete)
 
 

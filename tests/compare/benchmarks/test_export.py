@@ -13,8 +13,10 @@ from compare.benchmarks import export as exporting
 from compare.benchmarks.answers import DATA, answer_files
 from compare.benchmarks.export import export
 from compare.benchmarks.pages import Heading, Table, Text, as_html, as_markdown, sheet_blocks
-from compare.benchmarks.sheets import SHEETS
+from compare.benchmarks.sheet import STATIONS
+from compare.benchmarks.sheets import PAIR_SHEETS, SHEETS
 from compare.benchmarks.starters import starter_inputs
+from semianalytic import find_pair
 from semianalytic.scene.errors import DataFileError, SceneError
 
 TWO = [SHEETS["antiplane"], SHEETS["lift-off"]]
@@ -154,6 +156,34 @@ def test_the_mesh_of_two_blocks_is_whole():
                 (at[node - 1][0] >= 0) == (tag in (5, 6)) or at[node - 1][0] == 0 for node in ends
             )
         sides += 3 + count
+
+
+@pytest.mark.parametrize("name", ["preloaded", "pair-slip", "pair-opening"])
+def test_a_step_stays(name):
+    """A table whose last load is 0 lets it fall evenly until 2 T: slip is a fifth too small."""
+    sheet = {**SHEETS, **PAIR_SHEETS}[name]
+    for axis, wanted in (("x", sheet.scene.load.shear), ("y", -sheet.scene.load.pressure)):
+        table = starter_inputs(sheet).get(f"sem2dpack/up.{axis}", f"0 {wanted}")
+        assert {float(value) for value in table.split()[1::2]} == {wanted}
+
+
+@pytest.mark.parametrize("name", PAIR_SHEETS)
+def test_the_mesh_of_two_different_bodies_has_both_solids(name):
+    inputs, lower = starter_inputs(PAIR_SHEETS[name]), find_pair(name).lower
+    said = inputs["sem2dpack/Par.inp"]
+    assert f"rho=1.2d0, cp={lower.longitudinal_speed:.15g}, cs={lower.shear_speed:.15g}" in said
+    lines = inputs["sem2dpack/two.mesh2d"].splitlines()
+    elements, _, nodes, _ = map(int, lines[1].split())
+    at = np.array([line.split()[1:] for line in lines[3 : 3 + nodes]], dtype=float)
+    cells = np.array([line.split() for line in lines[4 + nodes :][:elements]], dtype=int)
+    middle = at[cells[:, 1:5] - 1].mean(axis=1)
+    damped = np.abs(middle[:, 1]) < 20
+    tags = np.where(middle[:, 1] > 0, np.where(damped, 2, 1), np.where(damped, 4, 3))
+    np.testing.assert_array_equal(cells[:, 5], tags)
+    fastest = lower.longitudinal_speed  # no wave is back at a station from a side before T
+    assert -at[:, 0].min() / 100 >= fastest
+    assert 2 * at[:, 1].max() / 100 >= fastest
+    assert 2 * at[:, 0].max() / 100 - max(STATIONS) >= fastest
 
 
 def test_a_pulse_goes_off_again():

@@ -31,22 +31,20 @@ def folder(tmp_path, monkeypatch):
 
 
 KNOWS_ONE = (
-    "two.toml: this knows identical bodies only, so take out [lower_material], solve a step on the "
-    "slot exactly, slipfront solve or survey or solve_pair in Python, or simulate the scene"
+    "two.toml: this knows identical bodies only, and there are two; solve a step on the slot "
+    "exactly, slipfront solve or survey or solve_pair in Python, or simulate the scene"
 )
-OTHERWISE = "slipfront solve, field, survey and simulate take different ones"
+OTHERWISE = "slipfront solve, compare, explore, field, survey and simulate take others"
 REFUSED = [
-    ("compare two.toml", KNOWS_ONE),
-    ("explore two.toml --no-browser", KNOWS_ONE),
+    ("compare two.toml --method space-time", "march them with slipfront run"),
+    ("compare ramp --lower-density 2", "shear_history: between different bodies the exact solver"),
+    ("explore ramp --lower-density 2 --no-browser", "shear_history: between different bodies"),
     ("validate record.csv --scene two.toml", KNOWS_ONE),
     ("fit record.csv --scene two.toml --parameters friction", KNOWS_ONE),
     ("evidence two.toml", KNOWS_ONE),
-    ("init new.toml --from two.toml", KNOWS_ONE),
-    ("compare preloaded --lower-density 2", OTHERWISE),
     ("field two.toml --method space-time", "march them with slipfront run"),
     ("field two.toml --nodes 64", "march them with slipfront run"),
     ("field ramp --lower-density 2", "shear_history: between different bodies"),
-    ("explore preloaded --lower-density 2", OTHERWISE),
     ("fit record.csv --scene preloaded --lower-density 2", OTHERWISE),
     ("evidence preloaded --lower-density 2", OTHERWISE),
     ("solve two.toml --method space-time", "march them with slipfront run"),
@@ -174,9 +172,50 @@ def test_a_pair_is_surveyed_in_python():
     assert "mode" not in found.coords
 
 
+def test_a_file_of_two_bodies_is_written_from_another(printed):
+    for units, scale in (("", 1.0), (" --units SI", 1e9)):
+        document = printed(f"init new.toml --force --from two.toml{units}")
+        lower = document["scene"]["lower_material"]
+        assert lower["shear_modulus"] == scale * LOWER.shear_modulus
+        pair = sf.find_pair("new.toml")
+        assert pair.lower.shear_modulus == pytest.approx(scale * LOWER.shear_modulus, rel=1e-14)
+        assert pair.lower.poisson_ratio == LOWER.poisson_ratio
+        ratio = pair.lower.density / pair.upper.density
+        assert ratio == pytest.approx(LOWER.density / UPPER.density, rel=1e-14)
+        assert set(document["units"]["scene"]["lower_material"]) == set(lower)
+
+
 def test_a_simulation_of_a_file_takes_its_lower_body():
     pytest.importorskip("skfem")
     scene = sf.Scene(UPPER, 0.3, PAIR.base, PAIR.load)
     told = sf.cost("two.toml", resolution=8)
     assert told == sf.cost(scene, resolution=8, lower_material=LOWER)
     assert told != sf.cost(scene, resolution=8)
+
+
+def test_compare_judges_two_bodies(printed, refused, capsys, folder, monkeypatch):
+    """Once simulated, the bodies are compared again, with a wrong answer, and with other bodies."""
+    judged = printed("compare two.toml --resolution 40 --no-snapshots -q --output out")
+    assert judged["verdict"] == judged["status"]
+    assert judged["parameters"]["lower_material"]["density"] == LOWER.density
+    assert judged["semianalytic"]["zones"][0]["outer"] == sf.solve_pair(PAIR).zones[0].outer
+    assert judged["counts"]["differs"] == 0
+    rows = {row["name"]: row for row in judged["rows"]}
+    assert rows["slip, L1"]["verdict"] == "agrees"
+    assert "gap, L1" in rows
+    written = {path.name for path in (folder / "out").iterdir()}
+    names = ("slip_rate", "tractions", "fronts", "sense", "history", "wear", "gap")
+    assert written == {"report.json", "simulation.h5", *(f"{name}.png" for name in names)}
+    for line in (
+        "compare preloaded --from out",
+        "compare two.toml --from out --lower-density 3",
+        "compare --from out --lower-density 3",
+        "compare two.toml --from out --friction 0.2",
+    ):
+        assert "another scene" in refused(line)
+    from compare.comparison import prediction
+
+    wrong = sf.solve_pair(sf.Pair(UPPER, LOWER, 0.36, PAIR.base, PAIR.load))
+    monkeypatch.setattr(prediction, "solve_pair", lambda pair: wrong)
+    assert main(["compare", "two.toml", "--from", "out", "-q"]) == 1
+    assert "Verdict: differs" in capsys.readouterr().out

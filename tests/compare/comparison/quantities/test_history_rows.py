@@ -92,6 +92,7 @@ def test_two_predictions_of_one_scene_agree():
     x, t = np.linspace(0, 1.5, 61)[1:], np.linspace(0, 1, 51)
     run = SimpleNamespace(
         scene=find_scene("auxetic"),
+        lower_material=None,
         element_size=0.025,
         resolution=40,
         interface=SimpleNamespace(x=x, t=t),

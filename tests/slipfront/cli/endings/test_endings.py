@@ -27,10 +27,10 @@ def reports(tmp_path, monkeypatch):
 def failing(monkeypatch, error):
     """`slipfront scenes` raises an exception."""
 
-    def fail(name):
+    def fail(*_):
         raise error
 
-    monkeypatch.setattr("slipfront.cli.scenes.commands.scene_document", fail)
+    monkeypatch.setattr("slipfront.cli.scenes.commands.bodies_document", fail)
 
 
 def report(capsys, folder):

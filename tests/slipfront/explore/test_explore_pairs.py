@@ -1,0 +1,141 @@
+"""The page of two different bodies: controls, address, pictures, refusals and files."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+from bokeh.document import Document
+
+import slipfront as sf
+from semianalytic.scene.given.named import NAMED_PAIRS, find_scene
+from slipfront.explore import controls
+from slipfront.explore.downloads import FILES, program
+from slipfront.explore.jobs import Moment, solved_field
+from slipfront.explore.page import Session
+from slipfront.explore.pictures import WAVES
+from slipfront.explore.views import interface_view, space_time_view
+from slipfront.explore.work import Worker
+
+every = pytest.mark.parametrize("name", NAMED_PAIRS)
+
+
+@pytest.fixture(autouse=True)
+def alone(monkeypatch):
+    """Sessions start no process beside them; what they would start is kept."""
+    started = []
+    monkeypatch.setattr(Worker, "start", lambda _, *job: started.append(job))
+    return started
+
+
+def told_by(session):
+    return json.loads(session._told.value)
+
+
+@every
+def test_an_address_holds_both_bodies(name):
+    pair = sf.find_pair(name)
+    values = controls.defaults(pair)
+    assert controls.problem_of(values) == pair
+    query = controls.query_of(values)
+    assert "lower_body=another" in query
+    assert controls.problem_of(controls.values_from_query(query, find_scene("preloaded"))) == pair
+
+
+def test_addresses_of_identical_bodies_say_nothing_of_a_lower_one():
+    values = controls.defaults(find_scene("preloaded"))
+    assert "lower" not in controls.query_of(values)
+    assert values["lower_body"] == controls.ALIKE
+    alike = {"modulus_ratio": 1.0, "density_ratio": 1.0, "lower_body": controls.ANOTHER}
+    assert controls.problem_of(values | alike) == find_scene("preloaded")
+
+
+@pytest.mark.parametrize(
+    ("query", "words"),
+    [
+        ("?lower_body=none", "must be one of"),
+        ("?lower_body=another&modulus_ratio=0", "shear_modulus must be positive"),
+        ("?lower_body=another&density_ratio=1e9", "must not differ by more than a factor"),
+        ("?lower_body=another&lower_poisson_ratio=0.5", "poisson_ratio must lie"),
+        ("?lower_body=another&modulus_ratio=much", "must be a number"),
+        ("?lower_body=another&mode=antiplane", "between different bodies the exact solver knows"),
+        ("?lower_body=another&history=ramp", "between different bodies the exact solver knows"),
+        ("?lower_body=another&load_on=remote", "between different bodies the exact solver knows"),
+    ],
+)
+def test_an_address_of_bodies_without_an_exact_answer_is_refused(query, words):
+    with pytest.raises(sf.SceneError, match=words):
+        controls.values_from_query(query, find_scene("preloaded"))
+
+
+def test_the_menu_has_pairs_and_controls_are_shown_with_another_body():
+    session = Session(Document(), find_scene("preloaded"), "")
+    variables = session._document.template_variables
+    assert set(NAMED_PAIRS) <= set(variables["scenes"])
+    shown = variables["given"]["shown"]["lower_body"]
+    assert shown[controls.ANOTHER] == controls.LOWER[controls.ANOTHER]
+    assert set(shown[controls.ANOTHER]) <= set(variables["sliders"])
+
+
+@every
+def test_a_move_is_answered_by_the_exact_solver_of_pairs(name, alone):
+    pair = sf.find_pair(name)
+    session = Session(Document(), pair, "")
+    values = controls.defaults(pair) | {"modulus_ratio": 2.4}
+    session._show(values, True, 0.0)
+    told = told_by(session)
+    assert told["status"] == "converged"
+    lower = sf.Material(2.4, 1.2, 0.25)
+    moved = sf.Pair(pair.upper, lower, pair.friction, pair.base, pair.load)
+    answer = sf.solve_pair(moved)
+    outer = f"{answer.zones[0].outer:.3g}"
+    assert outer in told["readings"][-1][1]
+    assert session._answer.pair == moved
+    assert [job[1] for job in alone] == [moved]  # its field, and no map
+    kinds = [kind for kind, _ in told["readings"]]
+    assert kinds == (["open", "slip"] if answer.openings else ["slip"])
+    session._show(values, False, 0.0)
+    assert told_by(session)["map"].startswith("Maps are drawn")
+    assert len(alone) == 2 or session._asked_field is not None
+
+
+def test_friction_without_an_answer_is_said_in_the_sentence_of_the_product():
+    pair = sf.find_pair("pair-slip")
+    session = Session(Document(), pair, "")
+    session._show(controls.defaults(pair) | {"friction": 0.6}, True, 0.0)
+    told = told_by(session)
+    assert (told["status"], told["stale"], told["readings"]) == ("no answer", True, [])
+    with pytest.raises(sf.SceneError) as refusal:
+        sf.solve_pair(sf.Pair(pair.upper, pair.lower, 0.6, pair.base, pair.load))
+    assert told["message"] == str(refusal.value)
+    assert "waves that run ahead grow" in told["message"]
+    session._show(controls.defaults(pair), True, 0.0)
+    assert told_by(session)["status"] == "converged"
+
+
+def test_pictures_are_those_of_the_answer_and_reach_beyond_the_faster_body():
+    answer = sf.solve_pair("pair-opening", rtol=1e-5)
+    view, zones = interface_view(answer, 50), space_time_view(answer)
+    np.testing.assert_allclose(view.slip_rate * 2, answer.slip_rate(view.x, 1.0), atol=1e-12)
+    np.testing.assert_allclose(view.pressure, answer.pressure(view.x, 1.0), atol=1e-12)
+    fastest = answer.pair.lower.longitudinal_speed
+    assert view.x[-1] == pytest.approx(1.05 * fastest)
+    assert zones.waves["lower P"] == pytest.approx(fastest)
+    assert WAVES.keys() >= zones.waves.keys()
+    assert {kind for kind, *_ in zones.wedges} == {"open", "slip"}
+    field = solved_field(answer.pair, 12, 1e-4, Moment(), None)
+    assert field.size.shape == (12, 12)
+    assert np.isfinite(field.size).all()
+
+
+@every
+def test_files_hold_both_bodies(name, tmp_path, capsys):
+    answer = sf.solve_pair(name, rtol=1e-5)
+    _, _, text = FILES["toml"](answer)
+    assert tomllib.loads(text.decode())["lower_material"]["shear_modulus"] == 2.5
+    (tmp_path / "scene.toml").write_bytes(text)
+    assert sf.find_pair(tmp_path / "scene.toml") == answer.pair
+    exec(program(answer.pair), {})
+    assert f"{sf.solve_pair(name).zones[0].outer:.6f}"[:6] in capsys.readouterr().out
+    assert FILES["csv"](answer)[2].decode().splitlines()[1].startswith("x,slip_rate")
+    assert FILES["svg"](answer)[2].startswith(b"<?xml")
