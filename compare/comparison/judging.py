@@ -289,9 +289,11 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
     if math.isinf(row.bar):
         return replace(row, obstacle="the prediction has not converged")
     if not error.converges:
-        return _diverging(row, error, comparison, finer)
+        row = _diverging(row, error, comparison, finer)
     if row.verdict == DIFFERS and case.amplified and row.kind not in ("arrival", "law"):
         return replace(row, obstacle=case.amplified)
+    if not error.converges:
+        return row
     if row.verdict == UNRESOLVED:
         return replace(row, obstacle=BEYOND, resolution=finer)
     # what is nothing at the nodes has no size that a bar could be held against
