@@ -288,10 +288,11 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
         return replace(row, obstacle=f"{reason}, so that it has no error bar", resolution=finer)
     if math.isinf(row.bar):
         return replace(row, obstacle="the prediction has not converged")
+    held = row if error.converges else _diverging(row, error, comparison, finer)
+    if held.verdict == DIFFERS and case.amplified and row.kind not in ("arrival", "law"):
+        return replace(held, obstacle=case.amplified)
     if not error.converges:
-        return _diverging(row, error, comparison, finer)
-    if row.verdict == DIFFERS and case.amplified and row.kind not in ("arrival", "law"):
-        return replace(row, obstacle=case.amplified)
+        return held
     if row.verdict == UNRESOLVED:
         return replace(row, obstacle=BEYOND, resolution=finer)
     # what is nothing at the nodes has no size that a bar could be held against

@@ -19,6 +19,8 @@ MOST = {
     "sem2dpack/auxetic": (2.2, 0.36, 2.2, 0),
     "sem2dpack/lift-off": (0, 0, 0, 0.09),
     "sem2dpack/lift-off-shear": (0.55, 0.26, 0.55, 0.09),
+    "sem2dpack/pair-opening": (0.96, 0.15, 0.48, 0.074),
+    "sem2dpack/pair-slip": (0.5, 0.16, 0.27, 0.031),
     "sem2dpack/preloaded": (0.73, 0.2, 0.32, 0),
     "sem2dpack/pulse": (2.2, 0.19, 0.2, 0),
     "sem2dpack/remote-shock": (3.7, 0.7, 0.19, 0.18),

@@ -9,8 +9,8 @@ from compare_cases import Spoilt, differing, named
 from compare import judge
 from compare.comparison.mesh_choice import choose_mesh
 from compare.comparison.report import report_document
-from compare.studies.dissimilar.judged import drawn_rows, wrong_ones
-from compare.studies.dissimilar.pairs import SCENES
+from compare.studies.dissimilar.judged import SEED, drawn_rows, wrong_ones
+from compare.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.pages import read_data
 from fem import simulate, with_companions
 from semianalytic import Material, Pair, SceneError, Tractions, find_pair, solve, solve_pair
@@ -81,6 +81,23 @@ def test_a_missing_zone_is_told():
     judgement = judge(spoilt, simulated("both senses"))
     assert judgement.verdict == "differs"
     assert any(name.startswith("unpredicted slip") for name in differing(judgement))
+
+
+def test_bodies_on_which_errors_of_the_mesh_grow_are_unresolved_and_agree_with_more_damping():
+    """Number 20 of the table, whose meshes move apart: the answer is right, and nothing differs."""
+    pair = random_pair(np.random.default_rng([SEED, 20]))
+    answer, judged = solve_pair(pair), {}
+    for damping in (0.02, 0.2):
+        run = simulate(
+            pair.alike, 1.0, resolution=RESOLUTION, lower_material=pair.lower, damping=damping
+        )
+        judged[damping] = judge(answer, with_companions(run))
+        assert judged[damping].having("differs") == ()
+    assert judged[0.02].verdict == "unresolved"
+    told = [row for row in judged[0.02].rows if "raise `damping`" in row.obstacle]
+    assert max(row.over_bar for row in told) > 1.4
+    assert judged[0.2].verdict == "agrees"
+    assert named(judged[0.2])["slip, L1"].difference < 0.01
 
 
 def test_answers_for_identical_bodies_are_refused():
