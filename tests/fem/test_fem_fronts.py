@@ -56,6 +56,7 @@ def test_edge_of_slip_under_a_moving_load_is_that_of_the_closed_form(speed, fric
     assert abs(slips.max() - edge_of_moving_shear(speed, friction)) < 1.5 * run.element_size
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("friction", "shear", "wave"),
     [
@@ -99,6 +100,7 @@ def test_pulses_arrive_at_an_angle():
     assert np.abs(run.interface.shear_traction[-1] - expected)[4:].max() < 0.02
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "scene",
     [

@@ -44,6 +44,7 @@ FASTEST = [
 """Growth rate over wave number and velocity, over c_t of the upper body, of the fastest growth."""
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("bodies", "friction", "growth", "velocity"), FASTEST)
 def test_fastest_growth(bodies, friction, growth, velocity):
     wave = growing_waves(bodies, friction)[0]

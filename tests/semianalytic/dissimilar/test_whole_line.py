@@ -20,6 +20,7 @@ SOLID = Material(1.0, 1.0, 1 / 3)
 ALIKE = compliance_of(SOLID, SOLID)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("ratio", "friction", "chi", "positive", "negative"),
     [
