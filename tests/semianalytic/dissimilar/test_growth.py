@@ -54,6 +54,14 @@ def test_fastest_growth(bodies, friction, growth, velocity):
     assert other.slowness == pytest.approx(wave.slowness, rel=1e-9)
 
 
+def test_a_wave_front_is_not_taken_for_a_wave():
+    """The search came to rest within 1e-18 of the P front of the lower body, and left out the wave
+    that grows fastest."""
+    bodies = compliance_of(Material(1.0, 1.0, 0.29), Material(0.08, 0.46, 0.42))
+    known = [1.813793169911727 + 0.4086384367673271j, -0.6770412532623824 + 0.02726856400941844j]
+    assert [one.slowness for one in growing_waves(bodies, 1.76)] == pytest.approx(known, rel=1e-9)
+
+
 def test_waves_beyond_the_second_threshold_grow_slowly():
     for ratio, friction, growth in ((1.2, 0.3, 2.6e-5), (3, 0.1, 1.40e-3), (5, 0.1, 6.0e-4)):
         wave = growing_waves(contrast(ratio), friction)[-1]
