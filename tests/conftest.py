@@ -1,5 +1,6 @@
 """What all tests share."""
 
+import gc
 import os
 import sys
 from collections import Counter
@@ -119,6 +120,20 @@ def pytest_runtest_setup(item):
     """Tests marked `gmsh` call for what nothing else can do: triangles, and meshes of its own."""
     if item.get_closest_marker("gmsh") and what_gmsh_lacks():
         pytest.skip(f"no gmsh ({what_gmsh_lacks()}): apt install {APT_PACKAGES}")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Collect without looking for garbage: what is collected stays, and is not searched again.
+
+    It is a tenth of the time that collecting takes, in each process.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -123,6 +123,7 @@ def test_friction_three_per_cent_off_is_worse(code):
     assert error(wrong, "slip_rate") > 3 * error(right, "slip_rate")
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", NAMED_PAIRS)
 def test_an_answer_whose_lower_body_is_three_per_cent_stiffer_is_worse(name, monkeypatch):
     path, pair = runs(f"uguca/{name}")[-1], find_pair(name)

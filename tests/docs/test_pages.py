@@ -1,6 +1,5 @@
 """Tables, names and links of README and docs: as the data and the code have them."""
 
-import ast
 import importlib
 import importlib.util
 import re
@@ -181,8 +180,7 @@ def test_sentences_are_found_and_held(tmp_path, monkeypatch):
 
 @cache
 def functions_of(file):
-    tree = ast.parse((ROOT / file).read_text())
-    return {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    return set(re.findall(r"^ *def (\w+)", (ROOT / file).read_text(), re.MULTILINE))
 
 
 @pytest.mark.thinned(3)

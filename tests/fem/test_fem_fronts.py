@@ -56,13 +56,14 @@ def test_edge_of_slip_under_a_moving_load_is_that_of_the_closed_form(speed, fric
     assert abs(slips.max() - edge_of_moving_shear(speed, friction)) < 1.5 * run.element_size
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("friction", "shear", "wave"),
     [
         (0.4, 0.0, IncidentWave("SV", angle=-75.0, stress=0.5)),
         (0.7, 0.0, IncidentWave("SV", angle=-20.0, stress=1.2, from_="above")),
-        (0.2, 0.1, IncidentWave("P", angle=-40.0, stress=0.5)),
         (0.3, 0.0, IncidentWave("P", angle=-40.0, stress=-0.5, from_="above")),
+        (0.2, 0.1, IncidentWave("P", angle=-40.0, stress=0.5)),
     ],
 )
 def test_slip_under_an_incident_wave_is_that_of_the_exact_solution(friction, shear, wave):
@@ -99,6 +100,7 @@ def test_pulses_arrive_at_an_angle():
     assert np.abs(run.interface.shear_traction[-1] - expected)[4:].max() < 0.02
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "scene",
     [

@@ -12,6 +12,7 @@ from compare.benchmarks.classes import CLASSES, tolerances
 from compare.benchmarks.documents import sheet_document, sheets_document
 from compare.benchmarks.entries import Run, enter, read_run, write_run
 from compare.benchmarks.export import exported
+from compare.benchmarks.interfaces import reference
 from compare.benchmarks.interfaces.entries import run_stations
 from compare.benchmarks.interfaces.reference import off, reference_changes
 from compare.benchmarks.pages import as_markdown, sheet_blocks
@@ -21,7 +22,7 @@ from compare.records.record import Record, Records
 from semianalytic import DataFileError, Scene, SceneError, Tractions, solve
 
 SHEETS = list(INTERFACE_SHEETS.values())
-COARSE = {"tpv101": 1440, "tpv205": 1920, "two-slots": 2400}
+COARSE = {"tpv101": 720, "tpv205": 1920, "two-slots": 2400}
 
 
 def name(sheet):
@@ -36,9 +37,18 @@ def scored(sheet, cells=100, text=None):
     return {one.quantity: one for one in score(Run(sheet, "mine", "1", cells, 1.0, records))}
 
 
+@pytest.fixture(autouse=True, scope="module")
+def limits_computed_once():
+    """The limit of a sheet on a grid is the same in each test."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reference, "extrapolated", cache(reference.extrapolated))
+        yield
+
+
 # --- the answers ----------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("sheet", SHEETS, ids=name)
 def test_coarser_grids_have_the_written_limit(sheet):
     assert list(changes(sheet, nodes=COARSE[sheet.name])) == []
@@ -114,6 +124,7 @@ SPOILS = [
 ]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("sheet", "words", "instead"), SPOILS)
 def test_a_spoilt_run_is_in_the_last_class(sheet, words, instead):
     sheet = INTERFACE_SHEETS[sheet]
@@ -124,6 +135,7 @@ def test_a_spoilt_run_is_in_the_last_class(sheet, words, instead):
     assert found["slip"].error > 5 * right["slip"].error
 
 
+@pytest.mark.slow
 def test_classes_are_those_of_finite_elements():
     found = {one.quantity: one for one in score(enter("fem", INTERFACE_SHEETS["two-slots"], 50))}
     for quantity, one in found.items():

@@ -20,9 +20,11 @@ SOLID = Material(1.0, 1.0, 1 / 3)
 ALIKE = compliance_of(SOLID, SOLID)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("ratio", "friction", "chi", "positive", "negative"),
     [
+        (1.2, 0.2, 1, None, 0.360433044),
         (1.4, 0.2, 1, 0.385976303, 0.379830317),
         (1.4, 0.2, 2, 0.173637764, 0.166726952),
         (1.5, 0.2, 1, 0.394936752, 0.387292149),
@@ -31,7 +33,6 @@ ALIKE = compliance_of(SOLID, SOLID)
         (1.5, 0.4, 2, 0.182392415, 0.165496831),
         (1.8, 0.4, 1, 0.421397689, 0.397512913),
         (1.8, 0.4, 2, 0.194551541, 0.169523728),
-        (1.2, 0.2, 1, None, 0.360433044),
     ],
 )
 def test_half_line(ratio, friction, chi, positive, negative):

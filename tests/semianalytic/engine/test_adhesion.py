@@ -92,6 +92,7 @@ def test_what_has_parted_carries_no_tension_when_it_has_closed():
     assert done.gap[2].min() > 0.05
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("seed", range(4))
 def test_adhesion_gives_back_no_more_than_it_took(seed):
     """Every step dissipates at every node: the work taken, less what can be given back, grows.

@@ -77,7 +77,7 @@ def patch(contact, friction=0.4):
 
 @pytest.mark.parametrize("contact", [sf.Contact(), sf.Contact.half_line()], ids=["line", "slot"])
 def test_slip_of_a_patch_does_not_depend_on_where_its_ends_meet_the_grid(contact):
-    truth = sf.run(patch(contact), END, 4096, times=[END], estimate=False)
+    truth = sf.run(patch(contact), END, 2048, times=[END], estimate=False)
 
     def off(interface, nodes):
         done = sf.run(interface, END, nodes, times=[END], estimate=False)

@@ -1,5 +1,7 @@
 """Fields in the bodies after a march: against exact ones, the interface, and the laws of solids."""
 
+from functools import cache, partial
+
 import meshio
 import numpy as np
 import pytest
@@ -23,6 +25,7 @@ from semianalytic.scene.given.named import find_scene
 from semianalytic.spacetime.bodies import wavefield
 
 QUANTITIES = ("velocity", "stress", "displacement")
+marched_once = cache(partial(march, companion=False))
 HARD = {"friction": 300.0, "base": (3.0, 0.3)}
 
 
@@ -43,7 +46,7 @@ def off_by(values, exact, at_rest):
 def errors(scene, nodes, count=60):
     """Of all quantities after a march, against the self-similar solution."""
     end = 1 / scene.material.shear_speed
-    marched, exact = march(scene, end, nodes, companion=False), solve(scene)
+    marched, exact = marched_once(scene, end, nodes), solve(scene)
     at = *points(scene, count), 0.97 * end
     return [
         off_by(
@@ -88,7 +91,7 @@ def on_interface(marched, name, row, side):
 
 def test_stress_stays_bounded_beside_an_edge_that_slips():
     scene, angle = find_scene("preloaded"), np.array([0.3, 1.5, 2.8, -2.8, -0.3])
-    marched = march(scene, nodes=256, companion=False)
+    marched = marched_once(scene, 1.0, 256)
     for distance in (1e-6, 1e-3, 3e-3):
         at = distance * np.cos(angle), distance * np.sin(angle), 1.0
         exact = np.abs(solve(scene).stress(*at)).max()
@@ -105,7 +108,7 @@ def test_stress_beside_an_edge_that_sticks_is_exact():
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_fields_end_in_the_traction_of_the_interface(side):
-    marched = march(find_scene("ramp"), nodes=256, companion=False)
+    marched = marched_once(find_scene("ramp"), 1.0, 256)
     away = marched.interface.x > 0.1  # what is nearer to the edge is smoothed
     shear = on_interface(marched, "stress", 2, side)[away]
     known = marched.interface.shear_traction[-1, away]
@@ -113,7 +116,7 @@ def test_fields_end_in_the_traction_of_the_interface(side):
 
 
 def test_faces_move_apart_by_slip():
-    marched = march(find_scene("ramp"), nodes=256, companion=False)
+    marched = marched_once(find_scene("ramp"), 1.0, 256)
     for name, recorded in (("velocity", "slip_rate"), ("displacement", "slip")):
         apart = on_interface(marched, name, 0, 1) - on_interface(marched, name, 0, -1)
         known = getattr(marched.interface, recorded)[-1]
@@ -220,7 +223,7 @@ def test_many_depths_are_interpolated(monkeypatch):
 
 
 def test_points_of_many_times_are_those_of_one_time():
-    marched = march(find_scene("ramp"), nodes=64, companion=False)
+    marched = marched_once(find_scene("ramp"), 1.0, 64)
     x, y, t = (*points(marched.scene, 30), np.linspace(-0.2, 1.0, 30))
     together = marched.velocity(x, y, t)
     alone = np.stack([marched.velocity(*one) for one in zip(x, y, t, strict=True)], axis=1)

@@ -127,7 +127,7 @@ def random_film(seed):
     return replace(scene, friction_law=ViscousFriction(float(viscosity)), mode=mode)
 
 
-@pytest.mark.thinned(12)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_derivatives_of_random_films_that_open_scale(seed):
     solution = solve(random_film(seed), rtol=1e-9)
