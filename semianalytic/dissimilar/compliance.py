@@ -30,6 +30,13 @@ from semianalytic.scene.scene import Material
 Complex = NDArray[np.complex128]
 
 
+LEAST_CONTRAST = 1e-6
+"""Relative difference of moduli and slownesses below which no wave counts as growing.  Over a
+wavelength waves grow by no more than 1.1 times the contrast (friction up to 1), and below 1e-7
+rounding hides them: half and twice of it leave out, or let in, waves that grow by 1e-6.  Between
+such bodies wave fronts are too close to one another for nodes between them."""
+
+
 @dataclass(frozen=True)
 class Body:
     """One half-plane: shear modulus and slownesses of its longitudinal and shear waves."""
@@ -157,6 +164,17 @@ class Compliance:
     def bodies(self) -> tuple[Body, Body]:
         """Upper and lower body."""
         return self.upper, self.lower
+
+    @property
+    def contrast(self) -> float:
+        """Largest relative difference of moduli and wave slownesses; 0 for identical bodies."""
+        pairs = zip(vars(self.upper).values(), vars(self.lower).values(), strict=True)
+        return max(abs(one / other - 1) for one, other in pairs)
+
+    @property
+    def is_alike(self) -> bool:
+        """Whether the bodies differ so little that waves between them neither grow nor decay."""
+        return self.contrast < LEAST_CONTRAST
 
     @cached_property
     def fronts(self) -> Array:

@@ -131,7 +131,7 @@ def symbol(entries: Entries, friction: float, delay: float) -> Complex:
 
 def _right_going(compliance: Compliance, friction: float, delay: float) -> list[complex]:
     """Return the slownesses of the growing waves that run towards +x."""
-    if compliance.upper == compliance.lower or not friction:
+    if not friction or compliance.is_alike:
         return []
     count = count_growing(compliance, friction, delay)
     roots: list[complex] = []

@@ -58,6 +58,8 @@ def growth_threshold(compliance: Compliance, direction: int) -> float:
     float
         0 where every coefficient lets waves grow, inf where none does.
     """
+    if compliance.is_alike:
+        return np.inf
     # Waves towards +x while the upper body slides towards +x are those towards -x of a mirrored
     # interface; slip of the other sense changes the sign of friction.
     crossings = [f * direction for f in friction_crossings(compliance) if f * direction > 0]
@@ -76,7 +78,7 @@ def friction_crossings(compliance: Compliance) -> Array:
 
     There a wave that runs towards +x turns from decaying to growing or back.
     """
-    if compliance.upper == compliance.lower:
+    if compliance.is_alike:
         return np.zeros(0)
     found: list[float] = []
     for stretch in stretches(compliance.distinct_fronts):

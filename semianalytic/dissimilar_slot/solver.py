@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from semianalytic.dissimilar.canonical import glued
+from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar.delay import fastest_delayed_growth
 from semianalytic.dissimilar.described import find_pair
 from semianalytic.dissimilar.growth import growing_waves
@@ -103,6 +104,10 @@ def solve_pair(pair: Pair | str | PathLike[str], *, rtol: float = 1e-8) -> PairS
         "rtol", rtol, "lie between 1e-10 and 1e-2", lambda given: 1e-10 <= given <= 1e-2
     )
     interface, unit = interface_of(pair)
+    contrast = pair.compliance.contrast if pair.compliance.is_alike else 0.0
+    if contrast:
+        upper = pair.compliance.upper
+        interface = replace(interface, compliance=Compliance(upper, upper))
     bonded = stoneley_speed(interface.compliance)
     if bonded is not None:
         raise SceneError(
@@ -115,6 +120,9 @@ def solve_pair(pair: Pair | str | PathLike[str], *, rtol: float = 1e-8) -> PairS
     trial = _search(interface, rtol)
     clock.append(perf_counter())
     trial, estimate = _refined(trial, rtol)
+    # Bodies that are nearly alike were solved as identical ones: at a contrast of 1e-5 slip rates
+    # at 40 points differ by 2 to 4 times as much.
+    estimate += 4 * contrast
     clock.append(perf_counter())
     profile = Profile(trial.placement.density)
     lawful = trial.lawful and largest_breach(profile, _slowest(rtol)) <= _FINAL_LAW * rtol

@@ -171,9 +171,9 @@ def check_rate(law: InterfaceLaw, pressure: Array, state: Array, impedance: floa
     steepest = float(fall.max())
     if steepest > impedance * (1 + 1e-6):
         raise SceneError(
-            f"{type(law).__name__}: friction falls with slip rate by {steepest:.3g} per slip rate, "
-            f"faster than radiation can balance, {impedance:.3g} (docs/limits.md); let it fall "
-            "over higher slip rates, or by less."
+            "interface: friction falls with slip rate faster than radiation can balance "
+            f"(by {steepest:.3g} per slip rate, the impedance is {impedance:.3g}); let it fall "
+            "over higher slip rates, or by less (docs/limits.md)."
         )
 
 

@@ -96,18 +96,23 @@ PROBLEMS = (
 )
 
 
-def their_input(folder: Path, problem: Problem, count: int) -> str:
-    """Return the input of an example on one grid, without what is commented out, and its plots.
+def plain_input(folder: Path) -> str:
+    """Return the input of an example without what is commented out, and without its plots.
 
     The namelists of gfortran begin at & wherever it stands, also behind a #.
     """
     lines = (folder / "Par.inp").read_text().splitlines()
     kept = [line for line in lines if not re.match(r" *(#|&SNAP|&REC)", line)]
     text = re.sub(r"/ *#.*", "/", "\n".join(kept) + "\n")
+    return re.sub(r"ItInfo *= *\d+", "ItInfo=100000", text)
+
+
+def their_input(folder: Path, problem: Problem, count: int) -> str:
+    """Return the input of an example on one grid."""
+    text = plain_input(folder)
     text = problem.edit(text, count)
     text = re.sub(r"(TtH='PWCONR' *),[^/]*/", r"\1, otd=0.02d0 /", text)
-    text = re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={problem.end}d0", text)
-    return re.sub(r"ItInfo *= *\d+", "ItInfo=100000", text)
+    return re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={problem.end}d0", text)
 
 
 def their_run(program: Path, folder: Path, problem: Problem, count: int) -> tuple[Fields, float]:

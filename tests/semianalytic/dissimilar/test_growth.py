@@ -300,3 +300,15 @@ def test_a_wave_turns_at_its_threshold():
     for friction in friction_crossings(bodies)[np.abs(friction_crossings(bodies)) < 1]:
         below, above = (count_growing(bodies, friction * (1 + s)) for s in (-1e-3, 1e-3))
         assert below != above
+
+
+@pytest.mark.parametrize("which", ["shear_modulus", "density", "poisson_ratio"])
+@pytest.mark.parametrize("contrast", [1e-12, 1e-10, 1e-8, 4e-7])
+def test_bodies_that_differ_by_rounding_let_no_wave_grow(which, contrast):
+    """Growth falls with the contrast, and what is left of it drowns in rounding."""
+    given = {"shear_modulus": 1.0, "density": 1.0, "poisson_ratio": 1 / 3}
+    other = {**given, which: given[which] * (1 + contrast)}
+    assert growing_waves(compliance_of(Material(**given), Material(**other)), 0.3) == ()
+    nearly = {**given, which: given[which] * (1 + 1e-5)}
+    (wave,) = growing_waves(compliance_of(Material(**given), Material(**nearly)), 0.3)
+    assert 1e-7 < wave.per_wavelength < 4e-6

@@ -65,7 +65,7 @@ REFUSED = [
     ("survey ramp --lower-density 1,2", "shear_history: between different bodies"),
     ("survey two.toml --lower-density 1,2 --nodes 64", "two different bodies are solved exactly"),
     ("survey two.toml --vary lower_material.dense=1,2", "did you mean lower_density?"),
-    ("run two.toml", "unknown key friction"),
+    ("run two.toml", "describes a scene, not an interface"),
     ("sliding --upper 1,1,0.25 --lower 1,1,0.5 --friction 0.3", "poisson_ratio must lie"),
 ]
 

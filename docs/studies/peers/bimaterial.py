@@ -1,0 +1,108 @@
+"""Slip weakening under a delayed pressure between two bodies, against SEM2DPACK's Bimaterial_fault.
+
+``python -m docs.studies.peers.bimaterial PROGRAM FOLDER`` writes rows of docs/data/peers.csv.
+PROGRAM is SEM2DPACK's solver, FOLDER a checkout of github.com/jpampuero/sem2dpack; neither is part
+of this package.  The example has its fault at the middle of 128 rows of elements and its two bodies
+joined after the 56th, so that its fault lies within one of them.  Here they join at the fault, as
+in the larger mesh that the example has commented out.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import semianalytic as sf
+from docs.studies.peers.rows import Array, Row, off, replace_rows, rounded, seconds_of
+from docs.studies.peers.sem2dpack import Fields, plain_input, read_fault
+
+COMMAND = "python -m docs.studies.peers.bimaterial PROGRAM FOLDER"
+GRIDS = ((256, 1024), (512, 2048), (1024, 3072))
+"""Elements along their fault, and nodes along ours.
+
+The shear of the patch exceeds its strength by 1e-5.  On grids of which one node holds 0.7 to 0.8 of
+the end of the patch, such as 1,536 and 4,096 nodes, slip differs by 3 %."""
+LENGTH = 600.0
+"""Length of the fault [m], which is periodic in both codes."""
+END = 0.03
+"""Time [s] until which they are compared: then waves return from their outer boundaries."""
+TIMES = np.arange(0.002, END + 1e-9, 0.001)
+PLACES = np.arange(-90.0, 90.5, 1.0)
+QUANTITIES = ("slip", "slip rate")
+
+
+def their_input(folder: Path, count: int) -> str:
+    """Return the input with `count` elements along the fault, and its bodies on either side."""
+    text = plain_input(folder / "EXAMPLES" / "Bimaterial_fault")
+    rows = count // 8  # of each body, the two beside the fault with the example's damping
+    text = re.sub(r"nelem *= *\d+ *, *\d+", f"nelem={count},{2 * rows}", text)
+    text = re.sub(r"ex= *1 *, *\d+", f"ex=1,{count}", text)
+    begins, ends = (1, rows - 1, rows + 1, rows + 3), (rows - 2, rows, rows + 2, 2 * rows)
+    for tag, (begin, end) in enumerate(zip(begins, ends, strict=True), 1):
+        text = re.sub(rf"(tag={tag} *,[^/]*ez=)[\d, ]+", rf"\g<1>{begin},{end} ", text)
+    text = re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={END + 0.002}d0", text)
+    return re.sub(r"TtH='PWCONR' */", "TtH='PWCONR', otd=0.0005d0 /", text)
+
+
+def their_run(program: Path, folder: Path, count: int) -> tuple[Fields, float]:
+    """Run the example on one grid; return its fields and the seconds of the processor."""
+    with tempfile.TemporaryDirectory() as scratch:
+        here = Path(scratch)
+        (here / "Par.inp").write_text(their_input(folder, count))
+        seconds = seconds_of([program.resolve()], here)
+        return read_fault(next(here.glob("Flt*_sem2d.hdr")), depth=False), seconds
+
+
+def our_run(nodes: int) -> tuple[Fields, float]:
+    """Run the same problem; return its fields and the seconds of the processor."""
+    upper, lower = (
+        sf.Material(density * speed**2, density, 0.25)
+        for density, speed in ((2730.833867490239, 2620.0), (2745.739267606057, 3091.6))
+    )
+    law = sf.SlipDependent(0.7, 0.6, 0.744e-3, delay=0.35e-3)
+
+    def shear(x: Array) -> Array:
+        # a node at the end of the patch has the mean of both sides
+        away = np.abs(x)
+        return 82.81e6 + 4.0955e6 * ((away < 4 - 1e-6) + 1.0 * (away < 4 + 1e-6))
+
+    fault = sf.Interface(upper, law, LENGTH, pressure=130e6, shear=shear, lower_material=lower)
+    began = time.process_time()
+    done = sf.run(fault, END, nodes, times=list(TIMES), estimate=False)
+    seconds = time.process_time() - began
+    return Fields(done.t, done.x, {"slip": done.slip, "slip rate": done.slip_rate}), seconds
+
+
+def main(program: Path, folder: Path) -> None:
+    """Run both codes in turn on three grids, and write the rows."""
+    runs = [(their_run(program, folder, count), our_run(nodes)) for count, nodes in GRIDS]
+    rows = []
+    for quantity in QUANTITIES:
+        theirs, ours = ([one[k][0].at(quantity, TIMES, PLACES) for one in runs] for k in (0, 1))
+        for i, (count, nodes) in enumerate(GRIDS):
+            rows.append(
+                Row(
+                    "SEM2DPACK",
+                    "Bimaterial_fault, mended",
+                    f"{quantity}, until {END:g} s",
+                    f"{LENGTH / count / 2:.3g} m",
+                    f"{LENGTH / nodes:.3g} m",
+                    rounded(off(theirs[i], ours[-1])),
+                    rounded(off(ours[i], theirs[-1])),
+                    rounded(off(theirs[i], theirs[i - 1])) if i else None,
+                    rounded(off(ours[i], ours[i - 1])) if i else None,
+                    rounded(runs[i][0][1], 2),
+                    rounded(runs[i][1][1], 2),
+                    COMMAND,
+                )
+            )
+    replace_rows(rows)
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:]))
