@@ -323,7 +323,9 @@ def verdict_text(
     """Return the verdict as a sentence, followed by each unresolved row, its reason and remedy."""
     counts = judgement.counts
     parts = [f"{count} {verdict}" for verdict, count in counts.items() if count]
-    lines = [f"Verdict: {judgement.verdict} ({', '.join(parts)})."]
+    lines = [f"Verdict: {judgement.verdict} ({', '.join(parts) or 'nothing is compared'})."]
+    if judgement.verdict == UNRESOLVED and not counts[UNRESOLVED]:
+        lines.append("Nothing slips or opens in either answer, so that no row decides.")
     if judgement.verdict == AGREES:
         lines += _closeness(judgement.having(AGREES))
     if counts[UNRESOLVED]:

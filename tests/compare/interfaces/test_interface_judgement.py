@@ -158,3 +158,16 @@ def test_a_difference_ends_with_1(monkeypatch, capsys):
     )
     assert main([*COMMON, "--compare", "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())
+
+
+def test_an_interface_on_which_nothing_happens_says_why_nothing_is_decided(tmp_path, capsys):
+    path = tmp_path / "quiet.toml"
+    path.write_text(
+        "length = 16.0\nshear = 0.1\n"
+        "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
+        "[law]\nkind = 'coulomb'\nfriction = 0.3\n[run]\nend_time = 0.5\nnodes = 64\n"
+    )
+    main(["run", str(path), "--compare", "--mesh-nodes", "64", "--quiet"])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "Verdict: unresolved (nothing is compared)." in shown
+    assert "Nothing slips or opens in either answer, so that no row decides." in shown
