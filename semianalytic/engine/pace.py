@@ -101,6 +101,6 @@ def _histories(interface: Interface) -> Iterator[tuple[InterfaceLoad | FrontLoad
 
 def _rests(history: LoadHistory, time: float, period: float) -> bool:
     """Return whether a history keeps its value after its last break, its waves having ended."""
-    # three samples of a sum of waves of one frequency that are alike, but not its three zeros
+    # samples at such parts of a period that no wave has the same value at all of them
     values = history.value(time + period * np.array([0.0, 0.13, 0.29, 0.41]))
     return bool(np.ptp(values) <= 1e-9 * max(float(np.abs(values).max()), 1.0))

@@ -66,9 +66,10 @@ def run(
     end_time : float
         Last time [time].
     nodes : int, optional
-        Nodes of one period, a multiple of 4.  By default they are 512, or up to twice as many, so
-        that ends of contacts lie midway between nodes; elsewhere a grid displaces them, and
-        `Run.caution` says so.
+        Nodes of one period, a multiple of 4.  By default they are 512, or as many as the histories
+        of loads and the narrowest contact or slot need, and up to twice as many, so that ends of
+        contacts lie midway between nodes; elsewhere a grid displaces them, and `Run.caution` says
+        so.
     rtol : float, optional
         Wanted relative error of slip and gap; nodes are doubled until the estimates are below it,
         up to 16,384.
