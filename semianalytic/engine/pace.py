@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from semianalytic.engine.tuning import WAVE_STEPS
+from semianalytic.engine.tuning import HISTORY_SAMPLES, WAVE_STEPS
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loads import LoadHistory
+from semianalytic.scene.tabulated import Tabulated
 from semianalytic.spacetime.grid.resolution import longest_following
 from semianalytic.spacetime.grid.tuning import STEP_RATIO as TURN_RATIO
 
@@ -75,21 +77,32 @@ class LoadPace:
         return longest
 
 
+@lru_cache(maxsize=4)
 def nodes_for_histories(interface: Interface, end_time: float) -> float:
     """Return how many nodes of a period follow the histories of all loads; inf if none do.
 
     A grid of node distance h follows a history that turns no more than `march` allows within steps
-    h / (2 c_t) of the slower body.
+    h / (2 c_t) of the slower body.  Of a function of time `HISTORY_SAMPLES` values are looked at.
     """
     speed = interface.material.shear_speed if interface.pair is None else interface.pair.speed
     most = TURN_RATIO * interface.length / speed  # step times nodes
     needed = 1.0
-    for _, history in _histories(interface):
+    given = [history for _, history in _histories(interface)]
+    for load in interface.loads:
+        if isinstance(load, InterfaceLoad) and load.is_timed:
+            given.append(_sampled(load, end_time))
+    for history in given:
         step = longest_following(history, most / needed, end_time)
         if step == 0:
             return math.inf
         needed = max(needed, most / step)
     return needed
+
+
+def _sampled(load: InterfaceLoad, end_time: float) -> LoadHistory:
+    """Return samples of a history that is a function of time, as a table."""
+    times = tuple(np.linspace(0.0, end_time, HISTORY_SAMPLES).tolist())
+    return Tabulated(times, tuple(map(load.factor, times)))
 
 
 def _histories(interface: Interface) -> Iterator[tuple[InterfaceLoad | FrontLoad, LoadHistory]]:

@@ -307,7 +307,7 @@ class Run:
         Raises
         ------
         DataFileError
-            If the file is missing, damaged or not a run.
+            If the file is missing, damaged or not a run, or a run on another contact or period.
         """
         try:
             with np.load(path, allow_pickle=False) as file:
@@ -319,11 +319,22 @@ class Run:
                 errors = {name: float(value) for name, value in _beginning(file, "error_").items()}
                 arrays = {name: file[name] for name in _ARRAYS}
                 words: dict[str, Any] = {"nodes": int(file["nodes"]), "status": str(file["status"])}
+                _check_grid(path, interface, words["nodes"], arrays)
                 return cls(
                     interface=interface, **arrays, **words, checkpoint=kept, error_estimates=errors
                 )
         except (OSError, KeyError, ValueError, EOFError) as error:
             raise DataFileError(f"{path} cannot be read as a saved run ({error}).") from error
+
+
+def _check_grid(
+    path: str | PathLike[str], interface: Interface, nodes: int, arrays: Mapping[str, Array]
+) -> None:
+    """Raise DataFileError unless saved arrays lie on the period and the contact of an interface."""
+    x, spacing = arrays["x"], interface.length / nodes
+    laid = np.allclose(np.diff(x), spacing, rtol=1e-9) and (x[0] >= 0) == interface.even
+    if not laid or not np.array_equal(interface.contact.touches(x), arrays["touching"]):
+        raise DataFileError(f"{path} is a run of another interface; load it with its own.")
 
 
 def _beside_edge(run: Run, edge: float, frame: int) -> EdgeReading:

@@ -20,6 +20,9 @@ off by 2.1e-3 without this bound, and by 1.2e-4 with 0.2 and with 0.1."""
 WAVE_STEPS = 16
 """Least steps in a period of a load.  Slip rate of a slow interface under a harmonic load is off by
 3e-4 with 16 and by 2e-4 with 32; with 8 it takes as many steps, because some are repeated."""
+HISTORY_SAMPLES = 1001
+"""Values of a history that is a function of time, from which the nodes it needs are read: a wave of
+60 periods until the end has 16 of them in each.  Half as many see waves of half the frequency."""
 BOUND_SHARE = 0.7
 """Share of the longest step at which the iteration of a step still converges."""
 TOLERANCE = 1e-7

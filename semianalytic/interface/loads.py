@@ -92,6 +92,11 @@ class InterfaceLoad:
         shape = given(x) if callable(given) else given
         return np.broadcast_to(np.asarray(shape, dtype=float) * self.factor(t, after), x.shape)
 
+    @property
+    def is_timed(self) -> bool:
+        """Whether the history is a function of time, of which nothing but values is known."""
+        return callable(self.history) and not isinstance(self.history, LoadHistory)
+
     def factor(self, t: float, after: bool = False) -> float:
         """Return the factor at a time; at a jump, the value before it or the one `after` it."""
         if isinstance(self.history, LoadHistory):

@@ -25,7 +25,13 @@ def slow(history, law=STRENGTHENING, size=2e6, **given):
     return sf.Interface(ROCK, law, 16.0, loads=[patch], **creeping)
 
 
-@pytest.mark.parametrize("history", [SPIKE, sf.Pulse(0.04, "triangle"), sf.Harmonic(20.0)])
+@pytest.mark.parametrize(
+    "history",
+    [
+        *(SPIKE, sf.Pulse(0.04, "triangle"), sf.Harmonic(20.0)),
+        *(lambda t: np.sin(40 * np.pi * t), Expression("sin(125 * t)", ("t",))),
+    ],
+)
 def test_a_history_that_turns_within_a_step_is_unresolved(history):
     face = struck(history)
     coarse = sf.run(face, 1.0, 128)

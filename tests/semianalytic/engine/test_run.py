@@ -206,3 +206,20 @@ def test_to_xarray_has_units_and_errors():
     assert data["slip"].dims == ("t", "x")
     assert data["slip_rate"].attrs["units"] == "length / time"
     assert data.attrs["error_slip"] > 0
+
+
+def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
+    """Another contact, period or symmetry lies on other nodes."""
+    material, law = sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3)
+    strip = sf.Contact([(-2.0, 2.0)])
+    own = sf.Interface(material, law, 8.0, contact=strip)
+    sf.run(own, 0.2, 32, estimate=False).save(tmp_path / "own.npz")
+    assert sf.Run.load(tmp_path / "own.npz", own).nodes == 32
+    for other in (
+        {"length": 16.0, "contact": strip},
+        {"length": 8.0},
+        {"length": 8.0, "contact": sf.Contact([(-1.0, 2.0)])},
+        {"length": 8.0, "contact": strip, "even": True},
+    ):
+        with pytest.raises(sf.DataFileError, match="is a run of another interface"):
+            sf.Run.load(tmp_path / "own.npz", sf.Interface(material, law, **other))
