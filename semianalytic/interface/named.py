@@ -13,7 +13,7 @@ from semianalytic.interface.files import InterfaceFile, parsed, read_interface
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import INTERFACE_KEY, NAMED_SCENES
+from semianalytic.scene.given.named import INTERFACE_KEY, LINES, NAMED_PAIRS, NAMED_SCENES
 
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"
@@ -243,6 +243,10 @@ def find_interface(source: str | PathLike[str]) -> InterfaceFile:
         return parsed(NAMED_INTERFACES[source], source, Path())
     if Path(source).suffix == ".toml" or Path(source).is_file():
         return read_interface(source)
+    if source in (*NAMED_SCENES, *NAMED_PAIRS, *LINES):
+        raise SceneError(
+            f"{source} is a scene, not an interface: slipfront solve {source} (docs/scenes.md)."
+        )
     close = difflib.get_close_matches(source, NAMED_INTERFACES, n=1, cutoff=0.5)
     hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(NAMED_INTERFACES)}"
     raise SceneError(f"There is no interface called {source!r}; {hint} (or give a .toml file).")

@@ -180,3 +180,9 @@ def test_files_of_scenes_and_of_interfaces_are_told_apart(tmp_path, capsys):
         said = " ".join(capsys.readouterr().err.split())
         assert f"{file}" in said
         assert named in said, said
+
+
+@pytest.mark.parametrize("name", ["preloaded", "pair-slip", "point-load"])
+def test_names_of_scenes_are_told_from_those_of_interfaces(name):
+    with pytest.raises(sf.SceneError, match=f"{name} is a scene, not an interface"):
+        sf.find_interface(name)
