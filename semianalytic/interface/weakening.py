@@ -16,8 +16,21 @@ from semianalytic.scene.errors import SceneError
 Array = NDArray[np.float64]
 
 
+class RateIndependentLaw(DelayedLaw):
+    """A law whose strength does not depend on the slip rate, so that the balance is linear in it."""
+
+    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
+        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
+        strength = self.strength(pressure, np.zeros(len(pressure)), state)
+        return np.asarray(np.maximum(stopping - strength, 0.0) / impedance)
+
+    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
+        """Return 0; see `InterfaceLaw.rate_slope`."""
+        return np.zeros(len(pressure))
+
+
 @dataclass(frozen=True, eq=False)
-class SlipDependent(DelayedLaw):
+class SlipDependent(RateIndependentLaw):
     """Friction that falls with accumulated slip from static to dynamic, linearly or exponentially.
 
     Strength is (f_d + (f_s - f_d) w) p + cohesion w, with w = max(1 - slip / distance, 0), or
@@ -77,15 +90,6 @@ class SlipDependent(DelayedLaw):
         friction = self.dynamic + (self.static - self.dynamic) * left
         return np.asarray(friction * pressure + self.cohesion * left + 0 * speed)
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
-        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
-        weakened = self.strength(pressure, np.zeros(len(pressure)), state)
-        return np.asarray(np.maximum(stopping - weakened, 0.0) / impedance)
-
-    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return 0; see `InterfaceLaw.rate_slope`."""
-        return np.zeros(len(pressure))
-
     def weakening(self, pressure: Array) -> float:
         """Return the steepest fall [stress / length]; see `InterfaceLaw.weakening`."""
         fall = (self.static - self.dynamic) * pressure + self.cohesion
@@ -93,7 +97,7 @@ class SlipDependent(DelayedLaw):
 
 
 @dataclass(frozen=True, eq=False)
-class ForcedFront(DelayedLaw):
+class ForcedFront(RateIndependentLaw):
     """Friction that falls from static to dynamic when a front arrives, whatever the slip.
 
     The state is the time since t = 0.  With a static friction that is never reached the front is
@@ -144,15 +148,6 @@ class ForcedFront(DelayedLaw):
         gone = np.where(fall > 0, np.clip(since / np.where(fall > 0, fall, 1.0), 0, 1), since >= 0)
         friction = self.static + (self.dynamic - self.static) * gone
         return np.asarray(friction * pressure + 0 * speed)
-
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
-        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
-        strength = self.strength(pressure, np.zeros(len(pressure)), state)
-        return np.asarray(np.maximum(stopping - strength, 0.0) / impedance)
-
-    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return 0; see `InterfaceLaw.rate_slope`."""
-        return np.zeros(len(pressure))
 
 
 @dataclass(frozen=True, eq=False)
