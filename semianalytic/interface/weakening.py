@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class RateIndependentLaw(DelayedLaw):
-    """A law whose strength does not depend on the slip rate, so that the balance is linear in it."""
+    """A law whose strength does not depend on slip rate, so that its balance is linear."""
 
     def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
         """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
