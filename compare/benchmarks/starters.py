@@ -67,12 +67,12 @@ def _is_pressed(scene: Scene) -> bool:
 
 
 def _lower_of(sheet: Sheet) -> Material:
-    """The solid of the lower body."""
+    """Return the solid of the lower body of a sheet."""
     return find_pair(sheet.name).lower if sheet.is_pair else sheet.scene.material
 
 
 def _wider(lower: Material) -> float:
-    """What all lengths are multiplied by for the waves of the lower body, at least 1."""
+    """Return the factor, 1 or more, by which waves of the lower body lengthen a mesh."""
     return max(1.0, lower.longitudinal_speed / FASTEST)
 
 

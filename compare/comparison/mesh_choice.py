@@ -307,7 +307,7 @@ def _weakening(scene: Scene, end_time: float) -> Iterator[Feature]:
 
 
 def _slow_waves(scene: Scene, lower: Material | None) -> Iterator[Feature]:
-    """Shear waves of a slower lower body, if there is one."""
+    """Yield the shear waves of a slower lower body, if there is one."""
     from fem.resolution import LEAST_CROSSED
 
     if lower is not None and lower.shear_speed < scene.material.shear_speed:

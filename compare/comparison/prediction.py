@@ -53,8 +53,7 @@ def check_predictable(scene: Scene, method: str = "auto", lower: Material | None
     TensionError
         If the pressure of a self-similar scene turns tensile.
     """
-    if lower not in (None, scene.material):
-        _pair_of(scene, method, lower)
+    if _pair_of(scene, method, lower) is not None:
         return
     if chosen_method(scene, method) == "self-similar":
         check_pressure(scene)
@@ -87,20 +86,21 @@ def check_marched(scene: Scene, method: str, resolution: int, end_time: float | 
     check_march(scene, end_time, nodes, length)
 
 
-def _pair_of(scene: Scene, method: str, lower: Material | None) -> Pair:
-    """Return a scene with another lower body as a pair.
+def _pair_of(scene: Scene, method: str, lower: Material | None) -> Pair | None:
+    """Return a scene with another lower body as a pair; None if both bodies are alike.
 
     Raises
     ------
     SceneError
         If only a march would do, or the pair has no exact answer.
     """
+    if lower is None or lower == scene.material:
+        return None
     if method == "space-time":
         raise SceneError(
             "--method space-time is for identical bodies; leave it out for different ones, or "
             "march them with slipfront run (docs/engine.md)."
         )
-    assert lower is not None
     return pair_of(scene, lower)
 
 
@@ -112,8 +112,9 @@ def predict_before(
     A scene with another lower body has one, or is refused.  It raises the same errors as
     `predict_like`.
     """
-    if lower not in (None, scene.material):
-        return solve_pair(_pair_of(scene, method, lower))
+    pair = _pair_of(scene, method, lower)
+    if pair is not None:
+        return solve_pair(pair)
     return solve(scene) if chosen_method(scene, method) == "self-similar" else None
 
 

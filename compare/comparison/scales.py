@@ -10,7 +10,7 @@ from semianalytic.scene.units import unit
 WAVE_SYMBOLS = {"Rayleigh": "c_R", "S": "c_t", "P": "c_l"}
 """Symbols of the wave speeds, by the name of the signal."""
 LOWER = "lower "
-"""What the names of signals of a different lower body begin with."""
+"""Beginning of the names of signals of a different lower body."""
 
 
 def stress_scale(scene: Scene) -> float:

@@ -44,9 +44,8 @@ def words_of(answer: Answer) -> str:
 def bodies_words(scene: Scene, lower: Material | None) -> str:
     """Return what a figure says of a scene, and of its lower body if that is another one."""
     upper = scene.material
-    if lower in (None, upper):
+    if lower is None or lower == upper:
         return scene_words(scene)
-    assert lower is not None
     moduli = lower.shear_modulus / upper.shear_modulus, lower.density / upper.density
     return (
         f"{scene_words(scene)},  lower body: {moduli[0]:.3g} μ, {moduli[1]:.3g} ρ, "

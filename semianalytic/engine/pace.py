@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from semianalytic.engine.tuning import HISTORY_SAMPLES, WAVE_STEPS
+from semianalytic.engine.tuning import HISTORY_SAMPLES, PART_NODES, WAVE_STEPS
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loads import LoadHistory
@@ -77,7 +76,16 @@ class LoadPace:
         return longest
 
 
-@lru_cache(maxsize=4)
+def in_fours(nodes: float) -> int:
+    """Return the least multiple of 4, as grids have them, that is no less than a number."""
+    return 4 * math.ceil(nodes / 4)
+
+
+def nodes_for_contact(interface: Interface) -> float:
+    """Return how many nodes of a period resolve the narrowest contact or slot."""
+    return PART_NODES * interface.length / interface.contact.narrowest(interface.length)
+
+
 def nodes_for_histories(interface: Interface, end_time: float) -> float:
     """Return how many nodes of a period follow the histories of all loads; inf if none do.
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
+from semianalytic.engine.line import Grid
 from semianalytic.engine.tuning import LEAST_GAP
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
@@ -331,9 +332,9 @@ def _check_grid(
     path: str | PathLike[str], interface: Interface, nodes: int, arrays: Mapping[str, Array]
 ) -> None:
     """Raise DataFileError unless saved arrays lie on the period and the contact of an interface."""
-    x, spacing = arrays["x"], interface.length / nodes
-    laid = np.allclose(np.diff(x), spacing, rtol=1e-9) and (x[0] >= 0) == interface.even
-    if not laid or not np.array_equal(interface.contact.touches(x), arrays["touching"]):
+    x, contact = arrays["x"], interface.contact
+    laid = Grid(interface.length, nodes, not contact.is_whole, interface.even).x
+    if not (np.array_equal(x, laid) and np.array_equal(contact.touches(x), arrays["touching"])):
         raise DataFileError(f"{path} is a run of another interface; load it with its own.")
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.pace import nodes_for_histories
+from semianalytic.engine.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.steps import Stepper
@@ -21,7 +21,6 @@ from semianalytic.engine.tuning import (
     LEAST_NODES,
     MOST_NODES,
     NODES,
-    PART_NODES,
     SLIPPING_SHARE,
     STEP_RATIO,
     ZONE_NODES,
@@ -144,14 +143,15 @@ def run(
     options["latest"] = max(latest, end_time)
     if go_on is not None:
         nodes = go_on.nodes if nodes is None else nodes
-    parts = PART_NODES * interface.length / interface.contact.narrowest(interface.length)
-    needed = max(nodes_for_histories(interface, end_time), parts)
+    histories = nodes_for_histories(interface, end_time)
+    options["histories"] = histories
+    needed = max(histories, nodes_for_contact(interface))
     if nodes is None:
-        least = 4 * math.ceil(needed / 4) if NODES < needed <= MOST_NODES else NODES
+        least = in_fours(needed) if NODES < needed <= MOST_NODES else NODES
         # the run with half the nodes, which tells the error, needs ends that fit as well
         nodes = min(interface.contact.fitting_nodes(interface.length, least, 1), MOST_NODES)
-    elif rtol is not None and nodes < needed <= MOST_NODES:
-        nodes = 4 * math.ceil(needed / 4)
+    elif rtol is not None and go_on is None and nodes < needed <= MOST_NODES:
+        nodes = in_fours(needed)
     count = _checked_nodes(nodes)
     while True:
         done = _one(interface, end_time, count, options, settings, go_on, progress, check=True)
@@ -237,7 +237,7 @@ def _one(
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
     most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])
-    status = _resolution(stepper, most, now.state, max(record.peak_rates), end_time)
+    status = _resolution(stepper, most, now.state, max(record.peak_rates), options["histories"])
     if stopped:
         status = f"interrupted at t = {now.time:.6g}"
     return Run(
@@ -323,27 +323,26 @@ def _deciding(done: Run, errors: Mapping[str, float]) -> str:
 
 
 def _resolution(
-    stepper: Stepper, pressure: Array, state: Array, fastest: float, end_time: float
+    stepper: Stepper, pressure: Array, state: Array, fastest: float, needed: float
 ) -> str:
     """Return "done", or why the grid cannot follow the loads, or the law at the largest pressures
-    and rate."""
-    needed, nodes = nodes_for_histories(stepper.interface, end_time), stepper.grid.nodes
+    and rate; `needed` are the nodes that histories of loads need."""
+    nodes = stepper.grid.nodes
     if nodes < 0.999 * needed:
         remedy = "smooth it or the samples that lie beside each other"
         if needed < math.inf:
-            remedy = f"use {4 * math.ceil(needed / 4)} nodes or more, or smooth it"
+            remedy = f"use {in_fours(needed)} nodes or more, or smooth it"
         return f"unresolved: the history of a load turns faster than {nodes} nodes follow; {remedy}"
     if stepper.pair is not None:
         doubt = doubt_of(stepper.pair, stepper.law, pressure, state, fastest, stepper.grid.spacing)
         if doubt:
             return f"unresolved: {doubt}"
-    narrow = stepper.interface.contact.narrowest(stepper.interface.length)
-    found = narrow / stepper.grid.spacing
-    if found < PART_NODES * 0.999:
-        least = 4 * math.ceil(PART_NODES * stepper.interface.length / narrow / 4)
+    needed = nodes_for_contact(stepper.interface)
+    if nodes < 0.999 * needed:
+        narrow = stepper.interface.contact.narrowest(stepper.interface.length)
         return (
-            f"unresolved: a contact or slot of width {narrow:.3g} has {found:.2g} nodes; use "
-            f"{least} nodes or more."
+            f"unresolved: a contact or slot of width {narrow:.3g} has "
+            f"{narrow / stepper.grid.spacing:.2g} nodes; use {in_fours(needed)} nodes or more."
         )
     weakening = stepper.law.weakening(pressure)
     if stepper.unilateral is not None and stepper.unilateral.adhesion is not None:
@@ -356,7 +355,7 @@ def _resolution(
     found = zone / stepper.grid.spacing
     if found >= ZONE_NODES:
         return "done"
-    least = 4 * math.ceil(stepper.interface.length * ZONE_NODES / zone / 4)
+    least = in_fours(stepper.interface.length * ZONE_NODES / zone)
     return (
         f"unresolved: the strength falls over {found:.2g} node distances of "
         f"{stepper.grid.spacing:.3g}; use {least} nodes or more."

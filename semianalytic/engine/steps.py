@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.acting import ActingLoads
+from semianalytic.engine.checks import check_even, check_touching
 from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
-from semianalytic.engine.pace import LoadPace
+from semianalytic.engine.pace import LoadPace, in_fours
 from semianalytic.engine.slots import freed_rate
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
@@ -21,7 +20,6 @@ from semianalytic.engine.tuning import (
     LARGEST_HORIZON,
     LEAST_HORIZON,
     PAIR_TOLERANCE,
-    PART_NODES,
     RATE_SHARE,
     STATE_SHARE,
     SWEEPS,
@@ -108,10 +106,7 @@ class Stepper:
         self.grid = Grid(interface.length, nodes, not contact.is_whole, interface.even, held)
         x = self.grid.x
         self.touching = contact.touches(x)
-        if not self.touching.any():
-            width = contact.narrowest(interface.length)
-            least = 4 * math.ceil(PART_NODES * interface.length / width / 4)
-            raise SceneError(f"run: no node lies on the contact; use {least} nodes or more.")
+        check_touching(interface, self.touching)
         self._on = x[self.touching]
         spacing = self.grid.spacing
         self.law = interface.law.on(self._on, spacing)
@@ -129,7 +124,7 @@ class Stepper:
         fastest = material.shear_speed if self.pair is None else self.pair.fastest
         self.shortest = step_ratio * self.grid.spacing / fastest
         if interface.even:
-            self._check_even()
+            check_even(interface, self.grid, self.shortest)
         loads = interface.loads
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
         self._load_pace = LoadPace(interface, self.grid.spacing)
@@ -148,30 +143,13 @@ class Stepper:
             self.unilateral = Unilateral(stiff, opening, self.grid, pressed, self.touching, bonds)
             if bonds is not None:
                 longest = min(longest, self._check_adhesion(bonds))
-        # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
         self._has_slots = not self.touching.all()
+        # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
         self._bound = bound_share * 2 / (stiffness * max(q, held))
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
         self._is_delayed = bool(np.any(self.law.pressure_delay(np.zeros(len(self._on)))))
         self._latest: tuple[Array | None, Array] = None, np.zeros(0)
-
-    def _check_even(self) -> None:
-        """Raise SceneError if what is called even in x is not, at the nodes."""
-        interface, x, spacing = self.interface, self.grid.x, self.grid.spacing
-        given: list[tuple[str, Any]] = [
-            ("contact", lambda at: 1.0 * interface.contact.touches(at)),
-            ("shear", lambda at: sampled("interface: shear", interface.shear, at, spacing)),
-        ]
-        for load in interface.loads:
-            given += [
-                (f"{of} of a load", partial(load.traction, t=self.shortest, of=of))
-                for of in ("shear", "pressure")
-            ]
-        for what, value in given:
-            right, left = value(x), value(-x)
-            if np.abs(right - left).max() > 1e-9 * max(np.abs(right).max(), np.abs(left).max()):
-                raise SceneError(f"interface: the {what} is not even in x; set even = false.")
 
     def _memories(
         self, horizon: float, tolerance: float
@@ -198,7 +176,7 @@ class Stepper:
         # the tension must fall by less than an opening rate takes off the pressure
         longest = self.interface.opening_impedance / (2 * soft) if soft else math.inf
         if self.shortest > longest:
-            nodes = 4 * math.ceil(self.grid.nodes * self.shortest / longest / 4)
+            nodes = in_fours(self.grid.nodes * self.shortest / longest)
             raise SceneError(
                 f"interface: adhesion falls within a gap that this grid cannot follow; take {nodes}"
                 " nodes or more, or a larger length."
@@ -378,8 +356,7 @@ class Stepper:
                 faces = parting.faces
                 stopping = self._stopping(line + self._drag(parting.convolutions), held[0])
             mean = (old + np.abs(rate[self.touching])) / 2
-            state = self._evolved(now, mean, length, faces)
-            felt = self._felt(now, mean, length, faces)
+            state, felt = self._evolved(now, mean, length, faces)
             rate, traction = self._balance(stopping, slot, state, felt, faces)
             if solved:
                 plate, load = self.interface.plate_rate, (line - slot) / self.impedance
@@ -391,8 +368,7 @@ class Stepper:
                 f"the run lost its finite values at t = {time:.4g}; lower `step_ratio`."
             )
         mean = (old + np.abs(rate[self.touching])) / 2
-        state = self._evolved(now, mean, length, faces)
-        felt = self._felt(now, mean, length, faces)
+        state, felt = self._evolved(now, mean, length, faces)
         half = length / 2
         new, turned = rate[self.touching], np.abs(rate - now.rate)[self.touching]
         fastest = max(float(np.abs(new).max()), float(old.max()), 1e-300)
@@ -425,18 +401,18 @@ class Stepper:
         turned = self.pair.turned(convolutions[1])
         return self.unilateral.impedance * self.grid.values(turned)
 
-    def _evolved(self, now: State, speed: Array, length: float, faces: Faces) -> Array:
-        """Return the state of friction (contact,) after a step at a mean speed."""
-        return self.law.evolved_under(
-            now.state, speed, length, self._pressure(now), self._pressure(faces)
-        )
+    def _evolved(
+        self, now: State, speed: Array, length: float, faces: Faces
+    ) -> tuple[Array, Array]:
+        """Return the state of friction, and the pressure it follows, after a step (contact,) each.
 
-    def _felt(self, now: State, speed: Array, length: float, faces: Faces) -> Array:
-        """Return the pressure that friction follows (contact,) after a step at a mean speed."""
-        pressure = self._pressure(faces)
+        The speed is the mean one of the step.
+        """
+        before, after = self._pressure(now), self._pressure(faces)
+        state = self.law.evolved_under(now.state, speed, length, before, after)
         if not self._is_delayed:
-            return pressure
-        return self.law.felt_pressure(now.felt, speed, length, self._pressure(now), pressure)
+            return state, after
+        return state, self.law.felt_pressure(now.felt, speed, length, before, after)
 
     def _pressure(self, faces: Faces) -> Array:
         """Return the pressure of the contact, (contact,); tension counts as none."""

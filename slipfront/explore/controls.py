@@ -61,7 +61,7 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
     "lower_body": tuple(LOWER),
 }
 Problem = Scene | Pair
-"""What the page shows: identical bodies, or different ones."""
+"""Problem that the page shows: a scene of identical bodies, or two different ones."""
 STEEPEST = 85.0
 """Largest angle of the slider [degrees], unless the scene has a larger one."""
 FIXED = ("shear_modulus", "density", "units")
