@@ -8,10 +8,12 @@ import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from importlib import import_module
+from inspect import getdoc
 from io import TextIOWrapper
 from typing import Annotated, Any
 
 import typer
+from rich.markup import escape
 from typer.core import TyperGroup
 
 from semianalytic.scene.checks import shown
@@ -154,7 +156,8 @@ def app_for(arguments: Sequence[str]) -> typer.Typer:
         if isinstance(command, typer.Typer):
             app.add_typer(command, name=name)
         else:
-            app.command(name)(command)
+            # names of tables, such as [material], are no markup
+            app.command(name, help=escape(getdoc(command) or ""))(command)
     return app
 
 

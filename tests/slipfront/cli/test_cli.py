@@ -454,3 +454,9 @@ def test_help_shows_units(capsys):
     assert "Shear modulus [stress]." in shown
     assert "[mass / length³]" in shown
     assert "[GB]" in shown
+
+
+@pytest.mark.parametrize("command", ["compare", "explore"])
+def test_help_shows_tables_of_files(command, capsys):
+    assert main([command, "--help"]) == 0
+    assert "the file's [lower_material]" in " ".join(capsys.readouterr().out.split())
