@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.checks import check_even, check_touching
-from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
+from semianalytic.engine.line import Grid
 from semianalytic.engine.pace import LoadPace, in_fours
 from semianalytic.engine.slots import freed_rate
 from semianalytic.engine.tuning import (
@@ -23,6 +23,7 @@ from semianalytic.engine.tuning import (
     RATE_SHARE,
     STATE_SHARE,
     SWEEPS,
+    TABLES,
     TOLERANCE,
 )
 from semianalytic.engine.unilateral import Faces, Parting, Unilateral
@@ -33,6 +34,7 @@ from semianalytic.interface.interface import Interface
 from semianalytic.interface.law import check_law, check_rate
 from semianalytic.memory.exponentials import fit_memory, fit_shared
 from semianalytic.memory.impedance import Antiplane, InPlane, Opening
+from semianalytic.memory.line_memory import CoupledMemory, LineMemory
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.spacetime.grid.line import area_means
 
@@ -156,18 +158,19 @@ class Stepper:
     ) -> tuple[LineMemory, LineMemory | None, float]:
         """Return the memories of slip and opening, and traction over wavenumber and slip."""
         interface, material = self.interface, self.interface.material
+        line = self.grid.wavenumbers, 1 if self.grid.even else 2, TABLES
         if self.pair is not None:
             fit = fit_shared(self.pair.kernels, horizon, PAIR_TOLERANCE)
             direct = self.pair.kernels.direct
-            slip, gap = (CoupledMemory(fit, own, float(direct[own]), self.grid) for own in (0, 1))
+            slip, gap = (CoupledMemory(fit, own, float(direct[own]), *line) for own in (0, 1))
             return slip, gap, self.pair.stiffness
         ratio = material.shear_speed / material.longitudinal_speed
         impedance = Antiplane() if interface.mode == "antiplane" else InPlane(ratio)
-        memory = LineMemory(fit_memory(impedance, horizon, tolerance), self.grid)
+        memory = LineMemory(fit_memory(impedance, horizon, tolerance), *line)
         stiffness = impedance.static * material.shear_modulus / 2
         if not interface.may_open:
             return memory, None, stiffness
-        opening = LineMemory(fit_memory(Opening(ratio), horizon, tolerance), self.grid)
+        opening = LineMemory(fit_memory(Opening(ratio), horizon, tolerance), *line)
         return memory, opening, stiffness
 
     def _check_adhesion(self, bonds: Adhesion) -> float:
@@ -245,10 +248,9 @@ class Stepper:
         if self.pair is not None and self.unilateral is not None:
             line = line + self._drag(self.unilateral.held(now))
             faces = self.unilateral.jump(now, now.time, self._push(held))
-            held = held[0]
         elif self.unilateral is not None:
             faces = self.unilateral.jump(now, now.time)
-        stopping = self._stopping(line, held)
+        stopping = self._stopping(line, held[0])
         felt = now.felt if self._is_delayed else self._pressure(faces)
         rate, traction = self._balance(stopping, slot, now.state, felt, faces)
         self.memory.exchange(self._amplitudes(rate - now.rate))
@@ -306,7 +308,7 @@ class Stepper:
             left = stop - now.time
             # A step that almost reaches the stop is stretched to it, so that no sliver is left.
             last = left <= length * (1 + 1e-9)
-            kept = [one.kept() for one in self._every_memory()] if rung > 0 else []
+            kept = [one.past() for one in self._every_memory()] if rung > 0 else []
             after = self.step(now, left if last else length, rung, stop if last else None)
             speed = np.abs(after.rate[self.touching])
             if not kept or length <= self._convergent(after, speed) / BOUND_SHARE:
@@ -341,27 +343,27 @@ class Stepper:
         elif self.unilateral is not None:
             faces = self.unilateral.step(now, time, length, path, self.sweeps)
         amplitudes = self._amplitudes(now.rate)
-        past, feedback = self.memory.advance(amplitudes, path)
+        past = self.memory.advance(amplitudes, path)
+        feedback = self.memory.feedback
         line, slot = self.loads(time)
         # in the shortest steps iterating over the slots converges as well, and costs less
         solved = rung > 0 and self._has_slots and self.unilateral is None
         old = np.abs(now.rate[self.touching])
         rate = now.rate
         for _ in range(self.sweeps):
-            if parting is None:
-                stopping = self._stopping(line, past + feedback * amplitudes)
-            else:
-                held = past + feedback[:, None] * amplitudes
+            held, dragged = past + feedback[:, None] * amplitudes, line
+            if parting is not None:
                 parting.sweep(self._push(held))
-                faces = parting.faces
-                stopping = self._stopping(line + self._drag(parting.convolutions), held[0])
+                faces, dragged = parting.faces, line + self._drag(parting.convolutions)
+            stopping = self._stopping(dragged, held[0])
             mean = (old + np.abs(rate[self.touching])) / 2
             state, felt = self._evolved(now, mean, length, faces)
             rate, traction = self._balance(stopping, slot, state, felt, faces)
             if solved:
                 plate, load = self.interface.plate_rate, (line - slot) / self.impedance
                 moved = rate - plate
-                rate = plate + freed_rate(self.grid, self.touching, moved, load, past, feedback)
+                own = past[0], feedback[0]
+                rate = plate + freed_rate(self.grid, self.touching, moved, load, *own)
             amplitudes = self._amplitudes(rate)
         if not math.isfinite(float(amplitudes.sum())):
             raise ComputationError(

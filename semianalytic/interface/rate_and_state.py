@@ -20,8 +20,8 @@ BALANCE = 60
 20,000 random cases from 1e-300 m/s to 100 m/s): half as many or twice as many change nothing."""
 
 LARGE_ARGUMENT = 20.0
-"""Argument x of arcsinh beyond which e^-x is below the rounding of e^x: e^-40 is 4e-18.  With 10 the
-slip rate is off by 2e-9; with 40 the closed solution is used less often."""
+"""Argument x of arcsinh beyond which e^-x is below the rounding of e^x, for e^-40 is 4e-18: with
+10 the slip rate is off by 2e-9; with 40 the closed solution is used less often."""
 LEAST_OMEGA = 1e-290
 """Least omega that is right to rounding; smaller ones are left to Newton's method."""
 
