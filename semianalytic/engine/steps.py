@@ -36,7 +36,7 @@ from semianalytic.memory.exponentials import fit_memory, fit_shared
 from semianalytic.memory.impedance import Antiplane, InPlane, Opening
 from semianalytic.memory.line_memory import CoupledMemory, LineMemory
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.spacetime.grid.line import area_means
+from semianalytic.spacetime.grid.line import area_means, check_feedback
 
 Array = NDArray[np.float64]
 
@@ -136,6 +136,7 @@ class Stepper:
         # rounded up to a power of 2, so that runs of different lengths share a fit
         horizon = min(2.0 ** math.ceil(math.log2(horizon)), LARGEST_HORIZON)
         self.memory, opening, stiffness = self._memories(horizon, tolerance)
+        check_feedback("run", self.memory.table(self.shortest * self._speed).feedback[0])
         self.unilateral = None
         if opening is not None:
             base, step = self._base(), self.shortest

@@ -78,25 +78,33 @@ def area_means(
     return means
 
 
+def check_feedback(what: str, feedback: Array) -> None:
+    """Raise SceneError if the iteration of a step cannot converge under the memory's feedback.
+
+    The iteration contracts by the feedback (size,) of the shortest wave, the largest.  h(0) = 0, so
+    that it grows like the square of the step.
+    """
+    shortest = float(feedback[-1])
+    if shortest >= LARGEST_FEEDBACK:
+        raise SceneError(
+            f"{what}: `step_ratio` is beyond the stable range for this Poisson ratio; lower it "
+            f"by {math.ceil(100 * (1 - math.sqrt(LARGEST_FEEDBACK / shortest)))} %."
+        )
+
+
 def damped(feedback: Array, wavenumbers: Array, damping: float) -> Array:
     """Return the feedback of the memory (size,), raised so that short waves are damped.
 
-    The iteration of a step contracts by the feedback of the shortest wave, the largest.  That one
-    is raised to `damping`, and longer waves much less.
+    That of the shortest wave is raised to `damping`, and that of longer waves much less.
 
     Raises
     ------
     SceneError
         If that of the shortest wave is too close to 1 for the iteration.
     """
-    # h(0) = 0, so that the feedback grows like the square of the step
-    shortest = float(feedback[-1])
-    if shortest >= LARGEST_FEEDBACK:
-        raise SceneError(
-            "march: `step_ratio` is beyond the stable range for this Poisson ratio; lower it "
-            f"by {math.ceil(100 * (1 - math.sqrt(LARGEST_FEEDBACK / shortest)))} %."
-        )
-    return feedback + max(damping - shortest, 0.0) * (wavenumbers / wavenumbers[-1]) ** 4
+    check_feedback("march", feedback)
+    lacking = max(damping - float(feedback[-1]), 0.0)
+    return np.asarray(feedback + lacking * (wavenumbers / wavenumbers[-1]) ** 4)
 
 
 @dataclass(frozen=True, eq=False)

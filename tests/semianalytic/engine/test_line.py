@@ -141,3 +141,22 @@ def test_odd_sweeps_are_unstable_on_a_free_face_and_even_ones_are_not():
 
     assert largest(2) < 10
     assert largest(3) > 1e6
+
+
+@pytest.mark.parametrize(("poisson", "stable"), [(0.499, 0.5), (1 / 3, 0.65), (-0.9, 1.0)])
+def test_steps_beyond_the_stable_range_are_refused(poisson, stable):
+    """The face of a slot would grow to 1e57 within the run, with finite values all along."""
+    scene = sf.Interface(
+        sf.Material(1.0, 1.0, poisson),
+        sf.Coulomb(0.3),
+        8.0,
+        pressure=1.0,
+        contact=sf.Contact([(-2.0, -0.5), (0.5, 2.0)]),
+        loads=[sf.InterfaceLoad(0.5, on="slot")],
+    )
+    fine, coarse = (sf.run(scene, 4.0, 64, step_ratio=one, estimate=False) for one in (0.2, stable))
+    largest = np.abs(fine.slip_rate).max()
+    assert np.abs(coarse.slip_rate).max() < 1.1 * largest
+    assert np.abs(coarse.slip[-1] - fine.slip[-1]).max() < 0.01 * fine.slip.max()
+    with pytest.raises(sf.SceneError, match="run: `step_ratio` is beyond the stable range"):
+        sf.run(scene, 4.0, 64, step_ratio=10.0 if poisson < 0 else stable + 0.15)
