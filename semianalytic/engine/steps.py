@@ -129,7 +129,7 @@ class Stepper:
             check_even(interface, self.grid, self.shortest)
         loads = interface.loads
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
-        self._load_pace = LoadPace(interface, self.grid.spacing)
+        self._load_pace = LoadPace(interface, x, end_time)
         q = math.pi / self.grid.spacing
         reach = q * min(self._speed * end_time, CROSSINGS * interface.length)
         horizon = min(max(reach, LEAST_HORIZON), LARGEST_HORIZON)
@@ -220,6 +220,9 @@ class Stepper:
         count = len(self.grid.x)
         rate = np.zeros(count)
         rate[self.touching] = sampled("interface: rate", self.interface.rate, self._on)
+        against = rate[self.touching] * self.shear[self.touching] < 0
+        words = "have the sense of `shear`, for friction opposes slip"
+        required("interface: rate", rate[self.touching], ~against, words, self._on)
         state = np.asarray(
             self.law.start(self.pressure, self.shear[self.touching], np.abs(rate[self.touching])),
             dtype=float,
@@ -271,12 +274,13 @@ class Stepper:
         """Return length and rung of the step that may follow a state [time]."""
         speed = np.abs(now.rate[self.touching])
         limit = min(self._convergent(now, speed), self._longest)
-        limit = min(limit, self._load_pace.longest(now.time))
         if now.pace > 0:
             limit = min(limit, RATE_SHARE / now.pace)
         with np.errstate(divide="ignore"):
             limit = min(limit, float(np.min(self._state_share * self._state_slip / speed)))
         rung = 0
+        if limit > self.shortest:
+            limit = min(limit, self._load_pace.longest(now.time))
         if limit > self.shortest:
             rung = min(int(math.log(limit / self.shortest) / math.log(LADDER)), now.rung + 1)
         if rung and self.unilateral is not None:
