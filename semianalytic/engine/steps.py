@@ -9,21 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.acting import ActingLoads
+from semianalytic.engine.balance import Balance
 from semianalytic.engine.checks import check_even, check_touching
 from semianalytic.engine.line import Grid
+from semianalytic.engine.memories import memories
 from semianalytic.engine.pace import LoadPace, in_fours
 from semianalytic.engine.slots import freed_rate
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
-    CROSSINGS,
     LADDER,
-    LARGEST_HORIZON,
-    LEAST_HORIZON,
-    PAIR_TOLERANCE,
     RATE_SHARE,
     STATE_SHARE,
     SWEEPS,
-    TABLES,
     TOLERANCE,
 )
 from semianalytic.engine.unilateral import Faces, Parting, Unilateral
@@ -32,11 +29,9 @@ from semianalytic.interface.contact import Adhesion
 from semianalytic.interface.fields import required, sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.law import check_law, check_rate
-from semianalytic.memory.exponentials import fit_memory, fit_shared
-from semianalytic.memory.impedance import Antiplane, InPlane, Opening
-from semianalytic.memory.line_memory import CoupledMemory, LineMemory
+from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.spacetime.grid.line import area_means, check_feedback
+from semianalytic.spacetime.grid.line import check_feedback
 
 Array = NDArray[np.float64]
 
@@ -112,9 +107,6 @@ class Stepper:
         self._on = x[self.touching]
         spacing = self.grid.spacing
         self.law = interface.law.on(self._on, spacing)
-        self._inner = self._neighbours()[self.touching]
-        # Beyond the ends of half a line lie mirror images of the nodes inside it.
-        self._mirror = (0 if self.grid.between else 1) if self.grid.even else None
         self.pressure = sampled("interface: pressure", interface.pressure, self._on, spacing)
         required(
             "interface: pressure", self.pressure, self.pressure >= 0, "not be negative", self._on
@@ -130,12 +122,8 @@ class Stepper:
         loads = interface.loads
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
         self._load_pace = LoadPace(interface, x, end_time)
-        q = math.pi / self.grid.spacing
-        reach = q * min(self._speed * end_time, CROSSINGS * interface.length)
-        horizon = min(max(reach, LEAST_HORIZON), LARGEST_HORIZON)
-        # rounded up to a power of 2, so that runs of different lengths share a fit
-        horizon = min(2.0 ** math.ceil(math.log2(horizon)), LARGEST_HORIZON)
-        self.memory, opening, stiffness = self._memories(horizon, tolerance)
+        self._balance = Balance(self.law, self.impedance, self.touching, self.grid)
+        self.memory, opening, stiffness = memories(interface, self.grid, end_time, tolerance)
         check_feedback("run", self.memory.table(self.shortest * self._speed).feedback[0])
         self.unilateral = None
         if opening is not None:
@@ -148,31 +136,12 @@ class Stepper:
                 longest = min(longest, self._check_adhesion(bonds))
         self._has_slots = not self.touching.all()
         # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
-        self._bound = bound_share * 2 / (stiffness * max(q, held))
+        q = max(math.pi / spacing, held)
+        self._bound = bound_share * 2 / (stiffness * q)
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
         self._is_delayed = bool(np.any(self.law.pressure_delay(np.zeros(len(self._on)))))
         self._latest: tuple[Array | None, Array] = None, np.zeros(0)
-
-    def _memories(
-        self, horizon: float, tolerance: float
-    ) -> tuple[LineMemory, LineMemory | None, float]:
-        """Return the memories of slip and opening, and traction over wavenumber and slip."""
-        interface, material = self.interface, self.interface.material
-        line = self.grid.wavenumbers, 1 if self.grid.even else 2, TABLES
-        if self.pair is not None:
-            fit = fit_shared(self.pair.kernels, horizon, PAIR_TOLERANCE)
-            direct = self.pair.kernels.direct
-            slip, gap = (CoupledMemory(fit, own, float(direct[own]), *line) for own in (0, 1))
-            return slip, gap, self.pair.stiffness
-        ratio = material.shear_speed / material.longitudinal_speed
-        impedance = Antiplane() if interface.mode == "antiplane" else InPlane(ratio)
-        memory = LineMemory(fit_memory(impedance, horizon, tolerance), *line)
-        stiffness = impedance.static * material.shear_modulus / 2
-        if not interface.may_open:
-            return memory, None, stiffness
-        opening = LineMemory(fit_memory(Opening(ratio), horizon, tolerance), *line)
-        return memory, opening, stiffness
 
     def _check_adhesion(self, bonds: Adhesion) -> float:
         """Return the longest step [time] in which adhesion may fall, or raise SceneError."""
@@ -186,14 +155,6 @@ class Stepper:
                 " nodes or more, or a larger length."
             )
         return longest
-
-    def _neighbours(self) -> NDArray[np.bool_]:
-        """Return which nodes have a neighbour of the contact on either side, (n,)."""
-        left, right = np.roll(self.touching, 1), np.roll(self.touching, -1)
-        if self.grid.even:
-            # the neighbours of the first and the last node are mirror images of nodes
-            left[0], right[-1] = self.touching[0], self.touching[-1]
-        return np.asarray(self.touching & left & right)
 
     def _base(self) -> Array:
         """Return the pressure in place before loads, (n,), 0 on slots."""
@@ -256,7 +217,7 @@ class Stepper:
             faces = self.unilateral.jump(now, now.time)
         stopping = self._stopping(line, held[0])
         felt = now.felt if self._is_delayed else self._pressure(faces)
-        rate, traction = self._balance(stopping, slot, now.state, felt, faces)
+        rate, traction = self._balance(stopping, slot, now.state, felt, self._open(faces))
         self.memory.exchange(self._amplitudes(rate - now.rate))
         return replace(
             now,
@@ -363,7 +324,7 @@ class Stepper:
             stopping = self._stopping(dragged, held[0])
             mean = (old + np.abs(rate[self.touching])) / 2
             state, felt = self._evolved(now, mean, length, faces)
-            rate, traction = self._balance(stopping, slot, state, felt, faces)
+            rate, traction = self._balance(stopping, slot, state, felt, self._open(faces))
             if solved:
                 plate, load = self.interface.plate_rate, (line - slot) / self.impedance
                 moved = rate - plate
@@ -421,6 +382,10 @@ class Stepper:
             return state, after
         return state, self.law.felt_pressure(now.felt, speed, length, before, after)
 
+    def _open(self, faces: Faces) -> NDArray[np.bool_] | None:
+        """Return where nodes are open, (n,); None if nothing ever opens."""
+        return None if self.unilateral is None else faces.is_open
+
     def _pressure(self, faces: Faces) -> Array:
         """Return the pressure of the contact, (contact,); tension counts as none."""
         if self.unilateral is None:
@@ -438,31 +403,3 @@ class Stepper:
         """Return the traction of nodes that do not move, given the convolution over the past."""
         plate = self.interface.plate_rate
         return line - self.impedance * (self.grid.values(convolution) - plate)
-
-    def _balance(
-        self, stopping: Array, slot: Array, state: Array, felt: Array, faces: Faces
-    ) -> tuple[Array, Array]:
-        """Return slip rate and traction at which friction, or the load on slots, is met."""
-        on = stopping[self.touching]
-        freed = None if self.unilateral is None else faces.is_open[self.touching]
-        size = np.abs(on)
-        if self.law.has_threshold:
-            rest = self.law.strength(felt, np.zeros(len(on)), state)
-            if freed is not None:
-                rest = np.where(freed, 0.0, rest)
-            # The mean acts where slip ends as well.  Without it there (`before`) five of nine
-            # interfaces have the same errors, slip of pulses beside slots is up to 27 % better and
-            # that of a pulse at an angle up to 15 % worse (docs/engine.md, "Method").
-            size = area_means(size, size - rest, self._inner, mirror=self._mirror)
-        if freed is not None:
-            # Open nodes need some positive pressure here; their slip rate is replaced below.
-            felt = np.where(freed, 1.0, felt)
-        speed = self.law.slip_speed(size, felt, self.impedance, state)
-        rate = (stopping - slot) / self.impedance
-        # Slip has the sense of the traction it relaxes; 0.0 - speed keeps +0.0 where it sticks.
-        rate[self.touching] = np.where(on < 0, 0.0 - speed, speed)
-        traction = stopping - self.impedance * rate
-        if freed is not None:
-            rate[self.touching] = np.where(freed, on / self.impedance, rate[self.touching])
-            traction[self.touching] = np.where(freed, 0.0, traction[self.touching])
-        return rate, traction
