@@ -162,7 +162,7 @@ _LATER = {
     "semianalytic.interface.named": ("find_interface",),
     "semianalytic.engine.result": ("Run",),
     "semianalytic.engine.run": ("run",),
-    "semianalytic.engine.stability": ("critical_wavelength", "supershear_strength"),
+    "semianalytic.reference.ruptures": ("critical_wavelength", "supershear_strength"),
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
     "semianalytic.inversion.fitting": ("Fit", "fit"),
     "semianalytic.inversion.gauges": ("Gauge",),
@@ -199,7 +199,6 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.dissimilar_slot.solver import solve_pair
     from semianalytic.engine.result import Run
     from semianalytic.engine.run import run
-    from semianalytic.engine.stability import critical_wavelength, supershear_strength
     from semianalytic.field.derived import fringe_order, fringes, strain
     from semianalytic.interface.contact import Adhesion, Contact
     from semianalytic.interface.coulomb import Coulomb
@@ -216,6 +215,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.inversion.priors import LogNormal, Normal, Uniform
     from semianalytic.inversion.unknowns import Setup
     from semianalytic.prediction import predict
+    from semianalytic.reference.ruptures import critical_wavelength, supershear_strength
     from semianalytic.selfsimilar.derivatives.derivative import (
         Derivative,
         OpenDerivative,

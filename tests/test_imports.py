@@ -28,7 +28,7 @@ ARROWS = {
         "dissimilar": "scene halfplane",
         "dissimilar_slot": "scene results halfplane field selfsimilar dissimilar",
         "whole_line": "scene results halfplane selfsimilar",
-        "reference": "scene halfplane dissimilar",
+        "reference": "scene halfplane memory dissimilar",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",
         "inversion": "scene results halfplane field selfsimilar sweeps interface engine",

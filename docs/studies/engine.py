@@ -19,10 +19,10 @@ from scipy.integrate import cumulative_trapezoid, quad
 
 import semianalytic as sf
 from semianalytic.engine.record import past_of
-from semianalytic.engine.stability import critical_wavenumber, growth
 from semianalytic.engine.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
+from semianalytic.reference.ruptures import critical_wavenumber, growth
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "engine-checks.csv"
 COMMAND = "python -m docs.studies.engine"

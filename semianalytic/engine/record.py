@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.result import Run
-from semianalytic.engine.steps import State, Stepper
+from semianalytic.engine.state import State
+from semianalytic.engine.steps import Stepper
 from semianalytic.memory.line_memory import LineMemory, Past
 from semianalytic.scene.errors import DataFileError, SceneError
 

@@ -211,7 +211,7 @@ def _one(
     stepper = Stepper(interface, nodes, options["step_ratio"], end_time=latest, **settings)
     if check:
         stepper.check_sliding()
-        stepper.check_longest()
+        stepper.ladder.check_longest()
     begun = _slipping(stepper) if options["slipping"] is None else options["slipping"]
     record = Record(stepper, options["every"], options["frames"], options["times"], begun)
     print_of = fingerprint(stepper)

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.acting import ActingLoads
-from semianalytic.engine.balance import Balance
+from semianalytic.engine.balance import Balance, freed_rate
 from semianalytic.engine.checks import check_even, check_touching
+from semianalytic.engine.ladder import Ladder
 from semianalytic.engine.line import Grid
 from semianalytic.engine.memories import memories
 from semianalytic.engine.pace import LoadPace, in_fours
-from semianalytic.engine.slots import freed_rate
+from semianalytic.engine.state import State
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
-    LADDER,
-    RATE_SHARE,
     STATE_SHARE,
     SWEEPS,
     TOLERANCE,
@@ -34,39 +33,6 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.spacetime.grid.line import check_feedback
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class State(Faces):
-    """The state of an interface at one time, from which the next step starts; arrays are (n,).
-
-    Attributes
-    ----------
-    time : float
-        Time [time].
-    rate, slip, traction : array
-        Slip rate [length / time], slip [length] and shear traction [stress].
-    state : array
-        State of friction at nodes of the contact, (contact,).
-    felt : array
-        Pressure that friction follows there, (contact,) [stress].
-    work : array
-        Work of friction so far [stress length].
-    rung : int
-        Rung of the ladder of the last step.
-    pace : float
-        Change of slip rate in the last step, over the largest rate and the step [1 / time].
-    """
-
-    time: float
-    rate: Array
-    slip: Array
-    traction: Array
-    state: Array
-    felt: Array
-    work: Array
-    rung: int = 0
-    pace: float = 0.0
 
 
 class Stepper:
@@ -121,7 +87,6 @@ class Stepper:
             check_even(interface, self.grid, self.shortest)
         loads = interface.loads
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
-        self._load_pace = LoadPace(interface, x, end_time)
         self._balance = Balance(self.law, self.impedance, self.touching, self.grid)
         self.memory, opening, stiffness = memories(interface, self.grid, end_time, tolerance)
         check_feedback("run", self.memory.table(self.shortest * self._speed).feedback[0])
@@ -137,9 +102,17 @@ class Stepper:
         self._has_slots = not self.touching.all()
         # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
         q = max(math.pi / spacing, held)
-        self._bound = bound_share * 2 / (stiffness * q)
-        self._state_share, self._longest = state_share, longest
-        self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
+        self.ladder = Ladder(
+            self.law,
+            self.touching,
+            LoadPace(interface, x, end_time),
+            self.unilateral,
+            impedance=self.impedance,
+            shortest=self.shortest,
+            longest=longest,
+            bound=bound_share * 2 / (stiffness * q),
+            state_share=state_share,
+        )
         self._is_delayed = bool(np.any(self.law.pressure_delay(np.zeros(len(self._on)))))
         self._latest: tuple[Array | None, Array] = None, np.zeros(0)
 
@@ -161,14 +134,6 @@ class Stepper:
         base = np.zeros(len(self.grid.x))
         base[self.touching] = self.pressure
         return base
-
-    def check_longest(self) -> None:
-        """Raise SceneError if the longest step that was asked for is below the shortest one."""
-        if self._longest < self.shortest:
-            raise SceneError(
-                f"run: `longest` must be {self.shortest:.4g} or more on this grid, got "
-                f"{self._longest:.4g}; lower `step_ratio` instead."
-            )
 
     def check_sliding(self) -> None:
         """Raise SceneError if friction between different bodies lets waves grow without bounds."""
@@ -233,34 +198,13 @@ class Stepper:
 
     def length(self, now: State) -> tuple[float, int]:
         """Return length and rung of the step that may follow a state [time]."""
-        speed = np.abs(now.rate[self.touching])
-        limit = min(self._convergent(now, speed), self._longest)
-        if now.pace > 0:
-            limit = min(limit, RATE_SHARE / now.pace)
-        with np.errstate(divide="ignore"):
-            limit = min(limit, float(np.min(self._state_share * self._state_slip / speed)))
-        rung = 0
-        if limit > self.shortest:
-            limit = min(limit, self._load_pace.longest(now.time))
-        if limit > self.shortest:
-            rung = min(int(math.log(limit / self.shortest) / math.log(LADDER)), now.rung + 1)
-        if rung and self.unilateral is not None:
-            # Free faces have no direct effect of friction, which is what permits long steps.
-            length = self.shortest * LADDER**rung
-            push: Array | float = 0.0
-            if self.pair is not None:
-                push = self._push(self.memory.convolution(self._amplitudes(now.rate)))
-            rung = 0 if self.unilateral.frees(now, now.time + length, push) else rung
-        return self.shortest * LADDER**rung, rung
 
-    def _convergent(self, now: State, speed: Array) -> float:
-        """Return the step up to which the iteration of a step converges at the speed of a state."""
-        slope = np.asarray(self.law.rate_slope(now.felt, speed, now.state))
-        # Faces of slots that only slip are solved for (`freed_rate`); those that part as well are
-        # not, and have no friction that rises with slip rate.
-        iterated = self._has_slots and self.unilateral is not None
-        least = 0.0 if iterated else float(slope.min())
-        return self._bound * (max(least, 0.0) + self.impedance)
+        def push() -> Array | float:
+            if self.pair is None:
+                return 0.0
+            return self._push(self.memory.convolution(self._amplitudes(now.rate)))
+
+        return self.ladder.following(now, push)
 
     def advance(self, now: State, stop: float) -> tuple[State, bool]:
         """Return the state one step later, and whether the step ends at a time to stop at.
@@ -276,13 +220,12 @@ class Stepper:
             last = left <= length * (1 + 1e-9)
             kept = [one.past() for one in self._every_memory()] if rung > 0 else []
             after = self.step(now, left if last else length, rung, stop if last else None)
-            speed = np.abs(after.rate[self.touching])
-            if not kept or length <= self._convergent(after, speed) / BOUND_SHARE:
+            if not kept or length <= self.ladder.convergent(after) / BOUND_SHARE:
                 return after, last
             for memory, one in zip(self._every_memory(), kept, strict=True):
                 memory.put_back(one)
             rung -= 1
-            length = self.shortest * LADDER**rung
+            length = self.ladder.length(rung)
 
     def _every_memory(self) -> list[LineMemory]:
         opening = [] if self.unilateral is None else [self.unilateral.memory]

@@ -7,8 +7,8 @@ import pytest
 
 import semianalytic as sf
 from docs.studies.engine import marched_growth
-from semianalytic.engine.stability import critical_wavenumber, growth
 from semianalytic.memory.impedance import Antiplane, InPlane
+from semianalytic.reference.ruptures import critical_wavenumber, growth
 
 MODES = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 
