@@ -38,7 +38,7 @@ from semianalytic.scene.checks import (
 )
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import checked_scene, find_blocks
+from semianalytic.scene.given.finding import checked_scene, find_blocks
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Material, Scene
 

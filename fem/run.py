@@ -22,7 +22,7 @@ from fem.results import Simulation
 from fem.snapshots import Snapshots
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.given.named import of_scene
+from semianalytic.scene.given.finding import of_scene
 from semianalytic.scene.scene import Scene
 
 _log = logging.getLogger(__name__)

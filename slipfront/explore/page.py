@@ -26,7 +26,8 @@ from semianalytic import Marched, Scene, SlipZone, Tractions, find_pair
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.errors import SlipfrontError
-from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES, find_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES
 from semianalytic.scene.units import unit
 from slipfront.explore.controls import (
     CHOICES,

@@ -35,7 +35,7 @@ from docs.studies.judge.trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_t
 from docs.studies.pages import read_data
 from semianalytic import Answer, CoulombFriction, SlipWeakening, march
 from semianalytic.cut.load import contact_opens
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from tests.catalogue import REMOTE, SHOCK, over, unit_scene
 
 WINDOW = Window(end_time=1.0, time_step=0.01, reach=2.0)

@@ -25,7 +25,7 @@ from semianalytic import (
 from semianalytic.reference import Reading, published_slip
 from semianalytic.reference.known_answers import published_obstacle, published_unit
 from semianalytic.results.intervals import slip_intervals
-from semianalytic.scene.given.named import override_scene
+from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.loading import SLOT
 
 Array = NDArray[np.float64]

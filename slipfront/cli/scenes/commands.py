@@ -19,14 +19,8 @@ from semianalytic import Material, Scene, WholeLine
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.named import (
-    DEFAULT_SCENE,
-    NAMED_PAIRS,
-    NAMED_SCENES,
-    brought_scene,
-    brought_summary,
-    find_blocks,
-)
+from semianalytic.scene.given.finding import brought_scene, brought_summary, find_blocks
+from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_PAIRS, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
 from semianalytic.scene.plugins import (

@@ -32,7 +32,7 @@ from fem import simulate
 from semianalytic import InterfaceHistory
 from semianalytic.results.files import check_seal, new_file, whole_hdf5
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 NAMES = (
     "history",

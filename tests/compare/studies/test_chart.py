@@ -38,7 +38,7 @@ from compare.studies.chart.study import (
 from fem.run import peak_memory
 from semianalytic import SlipZone
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
 
 MINI = {

@@ -15,7 +15,7 @@ from fem.checkpoint import Keeper
 from fem.plan import Pace
 from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 from slipfront.cli.commands import main
 

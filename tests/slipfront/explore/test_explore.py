@@ -32,7 +32,8 @@ from semianalytic import (
     solve,
 )
 from semianalytic.regimes import regime
-from semianalytic.scene.given.named import NAMED_SCENES, find_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.units import unit
 from slipfront.cli.commands import main
 from slipfront.explore import controls, downloads, jobs, maps, views

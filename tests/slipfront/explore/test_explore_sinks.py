@@ -22,7 +22,8 @@ from compare.output.files import filled_template
 from compare.studies.evidence import html
 from compare.studies.evidence.page import _program_digest
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import NamedScene, find_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NamedScene
 from slipfront.explore import controls, page
 from slipfront.explore.serving import content_policy, make_server
 
