@@ -55,7 +55,17 @@ _RUN = object_of(
     opened=or_null({"type": "object"}),
     seconds=named(NUMBER),
 )
-_PART = object_of(inner=NUMBER, outer=NUMBER, sense=WHOLE)
+_PAIR_KEY = Key("two different bodies, as their TOML file has them", PAIR)
+_WAVE_SPEEDS = Key("speeds of the waves that occur in the fields", named(NUMBER))
+_ZONES = Key(
+    "velocities of the edges of slip zones",
+    list_of(object_of(inner=NUMBER, outer=NUMBER, sense=WHOLE)),
+)
+_OPENINGS = Key(
+    "velocities of the edges of openings", list_of(object_of(inner=NUMBER, outer=NUMBER))
+)
+_STATISTICS = Key("cost of the computation", {"type": "object"})
+_UNTIL_END_TIME = Key("zones, slip and work until --end-time, if given", {"type": "object"}, False)
 _MEASURED = object_of(value=NUMBER, error=NUMBER)
 _POINT = object_of(
     ("t", *FIELDS),
@@ -87,12 +97,9 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "solve": (
         {
             "scene": _SCENE_KEY,
-            "wave_speeds": Key("speeds of the waves that occur in the fields", named(NUMBER)),
-            "zones": Key("velocities of the edges of slip zones", list_of(_ZONE)),
-            "openings": Key(
-                "velocities of the edges of openings",
-                list_of(object_of(inner=NUMBER, outer=NUMBER)),
-            ),
+            "wave_speeds": _WAVE_SPEEDS,
+            "zones": Key(_ZONES.meaning, list_of(_ZONE)),
+            "openings": _OPENINGS,
             "edge": Key(
                 "state of the interface at x = 0+",
                 object_of(
@@ -101,10 +108,8 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             ),
             "far_slip_rate": Key("slip rate ahead of all waves", NUMBER),
             "error_estimate": _ESTIMATE,
-            "statistics": Key("cost of the computation", {"type": "object"}),
-            "until_end_time": Key(
-                "zones, slip and work until --end-time, if given", {"type": "object"}, False
-            ),
+            "statistics": _STATISTICS,
+            "until_end_time": _UNTIL_END_TIME,
             "points": _POINTS,
         },
         {
@@ -126,38 +131,28 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "stress intensity factors of a stuck edge at T", named(NUMBER)
             ),
             "stored_levels": Key("number of stored time levels of the history", WHOLE),
-            "statistics": Key("cost of the computation", {"type": "object"}),
+            "statistics": _STATISTICS,
             "points": _POINTS,
         },
         {
             "line": Key("whole line or growing load, as its TOML file has it", {"type": "object"}),
-            "wave_speeds": Key("speeds of the waves that occur in the fields", named(NUMBER)),
+            "wave_speeds": _WAVE_SPEEDS,
             "edge_speed": Key("speed of the edges of slip or opening of a line", NUMBER),
             "edge_amplitude": Key("rate over sqrt(1 - x/(edge speed t)) beside an edge", NUMBER),
-            "zones": Key("velocities of the edges of slip zones", list_of(_PART)),
-            "openings": Key(
-                "velocities of the edges of openings",
-                list_of(object_of(inner=NUMBER, outer=NUMBER)),
-            ),
+            "zones": _ZONES,
+            "openings": _OPENINGS,
             "error_estimate": _ESTIMATE,
-            "until_end_time": Key(
-                "zones, slip and work until --end-time, if given", {"type": "object"}, False
-            ),
+            "until_end_time": _UNTIL_END_TIME,
         },
         {
-            "pair": Key("two different bodies, as their TOML file has them", PAIR),
+            "pair": _PAIR_KEY,
             "wave_speeds": Key("speeds of the waves of both bodies", named(named(NUMBER))),
-            "zones": Key("velocities of the edges of slip zones", list_of(_PART)),
-            "openings": Key(
-                "velocities of the edges of openings",
-                list_of(object_of(inner=NUMBER, outer=NUMBER)),
-            ),
+            "zones": _ZONES,
+            "openings": _OPENINGS,
             "edge_slip_rate": Key("slip rate of two different bodies at x = 0+", NUMBER),
             "error_estimate": _ESTIMATE,
-            "statistics": Key("cost of the computation", {"type": "object"}),
-            "until_end_time": Key(
-                "zones, slip and work until --end-time, if given", {"type": "object"}, False
-            ),
+            "statistics": _STATISTICS,
+            "until_end_time": _UNTIL_END_TIME,
             "points": _POINTS,
         },
     ),
@@ -286,7 +281,7 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "field": (
         {"scene": _SCENE_KEY, **_FIELD},
-        {"pair": Key("two different bodies, as their TOML file has them", PAIR), **_FIELD},
+        {"pair": _PAIR_KEY, **_FIELD},
     ),
     "validate": (
         {
