@@ -41,8 +41,8 @@ from compare.output.field_files import record_fields
 from compare.studies.article import study as article
 from compare.studies.article.cases import SlotCheck, run_cases
 from compare.studies.chart.figure import chart_figure
-from compare.studies.chart.study import SCENES as CHARTED
-from compare.studies.chart.study import read_points
+from compare.studies.chart.points import SCENES as CHARTED
+from compare.studies.chart.points import read_points
 from compare.studies.dissimilar.figure import growth_figure
 from compare.studies.dissimilar.pairs import NAMED
 from compare.studies.dissimilar.pairs import SCENES as PAIRS

@@ -8,7 +8,7 @@ from compare.benchmarks.classes import Tolerance
 from compare.benchmarks.scores import Score
 from compare.benchmarks.sheet import Sheet
 from compare.studies.article.claims import Verdict
-from compare.studies.chart.study import Point
+from compare.studies.chart.points import Point
 from compare.studies.dissimilar.points import NamedPoint, ThresholdPoint
 from compare.studies.evidence.study import ClosedForm
 from compare.studies.regimes.points import BoundaryPoint
