@@ -65,8 +65,9 @@ from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
 from docs.studies.judge.figure import judge_figure
+from docs.studies.judge.rows import JudgedRow, SpoiltRow
+from docs.studies.judge.scenes import STEPS
 from docs.studies.judge.spoils import SPOILS
-from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 from fem import simulate
 from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line, solve_pair
 from slipfront.fits.figures import fit_figure
