@@ -23,9 +23,9 @@ from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import INTERFACE_KEY
 from semianalytic.scene.incident import load_from_document
+from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
-from semianalytic.scene.scene import HISTORY_KINDS
 
 LAWS: Mapping[str, type[InterfaceLaw]] = {
     "coulomb": Coulomb,

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import Array, Mode, rayleigh_factors
 from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.places import contact_points
