@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fem.assembly import (
+from fem.elements.assembly import (
     IN_PLANE,
     OUT_OF_PLANE,
     STIFFNESS,

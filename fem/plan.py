@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from skfem import MeshQuad
 
-from fem.assembly import (
+from fem.elements.assembly import (
     IN_PLANE,
     OUT_OF_PLANE,
     STIFFNESS,
@@ -25,7 +25,7 @@ from fem.assembly import (
     lumped_mass,
     make_space,
 )
-from fem.edge import edge_offset
+from fem.elements.edge import edge_offset
 from fem.resolution import check_resolved, mesh_caution
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, causal_blocks
@@ -305,7 +305,7 @@ class Plan:
 
     @property
     def edge(self) -> float:
-        """Position of the edge node [length]: beside x = 0 if the slot is pressed (`fem.edge`).
+        """Position of the edge node [length]: beside x = 0 if the slot is pressed (`fem.elements.edge`).
 
         It is at x = 0 under shear alone, where the edge slips, and for meshes whose offset is not
         known: those of Q2, and unstructured ones.

@@ -13,7 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.assembly import FAMILIES, IN_PLANE, OUT_OF_PLANE, STIFFNESS, Y, lumped_mass, make_space
+from fem.elements.assembly import (
+    FAMILIES,
+    IN_PLANE,
+    OUT_OF_PLANE,
+    STIFFNESS,
+    Y,
+    lumped_mass,
+    make_space,
+)
 from fem.lines.line import Line
 from fem.stepping import Body, critical_step, highest_frequency, normalised
 from semianalytic.scene.errors import SceneError

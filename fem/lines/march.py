@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.assembly import X, Y, Z
+from fem.elements.assembly import X, Y, Z
 from fem.interface import contact_pressure
 from fem.lines.blocks import Block, check_work, make_blocks
 from fem.lines.friction import slip_speed

@@ -10,7 +10,7 @@ from catalogue import SHOCK as REMOTE
 import fem.interface
 import fem.model
 from fem import simulate
-from fem.assembly import FAMILIES, make_space, tributary_length
+from fem.elements.assembly import FAMILIES, make_space, tributary_length
 from fem.interface import coulomb_traction
 from fem.model import build_model
 from fem.plan import LOCKSTEP, Plan, Settings
