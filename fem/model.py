@@ -27,7 +27,8 @@ from fem.elements.assembly import (
 )
 from fem.interface import Faces, Interface
 from fem.loading import ContactLoad, FrontLoad, SlotLoad, contact_loads, slot_loads
-from fem.plan import TWO_BLOCKS, Plan, Settings, make_plan
+from fem.plan import TWO_BLOCKS, Plan, make_plan
+from fem.settings import Settings
 from fem.stepping import Body, critical_step, highest_frequency, normalised
 from meshes import cached_mesh
 from semianalytic.scene.scene import Scene

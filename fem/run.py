@@ -16,9 +16,10 @@ import numpy as np
 from fem.budget import Cost, check_fits, check_room, predict_cost
 from fem.checkpoint import Keeper, run_identity, run_name
 from fem.model import Model, build, timed
-from fem.plan import Pace, Plan, Settings, make_plan
+from fem.plan import Plan, make_plan
 from fem.record import Record
 from fem.results import Simulation
+from fem.settings import Pace, Settings
 from fem.snapshots import Snapshots
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError

@@ -27,7 +27,7 @@ Progress = Callable[[int, int], None]
 SAMPLES = 20
 """Times at which fields are kept."""
 DAMPING = 0.02
-"""Damping of each block, as that of `fem.plan.Settings`."""
+"""Damping of each block, as that of `fem.settings.Settings`."""
 STEP_RATIO = 0.95
 """Time step over the critical one."""
 
