@@ -23,12 +23,20 @@ from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS, Pair, changed, parameter_of
 from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar_slot.admissible import violations
-from semianalytic.dissimilar_slot.density import Density
-from semianalytic.dissimilar_slot.interface import interface_of
-from semianalytic.dissimilar_slot.panels import Rule, rule_for
+from semianalytic.dissimilar_slot.densities.density import Density
+from semianalytic.dissimilar_slot.densities.interface import interface_of
+from semianalytic.dissimilar_slot.densities.panels import Rule, rule_for
+from semianalytic.dissimilar_slot.densities.profile import (
+    GAP,
+    NORMAL,
+    OPENING,
+    RATE,
+    SHEAR,
+    SLIP,
+    Profile,
+)
+from semianalytic.dissimilar_slot.densities.zones import Coordinates, edges_of
 from semianalytic.dissimilar_slot.placement import Placement, place, polished
-from semianalytic.dissimilar_slot.profile import GAP, NORMAL, OPENING, RATE, SHEAR, SLIP, Profile
-from semianalytic.dissimilar_slot.zones import Coordinates, edges_of
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative, ZoneDerivative

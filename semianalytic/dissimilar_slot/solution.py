@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from semianalytic.dissimilar.growth import GrowingWave, growing_waves
 from semianalytic.dissimilar.pair import Pair
-from semianalytic.dissimilar_slot.profile import (
+from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
     NORMAL,
     OPENING,
@@ -20,7 +20,7 @@ from semianalytic.dissimilar_slot.profile import (
     SLIP,
     Profile,
 )
-from semianalytic.dissimilar_slot.zones import Zone
+from semianalytic.dissimilar_slot.densities.zones import Zone
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import (
     OpenInterval,
