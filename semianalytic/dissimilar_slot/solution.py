@@ -282,7 +282,8 @@ class PairSolution:
         ComputationError
             If zones of this kind have no edges at a nearby value.
         """
-        from semianalytic.dissimilar_slot.derivative import Member, differentiated
+        from semianalytic.dissimilar_slot.derivative import differentiated
+        from semianalytic.dissimilar_slot.neighbours import Member
 
         own = Member(self.pair, self.profile, self.stress_unit)
         return differentiated(own, name, (self.zones, self.openings), self.status)
