@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,19 +23,14 @@ from semianalytic.dissimilar_slot.densities.profile import (
 from semianalytic.dissimilar_slot.densities.zones import Zone
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import (
-    OpenInterval,
-    SlipInterval,
-    answer_dataset,
     checked_arrival,
-    sampled_history,
 )
-from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
-from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
 if TYPE_CHECKING:  # imported where it is asked for, for a quick import
@@ -78,7 +73,7 @@ class PairStatistics:
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
-class PairSolution:
+class PairSolution(SelfSimilarAnswer):
     """Self-similar slip, stick and opening between two different half-planes.
 
     Fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 there is the
@@ -288,15 +283,6 @@ class PairSolution:
         own = Member(self.pair, self.profile, self.stress_unit)
         return differentiated(own, name, (self.zones, self.openings), self.status)
 
-    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
-        return sampled_history(self, x, t)
-
-    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """Fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`; raises as
-        `slip_rate`."""
-        return answer_dataset(self, x, t)
-
     @cached_property
     def growing(self) -> tuple[GrowingWave, ...]:
         """Waves that grow where the interface slips.
@@ -309,11 +295,6 @@ class PairSolution:
         senses = sorted({zone.sense for zone in self.zones})
         frictions = [sense * self.pair.friction for sense in senses]
         return tuple(wave for f in frictions for wave in growing_waves(compliance, f))
-
-    @property
-    def edge_speeds(self) -> Array:
-        """(m, 2) velocities of the inner and outer edge of each slip zone [length / time]."""
-        return np.array([(zone.inner, zone.outer) for zone in self.zones]).reshape(-1, 2)
 
     @cached_property
     def edge_slip_rate(self) -> float:
@@ -369,18 +350,6 @@ class PairSolution:
         # The estimate is relative to the lesser of an edge and the slowest wave.
         slowest = min(pair.upper.shear_speed, pair.lower.shear_speed)
         return self_similar_reading(self, x, t, slowest, scales)
-
-    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """Intervals that slip at a time [time], from the contact edge outward; none until t = 0."""
-        t = checked_number("zones_at: t", t)
-        parts = self.zones if t > 0 else ()
-        return tuple(SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in parts)
-
-    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """Open intervals at a time [time], from the contact edge outward; none until t = 0."""
-        t = checked_number("openings_at: t", t)
-        parts = self.openings if t > 0 else ()
-        return tuple(OpenInterval(t * part.inner, t * part.outer) for part in parts)
 
 
 def in_velocity(
