@@ -25,6 +25,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import (
     checked_arrival,
 )
+from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
@@ -73,7 +74,7 @@ class PairStatistics:
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
-class PairSolution(SelfSimilarAnswer):
+class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     """Self-similar slip, stick and opening between two different half-planes.
 
     Fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 there is the
@@ -190,29 +191,6 @@ class PairSolution(SelfSimilarAnswer):
         film = isinstance(law, ViscousFriction) and law.viscosity > 0
         return np.where(is_open(self.openings, x, t), 0.0, margin) if film else margin
 
-    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Particle velocity v_x, v_y anywhere in both bodies, (2, ...) [length / time].
-
-        Positions and times broadcast: y > 0 is the upper body, y < 0 the lower one, and 0.0 and
-        -0.0 are their faces, those of the slot x < 0 included.  Infinite, with its sign, at the
-        Rayleigh fronts of the slot and at other singular points.
-
-        Raises
-        ------
-        SceneError
-            If a position or a time is not finite.
-
-        Examples
-        --------
-        >>> import semianalytic as sa
-        >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
-        >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-        >>> answer = sa.solve_pair(pair, rtol=1e-6)
-        >>> answer.velocity(1.0, [0.0, -0.0], 2e-3)[0].round(3)  # the slip rate is 0.25
-        array([ 0.141, -0.109])
-        """
-        return self._bodies.velocity(x, y, t)
-
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Particle velocity (v_x, v_y) [length / time] of the upper slot face, at x < 0; it is
         infinite at the Rayleigh front of the upper body.
@@ -226,28 +204,6 @@ class PairSolution(SelfSimilarAnswer):
             raise SceneError("the slot is x < 0; ask for negative positions.")
         along, across = self.velocity(x, 0.0, t)
         return along, across
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Stress sigma_xx, sigma_yy, sigma_xy anywhere in both bodies, (3, ...), tension positive
-        [stress]; positions, times and errors as `velocity`.
-
-        The base tractions are part of sigma_yy and sigma_xy; they do not determine the initial
-        sigma_xx, so that one is the change since t = 0.
-        """
-        return self._bodies.stress(x, y, t)
-
-    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Displacement u_x, u_y since t = 0 anywhere in both bodies, (2, ...) [length]; positions,
-        times and errors as `velocity`."""
-        return self._bodies.displacement(x, y, t)
-
-    @cached_property
-    def field_error(self) -> float:
-        """Estimate of the error of fields in the bodies, relative to themselves plus the load.
-
-        It adds the change on a coarser rule at some points and the error of the zone edges.
-        """
-        return self._bodies.error + self.error_estimate
 
     @cached_property
     def _bodies(self) -> PairBodies:

@@ -17,6 +17,7 @@ from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import (
     checked_arrival,
 )
+from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.reading import (
     Reading,
     first_times,
@@ -44,7 +45,7 @@ if TYPE_CHECKING:  # imported where they are asked for, for a quick import
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
-class Solution(SelfSimilarAnswer):
+class Solution(SelfSimilarAnswer, AnswerInBodies):
     """Self-similar slip on the interface of a scene, as returned by `solve`.
 
     All fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 they are
@@ -424,68 +425,6 @@ class Solution(SelfSimilarAnswer):
         tolerance = max(tuning.FIELD_RULE_SHARE * fields.rule.tolerance, tuning.FINEST_FIELD_RULE)
         opened = None if self.normal is None else self.normal.profile.fields
         return Bodies(self.scene, fields, opened, self.stress_unit, tolerance)
-
-    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the particle velocity anywhere in the bodies [length / time].
-
-        Smirnov and Sobolev's method gives it exactly up to one interpolation. A picture of 100,000
-        points takes about as many microseconds, and ten times as long the first time.
-
-        Parameters
-        ----------
-        x, y : arrays
-            Positions [length] that broadcast with t: y > 0 is the upper body, y < 0 the lower one,
-            0.0 and -0.0 are their faces.
-        t : array
-            Times [time]; until t = 0 the base state is at rest.
-
-        Returns
-        -------
-        (2, ...) array
-            v_x, v_y; in antiplane shear (3, ...), with v_z.  Infinite, with its sign, at the
-            Rayleigh front of the slot, at that of the contact where slip covers it, and at other
-            singular points.
-
-        Raises
-        ------
-        SceneError
-            If a position or a time is not a finite number.
-        """
-        return self._bodies.velocity(x, y, t)
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the stress anywhere in the bodies, tension positive [stress]; parameters as
-        `velocity`.
-
-        Returns
-        -------
-        (3, ...) array
-            sigma_xx, sigma_yy, sigma_xy; in antiplane shear (5, ...), with sigma_xz and sigma_yz.
-            The base tractions are part of sigma_yy and sigma_xy (or sigma_yz); they do not
-            determine the initial sigma_xx, so that one is the change since t = 0.  At the contact
-            edge the value is that just ahead of it.
-        """
-        return self._bodies.stress(x, y, t)
-
-    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the displacement since t = 0 anywhere in the bodies [length]; parameters as
-        `velocity`.
-
-        Returns
-        -------
-        (2, ...) array
-            u_x, u_y; in antiplane shear (3, ...), with u_z.
-        """
-        return self._bodies.displacement(x, y, t)
-
-    @cached_property
-    def field_error(self) -> float:
-        """Estimate of the error of fields in the bodies, relative to themselves plus the largest
-        load.
-
-        It adds the change on a coarser rule at some points and the error of the zone edges.
-        """
-        return self._bodies.error + self.error_estimate
 
     @cached_property
     def _slot_faces(self) -> SlotFaces:
