@@ -11,24 +11,21 @@ from os import PathLike, fspath
 from typing import Any
 
 import numpy as np
-from skfem import MeshQuad
 
 from fem.elements.assembly import (
     IN_PLANE,
     OUT_OF_PLANE,
-    STIFFNESS,
     Family,
     X,
     Y,
     Z,
     find_family,
-    lumped_mass,
-    make_space,
 )
 from fem.elements.edge import edge_offset
+from fem.patch import PATCH, highest_of_patch
 from fem.resolution import check_resolved, mesh_caution
 from fem.settings import Settings
-from fem.stepping import critical_step, highest_frequency, normalised
+from fem.stepping import critical_step
 from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
 from semianalytic.scene.checks import (
@@ -40,9 +37,6 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene, find_blocks
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Material, Scene
-
-PATCH = 24
-"""Elements along a side of the patch on which the fastest mode is computed."""
 
 TRIANGLES = 1.156
 """Measured ratio of the nodes of an unstructured mesh to those of squares of the same side."""
@@ -259,8 +253,7 @@ class Plan:
     def critical_step(self) -> float:
         """Largest stable step [time]; an estimate for unstructured triangles.
 
-        The fastest mode is localised in the corners of the blocks, so a patch of a few elements has
-        it.
+        `highest_of_patch` says why a patch of the mesh tells it.
         """
         blocks, settings = self.blocks, self.settings
         rows = tuple(np.round(blocks.rows[: PATCH + 1] / blocks.size, 12).tolist())
@@ -293,11 +286,8 @@ def _highest_of_patch(
 
     It is kept, because meshes are chosen among many that differ in size alone.
     """
-    x = np.arange(PATCH + 1.0)
-    space = make_space(MeshQuad.init_tensor(x, np.array(rows)), find_family(element, mesh))
-    one = {"upper": Material(1.0, 1.0, poisson_ratio)}
-    matrix, _ = normalised(STIFFNESS[components](space, one), lumped_mass(space, one))
-    return highest_frequency(matrix, tol=1e-7)
+    x, solid = np.arange(PATCH + 1.0), Material(1.0, 1.0, poisson_ratio)
+    return highest_of_patch(x, np.array(rows), find_family(element, mesh), solid, components)
 
 
 def _check_front(scene: Scene, end_time: float) -> None:
