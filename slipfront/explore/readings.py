@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from compare.comparison.scales import reference_values
-from semianalytic import Marched, Scene, SlipZone
-from semianalytic.results.answer import digits_apart
+from semianalytic import Marched, Scene
+from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
 from semianalytic.scene.units import unit
 from slipfront.explore.views import (
     Shown,
@@ -21,22 +19,16 @@ def readings(answer: Shown) -> list[list[str]]:
         slip = float(answer.max_slip(answer.end_time))
         return [["largest slip", f"{slip:.4g} {unit('length', scene.units)}"]]
     speed = scene.material.shear_speed
-    parts = [(_kind(zone), zone.inner / speed, zone.outer / speed) for zone in answer.zones]
+    parts = [
+        (kind_of_slip(zone.sense), zone.inner / speed, zone.outer / speed) for zone in answer.zones
+    ]
     parts += [("open", one.inner / speed, one.outer / speed) for one in answer.openings]
     digits = digits_apart((end for _, *ends in parts for end in ends), 5)
     rows = [
-        [kind, f"{inner:.{digits}g} … {_infinite(outer, digits)} c_t"]
+        [kind, f"{inner:.{digits}g} … {number_or_infinity(outer, digits)} c_t"]
         for kind, inner, outer in sorted(parts, key=lambda part: part[1])
     ]
     return rows or [["interface", "sticks everywhere"]]
-
-
-def _kind(zone: SlipZone) -> str:
-    return "slip" if zone.sense > 0 else "reverse slip"
-
-
-def _infinite(speed: float, digits: int) -> str:
-    return "∞" if math.isinf(speed) else f"{speed:.{digits}g}"
 
 
 def scales(scene: Scene) -> list[list[str]]:
