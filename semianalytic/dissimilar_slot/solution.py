@@ -32,6 +32,7 @@ from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
+from semianalytic.selfsimilar.shown import slips_said
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
 if TYPE_CHECKING:  # imported where it is asked for, for a quick import
@@ -127,13 +128,10 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         return self.pair.alike
 
     def __repr__(self) -> str:
-        speeds = [(f"{zone.inner:.4g}", f"{zone.outer:.4g}", zone.sense) for zone in self.zones]
-        parts = [f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds]
-        slips = f"slip at {', '.join(parts)}" if parts else "no slip"
         opens = [f"{part.inner:.4g} < x/t < {part.outer:.4g}" for part in self.openings]
         open_ = f", open at {', '.join(opens)}" if opens else ""
         estimate = f"error estimate {self.error_estimate:.1e}"
-        return f"<PairSolution: {slips}{open_}; {self.status}, {estimate}>"
+        return f"<PairSolution: {slips_said(self.zones)}{open_}; {self.status}, {estimate}>"
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the functions of the profile at positions and times, (6, ...); 0 before t = 0."""
