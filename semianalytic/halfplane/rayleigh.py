@@ -24,8 +24,10 @@ Array = NDArray[np.float64]
 Mode = Literal["I", "II", "III"]
 """Modes of fracture: opening, sliding across the edge, and sliding along it (antiplane)."""
 
-_REACH, _SPACING = 80.0, 0.08  # of y in v = a + (b - a) / (1 + exp(-y))
+_REACH, _SPACING = 80.0, 0.08
+"""Largest |y|, and spacing, of the trapezoidal rule in v = a + (b - a) / (1 + exp(-y))."""
 _DEGREE = 256
+"""Largest degree of the Chebyshev series of ln S_+."""
 
 
 @dataclass(frozen=True)
