@@ -36,11 +36,11 @@ from semianalytic.dissimilar_slot.densities.profile import (
 )
 from semianalytic.dissimilar_slot.densities.zones import Coordinates, edges_of
 from semianalytic.dissimilar_slot.placement import Placement, place, polished
+from semianalytic.halfplane.polynomials import FOURTH_ORDER
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError, SceneError
 
-_POINTS, _WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
-"""A central difference of fourth order."""
+_POINTS, _WEIGHTS = FOURTH_ORDER
 _LONGEST_MOVE, _MOST_SHORTENINGS = 0.02, 5
 """Largest change of an unknown of the edges in a step, in logarithms of distances: an edge beside a
 front would cross it; and how often a step is shortened, by a tenth at most."""

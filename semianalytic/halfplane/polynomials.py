@@ -1,4 +1,4 @@
-"""Gauss-Legendre rules and Chebyshev series of smooth functions."""
+"""Gauss-Legendre rules, Chebyshev series and central differences of smooth functions."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+FOURTH_ORDER = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
+"""Points, in steps, and weights of the central difference of fourth order."""
 _ENOUGH = 0.8
 """Largest share of the coefficients above rounding for which a series counts as complete."""
 

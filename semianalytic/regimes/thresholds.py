@@ -50,7 +50,8 @@ RULE = rule_for(1e-12)
 _PAST_FRONTS = (-15.0, 3.0)
 """Unknowns of `past_rayleigh` for fronts from close to c_l to close to c_t."""
 _BESIDE = 1e-6
-"""Distance from c at which the logarithm is read; the rest, averaged over both sides, is O(1e-12)."""
+"""Distance from c at which the logarithm is read: what is left of V, averaged over both sides, is
+O(1e-12)."""
 
 
 @dataclass(frozen=True)
