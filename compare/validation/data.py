@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.records.record import QUANTITIES, Record, Records
+from compare.records.stations import LEAST_TIMES
 from semianalytic import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 
@@ -30,13 +31,18 @@ def as_runs(data: Data | Sequence[Data]) -> list[Records]:
     Raises
     ------
     DataFileError
-        If there are no records, or arrays do not fit each other.
+        If there are no records, one has fewer than two times, or arrays do not fit each other.
     """
     if isinstance(data, Records | InterfaceHistory | Mapping):
         data = [data]
     runs = [_run(one) for one in data]
     if not runs:
         raise DataFileError("validate: there are no records; give at least one run.")
+    for record in (one for run in runs for one in run.stations if len(one.t) < LEAST_TIMES):
+        raise DataFileError(
+            f"validate: the record at x = {record.x:g} has {len(record.t)} times; it takes "
+            f"{LEAST_TIMES} at least."
+        )
     return runs
 
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from compare.comparison.judging import BEYOND
 from compare.comparison.measures import NOTHING, nearest, onset_time
+from compare.comparison.rows import UNRESOLVED
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES, Record, Records
 from compare.validation.bars import SCATTER, TELLING, Bar, JudgedRow, pooled_bar, station_bar
@@ -40,6 +44,7 @@ SLIDING = 0.05
 STRENGTH_FLOOR = 0.005
 MEDIAN_NOISE = math.sqrt(math.pi / 2)
 """Standard deviation of a median of normally distributed samples, over that of their mean."""
+BETWEEN = f"{BEYOND}; a finer grid, or noise that is stated as it is, would tell"
 NO_GRID = "nothing says how fine the grid is; give `spacing`"
 ONE_FACE = (
     "one face moves by more than half of the slip where pressure acts on it; record both faces"
@@ -58,10 +63,14 @@ def rows(grids: Grids, exact: Exact, threshold: float | None, *, face: bool) -> 
     face : bool
         Whether slip was made of the motion of one face.
     """
-    yield from arrival_rows(grids, exact, threshold)
-    for name in QUANTITIES:
-        yield from quantity_rows(grids, exact, name, face=face)
-    yield from strength_rows(grids, exact)
+    found = itertools.chain(
+        arrival_rows(grids, exact, threshold),
+        *(quantity_rows(grids, exact, name, face=face) for name in QUANTITIES),
+        strength_rows(grids, exact),
+    )
+    for row in found:
+        between = row.verdict == UNRESOLVED and not row.obstacle
+        yield replace(row, obstacle=BETWEEN) if between else row
 
 
 def quantity_norms(grids: Grids, exact: Exact, name: str) -> list[tuple[Record, Norm]]:

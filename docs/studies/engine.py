@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid, quad
 
 import semianalytic as sf
+from semianalytic.engine.record import past_of
 from semianalytic.engine.stability import critical_wavenumber, growth
 from semianalytic.engine.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
@@ -431,8 +432,7 @@ def events() -> Iterator[Row]:
         ratio = 0.4 if longest == math.inf else 0.4 * 4e-6 / (0.4 * 16 / 256 / 3000)
         stepper = Stepper(found.interface, 256, ratio, end_time=100.0, longest=longest)
         kept, now = before.checkpoint, stepper.begin()
-        stepper.memory.modes = kept["modes"].copy()
-        stepper.memory.lasting, stepper.memory.last = kept["lasting"].copy(), kept["last"]
+        stepper.memory.put_back(past_of(kept))
         now = type(now)(**{name: kept[name] for name in now.__dataclass_fields__})
         count, first, peak = 0, now, 0.0
         while now.time < begin + 0.06:

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from semianalytic.engine.tuning import HISTORY_SAMPLES, PART_NODES, WAVE_STEPS
+from semianalytic.engine.tuning import HISTORY_SAMPLES, LOAD_SHARE, PART_NODES, WAVE_STEPS
+from semianalytic.interface.fields import moving
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.tabulated import Tabulated
 from semianalytic.spacetime.grid.resolution import longest_following
 from semianalytic.spacetime.grid.tuning import STEP_RATIO as TURN_RATIO
+
+Array = NDArray[np.float64]
 
 
 class Window(NamedTuple):
@@ -30,17 +35,24 @@ class LoadPace:
     """The longest steps that do not pass over what loads do.
 
     Steps end at jumps of loads in any case.  A kink of a history should lie in a step of the
-    shortest length, because the load may come and go between it and the next one.
+    shortest length, because the load may come and go between it and the next one.  A load that is a
+    function of time, or of x and t, is looked at `HISTORY_SAMPLES` times; a step passes over a
+    tenth of its range at most (`LOAD_SHARE`), up and down counted.
 
     Parameters
     ----------
     interface : Interface
-        Its loads with a `LoadHistory`; what functions of time do between steps is not known.
-    spacing : float
-        Node distance [length].
+        The loads are its own.
+    x : (n,) array
+        Nodes, which lie at equal distances [length].
+    end_time : float
+        Time until which functions are looked at [time].
     """
 
-    def __init__(self, interface: Interface, spacing: float) -> None:
+    def __init__(self, interface: Interface, x: Array, end_time: float) -> None:
+        self._interface, self._x = interface, x
+        self._times = np.linspace(0.0, end_time, HISTORY_SAMPLES)
+        spacing = float(x[1] - x[0])
         self._breaks: list[float] = []
         self._windows: list[Window] = []
         for load, history in _histories(interface):
@@ -73,7 +85,48 @@ class LoadPace:
                 longest = min(longest, step)
             elif time < begin:
                 longest = min(longest, begin - time)
+        for passed in self._passed:
+            enough = float(np.interp(time, self._times, passed)) + LOAD_SHARE
+            if enough < passed[-1]:
+                # the variation rises from sample to sample, so that the first one beyond tells
+                after = int(np.searchsorted(passed, enough))
+                sides = slice(after - 1, after + 1)
+                longest = min(
+                    longest, float(np.interp(enough, passed[sides], self._times[sides])) - time
+                )
         return longest
+
+    @cached_property
+    def _passed(self) -> list[Array]:
+        """Variation of each function until each sample, over its range, (`HISTORY_SAMPLES`,).
+
+        It is found when it is first asked for: steps that are as short as they can be do not.
+        """
+        found = []
+        for load in self._interface.loads:
+            if not isinstance(load, InterfaceLoad):
+                continue
+            if load.is_timed:
+                found.append(_variation(np.array(list(map(load.factor, self._times)))[:, None]))
+            elif load.history is None:
+                found += [
+                    _variation(moving(getattr(load, of), self._x, t, 0.0) for t in self._times)
+                    for of in ("shear", "pressure")
+                    if load.acts(of)
+                ]
+        return [passed for passed in found if passed[-1] > 0]
+
+
+def _variation(samples: Iterable[Array]) -> Array:
+    """Return the largest variation at a node up to each sample (n,), over the largest range."""
+    rows = iter(samples)
+    before = low = high = next(rows)
+    steps = [0.0]
+    for row in rows:
+        steps.append(float(np.abs(row - before).max()))
+        before, low, high = row, np.minimum(low, row), np.maximum(high, row)
+    size = float((high - low).max())
+    return np.cumsum(steps) / size if 0 < size < math.inf else np.zeros(len(steps))
 
 
 def in_fours(nodes: float) -> int:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.line import LineMemory
 from semianalytic.engine.result import Run
 from semianalytic.engine.steps import State, Stepper
+from semianalytic.memory.line_memory import LineMemory, Past
 from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]
@@ -139,16 +139,22 @@ def checkpoint(stepper: Stepper, record: Record, now: State, print_of: str) -> d
     return {
         **{one.name: getattr(now, one.name) for one in fields(State)},
         **{
-            f"{prefix}{name}": getattr(memory, name)
-            for prefix, memory in _memories(stepper)
-            for name in ("modes", "lasting", "last")
+            f"{prefix}{one.name}": getattr(past, one.name)
+            for prefix, past in ((one, memory.past()) for one, memory in _memories(stepper))
+            for one in fields(Past)
         },
-        **{f"{prefix}horizon": one.memory.horizon for prefix, one in _memories(stepper)},
+        **{f"{prefix}horizon": one.horizon for prefix, one in _memories(stepper)},
         "fingerprint": print_of,
         "every": record.every,
         "count": record.count,
         "slipping": record.slipping,
     }
+
+
+def past_of(kept: Mapping[str, Any], prefix: str = "") -> Past:
+    """Return the memory in a checkpoint: that of slip, or of opening with "normal_"."""
+    modes, lasting, rates, last, repeated = (kept[f"{prefix}{one.name}"] for one in fields(Past))
+    return Past(modes, lasting, rates, float(last), int(repeated))
 
 
 def fingerprint(stepper: Stepper) -> str:
@@ -189,14 +195,12 @@ def resumed(
             f"run: `end_time` must be beyond that of `go_on`, {float(kept['time']):.6g}."
         )
     for prefix, memory in _memories(stepper):
-        if float(kept[f"{prefix}horizon"]) != memory.memory.horizon:
+        if float(kept[f"{prefix}horizon"]) != memory.horizon:
             raise SceneError(
                 f"run: the memory of `go_on` reaches t = {float(kept['latest']):g}; compute it "
                 f"again with `latest` = {end_time:g} to continue it until then."
             )
-        memory.modes = kept[f"{prefix}modes"].copy()
-        memory.lasting = kept[f"{prefix}lasting"].copy()
-        memory.last = float(kept[f"{prefix}last"])
+        memory.put_back(past_of(kept, prefix))
     record.every, record.count = int(kept["every"]), int(kept["count"])
     record.t = list(earlier.t)
     for name in FIELDS:

@@ -21,7 +21,7 @@ from semianalytic.scene.extras import needing
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront interface run 5"
+FORMAT = "slipfront interface run 6"
 _UNITS = {
     "slip": ("length", "relative slip, upper minus lower side"),
     "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),

@@ -9,17 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.acting import ActingLoads
+from semianalytic.engine.balance import Balance
 from semianalytic.engine.checks import check_even, check_touching
-from semianalytic.engine.line import CoupledMemory, Grid, LineMemory
+from semianalytic.engine.line import Grid
+from semianalytic.engine.memories import memories
 from semianalytic.engine.pace import LoadPace, in_fours
 from semianalytic.engine.slots import freed_rate
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
-    CROSSINGS,
     LADDER,
-    LARGEST_HORIZON,
-    LEAST_HORIZON,
-    PAIR_TOLERANCE,
     RATE_SHARE,
     STATE_SHARE,
     SWEEPS,
@@ -31,10 +29,9 @@ from semianalytic.interface.contact import Adhesion
 from semianalytic.interface.fields import required, sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.law import check_law, check_rate
-from semianalytic.memory.exponentials import fit_memory, fit_shared
-from semianalytic.memory.impedance import Antiplane, InPlane, Opening
+from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.spacetime.grid.line import area_means
+from semianalytic.spacetime.grid.line import check_feedback
 
 Array = NDArray[np.float64]
 
@@ -110,9 +107,6 @@ class Stepper:
         self._on = x[self.touching]
         spacing = self.grid.spacing
         self.law = interface.law.on(self._on, spacing)
-        self._inner = self._neighbours()[self.touching]
-        # Beyond the ends of half a line lie mirror images of the nodes inside it.
-        self._mirror = (0 if self.grid.between else 1) if self.grid.even else None
         self.pressure = sampled("interface: pressure", interface.pressure, self._on, spacing)
         required(
             "interface: pressure", self.pressure, self.pressure >= 0, "not be negative", self._on
@@ -127,13 +121,10 @@ class Stepper:
             check_even(interface, self.grid, self.shortest)
         loads = interface.loads
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
-        self._load_pace = LoadPace(interface, self.grid.spacing)
-        q = math.pi / self.grid.spacing
-        reach = q * min(self._speed * end_time, CROSSINGS * interface.length)
-        horizon = min(max(reach, LEAST_HORIZON), LARGEST_HORIZON)
-        # rounded up to a power of 2, so that runs of different lengths share a fit
-        horizon = min(2.0 ** math.ceil(math.log2(horizon)), LARGEST_HORIZON)
-        self.memory, opening, stiffness = self._memories(horizon, tolerance)
+        self._load_pace = LoadPace(interface, x, end_time)
+        self._balance = Balance(self.law, self.impedance, self.touching, self.grid)
+        self.memory, opening, stiffness = memories(interface, self.grid, end_time, tolerance)
+        check_feedback("run", self.memory.table(self.shortest * self._speed).feedback[0])
         self.unilateral = None
         if opening is not None:
             base, step = self._base(), self.shortest
@@ -145,30 +136,12 @@ class Stepper:
                 longest = min(longest, self._check_adhesion(bonds))
         self._has_slots = not self.touching.all()
         # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
-        self._bound = bound_share * 2 / (stiffness * max(q, held))
+        q = max(math.pi / spacing, held)
+        self._bound = bound_share * 2 / (stiffness * q)
         self._state_share, self._longest = state_share, longest
         self._state_slip = np.asarray(self.law.state_slip(), dtype=float)
         self._is_delayed = bool(np.any(self.law.pressure_delay(np.zeros(len(self._on)))))
         self._latest: tuple[Array | None, Array] = None, np.zeros(0)
-
-    def _memories(
-        self, horizon: float, tolerance: float
-    ) -> tuple[LineMemory, LineMemory | None, float]:
-        """Return the memories of slip and opening, and traction over wavenumber and slip."""
-        interface, material = self.interface, self.interface.material
-        if self.pair is not None:
-            fit = fit_shared(self.pair.kernels, horizon, PAIR_TOLERANCE)
-            direct = self.pair.kernels.direct
-            slip, gap = (CoupledMemory(fit, own, float(direct[own]), self.grid) for own in (0, 1))
-            return slip, gap, self.pair.stiffness
-        ratio = material.shear_speed / material.longitudinal_speed
-        impedance = Antiplane() if interface.mode == "antiplane" else InPlane(ratio)
-        memory = LineMemory(fit_memory(impedance, horizon, tolerance), self.grid)
-        stiffness = impedance.static * material.shear_modulus / 2
-        if not interface.may_open:
-            return memory, None, stiffness
-        opening = LineMemory(fit_memory(Opening(ratio), horizon, tolerance), self.grid)
-        return memory, opening, stiffness
 
     def _check_adhesion(self, bonds: Adhesion) -> float:
         """Return the longest step [time] in which adhesion may fall, or raise SceneError."""
@@ -182,14 +155,6 @@ class Stepper:
                 " nodes or more, or a larger length."
             )
         return longest
-
-    def _neighbours(self) -> NDArray[np.bool_]:
-        """Return which nodes have a neighbour of the contact on either side, (n,)."""
-        left, right = np.roll(self.touching, 1), np.roll(self.touching, -1)
-        if self.grid.even:
-            # the neighbours of the first and the last node are mirror images of nodes
-            left[0], right[-1] = self.touching[0], self.touching[-1]
-        return np.asarray(self.touching & left & right)
 
     def _base(self) -> Array:
         """Return the pressure in place before loads, (n,), 0 on slots."""
@@ -216,6 +181,9 @@ class Stepper:
         count = len(self.grid.x)
         rate = np.zeros(count)
         rate[self.touching] = sampled("interface: rate", self.interface.rate, self._on)
+        against = rate[self.touching] * self.shear[self.touching] < 0
+        words = "have the sense of `shear`, for friction opposes slip"
+        required("interface: rate", rate[self.touching], ~against, words, self._on)
         state = np.asarray(
             self.law.start(self.pressure, self.shear[self.touching], np.abs(rate[self.touching])),
             dtype=float,
@@ -245,12 +213,11 @@ class Stepper:
         if self.pair is not None and self.unilateral is not None:
             line = line + self._drag(self.unilateral.held(now))
             faces = self.unilateral.jump(now, now.time, self._push(held))
-            held = held[0]
         elif self.unilateral is not None:
             faces = self.unilateral.jump(now, now.time)
-        stopping = self._stopping(line, held)
+        stopping = self._stopping(line, held[0])
         felt = now.felt if self._is_delayed else self._pressure(faces)
-        rate, traction = self._balance(stopping, slot, now.state, felt, faces)
+        rate, traction = self._balance(stopping, slot, now.state, felt, self._open(faces))
         self.memory.exchange(self._amplitudes(rate - now.rate))
         return replace(
             now,
@@ -268,12 +235,13 @@ class Stepper:
         """Return length and rung of the step that may follow a state [time]."""
         speed = np.abs(now.rate[self.touching])
         limit = min(self._convergent(now, speed), self._longest)
-        limit = min(limit, self._load_pace.longest(now.time))
         if now.pace > 0:
             limit = min(limit, RATE_SHARE / now.pace)
         with np.errstate(divide="ignore"):
             limit = min(limit, float(np.min(self._state_share * self._state_slip / speed)))
         rung = 0
+        if limit > self.shortest:
+            limit = min(limit, self._load_pace.longest(now.time))
         if limit > self.shortest:
             rung = min(int(math.log(limit / self.shortest) / math.log(LADDER)), now.rung + 1)
         if rung and self.unilateral is not None:
@@ -306,7 +274,7 @@ class Stepper:
             left = stop - now.time
             # A step that almost reaches the stop is stretched to it, so that no sliver is left.
             last = left <= length * (1 + 1e-9)
-            kept = [one.kept() for one in self._every_memory()] if rung > 0 else []
+            kept = [one.past() for one in self._every_memory()] if rung > 0 else []
             after = self.step(now, left if last else length, rung, stop if last else None)
             speed = np.abs(after.rate[self.touching])
             if not kept or length <= self._convergent(after, speed) / BOUND_SHARE:
@@ -341,27 +309,27 @@ class Stepper:
         elif self.unilateral is not None:
             faces = self.unilateral.step(now, time, length, path, self.sweeps)
         amplitudes = self._amplitudes(now.rate)
-        past, feedback = self.memory.advance(amplitudes, path)
+        past = self.memory.advance(amplitudes, path)
+        feedback = self.memory.feedback
         line, slot = self.loads(time)
         # in the shortest steps iterating over the slots converges as well, and costs less
         solved = rung > 0 and self._has_slots and self.unilateral is None
         old = np.abs(now.rate[self.touching])
         rate = now.rate
         for _ in range(self.sweeps):
-            if parting is None:
-                stopping = self._stopping(line, past + feedback * amplitudes)
-            else:
-                held = past + feedback[:, None] * amplitudes
+            held, dragged = past + feedback[:, None] * amplitudes, line
+            if parting is not None:
                 parting.sweep(self._push(held))
-                faces = parting.faces
-                stopping = self._stopping(line + self._drag(parting.convolutions), held[0])
+                faces, dragged = parting.faces, line + self._drag(parting.convolutions)
+            stopping = self._stopping(dragged, held[0])
             mean = (old + np.abs(rate[self.touching])) / 2
             state, felt = self._evolved(now, mean, length, faces)
-            rate, traction = self._balance(stopping, slot, state, felt, faces)
+            rate, traction = self._balance(stopping, slot, state, felt, self._open(faces))
             if solved:
                 plate, load = self.interface.plate_rate, (line - slot) / self.impedance
                 moved = rate - plate
-                rate = plate + freed_rate(self.grid, self.touching, moved, load, past, feedback)
+                own = past[0], feedback[0]
+                rate = plate + freed_rate(self.grid, self.touching, moved, load, *own)
             amplitudes = self._amplitudes(rate)
         if not math.isfinite(float(amplitudes.sum())):
             raise ComputationError(
@@ -414,6 +382,10 @@ class Stepper:
             return state, after
         return state, self.law.felt_pressure(now.felt, speed, length, before, after)
 
+    def _open(self, faces: Faces) -> NDArray[np.bool_] | None:
+        """Return where nodes are open, (n,); None if nothing ever opens."""
+        return None if self.unilateral is None else faces.is_open
+
     def _pressure(self, faces: Faces) -> Array:
         """Return the pressure of the contact, (contact,); tension counts as none."""
         if self.unilateral is None:
@@ -431,31 +403,3 @@ class Stepper:
         """Return the traction of nodes that do not move, given the convolution over the past."""
         plate = self.interface.plate_rate
         return line - self.impedance * (self.grid.values(convolution) - plate)
-
-    def _balance(
-        self, stopping: Array, slot: Array, state: Array, felt: Array, faces: Faces
-    ) -> tuple[Array, Array]:
-        """Return slip rate and traction at which friction, or the load on slots, is met."""
-        on = stopping[self.touching]
-        freed = None if self.unilateral is None else faces.is_open[self.touching]
-        size = np.abs(on)
-        if self.law.has_threshold:
-            rest = self.law.strength(felt, np.zeros(len(on)), state)
-            if freed is not None:
-                rest = np.where(freed, 0.0, rest)
-            # The mean acts where slip ends as well.  Without it there (`before`) five of nine
-            # interfaces have the same errors, slip of pulses beside slots is up to 27 % better and
-            # that of a pulse at an angle up to 15 % worse (docs/engine.md, "Method").
-            size = area_means(size, size - rest, self._inner, mirror=self._mirror)
-        if freed is not None:
-            # Open nodes need some positive pressure here; their slip rate is replaced below.
-            felt = np.where(freed, 1.0, felt)
-        speed = self.law.slip_speed(size, felt, self.impedance, state)
-        rate = (stopping - slot) / self.impedance
-        # Slip has the sense of the traction it relaxes; 0.0 - speed keeps +0.0 where it sticks.
-        rate[self.touching] = np.where(on < 0, 0.0 - speed, speed)
-        traction = stopping - self.impedance * rate
-        if freed is not None:
-            rate[self.touching] = np.where(freed, on / self.impedance, rate[self.touching])
-            traction[self.touching] = np.where(freed, 0.0, traction[self.touching])
-        return rate, traction

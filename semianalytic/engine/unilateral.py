@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.line import Grid, LineMemory
+from semianalytic.engine.line import Grid
 from semianalytic.interface.contact import Adhesion
+from semianalytic.memory.line_memory import LineMemory
 
 Array = NDArray[np.float64]
 
@@ -117,8 +118,7 @@ class Unilateral:
 
     def held(self, now: Faces) -> Array:
         """Return the convolutions now, one per kernel, (1 or 2, rows, m)."""
-        held = self.memory.convolution(self.grid.amplitudes(now.gap_rate))
-        return held if held.ndim == 3 else held[None]
+        return self.memory.convolution(self.grid.amplitudes(now.gap_rate))
 
     def frees(self, now: Faces, time: float, push: Array | float = 0.0) -> bool:
         """Return whether a node is open, or would open under the loads of a later time.
@@ -205,9 +205,8 @@ class Parting:
         self._unilateral, self._now, self._length = unilateral, now, length
         self._line, self._slot = unilateral.loads(time)
         self._amplitudes = unilateral.grid.amplitudes(now.gap_rate)
-        past, feedback = unilateral.memory.advance(self._amplitudes, path)
-        several = past.ndim == 3
-        self._past, self._feedback = (past, feedback) if several else (past[None], feedback[None])
+        self._past = unilateral.memory.advance(self._amplitudes, path)
+        self._feedback = unilateral.memory.feedback
         self._least = 0.0 - now.gap / length
         self._pressure, self._rate = now.pressure, now.gap_rate
 

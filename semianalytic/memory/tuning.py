@@ -19,11 +19,14 @@ LEAST_KERNEL = 1e-3
 """Least size of one of several kernels, over that of the largest, to which its error is relative:
 smaller ones do not matter to the march, and rounding of 1e-11 of the largest hides them."""
 
-# --- the recursion -------------------------------------------------------------------------------
+# --- the memory of a line ------------------------------------------------------------------------
 
 MEMORY_STEPS = 4
-"""Steps after which the memory is brought up to date: with 2 the memory takes 1.5 times as long,
-with 8 three quarters (400 grid nodes; from 1,600 on the three differ by a fifth).  Each step needs
-16 bytes per pole and node."""
-LARGEST_FEEDBACK = 0.95
-"""Largest feedback of the shortest wave: the iteration of a step diverges from 1 on."""
+"""Steps after which a large memory is brought up to date: with 2 it takes 1.5 times as long, with 8
+three quarters (400 grid nodes; from 1,600 on the three differ by a fifth).  Each step needs 16
+bytes per pole and node."""
+MEMORY_SIZE = 20_000
+"""Poles times wavenumbers from which on a memory is large, 320 kB of numbers.  On 1,000 nodes a
+march takes 1.2 times as long without; a memory of 12,000 numbers takes as long either way."""
+REPEATED_STEPS = 2
+"""Steps of equal length after which more of them are expected."""

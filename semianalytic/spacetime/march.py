@@ -26,7 +26,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
 
-from semianalytic.memory.tuning import LARGEST_FEEDBACK
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
@@ -37,7 +36,7 @@ from semianalytic.spacetime.advancing import advance, loads_on_grid
 from semianalytic.spacetime.grid.resolution import (
     check_weakening_seen,
 )
-from semianalytic.spacetime.grid.tuning import STEP_RATIO
+from semianalytic.spacetime.grid.tuning import LARGEST_FEEDBACK, STEP_RATIO
 from semianalytic.spacetime.march_plan import MarchPlan
 from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.stepping import check_levels, segments_between

@@ -2,7 +2,7 @@
 
 A step takes the loads at its end, computes the traction that would stop each node under the memory
 of past slip, from it and the friction law the slip rate (`line.Line.slip_rate`), and adds the new
-slip to the memory (`Recursion`).  Steps are summed up and recorded in blocks.
+slip to the memory (`LineMemory`).  Steps are summed up and recorded in blocks.
 See docs/spacetime.md, "Method".
 """
 
@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.memory.cosines import cosines, from_cosines
-from semianalytic.memory.recursion import Recursion, exerted
+from semianalytic.memory.line_memory import LineMemory, Past
 from semianalytic.scene.errors import ComputationError, TensionError
 from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid.grid_loads import FrontLoad, NodalPressure
-from semianalytic.spacetime.grid.line import Level, Line
+from semianalytic.spacetime.grid.line import Level, Line, damped
 from semianalytic.spacetime.grid.tuning import SWEEPS
 from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.record import MarchRecord
@@ -173,8 +173,9 @@ class Walk:
         self._marched, self._pressure, self._front = marched, pressure, front
         self._line = Line(marched.scene, marched.grid.slot)
         self._by_slip = self._line.by_path
-        state, size = marched.state.copy(), marched.grid.size
-        self._modes, self._lasting = state.modes, state.lasting
+        state, size = marched.state, marched.grid.size
+        self._memory = LineMemory(marched.memory, self.grid.wavenumbers)
+        self._memory.put_back(Past(state.modes[None], state.lasting[None]))
         self._block = max(1, min(BLOCK_STEPS, STEP_VALUES // size))
         # the levels of a block, of which the first is the one before it
         values = (state.rate, state.traction, state.slip, state.path, state.work)
@@ -184,13 +185,14 @@ class Walk:
         self._rates, self._tractions, self._slips, self._paths, self._works = self._fields
         self._powers = np.zeros_like(self._tractions)
         self._last = 0
-        self._transform, self._stopping = np.empty((2, size))
+        self._transform, self._stopping = np.empty((1, size)), np.empty(size)
 
     @property
     def state(self) -> MarchState:
         """The state that is reached; its memory is complete between segments only."""
         fields = (field[self._last].copy() for field in self._fields)
-        return MarchState(self.time, self._modes, self._lasting, *fields)
+        past = self._memory.past()
+        return MarchState(self.time, past.modes[0], past.lasting[0], *fields)
 
     @property
     def rates(self) -> Array:
@@ -202,9 +204,10 @@ class Walk:
         marched, grid, scene = self._marched, self.grid, self._marched.scene
         self._turn_over()
         self.time_step, self.done = segment.time_step, 0
-        phase = grid.wavenumbers * scene.material.shear_speed * segment.time_step
-        self._recursion = Recursion(marched.memory, phase, marched.damping)
-        self._feedback = -self._line.impedance * self._recursion.feedback
+        self._length = scene.material.shear_speed * segment.time_step
+        feedback = self._memory.table(self._length).feedback[0]
+        feedback = damped(feedback, grid.wavenumbers, marched.damping)
+        self._feedback = -self._line.impedance * feedback
         self._levels = _levels(scene, segment, self._pressure, self._front)
         first = next(self._levels)
         # A segment that begins neither with the load nor at a jump continues an earlier march,
@@ -219,8 +222,7 @@ class Walk:
         self._powers[0] = self._line.power(self._rates[0, grid.contact], self._paths[0])
         if segment.begin == marched.recorded_from:
             self.record.begin(self.state, first.pressure)
-        cosines(self._rates[0], self._transform)
-        self._recursion.enter(self._modes, self._lasting, self._transform)
+        cosines(self._rates[0], self._transform[0])
 
     def advance(self, steps: int) -> None:
         """Take a block of up to so many steps, fewer if the march is stopped, and record it.
@@ -252,7 +254,7 @@ class Walk:
     def end(self) -> None:
         """Leave the segment, at its end or before it if the march was stopped."""
         # complete the memory, so that a segment of another step length can begin from it
-        self._recursion.leave(self._transform)
+        self._memory.settle(self._transform)
 
     def _turn_over(self) -> None:
         """Make the level that is reached the first of the next block."""
@@ -268,7 +270,8 @@ class Walk:
         traction change at once, through the local term of (4.40).
         """
         stopping, rate, impedance = self._stopping, self._rates[0], self._line.impedance
-        from_cosines(exerted(self._modes, self._lasting) * -impedance, stopping)
+        exerted = self._memory.convolution(self._transform)[0, 0]
+        from_cosines(exerted * -impedance, stopping)
         stopping += level.uncut
         self._line.slip_rate(stopping, level, self._paths[0], rate)
         self._tractions[0] = (stopping - impedance * rate)[self.grid.contact]
@@ -276,8 +279,8 @@ class Walk:
     def _step(self, level: Level) -> None:
         """Take one step, from the last row of the block into the next one."""
         line, contact, last = self._line, self.grid.contact, self._last
-        rate, stopping, transform = self._rates[last + 1], self._stopping, self._transform
-        past = self._recursion.step(transform)
+        rate, stopping, transform = self._rates[last + 1], self._stopping, self._transform[0]
+        past = self._memory.advance(self._transform, self._length)[0, 0]
         past *= -line.impedance
         # laws that do not ask for the path are given any
         path = self._paths[last if self._by_slip else 0]

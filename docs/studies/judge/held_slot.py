@@ -12,7 +12,8 @@ from semianalytic import Scene
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import impedance_of
-from semianalytic.memory.recursion import Recursion
+from semianalytic.memory.line_memory import LineMemory
+from semianalytic.spacetime.grid.line import damped
 from semianalytic.spacetime.grid.nodes import causal_grid
 
 Array = NDArray[np.float64]
@@ -53,9 +54,12 @@ def held_slot(scene: Scene, nodes: int) -> HeldSlot:
     grid = causal_grid(scene, 1.0, 1.1 * material.longitudinal_speed, nodes)
     x = (np.arange(grid.size - grid.slot) + 0.5) * grid.spacing
     steps = int(np.ceil(material.shear_speed / (_STEP_RATIO * grid.spacing)))
-    phase = grid.wavenumbers * material.shear_speed / steps
-    memory = fit_memory(impedance_of(scene), steps * float(phase[-1]), _TOLERANCE)
-    recursion = Recursion(memory, phase, _DAMPING)
+    length = material.shear_speed / steps
+    fit = fit_memory(
+        impedance_of(scene), material.shear_speed * float(grid.wavenumbers[-1]), _TOLERANCE
+    )
+    memory = LineMemory(fit, grid.wavenumbers)
+    feedback = damped(memory.table(length).feedback[0], grid.wavenumbers, _DAMPING)
     impedance = material.shear_impedance / 2
     tables = [stuck_traction(material.poisson_ratio, mode) for mode in ("II", "I")]
 
@@ -72,15 +76,12 @@ def held_slot(scene: Scene, nodes: int) -> HeldSlot:
     def cosines(rate: Array) -> Array:
         return np.asarray(dct(np.concatenate([np.zeros(grid.slot), rate]), type=2))
 
-    modes = np.zeros((len(memory.poles), grid.size), dtype=complex)
-    lasting = np.zeros(grid.size)
     rate, traction = contact_rate(0.0, np.zeros(len(x)))
     transform = cosines(rate)
-    recursion.enter(modes, lasting, transform)
     for step in range(1, steps + 1):
-        past = recursion.step(transform)
+        past = memory.advance(transform[None], length)[0, 0]
         for _ in range(_SWEEPS):
-            exertion = idct(past + recursion.feedback * transform, type=2)[grid.contact]
+            exertion = idct(past + feedback * transform, type=2)[grid.contact]
             rate, traction = contact_rate(step / steps, exertion)
             transform = cosines(rate)
     seen = slice(0, grid.observed)

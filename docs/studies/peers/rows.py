@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from docs.studies.pages import read_data
 Array = NDArray[np.float64]
 DATA = Path(__file__).resolve().parents[2] / "data"
 FILE = DATA / "peers.csv"
+Kind = TypeVar("Kind")
 
 
 @dataclass(frozen=True)
@@ -51,22 +52,25 @@ def off(one: Array, other: Array) -> float:
 def replace_rows(rows: Sequence[Row], file: Path = FILE) -> None:
     """Write rows to docs/data/peers.csv in place of those of the same command and case."""
     renewed = {(row.command, row.case) for row in rows}
-    kept: list[Row] = []
-    if file.exists():
-        for cells in read_data(file.stem, file.parent)[1]:
-            values: dict[str, Any] = {
-                one.name: _number(cells[one.name]) if "float" in str(one.type) else cells[one.name]
-                for one in fields(Row)
-            }
-            kept.append(Row(**values))
+    kept = rows_in(file, Row) if file.exists() else []
     kept = [row for row in kept if (row.command, row.case) not in renewed]
     whole = sorted([*kept, *rows], key=lambda row: (row.peer, row.case))
     command = "; ".join(dict.fromkeys(row.command for row in whole))
     write_rows(file, whole, command=command)
 
 
-def _number(text: str) -> float | None:
-    return float(text) if text else None
+def rows_in(file: Path, kind: type[Kind]) -> list[Kind]:
+    """Return the rows of a file that `write_rows` wrote, as instances of a dataclass."""
+    return [
+        kind(**{one.name: _value(cells[one.name], str(one.type)) for one in fields(kind)})  # type: ignore[arg-type]
+        for cells in read_data(file.stem, file.parent)[1]
+    ]
+
+
+def _value(text: str, kind: str) -> Any:
+    if "float" in kind:
+        return float(text) if text else None
+    return int(text) if kind == "int" else text
 
 
 def rounded(value: float, digits: int = 3) -> float:

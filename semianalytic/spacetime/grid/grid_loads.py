@@ -21,9 +21,10 @@ from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.memory.cosines import cosines, from_cosines
 from semianalytic.memory.exponentials import Memory
-from semianalytic.memory.recursion import Recursion
+from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
+from semianalytic.spacetime.grid.line import damped
 from semianalytic.spacetime.grid.tuning import (
     BLOCK_VALUES,
     EXACT_KINKS,
@@ -288,13 +289,11 @@ class FrontPressure:
     ) -> None:
         material, size = front.scene.material, len(wavenumbers)
         self.spacing = front.spacing
-        self._front, self._memory, self._damping = front, memory, damping
+        self._front, self._damping, self._wavenumbers = front, damping, wavenumbers
         self._impedance = material.density * material.longitudinal_speed / 2
-        self._phase = wavenumbers * material.shear_speed
+        self._speed = material.shear_speed
         self._time, self._step = start, step
-        self._recursion: Recursion | None = None
-        self._modes = np.zeros((len(memory.poles), size), dtype=complex)
-        self._lasting, self._transform = np.zeros(size), np.zeros(size)
+        self._memory, self._transform = LineMemory(memory, wavenumbers), np.zeros((1, size))
         self._pressure = self._level(start, step, np.zeros(size), np.zeros(size), 1)
 
     def over(self, times: Array) -> Iterator[Array]:
@@ -311,15 +310,13 @@ class FrontPressure:
     def _steps(self, times: Array) -> Iterator[Array]:
         """Yield the pressure at the time reached, and at one level after the other."""
         step = (times[-1] - times[0]) / (len(times) - 1)
-        if self._recursion is not None:
-            self._recursion.leave(self._transform)
-        recursion = Recursion(self._memory, self._phase * step, self._damping)
-        recursion.enter(self._modes, self._lasting, self._transform)
-        self._recursion = recursion
+        self._memory.settle(self._transform)
+        length = self._speed * step
+        feedback = damped(self._memory.table(length).feedback[0], self._wavenumbers, self._damping)
         yield self._pressure
         for t in times[1:].tolist():
-            past = recursion.step(self._transform)
-            self._pressure = self._level(t, step, past, recursion.feedback, SWEEPS)
+            past = self._memory.advance(self._transform, length)[0, 0]
+            self._pressure = self._level(t, step, past, feedback, SWEEPS)
             self._time = t
             yield self._pressure
 
@@ -328,8 +325,8 @@ class FrontPressure:
         slot, rate, whole = self._front.slot, np.zeros(len(past)), np.empty(len(past))
         uncut, kept = self._front.tractions("pressure", t, step)
         for _ in range(sweeps):
-            from_cosines(past + feedback * self._transform, whole)
+            from_cosines(past + feedback * self._transform[0], whole)
             closed = uncut - self._impedance * whole
             rate[:slot] = (closed[:slot] - kept) / self._impedance
-            cosines(rate, self._transform)
+            cosines(rate, self._transform[0])
         return np.asarray(closed[slot:])

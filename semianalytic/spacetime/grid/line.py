@@ -6,14 +6,16 @@ memory, which is contained in the traction that would stop the interface (`stepp
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, RateFriction
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid.tuning import AREA
+from semianalytic.spacetime.grid.tuning import AREA, LARGEST_FEEDBACK
 
 Array = NDArray[np.float64]
 
@@ -74,6 +76,35 @@ def area_means(
                 means = stopping.copy()
             means[node] += (here + reach) * (here + reach) / (4 * reach) - here
     return means
+
+
+def check_feedback(what: str, feedback: Array) -> None:
+    """Raise SceneError if the iteration of a step cannot converge under the memory's feedback.
+
+    The iteration contracts by the feedback (size,) of the shortest wave, the largest.  h(0) = 0, so
+    that it grows like the square of the step.
+    """
+    shortest = float(feedback[-1])
+    if shortest >= LARGEST_FEEDBACK:
+        raise SceneError(
+            f"{what}: `step_ratio` is beyond the stable range for this Poisson ratio; lower it "
+            f"by {math.ceil(100 * (1 - math.sqrt(LARGEST_FEEDBACK / shortest)))} %."
+        )
+
+
+def damped(feedback: Array, wavenumbers: Array, damping: float) -> Array:
+    """Return the feedback of the memory (size,), raised so that short waves are damped.
+
+    That of the shortest wave is raised to `damping`, and that of longer waves much less.
+
+    Raises
+    ------
+    SceneError
+        If that of the shortest wave is too close to 1 for the iteration.
+    """
+    check_feedback("march", feedback)
+    lacking = max(damping - float(feedback[-1]), 0.0)
+    return np.asarray(feedback + lacking * (wavenumbers / wavenumbers[-1]) ** 4)
 
 
 @dataclass(frozen=True, eq=False)

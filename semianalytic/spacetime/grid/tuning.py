@@ -65,3 +65,5 @@ BLOCK_VALUES = 1 << 16
 """Pressures that are computed at once, to stay in the cache."""
 TABLE_BYTES = 8
 """Bytes per sample of the pressure table."""
+LARGEST_FEEDBACK = 0.95
+"""Largest feedback of the shortest wave: the iteration of a step diverges from 1 on."""

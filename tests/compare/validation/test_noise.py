@@ -10,7 +10,7 @@ from compare.records.record import Stated, Unit
 from compare.validation import Conventions, validate
 from compare.validation.bars import MEAN_NOISE, Bar, noise_mean, pooled_bar
 from compare.validation.data import as_runs
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene
 
 SCENE = find_scene("preloaded")
@@ -108,3 +108,22 @@ def test_a_spacing_of_nothing_takes_noise(exact):
         validate(exact, SCENE, spacing=0.0)
     with pytest.raises(SceneError, match="no noise of 'gap'"):
         Conventions(noise={"gap": 1.0})
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_whatever_is_unresolved_says_why(exact, seed):
+    """Noise three times as large as said lies between agreement and difference in some rows."""
+    data, sizes = noisy(exact, seed)
+    said = Conventions(noise={name: size / 3 for name, size in sizes.items()})
+    found = validate(data, SCENE, spacing=0.0, conventions=said)
+    between = [row for row in found.having("unresolved") if row.bar and row.over_bar > 1]
+    assert between
+    assert all(row.obstacle for row in found.having("unresolved"))
+    assert all("stated as it is" in row.obstacle for row in between if row.bar < 0.05)
+
+
+def test_records_of_one_time_are_refused(exact):
+    once = {"t": exact["t"][200:201], "x": exact["x"]}
+    once |= {name: exact[name][200:201] for name in NAMES}
+    with pytest.raises(DataFileError, match=r"record at x = 0\.1 has 1 times; it takes 2 at least"):
+        validate(once, SCENE, spacing=0.01)

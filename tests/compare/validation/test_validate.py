@@ -196,8 +196,9 @@ def test_conventions_that_are_none_are_refused():
         Conventions(sign="up")
     with pytest.raises(SceneError, match="nothing called 'mass' to scale"):
         Conventions(scale={"mass": 2.0})
+    data = {"t": [0.1, 0.2], "x": 0.1, "slip": [0.0, 0.0]}
     with pytest.raises(SceneError, match="2 spacings"):
-        validate({"t": [0.1], "x": 0.1, "slip": [0.0]}, PRELOADED, spacing=[0.1, 0.2])
+        validate(data, PRELOADED, spacing=[0.1, 0.2])
 
 
 NARROW = Scene(

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.line import Grid, LineMemory, Table, _phi
+from semianalytic.engine.line import Grid
 from semianalytic.engine.steps import Stepper
-from semianalytic.memory import cosines
+from semianalytic.memory import cosines, line_memory
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Antiplane, InPlane
+from semianalytic.memory.line_memory import LineMemory, phi
 
 mpmath = pytest.importorskip("mpmath")
 UNIT = sf.Material(1.0, 1.0, 1 / 3)
@@ -16,7 +17,7 @@ UNIT = sf.Material(1.0, 1.0, 1 / 3)
 
 @pytest.mark.parametrize("z", [1e-6j - 1e-7, 0.0999 - 0.001j, -0.1001 + 0j, -3 + 2j, -500 + 1j])
 def test_phi_functions_keep_all_digits(z):
-    first, second = (one[0] for one in _phi(np.array([z])))
+    first, second = (one[0] for one in phi(np.array([z])))
     with mpmath.workdps(40):
         exact = mpmath.mpc(z)
         power = mpmath.exp(exact)
@@ -37,26 +38,49 @@ def test_transforms_and_their_inverses(even, between, private, monkeypatch):
     assert grid.amplitudes(values).shape[1] == len(grid.wavenumbers)
 
 
-def test_memory_does_not_depend_on_how_a_linear_rate_is_cut_into_steps():
+@pytest.mark.parametrize("size", [0, line_memory.MEMORY_SIZE])
+def test_memory_does_not_depend_on_how_a_linear_rate_is_cut_into_steps(size, monkeypatch):
+    monkeypatch.setattr(line_memory, "MEMORY_SIZE", size)
     grid = Grid(2 * np.pi, 8)
     fit = fit_memory(InPlane(0.5), 1000.0, 1e-7)
     shape = grid.amplitudes(np.cos(grid.x))
     results = []
-    for steps in ([2.0], [0.5, 0.25, 1.25], [1.0, 0.125, 0.125, 0.75]):
-        memory, at = LineMemory(fit, grid), 0.0
+    # a large memory sees four steps ahead after two equal ones: fourteen end amid a block
+    cuts = [2.0], [0.5, 0.25, 1.25], [1.0, 0.125, 0.125, 0.75], [0.125] * 14 + [0.25]
+    for steps in cuts:
+        memory, at = LineMemory(fit, grid.wavenumbers, rows=2), 0.0
         for step in steps:
-            past, feedback = memory.advance(at * shape, step)
+            past = memory.advance(at * shape, step)
             at += step
-        results.append(grid.values(past + feedback * at * shape))
+        results.append(grid.values((past + memory.feedback * at * shape)[0]))
     for other in results[1:]:
         assert np.allclose(other, results[0], atol=1e-13 * np.abs(results[0]).max())
+
+
+def test_a_memory_is_put_back_to_the_last_bit_amid_a_block(monkeypatch):
+    monkeypatch.setattr(line_memory, "MEMORY_SIZE", 0)
+    fit, q = fit_memory(Antiplane(), 1000.0, 1e-7), np.arange(6.0)
+    rates = np.random.default_rng(0).normal(size=(12, 1, 6))
+
+    def new():
+        return LineMemory(fit, q)
+
+    whole, seen = new(), []
+    for rate in rates:
+        seen.append((whole.past(), whole.advance(rate, 0.3), whole.convolution(rate)))
+    for begin, (past, _, _) in enumerate(seen):
+        other = new()
+        other.put_back(past)
+        for rate, (_, convolved, held) in zip(rates[begin:], seen[begin:], strict=True):
+            assert np.array_equal(other.advance(rate, 0.3), convolved)
+            assert np.array_equal(other.convolution(rate), held)
 
 
 def test_a_step_much_longer_than_waves_is_static():
     """Poles add up to minus the damping: what is left is stiffness times slip."""
     fit = fit_memory(Antiplane(), 1e5, 1e-7)
-    table = Table.of(fit, np.array([1e5]))
-    assert table.feedback[0] == pytest.approx(fit.static * 1e5 / 2 - 1, abs=1e-4)
+    memory = LineMemory(fit, np.array([1.0]))
+    assert memory.table(1e5).feedback[0, 0] == pytest.approx(fit.static * 1e5 / 2 - 1, abs=1e-4)
 
 
 def patch(nodes, mode, end=1.0):
@@ -117,3 +141,22 @@ def test_odd_sweeps_are_unstable_on_a_free_face_and_even_ones_are_not():
 
     assert largest(2) < 10
     assert largest(3) > 1e6
+
+
+@pytest.mark.parametrize(("poisson", "stable"), [(0.499, 0.5), (1 / 3, 0.65), (-0.9, 1.0)])
+def test_steps_beyond_the_stable_range_are_refused(poisson, stable):
+    """The face of a slot would grow to 1e57 within the run, with finite values all along."""
+    scene = sf.Interface(
+        sf.Material(1.0, 1.0, poisson),
+        sf.Coulomb(0.3),
+        8.0,
+        pressure=1.0,
+        contact=sf.Contact([(-2.0, -0.5), (0.5, 2.0)]),
+        loads=[sf.InterfaceLoad(0.5, on="slot")],
+    )
+    fine, coarse = (sf.run(scene, 4.0, 64, step_ratio=one, estimate=False) for one in (0.2, stable))
+    largest = np.abs(fine.slip_rate).max()
+    assert np.abs(coarse.slip_rate).max() < 1.1 * largest
+    assert np.abs(coarse.slip[-1] - fine.slip[-1]).max() < 0.01 * fine.slip.max()
+    with pytest.raises(sf.SceneError, match="run: `step_ratio` is beyond the stable range"):
+        sf.run(scene, 4.0, 64, step_ratio=10.0 if poisson < 0 else stable + 0.15)

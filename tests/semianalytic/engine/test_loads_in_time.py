@@ -69,11 +69,58 @@ def test_long_steps_do_not_pass_over_a_load(history, end):
     assert fine.slip[-1].max() > 20 * np.median(fine.slip[-1])
 
 
+def blow(t):
+    return np.maximum(1 - abs(t - 10) / 0.5, 0.0)
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        sf.InterfaceLoad(lambda x: 2e6 * (abs(x) < 1), history=blow),
+        sf.InterfaceLoad(lambda x, t: 2e6 * (abs(x) < 1) * blow(t), history=None),
+        sf.InterfaceLoad(lambda x, t: 1e6 * blow(t - x / 4), history=None),
+    ],
+)
+def test_long_steps_do_not_pass_over_functions(load):
+    """Without the samples of a function of time its blow is missed whole, with error 0."""
+    creeping = {"pressure": 5e6, "shear": 3e6, "rate": 1e-9, "held": 16.0}
+    face = sf.Interface(ROCK, STRENGTHENING, 16.0, loads=[load], **creeping)
+    found, fine = (
+        sf.run(face, 14.0, 32, estimate=False, **given) for given in ({}, {"longest": 0.05})
+    )
+    assert found.steps < fine.steps
+    assert np.diff(found.step_times).max() > 1
+    assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=2e-3, abs=1e-4 * fine.slip.max())
+    assert fine.slip[-1].max() > 20 * creeping["rate"] * 14
+
+
+def test_a_pace_counts_all_that_a_function_does():
+    """Up and down within a step is twice the range, at the node where it is most."""
+    wave = sf.InterfaceLoad(lambda x, t: np.cos(x) * np.sin(2 * np.pi * t), history=None)
+    face = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, loads=[wave])
+    pace = LoadPace(face, np.linspace(-8, 7.75, 64), 10.0)
+    # a tenth of the range 2 in each direction: sin rises by .2 within asin(.2) / 2 pi
+    assert pace.longest(0.0) == pytest.approx(np.arcsin(0.2) / (2 * np.pi), rel=0.02)
+    assert pace.longest(0.25) == pytest.approx(np.arccos(0.8) / (2 * np.pi), rel=0.02)
+    assert pace.longest(9.99) == np.inf
+    still = sf.InterfaceLoad(lambda x, t: np.cos(x), history=None)
+    face = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, loads=[still])
+    assert LoadPace(face, np.linspace(-8, 7.75, 64), 10.0).longest(0.0) == np.inf
+
+
+@pytest.mark.parametrize("rate", [-1e-9, lambda x: 1e-9 * np.sign(x - 3)])
+def test_slip_at_the_start_has_the_sense_of_the_base_shear(rate):
+    words = "rate must have the sense of `shear`, for friction opposes slip, got -1e-09 at x = -8"
+    with pytest.raises(SceneError, match=words):
+        sf.run(slow(sf.Step(), rate=rate), 1.0, 32)
+
+
 def test_a_wave_that_passes_is_followed_from_node_to_node():
     blow = sf.Tabulated([0, 400, 400.5, 401, 1000], [0, 0, 1, 0, 0])
     wave = sf.FrontLoad(sf.IncidentWave("SV", -20.0, stress=2e6), history=blow)
     law = {"pressure": 5e6, "shear": 3e6, "rate": 1e-9, "held": 16.0}
-    pace = LoadPace(sf.Interface(ROCK, STRENGTHENING, 16.0, loads=[wave], **law), 0.25)
+    face = sf.Interface(ROCK, STRENGTHENING, 16.0, loads=[wave], **law)
+    pace = LoadPace(face, np.linspace(-8, 7.75, 64), 1000.0)
     crossing = abs(np.sin(np.radians(20)) / ROCK.shear_speed)
     assert pace.longest(400.2) == pytest.approx(0.25 * crossing, rel=1e-12)
     assert pace.longest(1100.0) == np.inf

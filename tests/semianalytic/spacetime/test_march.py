@@ -34,7 +34,7 @@ from semianalytic import (
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
-from semianalytic.memory import cosines, recursion
+from semianalytic.memory import cosines, line_memory
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import InPlane
 from semianalytic.scene.given.finding import find_scene
@@ -414,7 +414,9 @@ def test_blocks_of_steps_change_nothing(steps, monkeypatch):
 
     found = marches()
     monkeypatch.setattr(stepping, "BLOCK_STEPS", steps)
-    monkeypatch.setattr(recursion, "MEMORY_STEPS", steps)
+    # so many steps are seen ahead by a memory that counts as large
+    monkeypatch.setattr(line_memory, "MEMORY_SIZE", 0)
+    monkeypatch.setattr(line_memory, "MEMORY_STEPS", steps)
     for one, other in zip(found, marches(), strict=True):
         assert one.statistics.steps == other.statistics.steps
         assert one.error_estimate == pytest.approx(other.error_estimate, rel=1e-10)

@@ -1,0 +1,370 @@
+"""The memory of a line for past slip, or opening, carried from one time step to the next.
+
+A slip rate V of wavenumber q exerts -(mu / 2 c_t) [V + int h(q c_t (t - s)) q c_t V ds], and h is a
+sum of exponentials (`exponentials`).  A pole z with residue r therefore carries one number,
+m(t) = r int exp(z q c_t (t - s)) q c_t V(s) ds, per wavenumber, whose part before a step is
+multiplied by exp(z q c_t dt).  V is linear over a step, so that its integral there is exact and
+steps may have any length.  The memory knows nothing of contacts, slots or friction.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.memory.exponentials import Memory, SharedMemory
+from semianalytic.memory.tuning import MEMORY_SIZE, MEMORY_STEPS, REPEATED_STEPS
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Past:
+    """What a line remembers at one time.
+
+    Attributes
+    ----------
+    modes : (rows, p, size) complex array
+        Convolutions with the exponentials, at the time up to which they are known.
+    lasting : (rows, size) array
+        Convolution with the static part of the kernel.
+    rates : (steps, rows, size) array
+        Amplitudes of the rates at the beginnings of the steps since then.
+    last : float
+        c_t times the length of the last step [length], whose end value is left out of all of these;
+        0 where nothing is left out.
+    repeated : int
+        Steps of that length so far.
+    """
+
+    modes: Complex
+    lasting: Array
+    rates: Array = field(default_factory=lambda: np.empty(0))
+    last: float = 0.0
+    repeated: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Kernels:
+    """How the numbers of the memory exert one or more tractions.
+
+    Attributes
+    ----------
+    poles, weights : (p,) complex arrays
+        Poles z, and factors with which a rate enters the numbers m.
+    reads : (k, p) complex array, or None
+        Factors of the numbers m in each of k kernels; None for one kernel that adds them up.
+    static : float
+        Factor with which a rate enters the lasting slip.
+    lasting : (k,) array
+        Factors of that in each kernel; one kernel has it as it is.
+    """
+
+    poles: Complex
+    weights: Complex
+    reads: Complex | None
+    static: float
+    lasting: Array
+
+    def exerted(self, modes: Complex, lasting: Array, out: Array) -> None:
+        """Write what numbers m (p, size) and lasting slip (size,) exert, (k, size)."""
+        if self.reads is None:
+            # Real and imaginary parts lie side by side: their sums over poles are one product of
+            # a vector with a matrix, in half the time of a sum over the real parts.
+            np.add((np.ones(len(modes)) @ modes.view(float))[::2], lasting, out=out[0])
+        else:
+            np.multiply.outer(self.lasting, lasting, out=out)
+            out += (self.reads @ modes).real
+
+
+class StepTable:
+    """Factors by which steps of one length change the memory, per pole and wavenumber.
+
+    Parameters
+    ----------
+    kernels : Kernels
+        The sum of exponentials.
+    phase : (size,) array
+        q c_t dt.
+
+    Attributes
+    ----------
+    decay, end, gain : (p, size) complex arrays
+        Factor on the numbers m, and what the rate at the end, and that at the beginning of a step,
+        add to them.
+    half, whole : (size,) arrays
+        Factor on the rate at an end of a step in the lasting slip, and twice that.
+    feedback : (k, size) array
+        Share of a unit rate at the end of a step in each convolution.
+    """
+
+    def __init__(self, kernels: Kernels, phase: Array) -> None:
+        shape = len(kernels.poles), len(phase)
+        self.decay, self.end, self.gain = np.empty((3, *shape), dtype=complex)
+        for row, (pole, weight) in enumerate(zip(kernels.poles, kernels.weights, strict=True)):
+            z = pole * phase
+            first, second = phi(z)
+            share = weight * phase
+            # int_0^1 exp(z (1 - s)) V(s) ds for V from V0 to V1: (first - second) V0 + second V1
+            self.decay[row], self.end[row] = np.exp(z), share * second
+            # V0 was the end value of the step before, left out there and so added here, decayed
+            self.gain[row] = share * (first - second) + self.decay[row] * self.end[row]
+        # the lasting slip by the trapezoidal rule, exact for linear V
+        self.half = kernels.static * phase / 2
+        self.whole = 2 * self.half
+        self.feedback = np.empty((len(kernels.lasting), len(phase)))
+        kernels.exerted(self.end, self.half, self.feedback)
+
+    @cached_property
+    def decays(self) -> Complex:
+        """Factors on the numbers m over 1, 2, ... steps, (`MEMORY_STEPS`, p, size)."""
+        decays = np.empty((MEMORY_STEPS, *self.decay.shape), dtype=complex)
+        decays[0] = self.decay
+        for earlier, later in pairwise(decays):
+            np.multiply(earlier, self.decay, out=later)
+        return decays
+
+    @cached_property
+    def kernel(self) -> Array:
+        """What the start value of a step exerts at its end and later, (`MEMORY_STEPS`, size).
+
+        The last row is the end of the step itself, so that rates of increasing time meet rows in
+        order.  Lasting slip is not part of it.
+        """
+        later = [self.gain, *(self.gain * decay for decay in self.decays[:-1])]
+        return np.array([one.real.sum(axis=0) for one in reversed(later)])
+
+
+class LineMemory:
+    """The memory of past slip on a line, carried over steps of any length.
+
+    The end value of a step is still to be found when its memory is needed: `advance` returns the
+    convolution without it, and `feedback` is its share per unit.
+
+    Where the numbers m do not fit into the cache of a processor, and steps of equal length follow
+    each other, they are brought up to date after every `MEMORY_STEPS` of them.  In between, what
+    they exert is known ahead but for the rates of those few steps, for which the sum over poles is
+    made once: a step then reads half of the numbers that it would have to read otherwise.
+
+    Parameters
+    ----------
+    memory : Memory
+        Poles, residues and the static part of h.
+    wavenumbers : (size,) array
+        q [1 / length].
+    rows : int
+        Amplitudes per wavenumber: 1 of cosines, 2 of a periodic line (real and imaginary parts).
+    tables : int
+        Step lengths whose tables are kept.
+    """
+
+    def __init__(self, memory: Memory, wavenumbers: Array, rows: int = 1, tables: int = 1) -> None:
+        kernels = Kernels(memory.poles, memory.residues, None, memory.static, np.ones(1))
+        self._set(memory, kernels, wavenumbers, rows, tables)
+
+    def _set(
+        self,
+        fit: Memory | SharedMemory,
+        kernels: Kernels,
+        wavenumbers: Array,
+        rows: int,
+        tables: int,
+    ) -> None:
+        self.horizon = fit.horizon
+        self._kernels, self._q, self._most = kernels, wavenumbers, tables
+        poles, size = len(kernels.poles), len(wavenumbers)
+        # convolutions, without the share of the newest rate where a last step is noted
+        self._modes = np.zeros((rows, poles, size), dtype=complex)
+        self._lasting, self._last = np.zeros((rows, size)), 0.0
+        # rates that the numbers m have not got yet, and what those numbers exert without them
+        self._rates, self._taken = np.empty((MEMORY_STEPS, rows, size)), 0
+        self._free, self._repeated = np.empty((MEMORY_STEPS, rows, size)), 0
+        self._is_large = kernels.reads is None and poles * size >= MEMORY_SIZE
+        self._scratch = np.empty((poles, size), dtype=complex)
+        self._tables: OrderedDict[float, StepTable] = OrderedDict()
+
+    @property
+    def feedback(self) -> Array:
+        """Share of a unit rate at the end of the last step in each convolution, (k, size)."""
+        return self.table(self._last).feedback
+
+    def table(self, step: float) -> StepTable:
+        """Return the table of steps c_t dt [length]; the latest ones are kept."""
+        if step not in self._tables:
+            if len(self._tables) >= self._most:
+                self._tables.popitem(last=False)
+            self._tables[step] = StepTable(self._kernels, self._q * step)
+        self._tables.move_to_end(step)
+        return self._tables[step]
+
+    def advance(self, amplitudes: Array, step: float) -> Array:
+        """Step on; return the convolutions at the end without the rate there, (k, rows, size).
+
+        Parameters
+        ----------
+        amplitudes : (rows, size) array
+            Amplitudes of the rate at the beginning of the step.
+        step : float
+            c_t dt [length].
+        """
+        if self._last != step:
+            # The memory lacks the share of the newest rate as the table of the last step has it;
+            # the table of this step has another share, which its `gain` adds.
+            self.settle(amplitudes)
+            self._add(self.table(step), -amplitudes)
+            self._last, self._repeated = step, 0
+        table = self.table(step)
+        # half as the start of this step, half as the end value left out of the one before
+        self._lasting += table.whole * amplitudes
+        self._repeated += 1
+        if self._is_large and self._repeated > REPEATED_STEPS:
+            if self._taken == MEMORY_STEPS:
+                self._catch_up()
+            if not self._taken:
+                self._look_ahead(table)
+            self._rates[self._taken] = amplitudes
+            self._taken += 1
+        else:
+            for modes, row in zip(self._modes, amplitudes, strict=True):
+                modes *= table.decay
+                modes += np.multiply(table.gain, row, out=self._scratch)
+        return self._exerted()
+
+    def settle(self, amplitudes: Array) -> None:
+        """Complete the memory with the newest rate (rows, size), so that nothing is left out."""
+        self._catch_up()
+        if self._last:
+            self._add(self.table(self._last), amplitudes)
+            self._last = 0.0
+
+    def convolution(self, amplitudes: Array) -> Array:
+        """Return the convolutions now, (k, rows, size), with the newest rate (rows, size)."""
+        held = self._exerted()
+        if self._last:
+            held += self.table(self._last).feedback[:, None] * amplitudes
+        return held
+
+    def exchange(self, change: Array) -> None:
+        """Change the newest rate by amplitudes (rows, size), with the convolution as it is."""
+        # The memory lacks the share of the newest rate, which the next step adds from the rate; a
+        # jump changes that rate, so the share that is missing has to change with it.
+        self._catch_up()
+        if self._last:
+            self._add(self.table(self._last), -change)
+
+    def past(self) -> Past:
+        """Return copies of everything that steps change, for `put_back`."""
+        rates = self._rates[: self._taken].copy()
+        return Past(self._modes.copy(), self._lasting.copy(), rates, self._last, self._repeated)
+
+    def put_back(self, past: Past) -> None:
+        """Take up a memory that `past` returned, to the last bit."""
+        self._modes[:], self._lasting[:] = past.modes, past.lasting
+        self._last, self._repeated, self._taken = past.last, past.repeated, len(past.rates)
+        if self._taken:
+            self._look_ahead(self.table(self._last))
+            self._rates[: self._taken] = past.rates
+
+    def _exerted(self) -> Array:
+        """Return the convolutions now but for a share that is left out, (k, rows, size)."""
+        exerted = np.empty((len(self._kernels.lasting), *self._lasting.shape))
+        if self._taken:
+            np.add(self._free[self._taken - 1], self._lasting, out=exerted[0])
+            kernel = self.table(self._last).kernel[-self._taken :]
+            for row, found in enumerate(exerted[0]):
+                found += np.einsum("ks,ks->s", kernel, self._rates[: self._taken, row])
+            return exerted
+        for row, (modes, lasting) in enumerate(zip(self._modes, self._lasting, strict=True)):
+            self._kernels.exerted(modes, lasting, exerted[:, row])
+        return exerted
+
+    def _add(self, table: StepTable, amplitudes: Array) -> None:
+        """Add the share of a rate at the end of a step to the memory."""
+        for modes, row in zip(self._modes, amplitudes, strict=True):
+            modes += np.multiply(table.end, row, out=self._scratch)
+        self._lasting += table.half * amplitudes
+
+    def _look_ahead(self, table: StepTable) -> None:
+        """Find what the numbers m exert after each of the steps to come."""
+        for row, modes in enumerate(self._modes):
+            # The real part of a product is that of the real parts less that of the imaginary
+            # parts, which lie side by side.
+            both = np.einsum("kps,ps->ks", table.decays.view(float), modes.view(float))
+            np.subtract(both[:, ::2], both[:, 1::2], out=self._free[:, row])
+
+    def _catch_up(self) -> None:
+        """Bring the numbers m to the end of the steps that were taken."""
+        taken, scratch = self._taken, self._scratch
+        if not taken:
+            return
+        table = self.table(self._last)
+        for row, modes in enumerate(self._modes):
+            rates = self._rates[:taken, row]
+            if taken > 1:
+                # The rate at the start of step j has decayed over taken - 1 - j steps since its
+                # end; each is there twice, for the real and the imaginary part.
+                older, twice = table.decays[taken - 2 :: -1], np.repeat(rates[:-1], 2, axis=1)
+                np.einsum("kps,ks->ps", older.view(float), twice, out=scratch.view(float))
+                scratch.real += rates[-1]
+            else:
+                scratch[:] = rates[-1]
+            scratch *= table.gain
+            modes *= table.decays[taken - 1]
+            modes += scratch
+        self._taken = 0
+
+
+class CoupledMemory(LineMemory):
+    """The memory of slip, or opening, of different bodies, which exert two tractions each.
+
+    Slip changes the pressure between bodies that differ, and opening the shear traction,
+
+        tau = tau_0 - Z_V [V + h_s * V] + i sgn(q) Z_U h_p * U,
+        p   = p_0   + Z_U [U + h_n * U] + i sgn(q) Z_V h_q * V,
+
+    with Z_V, Z_U the impedances of plane waves; nothing of the coupling is at once
+    (`dissimilar.kernels`).
+
+    Parameters
+    ----------
+    fit : SharedMemory
+        Sums of exponentials of Z_s, Z_n and H.
+    own : int
+        0 for slip, whose own kernel is Z_s; 1 for opening, whose own is Z_n.
+    direct : float
+        Z_V or Z_U over the unit of the kernels.
+    wavenumbers, rows, tables
+        As for `LineMemory`.
+    """
+
+    def __init__(
+        self,
+        fit: SharedMemory,
+        own: int,
+        direct: float,
+        wavenumbers: Array,
+        rows: int = 1,
+        tables: int = 1,
+    ) -> None:
+        reads, lasting = fit.residues[[own, 2]] / direct, fit.static[[own, 2]] / direct
+        kernels = Kernels(fit.poles, np.ones_like(fit.poles), reads, 1.0, lasting)
+        self._set(fit, kernels, wavenumbers, rows, tables)
+
+
+def phi(z: Complex) -> tuple[Complex, Complex]:
+    """Return (e^z - 1)/z and (e^z - 1 - z)/z^2, to rounding for all Re z <= 0."""
+    small = np.abs(z) < 0.1
+    large = np.where(small, 1.0, z)
+    first = (np.exp(large) - 1) / large
+    second = (first - 1) / large
+    # For |z| < 0.1 the quotients above cancel digits; this series is exact to rounding.
+    series = np.zeros_like(z)
+    for power in range(11, 1, -1):
+        series = (1 + z * series) / power
+    return np.where(small, 1 + z * series, first), np.where(small, series, second)
