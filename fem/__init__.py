@@ -11,7 +11,6 @@ with needing("the finite-element model"):
     from fem.companions import with_companions
     from fem.interface import BACKWARD, FORWARD, OPEN, STICK
     from fem.model import Model, prepare
-    from fem.plan import Settings
     from fem.results import (
         EnergyHistory,
         Opening,
@@ -21,6 +20,7 @@ with needing("the finite-element model"):
         opening_sentence,
     )
     from fem.run import simulate
+    from fem.settings import Settings
 
 __all__ = [
     "BACKWARD",

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fem.plan import ANTIPLANE, ANTISYMMETRIC, LEAST_RESOLUTION, Plan, Settings, make_plan
+from fem.plan import ANTIPLANE, ANTISYMMETRIC, Plan, make_plan
+from fem.settings import LEAST_RESOLUTION, Settings
 from semianalytic.results.files import make_folder, refusal, remove_empty
 from semianalytic.results.memory import check_memory, memory_limit
 from semianalytic.scene.errors import DataFileError

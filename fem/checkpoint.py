@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from fem.interface import InterfaceSums
 from fem.model import Model
-from fem.plan import Pace
 from fem.record import Record
+from fem.settings import Pace
 from fem.stepping import BodyState
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.scene.errors import DataFileError

@@ -7,9 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from fem.budget import predict_cost
-from fem.plan import LEAST_RESOLUTION, TWO_BLOCKS, Pace, Plan, Settings
+from fem.plan import TWO_BLOCKS, Plan
 from fem.results import Simulation
 from fem.run import Complaints, run_plan
+from fem.settings import LEAST_RESOLUTION, Pace, Settings
 from fem.snapshots import COMPANIONS, companion_folder
 from semianalytic.scene.errors import SceneError
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fem.assembly import (
+from fem.elements.assembly import (
     IN_PLANE,
     OUT_OF_PLANE,
     STIFFNESS,
@@ -27,7 +27,8 @@ from fem.assembly import (
 )
 from fem.interface import Faces, Interface
 from fem.loading import ContactLoad, FrontLoad, SlotLoad, contact_loads, slot_loads
-from fem.plan import TWO_BLOCKS, Plan, Settings, make_plan
+from fem.plan import TWO_BLOCKS, Plan, make_plan
+from fem.settings import Settings
 from fem.stepping import Body, critical_step, highest_frequency, normalised
 from meshes import cached_mesh
 from semianalytic.scene.scene import Scene

@@ -11,46 +11,32 @@ from os import PathLike, fspath
 from typing import Any
 
 import numpy as np
-from skfem import MeshQuad
 
-from fem.assembly import (
+from fem.elements.assembly import (
     IN_PLANE,
     OUT_OF_PLANE,
-    STIFFNESS,
     Family,
     X,
     Y,
     Z,
     find_family,
-    lumped_mass,
-    make_space,
 )
-from fem.edge import edge_offset
+from fem.elements.edge import edge_offset
+from fem.patch import PATCH, highest_of_patch
 from fem.resolution import check_resolved, mesh_caution
-from fem.stepping import critical_step, highest_frequency, normalised
+from fem.settings import Settings
+from fem.stepping import critical_step
 from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
 from semianalytic.scene.checks import (
-    check_fields,
-    checked_count,
     checked_size,
     shown,
 )
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import checked_scene, find_blocks
+from semianalytic.scene.given.finding import checked_scene, find_blocks
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Material, Scene
-
-LEAST_RESOLUTION = 8
-STABLE_RATIO = 1.0
-LARGEST_RATIO = 1.5
-LARGEST_DAMPING = 100.0
-DEFAULT_PACE = 100
-"""Steps between checkpoints."""
-
-PATCH = 24
-"""Elements along a side of the patch on which the fastest mode is computed."""
 
 TRIANGLES = 1.156
 """Measured ratio of the nodes of an unstructured mesh to those of squares of the same side."""
@@ -72,107 +58,6 @@ HALVES: Mapping[str, tuple[int, ...]] = {
 }
 """The displacement component that changes sign from the upper block to the lower one, for each half
 of a model; the other component is the same in both."""
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Settings of a simulation: mesh, elements, time step and what is stored.
-
-    Parameters
-    ----------
-    resolution : int
-        Node distances per c_t T, at least 8: h = c_t T / resolution.
-    damping : float
-        eta of the Kelvin-Voigt damping C = eta K, in units of h / c_t; 0 for none.
-    step_ratio : float
-        Largest time step over the critical one, above 0.  Beyond 1 the scheme is unstable; up
-        to 1.5 is accepted to show it.
-    model : str
-        "auto" uses one block where symmetry allows it, which is exact; "two-blocks" never does.
-    element : str
-        "P1" linear triangles, "Q1" bilinear or "Q2" biquadratic quadrilaterals, all with
-        diagonal mass.
-    mesh : str
-        "squares"; "graded", rows that grow away from the interface; or "triangles",
-        unstructured, for P1.  P1 cuts squares and graded rows along a diagonal.
-    lower_material : Material, optional
-        Material of the lower block, if it differs from the scene's.
-    every : int
-        Store every n-th step in the histories; the last one is always stored.
-    frames : int
-        Number of snapshots of the whole fields, if any are written, at evenly spaced steps.
-
-    Raises
-    ------
-    SceneError
-        If one is out of range.
-
-    Examples
-    --------
-    >>> from fem import Settings, simulate
-    >>> from semianalytic import find_scene
-    >>> settings = Settings(resolution=8, element="P1", mesh="triangles")
-    >>> settings.resolution, settings.every
-    (8, 1)
-    """
-
-    resolution: int = 100
-    damping: float = 0.02
-    step_ratio: float = 0.95
-    model: str = "auto"
-    element: str = "Q1"
-    mesh: str = "squares"
-    lower_material: Material | None = None
-    every: int = 1
-    frames: int = 10
-
-    def __post_init__(self) -> None:
-        check_fields(self, "simulate", ("damping", "step_ratio"))
-        if not 0 <= self.damping <= LARGEST_DAMPING:
-            raise SceneError(
-                f"simulate: damping must lie between 0 and {LARGEST_DAMPING:g}, got {self.damping}."
-            )
-        if not 0 < self.step_ratio <= LARGEST_RATIO:
-            raise SceneError(
-                f"simulate: step_ratio must be above 0 and at most {LARGEST_RATIO} "
-                f"(above {STABLE_RATIO} it is unstable), got {self.step_ratio}."
-            )
-        for name, least in (("resolution", LEAST_RESOLUTION), ("every", 1), ("frames", 1)):
-            object.__setattr__(self, name, check_count(name, getattr(self, name), least))
-        if self.model not in ("auto", "two-blocks"):
-            raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {self.model!r}.")
-        if not isinstance(self.lower_material, Material | None):
-            raise SceneError(
-                f"simulate: lower_material must be a Material, got {shown(self.lower_material)}."
-            )
-
-
-@dataclass(frozen=True)
-class Pace:
-    """The interval between checkpoints, in steps or seconds, whichever is shorter.
-
-    Raises
-    ------
-    SceneError
-        If one is out of range.
-    """
-
-    steps: int | None = None
-    seconds: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.steps is not None:
-            object.__setattr__(self, "steps", check_count("checkpoint_every", self.steps, 1))
-        elif self.seconds is None:
-            object.__setattr__(self, "steps", DEFAULT_PACE)
-        if self.seconds is not None:
-            seconds = checked_size("simulate: checkpoint_seconds", self.seconds)
-            object.__setattr__(self, "seconds", seconds)
-
-
-def check_count(name: str, value: int, least: int) -> int:
-    """Return an option as int; raise SceneError unless it is an integer of at least `least`."""
-    return checked_count(f"simulate: {name}", value, least, "an integer of at least")
 
 
 def choose_model(scene: Scene, model: str, lower_material: Material | None = None) -> str:
@@ -305,10 +190,10 @@ class Plan:
 
     @property
     def edge(self) -> float:
-        """Position of the edge node [length]: beside x = 0 if the slot is pressed (`fem.edge`).
+        """Position of the edge node [length]: beside x = 0 if the slot is pressed.
 
-        It is at x = 0 under shear alone, where the edge slips, and for meshes whose offset is not
-        known: those of Q2, and unstructured ones.
+        `fem.elements.edge` says where.  It is at x = 0 under shear alone, where the edge slips, and
+        for meshes whose offset is not known: those of Q2, and unstructured ones.
         """
         family, pattern = self.family, self.settings.mesh
         if not self._pressed or family.spacing > 1 or pattern == "triangles":
@@ -368,8 +253,7 @@ class Plan:
     def critical_step(self) -> float:
         """Largest stable step [time]; an estimate for unstructured triangles.
 
-        The fastest mode is localised in the corners of the blocks, so a patch of a few elements has
-        it.
+        `highest_of_patch` says why a patch of the mesh tells it.
         """
         blocks, settings = self.blocks, self.settings
         rows = tuple(np.round(blocks.rows[: PATCH + 1] / blocks.size, 12).tolist())
@@ -402,11 +286,8 @@ def _highest_of_patch(
 
     It is kept, because meshes are chosen among many that differ in size alone.
     """
-    x = np.arange(PATCH + 1.0)
-    space = make_space(MeshQuad.init_tensor(x, np.array(rows)), find_family(element, mesh))
-    one = {"upper": Material(1.0, 1.0, poisson_ratio)}
-    matrix, _ = normalised(STIFFNESS[components](space, one), lumped_mass(space, one))
-    return highest_frequency(matrix, tol=1e-7)
+    x, solid = np.arange(PATCH + 1.0), Material(1.0, 1.0, poisson_ratio)
+    return highest_of_patch(x, np.array(rows), find_family(element, mesh), solid, components)
 
 
 def _check_front(scene: Scene, end_time: float) -> None:

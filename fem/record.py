@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.assembly import X, Y, Z
+from fem.elements.assembly import X, Y, Z
 from fem.loading import arrived_wave
 from fem.model import Model
 from fem.results import EnergyHistory, Opening, SlotHistory

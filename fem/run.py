@@ -16,13 +16,14 @@ import numpy as np
 from fem.budget import Cost, check_fits, check_room, predict_cost
 from fem.checkpoint import Keeper, run_identity, run_name
 from fem.model import Model, build, timed
-from fem.plan import Pace, Plan, Settings, make_plan
+from fem.plan import Plan, make_plan
 from fem.record import Record
 from fem.results import Simulation
+from fem.settings import Pace, Settings
 from fem.snapshots import Snapshots
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.given.named import of_scene
+from semianalytic.scene.given.finding import of_scene
 from semianalytic.scene.scene import Scene
 
 _log = logging.getLogger(__name__)

@@ -16,8 +16,8 @@ import numpy as np
 from meshio.vtu import _vtu
 from numpy.typing import NDArray
 
-from fem.assembly import X, Y, Z
 from fem.budget import free_space
+from fem.elements.assembly import X, Y, Z
 from fem.loading import arrived_wave
 from fem.model import Model
 from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import checked_scene, of_scene
+from semianalytic.scene.given.finding import checked_scene, of_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve

@@ -16,7 +16,7 @@ from fault_tasks import history
 
 from compare.comparison.fields.frames import last_frame
 from compare.output.tables import append_rows, write_rows
-from compare.studies.chart.study import COMMAND, read_points
+from compare.studies.chart.points import COMMAND, read_points
 from compare.studies.regimes.points import MapPoint, kept_columns, poisson_ratios
 from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint

@@ -41,8 +41,8 @@ from compare.output.field_files import record_fields
 from compare.studies.article import study as article
 from compare.studies.article.cases import SlotCheck, run_cases
 from compare.studies.chart.figure import chart_figure
-from compare.studies.chart.study import SCENES as CHARTED
-from compare.studies.chart.study import read_points
+from compare.studies.chart.points import SCENES as CHARTED
+from compare.studies.chart.points import read_points
 from compare.studies.dissimilar.figure import growth_figure
 from compare.studies.dissimilar.pairs import NAMED
 from compare.studies.dissimilar.pairs import SCENES as PAIRS
@@ -65,8 +65,9 @@ from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
 from docs.studies.judge.figure import judge_figure
+from docs.studies.judge.rows import JudgedRow, SpoiltRow
+from docs.studies.judge.scenes import STEPS
 from docs.studies.judge.spoils import SPOILS
-from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 from fem import simulate
 from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line, solve_pair
 from slipfront.fits.figures import fit_figure

@@ -279,7 +279,7 @@ def test_what_is_in_place_after_the_load_is_asked_of_the_superposition():
         path.name
         for package in PACKAGES
         for path in sources(package)
-        if path.parent.name not in SLOT_ALONE
+        if not SLOT_ALONE & {*path.relative_to(ROOT).parts}
         if any(map(of_the_base, nodes_of(path.read_text())))
     }
     assert asked == SHOWN

@@ -23,7 +23,7 @@ from catalogue import unit_scene
 
 from fem import simulate
 from semianalytic import Gauge, ViscousFriction, fit, march, solve, sweep
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 THREADS = 4
 ARGUMENTS: dict[str, Any] = {

@@ -28,7 +28,7 @@ from semianalytic import march
 from semianalytic.results.sampled import SampledAnswer
 from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.named import find_blocks
+from semianalytic.scene.given.finding import find_blocks
 
 LABELS = ("benchmark", "code", "version", "cells", "seconds")
 """Labels of the comment lines of a file; cells are counted over c_t T, or what the sheet says."""

@@ -23,6 +23,7 @@ from semianalytic import (
     ViscousFriction,
     WholeLine,
 )
+from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
@@ -331,7 +332,7 @@ def _answer(sheet: Sheet) -> Iterator[Block]:
         "one folder up, their checksums. To SI: " + _scales_words() + "."
     )
     rows = [
-        (f"zone {at}, {'slip' if sense > 0 else 'reverse slip'}, x/(c_t t)", _range(inner, outer))
+        (f"zone {at}, {kind_of_slip(sense)}, x/(c_t t)", _range(inner, outer))
         for at, (inner, outer, sense) in enumerate(answers.get("zones", ()), start=1)
     ]
     rows += [("open, x/(c_t t)", _range(*ends)) for ends in answers.get("openings", ())]

@@ -27,7 +27,8 @@ from semianalytic import (
 from semianalytic.dissimilar.described import find_pair, pair_of
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import LINES, NAMED_PAIRS, find_blocks
+from semianalytic.scene.given.finding import find_blocks
+from semianalytic.scene.given.named import LINES, NAMED_PAIRS
 from semianalytic.scene.units import SI
 
 Array = NDArray[np.float64]

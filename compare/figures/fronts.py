@@ -12,6 +12,7 @@ from compare.comparison.scales import scene_fronts, wave_speeds
 from compare.figures.quantities import Array
 from compare.output.bodies import Fields, fastest_speed, materials_of
 from semianalytic import PairSolution
+from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene
 
@@ -74,8 +75,7 @@ def reach(fields: Fields, time: float) -> Window:
 def moving_parts(fields: Fields, time: float) -> list[Moving]:
     """Return the slipping and open parts of the contact at a time [time]."""
     slipping = [
-        Moving("slip" if zone.sense > 0 else "reverse slip", zone.start, zone.end)
-        for zone in fields.zones_at(time)
+        Moving(kind_of_slip(zone.sense), zone.start, zone.end) for zone in fields.zones_at(time)
     ]
     return slipping + [Moving("open", one.start, one.end) for one in fields.openings_at(time)]
 

@@ -47,6 +47,7 @@ from compare.figures.style import (
 )
 from compare.output.bodies import fastest_speed
 from semianalytic import OpenZone, PairSolution, SlipZone, Solution
+from semianalytic.results.in_words import kind_of_slip
 from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
@@ -238,7 +239,7 @@ def _parts(solution: Exact) -> list[SlipZone | OpenZone]:
 def _zone_kind(zone: SlipZone | OpenZone) -> str:
     if isinstance(zone, OpenZone):
         return "open"
-    return "slip" if zone.sense > 0 else "reverse slip"
+    return kind_of_slip(zone.sense)
 
 
 def _shade_zones(panel: Axes, solution: Exact) -> None:

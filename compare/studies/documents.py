@@ -16,7 +16,7 @@ from semianalytic.scene.given.documents import scene_document
 if TYPE_CHECKING:
     from compare.studies.article.claims import Claim
     from compare.studies.article.study import Article
-    from compare.studies.chart.study import Point
+    from compare.studies.chart.points import Point
     from compare.studies.dissimilar.study import GrowthResults
     from compare.studies.evidence.study import Evidence
     from compare.studies.regimes.figures import RegimeResults

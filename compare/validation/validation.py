@@ -24,7 +24,7 @@ from compare.validation.weighing import LITTLE
 from semianalytic import Scene
 from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.named import checked_scene
+from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.units import InSI
 
 CONVERTED = "agrees after conversion"

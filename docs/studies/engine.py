@@ -31,8 +31,10 @@ Array = NDArray[np.float64]
 MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 UNIT = sf.Material(1.0, 1.0, 0.25)
 RATIOS, INERTIAS = (1.1, 1.4, 2.0), (0.01, 0.1, 0.3, 1.0, 3.0)
-SHARES = (0.3, 0.5, 0.7, 0.9)  # of the critical wavenumber: the growing waves of the notes
-WEAKEST = 0.004  # V / L; half of it would need marches of 1,250 L / V
+SHARES = (0.3, 0.5, 0.7, 0.9)
+"""Wavenumbers over the critical one: the growing waves of the notes."""
+WEAKEST = 0.004
+"""Slowest growth that is marched [V / L]; half of it would need marches of 1,250 L / V."""
 
 
 def main() -> None:

@@ -20,7 +20,7 @@ import numpy as np
 from PIL import Image
 
 from docs.studies.latency import DOCS, SCENES
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from slipfront.explore.chromium import CHROMIUM, Browser, served_page
 from slipfront.explore.controls import defaults, query_of
 

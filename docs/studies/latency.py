@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from slipfront.explore.chromium import CHROMIUM, Browser, served_page
 from slipfront.explore.controls import defaults, query_of
 

@@ -145,7 +145,7 @@ def filled(text: str, folder: Path = DATA) -> str:
 
 def _chart(_: str) -> str:
     from compare.studies.chart.figure import chart_text
-    from compare.studies.chart.study import read_points
+    from compare.studies.chart.points import read_points
 
     return chart_text(read_points(DATA / "chart.csv"))
 

@@ -13,16 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.assembly import FAMILIES, IN_PLANE, OUT_OF_PLANE, STIFFNESS, Y, lumped_mass, make_space
+from fem.elements.assembly import (
+    FAMILIES,
+    IN_PLANE,
+    OUT_OF_PLANE,
+    STIFFNESS,
+    Y,
+    lumped_mass,
+    make_space,
+)
 from fem.lines.line import Line
-from fem.stepping import Body, critical_step, highest_frequency, normalised
+from fem.patch import PATCH, highest_of_patch
+from fem.stepping import Body, critical_step, normalised
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
 
 Array = NDArray[np.float64]
 
-PATCH = 24
-"""Squares along each side of the patch from which the critical step comes; see `fem.plan.Plan`."""
+MARGIN = 8
+"""Rows of nodes beyond the first wave that move already."""
 STIFF = 1000.0
 """Ratio of the shear moduli from which on the stiffer block may be shallow: its motion is 0.1 % of
 the whole or less, and its far side absorbs most of the waves."""
@@ -31,8 +40,6 @@ SHALLOW = 0.25
 depth of 2 to 5e-6; with half of this value it is to 6e-6, with twice to 3e-6."""
 MOST_WORK = 5e11
 """Unknowns times steps that are accepted, which take one to two hours."""
-MARGIN = 8
-"""Rows of nodes beyond the first wave that move already."""
 
 
 @dataclass(frozen=True)
@@ -77,10 +84,8 @@ class Block:
     def critical_step(self) -> float:
         """Largest stable step [time], that of a free patch, which no periodic block exceeds."""
         side = self.size * np.arange(PATCH + 1.0)
-        space = make_space(MeshQuad.init_tensor(side, side), FAMILIES["Q1"])
-        one = {"upper": self.material}
-        matrix, _ = normalised(STIFFNESS[self.components](space, one), lumped_mass(space, one))
-        return critical_step(highest_frequency(matrix, tol=1e-7), self.damping_time)
+        highest = highest_of_patch(side, side, FAMILIES["Q1"], self.material, self.components)
+        return critical_step(highest, self.damping_time)
 
     def assembled(self, step: float) -> Body:
         """Return the block at rest, for a time step."""

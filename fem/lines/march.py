@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.assembly import X, Y, Z
+from fem.elements.assembly import X, Y, Z
 from fem.interface import contact_pressure
 from fem.lines.blocks import Block, check_work, make_blocks
 from fem.lines.friction import slip_speed
@@ -27,7 +27,7 @@ Progress = Callable[[int, int], None]
 SAMPLES = 20
 """Times at which fields are kept."""
 DAMPING = 0.02
-"""Damping of each block, as that of `fem.plan.Settings`."""
+"""Damping of each block, as that of `fem.settings.Settings`."""
 STEP_RATIO = 0.95
 """Time step over the critical one."""
 

@@ -15,8 +15,9 @@ from semianalytic.cut.load import Load
 from semianalytic.cut.quadrature.laying import lay_panels
 from semianalytic.cut.quadrature.layout import Layout, Zone, lies_between, outline
 from semianalytic.cut.quadrature.panels import Panels
+from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.lazily import cached_property
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 from semianalytic.halfplane.rules import Rule, finer_rule
 
 

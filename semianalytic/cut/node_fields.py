@@ -35,7 +35,6 @@ class Stencil:
 
 # Weights of f' from f at the offsets: central of order 2 and 4, and one-sided of order 4.
 SECOND_ORDER = np.array([-1.0, 1.0]), np.array([-0.5, 0.5])
-FOURTH_ORDER = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 _TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
 
 

@@ -12,7 +12,8 @@ from semianalytic.cut import tuning
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.running import Power
 from semianalytic.cut.quadrature.tuning import LEAST_SHARE
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule, finer_rule
 
 

@@ -29,8 +29,9 @@ from numpy.typing import NDArray
 from semianalytic.cut.given_zones import GivenZones
 from semianalytic.cut.load import normal_load, per_set
 from semianalytic.cut.strength import PressurePart
+from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.lazily import cached_property
-from semianalytic.halfplane.rayleigh import Array, CutPoints, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 
 
 class ZoneTransform(GivenZones):

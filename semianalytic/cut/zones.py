@@ -22,8 +22,9 @@ from semianalytic.cut.load import per_set
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.quadrature.running import Power, RunningIntegral, split_power
 from semianalytic.cut.slopes import ZoneSlopes
+from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.lazily import cached_property
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rayleigh import Array
 
 
 class ZoneFields(ZoneSlopes):

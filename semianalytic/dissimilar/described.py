@@ -12,7 +12,7 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.named import find_blocks
+from semianalytic.scene.given.finding import find_blocks
 from semianalytic.scene.loads import Step
 from semianalytic.scene.scene import SLOT, Material, Scene, Tractions
 

@@ -28,7 +28,8 @@ from numpy.typing import ArrayLike
 from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar.phase import SlipPhase, slip_phase
 from semianalytic.dissimilar.stretch import Stretch, stretches
-from semianalytic.halfplane.rayleigh import Array, gauss
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import SceneError
 
 _REACH, _PIECE, _POINTS = 36.0, 1.5, 12

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from semianalytic.dissimilar_slot.profile import GAP, NORMAL, RATE, SHEAR, Part, Profile
+from semianalytic.dissimilar_slot.densities.profile import GAP, NORMAL, RATE, SHEAR, Part, Profile
 from semianalytic.halfplane.rayleigh import Array
 
 Kind = Literal["excess", "pull", "reversed", "overlap"]

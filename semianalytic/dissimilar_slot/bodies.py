@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike
 
 from semianalytic.dissimilar.compliance import Complex
 from semianalytic.dissimilar.pair import Pair
-from semianalytic.dissimilar_slot.density import Density, density_of
-from semianalytic.dissimilar_slot.panels import rule_for, tolerance_of
-from semianalytic.dissimilar_slot.zones import edges_of
+from semianalytic.dissimilar_slot.densities.density import Density, density_of
+from semianalytic.dissimilar_slot.densities.panels import rule_for, tolerance_of
+from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.field import tuning
 from semianalytic.field.body import Quantity, Sent, checked_points, fields_of, points_around
 from semianalytic.field.cells import Primitives

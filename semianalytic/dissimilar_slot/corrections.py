@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 from semianalytic.dissimilar_slot.admissible import Violation
+from semianalytic.dissimilar_slot.densities.zones import Zone, edges_of, joined, moved, neighbours
 from semianalytic.dissimilar_slot.placement import Placement
-from semianalytic.dissimilar_slot.zones import Zone, edges_of, joined, moved, neighbours
 
 _AT_FRONT, _BEYOND_FRONT = 1e-4, 0.1
 """Relative distance in slowness below which an edge has run into a wave front, and the distance

@@ -1,175 +1,45 @@
 """Derivatives of a solved pair with respect to a parameter of its bodies, friction or tractions.
 
-The edges satisfy their conditions for every nearby value of a parameter p.  Fields are not smooth
-in p at fixed slowness, past which an edge or a wave front moves, but they are at fixed places x
-between the edges and fronts.  They are differenced there, to fourth order, between neighbours whose
-edges Newton's method places, and the motion of the places is taken off again:
-
-    dF/dp = dF/dp at x - ds/dp at x (dF/dx) / (ds/dx),
-
-s being the slowness (docs/derivatives.md, "Two different bodies").
+The edges satisfy their conditions for every nearby value of a parameter.  The pair is differenced
+between neighbours with edges of their own (`neighbours`), and the error is estimated from a second,
+coarser difference (docs/derivatives.md, "Two different bodies").
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.dissimilar.canonical import glued
-from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS, Pair, changed, parameter_of
-from semianalytic.dissimilar.stretch import Stretch
-from semianalytic.dissimilar_slot.admissible import violations
-from semianalytic.dissimilar_slot.density import Density
-from semianalytic.dissimilar_slot.interface import interface_of
-from semianalytic.dissimilar_slot.panels import Rule, rule_for
-from semianalytic.dissimilar_slot.placement import Placement, place, polished
-from semianalytic.dissimilar_slot.profile import GAP, NORMAL, OPENING, RATE, SHEAR, SLIP, Profile
-from semianalytic.dissimilar_slot.zones import Coordinates, edges_of
+from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS, Pair, parameter_of
+from semianalytic.dissimilar_slot.densities.profile import (
+    GAP,
+    NORMAL,
+    OPENING,
+    RATE,
+    SHEAR,
+    SLIP,
+)
+from semianalytic.dissimilar_slot.densities.zones import edges_of
+from semianalytic.dissimilar_slot.neighbours import Member, Varied, border, neighbours
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative, ZoneDerivative
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
-_POINTS, _WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
-"""A central difference of fourth order."""
 _STEP = 2e-3
 """Step over the size of a parameter: half and twice of it change derivatives of the scenes of
 docs/dissimilar.md by less than their error estimates."""
-_LONGEST_MOVE, _MOST_SHORTENINGS = 0.02, 5
-"""Largest change of an unknown of the edges in a step, in logarithms of distances: an edge beside a
-front would cross it; and how often a step is shortened, by a tenth at most."""
-_ALONG = 5e-3
-"""Step in x of the differences along the interface."""
 _TOLERANCE, _COARSER, _SHORTER = 1e-11, 10.0, 0.7
 """Tolerance of the rule of neighbours; that of the companion from which errors are estimated, over
 it, and its step over that of the derivative."""
-_LOOSE = 1e-5
-"""Tolerance of the rule on which the Jacobian of the edges is formed."""
 _SAFETY, _LEAST = 4.0, 1e-9
 """Error estimate over the difference from the companion, and the least one."""
-_LAW = 1e-6
-"""Violation of the law of contact beyond which zones of a neighbour count as others."""
-_FARTHEST = 200.0
-"""Largest |x| at which fields are looked up."""
 _COMPARED, _BESIDE = 200, 0.03
 """Points at which derivative and companion are compared, and their distance from edges and fronts
 over the slowest wave speed."""
-
-
-@dataclass(frozen=True, eq=False)
-class Member:
-    """A pair near another one, with its own edges, in the units of that pair's parameter.
-
-    Attributes
-    ----------
-    pair : Pair
-    profile : Profile
-    stress : float
-        Unit of stress of the profile.
-    """
-
-    pair: Pair
-    profile: Profile
-    stress: float
-
-    @cached_property
-    def marks(self) -> list[float]:
-        """Edges, wave fronts and poles of the rates, in slowness over b of the upper body."""
-        density = self.profile.density
-        poles = {pole.slowness for part in density.parts for pole in part.poles}
-        fronts = density.interface.compliance.distinct_fronts
-        return sorted({*fronts, *edges_of(density.zones), *poles})
-
-    def slowness(self, v: Array) -> Array:
-        """Return the slownesses [time / length] of those in units of the upper body."""
-        return v / self.pair.upper.shear_speed
-
-    def fields(self, v: Array) -> Array:
-        """Return slip rate, rate of opening, slip and gap over x, shear traction and pressure."""
-        values = self.profile.at(v)
-        rate = self.stress / self.pair.upper.shear_impedance
-        values[[RATE, OPENING]] *= rate
-        values[[SLIP, GAP]] *= rate / self.pair.upper.shear_speed
-        values[SHEAR] = self.pair.base.shear + self.stress * values[SHEAR]
-        values[NORMAL] = self.pair.base.pressure - self.stress * values[NORMAL]
-        return values
-
-    def stretches(self) -> list[Stretch]:
-        """Return what lies between neighbouring marks, and behind the last one."""
-        rights: list[float | None] = [*self.marks[1:], None]
-        return [Stretch(*ends) for ends in zip(self.marks, rights, strict=True)]
-
-
-@dataclass(frozen=True, eq=False)
-class Varied:
-    """A solved pair and its neighbours along a parameter.
-
-    Attributes
-    ----------
-    own : Member
-    beside : tuple of Member
-        At `_POINTS` times `step` of the parameter.
-    step : float
-    """
-
-    own: Member
-    beside: tuple[Member, ...]
-    step: float
-
-    def _difference(self, values: list[Any]) -> Array:
-        """Return the derivative from values of the neighbours."""
-        return np.asarray(np.tensordot(_WEIGHTS, np.array(values), 1) / self.step)
-
-    @cached_property
-    def edges(self) -> Array:
-        """Derivatives (e,) of the velocities of the edges, from the fastest to the slowest."""
-        velocities = [
-            1 / one.slowness(np.array(edges_of(one.profile.density.zones))) for one in self.beside
-        ]
-        return self._difference(velocities)
-
-    @cached_property
-    def _ahead(self) -> Array:
-        """Derivatives of all fields ahead of all waves."""
-        return self._difference([one.fields(np.zeros(1))[:, 0] for one in self.beside])
-
-    @cached_property
-    def at_edge(self) -> float:
-        """Derivative of the slip rate at the contact edge."""
-        # Slowness at the contact edge is infinite; the rate has reached its limit long before this.
-        far = np.array([1e12])
-        return float(self._difference([one.fields(far)[RATE, 0] for one in self.beside]))
-
-    def fields(self, v: Array) -> Array:
-        """Return the derivatives (6, n) of `Member.fields` at slownesses v of the pair itself."""
-        result = np.repeat(self._ahead[:, None], len(v), axis=1)
-        stretches = [one.stretches() for one in (self.own, *self.beside)]
-        index = np.searchsorted(self.own.marks, v, side="right") - 1
-        for k, (stretch, *others) in enumerate(zip(*stretches, strict=True)):
-            here = index == k
-            if not here.any():
-                continue
-            x = np.clip(stretch.coordinates(v[here]), -_FARTHEST, _FARTHEST)
-            places = [other.at(x).v for other in others]
-            at_place = self._difference(
-                [one.fields(place) for one, place in zip(self.beside, places, strict=True)]
-            )
-            moved = self._difference(
-                [one.slowness(place) for one, place in zip(self.beside, places, strict=True)]
-            )
-            along = [stretch.at(x + _ALONG * point).v for point in _POINTS]
-            slope = np.tensordot(_WEIGHTS, [self.own.fields(one) for one in along], 1)
-            run = np.tensordot(_WEIGHTS, [self.own.slowness(one) for one in along], 1)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                # At a fixed place between the marks fields change smoothly; the place itself has
-                # moved, which is taken back along the slope of the fields.
-                share = np.where(run == 0, 0.0, moved / run)
-            result[:, here] = at_place - share * slope
-        return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -332,7 +202,7 @@ def differentiated(
         )
     varied = neighbours(own, name, _TOLERANCE, _STEP * _size(own, name))
     if status == "converged":
-        status = _border(varied, name) or status
+        status = border(varied, name) or status
     ends = edges_of(own.profile.density.zones)
     speed = own.pair.upper.shear_speed
     rates = dict(zip(ends, varied.edges.tolist(), strict=True))
@@ -363,74 +233,3 @@ def _size(own: Member, name: str) -> float:
     if name.endswith("poisson_ratio"):
         return 0.25
     return value
-
-
-def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
-    """Return a solved pair with its neighbours along a parameter, each with its own edges."""
-    density, rule = own.profile.density, rule_for(tolerance)
-    value = parameter_of(own.pair, name)
-    start = place(density.interface, density.glued, density.zones, rule_for(_LOOSE), _LOOSE)
-    # The loose rule gives the Jacobian alone: neighbours start from the edges themselves.
-    start = replace(start, unknowns=start.coordinates.unknowns(edges_of(density.zones)))
-
-    def at(point: float) -> tuple[Member, float]:
-        pair = changed(own.pair, name, value + step * point)
-        return _neighbour(pair, start, density, rule, tolerance)
-
-    for attempt in range(_MOST_SHORTENINGS + 1):
-        try:
-            ahead, moved = at(1.0)
-        except (ComputationError, SceneError):
-            if attempt == _MOST_SHORTENINGS:
-                raise
-            moved = np.inf
-        if moved <= _LONGEST_MOVE:
-            break
-        # Edges beside a front move fast: the step is chosen by them, not by the parameter.
-        step *= max(_LONGEST_MOVE / moved, 0.1)
-    beside = [ahead if point == 1 else at(float(point))[0] for point in _POINTS]
-    return Varied(own, tuple(beside), step)
-
-
-def _neighbour(
-    pair: Pair, start: Placement, density: Density, rule: Rule, tolerance: float
-) -> tuple[Member, float]:
-    """Return a pair whose zones are of the kind of others, with the edges that it asks for, and
-    how far these have moved as unknowns of `Coordinates`."""
-    interface, unit = interface_of(pair)
-    before = density.interface.compliance.distinct_fronts
-    fronts = interface.compliance.distinct_fronts
-    if len(fronts) != len(before):
-        raise ComputationError(
-            "derivative: two wave fronts of these bodies coincide, and part as this parameter "
-            "changes; change a modulus or density a little."
-        )
-    to: dict[float | None, float | None] = {0.0: 0.0, None: None}
-    to.update(zip(before, fronts, strict=True))
-    segments = tuple((to[left] or 0.0, to[right]) for left, right in start.coordinates.segments)
-    moved = replace(
-        start,
-        coordinates=Coordinates(segments),
-        density=replace(start.density, interface=interface, zones=density.zones),
-    )
-    placed = polished(moved, glued(interface.compliance, 0.1 * tolerance), rule, tolerance, 12)
-    if not placed.converged:
-        raise ComputationError(
-            "derivative: zones of this kind have no edges at a nearby value of the parameter; "
-            "difference two solutions on the side that is wanted."
-        )
-    moves = np.abs(placed.unknowns - start.unknowns)
-    return Member(pair, Profile(placed.density), unit), float(moves.max(initial=0.0))
-
-
-def _border(varied: Varied, name: str) -> str:
-    """Return a sentence if neighbours break the law of contact; "" if all obey it."""
-    slowest = 1 / _LAW
-    for one, point in zip(varied.beside, _POINTS, strict=True):
-        if violations(one.profile, _LAW, slowest):
-            side = "above" if point > 0 else "below"
-            return (
-                f"one-sided: {side} this value of {name} zones of another kind begin, and the "
-                "derivative is that of the present ones"
-            )
-    return ""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from semianalytic.dissimilar_slot.density import Density, density_of
-from semianalytic.dissimilar_slot.panels import rule_for
+from semianalytic.dissimilar_slot.densities.density import Density, density_of
+from semianalytic.dissimilar_slot.densities.panels import rule_for
+from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.placement import Placement, edge_tractions, mismatch
-from semianalytic.dissimilar_slot.zones import edges_of
 from semianalytic.halfplane.rayleigh import Array
 
 _COARSER = 6.0

@@ -23,9 +23,10 @@ import numpy as np
 
 from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.compliance import Compliance
-from semianalytic.dissimilar_slot.interface import Interface, rayleigh_slowness
-from semianalytic.dissimilar_slot.zones import Zone
-from semianalytic.halfplane.rayleigh import Array, gauss
+from semianalytic.dissimilar_slot.densities.interface import Interface, rayleigh_slowness
+from semianalytic.dissimilar_slot.densities.zones import Zone
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones.collocation import lemke
 

@@ -22,10 +22,10 @@ import numpy as np
 
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.stretch import Stretch
-from semianalytic.dissimilar_slot.density import Density, density_of
-from semianalytic.dissimilar_slot.interface import Interface
-from semianalytic.dissimilar_slot.panels import Rule, edge_exponents
-from semianalytic.dissimilar_slot.zones import (
+from semianalytic.dissimilar_slot.densities.density import Density, density_of
+from semianalytic.dissimilar_slot.densities.interface import Interface
+from semianalytic.dissimilar_slot.densities.panels import Rule, edge_exponents
+from semianalytic.dissimilar_slot.densities.zones import (
     Coordinates,
     Zone,
     coordinates_of,

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.dissimilar.growth import GrowingWave, growing_waves
 from semianalytic.dissimilar.pair import Pair
-from semianalytic.dissimilar_slot.profile import (
+from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
     NORMAL,
     OPENING,
@@ -20,22 +20,19 @@ from semianalytic.dissimilar_slot.profile import (
     SLIP,
     Profile,
 )
-from semianalytic.dissimilar_slot.zones import Zone
+from semianalytic.dissimilar_slot.densities.zones import Zone
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import (
-    OpenInterval,
-    SlipInterval,
-    answer_dataset,
     checked_arrival,
-    sampled_history,
 )
-from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
-from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.answer import SelfSimilarAnswer
+from semianalytic.selfsimilar.shown import slips_said
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
 if TYPE_CHECKING:  # imported where it is asked for, for a quick import
@@ -78,7 +75,7 @@ class PairStatistics:
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
-class PairSolution:
+class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     """Self-similar slip, stick and opening between two different half-planes.
 
     Fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 there is the
@@ -131,13 +128,10 @@ class PairSolution:
         return self.pair.alike
 
     def __repr__(self) -> str:
-        speeds = [(f"{zone.inner:.4g}", f"{zone.outer:.4g}", zone.sense) for zone in self.zones]
-        parts = [f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds]
-        slips = f"slip at {', '.join(parts)}" if parts else "no slip"
         opens = [f"{part.inner:.4g} < x/t < {part.outer:.4g}" for part in self.openings]
         open_ = f", open at {', '.join(opens)}" if opens else ""
         estimate = f"error estimate {self.error_estimate:.1e}"
-        return f"<PairSolution: {slips}{open_}; {self.status}, {estimate}>"
+        return f"<PairSolution: {slips_said(self.zones)}{open_}; {self.status}, {estimate}>"
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the functions of the profile at positions and times, (6, ...); 0 before t = 0."""
@@ -195,29 +189,6 @@ class PairSolution:
         film = isinstance(law, ViscousFriction) and law.viscosity > 0
         return np.where(is_open(self.openings, x, t), 0.0, margin) if film else margin
 
-    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Particle velocity v_x, v_y anywhere in both bodies, (2, ...) [length / time].
-
-        Positions and times broadcast: y > 0 is the upper body, y < 0 the lower one, and 0.0 and
-        -0.0 are their faces, those of the slot x < 0 included.  Infinite, with its sign, at the
-        Rayleigh fronts of the slot and at other singular points.
-
-        Raises
-        ------
-        SceneError
-            If a position or a time is not finite.
-
-        Examples
-        --------
-        >>> import semianalytic as sa
-        >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
-        >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-        >>> answer = sa.solve_pair(pair, rtol=1e-6)
-        >>> answer.velocity(1.0, [0.0, -0.0], 2e-3)[0].round(3)  # the slip rate is 0.25
-        array([ 0.141, -0.109])
-        """
-        return self._bodies.velocity(x, y, t)
-
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Particle velocity (v_x, v_y) [length / time] of the upper slot face, at x < 0; it is
         infinite at the Rayleigh front of the upper body.
@@ -231,28 +202,6 @@ class PairSolution:
             raise SceneError("the slot is x < 0; ask for negative positions.")
         along, across = self.velocity(x, 0.0, t)
         return along, across
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Stress sigma_xx, sigma_yy, sigma_xy anywhere in both bodies, (3, ...), tension positive
-        [stress]; positions, times and errors as `velocity`.
-
-        The base tractions are part of sigma_yy and sigma_xy; they do not determine the initial
-        sigma_xx, so that one is the change since t = 0.
-        """
-        return self._bodies.stress(x, y, t)
-
-    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Displacement u_x, u_y since t = 0 anywhere in both bodies, (2, ...) [length]; positions,
-        times and errors as `velocity`."""
-        return self._bodies.displacement(x, y, t)
-
-    @cached_property
-    def field_error(self) -> float:
-        """Estimate of the error of fields in the bodies, relative to themselves plus the load.
-
-        It adds the change on a coarser rule at some points and the error of the zone edges.
-        """
-        return self._bodies.error + self.error_estimate
 
     @cached_property
     def _bodies(self) -> PairBodies:
@@ -282,19 +231,11 @@ class PairSolution:
         ComputationError
             If zones of this kind have no edges at a nearby value.
         """
-        from semianalytic.dissimilar_slot.derivative import Member, differentiated
+        from semianalytic.dissimilar_slot.derivative import differentiated
+        from semianalytic.dissimilar_slot.neighbours import Member
 
         own = Member(self.pair, self.profile, self.stress_unit)
         return differentiated(own, name, (self.zones, self.openings), self.status)
-
-    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
-        return sampled_history(self, x, t)
-
-    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """Fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`; raises as
-        `slip_rate`."""
-        return answer_dataset(self, x, t)
 
     @cached_property
     def growing(self) -> tuple[GrowingWave, ...]:
@@ -308,11 +249,6 @@ class PairSolution:
         senses = sorted({zone.sense for zone in self.zones})
         frictions = [sense * self.pair.friction for sense in senses]
         return tuple(wave for f in frictions for wave in growing_waves(compliance, f))
-
-    @property
-    def edge_speeds(self) -> Array:
-        """(m, 2) velocities of the inner and outer edge of each slip zone [length / time]."""
-        return np.array([(zone.inner, zone.outer) for zone in self.zones]).reshape(-1, 2)
 
     @cached_property
     def edge_slip_rate(self) -> float:
@@ -368,18 +304,6 @@ class PairSolution:
         # The estimate is relative to the lesser of an edge and the slowest wave.
         slowest = min(pair.upper.shear_speed, pair.lower.shear_speed)
         return self_similar_reading(self, x, t, slowest, scales)
-
-    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """Intervals that slip at a time [time], from the contact edge outward; none until t = 0."""
-        t = checked_number("zones_at: t", t)
-        parts = self.zones if t > 0 else ()
-        return tuple(SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in parts)
-
-    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """Open intervals at a time [time], from the contact edge outward; none until t = 0."""
-        t = checked_number("openings_at: t", t)
-        parts = self.openings if t > 0 else ()
-        return tuple(OpenInterval(t * part.inner, t * part.outer) for part in parts)
 
 
 def in_velocity(

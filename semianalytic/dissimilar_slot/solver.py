@@ -18,14 +18,14 @@ from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar.thresholds import LEAST_FRICTION, growth_threshold, stoneley_speed
 from semianalytic.dissimilar_slot.admissible import largest_breach, violations
 from semianalytic.dissimilar_slot.corrections import corrected, rearranged
+from semianalytic.dissimilar_slot.densities.interface import Interface, interface_of
+from semianalytic.dissimilar_slot.densities.panels import rule_for
+from semianalytic.dissimilar_slot.densities.profile import Profile
+from semianalytic.dissimilar_slot.densities.zones import Zone
 from semianalytic.dissimilar_slot.estimate import numerical_error
 from semianalytic.dissimilar_slot.grid import seen_on_grid, zones_seen
-from semianalytic.dissimilar_slot.interface import Interface, interface_of
-from semianalytic.dissimilar_slot.panels import rule_for
 from semianalytic.dissimilar_slot.placement import Placement, place, polished
-from semianalytic.dissimilar_slot.profile import Profile
 from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics, in_velocity
-from semianalytic.dissimilar_slot.zones import Zone
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
 

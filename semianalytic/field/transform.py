@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import Array
 
 Complex = NDArray[np.complex128]
 

@@ -9,14 +9,8 @@ import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.rayleigh import (
-    Array,
-    Mode,
-    RayleighFactors,
-    chebyshev_series,
-    gauss,
-    rayleigh_factors,
-)
+from semianalytic.halfplane.polynomials import chebyshev_series, gauss
+from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.stuck import (
     ARCTAN_SERIES,
     NEAR_FRONT,

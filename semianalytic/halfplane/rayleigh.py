@@ -8,114 +8,26 @@ M_-(-v) = M_+(v), an argument off the cut.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.polynomials import chebyshev_series
 from semianalytic.scene.scene import Material
 
 Array = NDArray[np.float64]
 Mode = Literal["I", "II", "III"]
 """Modes of fracture: opening, sliding across the edge, and sliding along it (antiplane)."""
 
-_REACH, _SPACING = 80.0, 0.08  # of y in v = a + (b - a) / (1 + exp(-y))
+_REACH, _SPACING = 80.0, 0.08
+"""Largest |y|, and spacing, of the trapezoidal rule in v = a + (b - a) / (1 + exp(-y))."""
 _DEGREE = 256
-_ENOUGH = 0.8  # of the coefficients: what follows those above rounding is below it
-
-
-@cache
-def gauss(n: int) -> tuple[Array, Array]:
-    """Return Gauss-Legendre nodes and weights on [0, 1], as read-only arrays."""
-    nodes, weights = np.polynomial.legendre.leggauss(n)
-    both = (nodes + 1) / 2, weights / 2
-    for one in both:
-        one.setflags(write=False)
-    return both
-
-
-def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
-    """Return the Chebyshev coefficients of a smooth function on [-1, 1] down to rounding."""
-    # Most functions need few coefficients: more are computed only where those above rounding reach
-    # the end of the series.
-    for count in (degree // 8 + 1, degree // 2 + 1, degree + 1):
-        series = _interpolant(function, count)
-        above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
-        if above[-1] < _ENOUGH * count:
-            break
-    return series[: above[-1] + 1]
-
-
-def _interpolant(function: Callable[[Array], Array], count: int) -> Array:
-    """Return Chebyshev coefficients (count,) of the polynomial through a function on [-1, 1]."""
-    values = function(np.cos(np.pi * (np.arange(count) + 0.5) / count))
-    # cosine transform of the values by a Fourier transform of every other one, there and back
-    folded = np.fft.fft(np.concatenate([values[::2], values[1::2][::-1]]))
-    turned = folded * np.exp(-0.5j * np.pi * np.arange(count) / count)
-    series: Array = 2 / count * turned.real
-    series[0] /= 2
-    return series
-
-
-@dataclass(frozen=True)
-class CutPoints:
-    """Slownesses v on the cut, with distances from a, b and c that are exact however small.
-
-    Attributes
-    ----------
-    parts : (4, ...) array
-        v, v - a, v - b and v - c in units of b.
-    """
-
-    parts: Array
-
-    @property
-    def v(self) -> Array:
-        """The slownesses v."""
-        return self.parts[0]
-
-    @property
-    def from_a(self) -> Array:
-        """Distances v - a."""
-        return self.parts[1]
-
-    @property
-    def from_b(self) -> Array:
-        """Distances v - b."""
-        return self.parts[2]
-
-    @property
-    def from_c(self) -> Array:
-        """Distances v - c."""
-        return self.parts[3]
-
-    def minus(self, other: CutPoints) -> Array:
-        """Return the differences from points that lie together, formed at their nearest front."""
-        return self.parts[other.nearest] - other.parts[other.nearest]
-
-    @cached_property
-    def first(self) -> list[float]:
-        """The parts of the first point."""
-        flat: list[float] = self.parts.reshape(4, -1)[:, 0].tolist()
-        return flat
-
-    @cached_property
-    def nearest(self) -> int:
-        """The front nearest to the first point: 1 for a, 2 for b, 3 for c."""
-        _, *distances = map(abs, self.first)
-        return distances.index(min(distances)) + 1
-
-    def first_below(self, other: CutPoints) -> bool:
-        """Return whether the first of these points is below the first of others."""
-        return self.first[other.nearest] < other.first[other.nearest]
-
-    def __getitem__(self, index: Any) -> CutPoints:
-        """Return some of the points."""
-        return CutPoints(self.parts[:, index])
+"""Largest degree of the Chebyshev series of ln S_+."""
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,13 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
 
-_FARTHEST = 100.0  # in y: what lies further out is below rounding
+_FARTHEST = 100.0
+"""Largest |y| of a rule: what lies further out is below rounding."""
 REACH = 1.5
 """Length of a rule over that at which a density has decayed to its tolerance: an integrand that
 decays like exp(-|y| / 2) is continued beyond the ends, the rest falls at least twice as fast."""
-_STEPS = 32  # per power of two: finer rules come in steps, so that their tables are met again
+_STEPS = 32
+"""Spacings per power of two: finer rules come in steps, so that their tables are met again."""
 _LAGUERRE_POINTS = 60
 """Points of the quadrature for Si(pi k): off by 1.3e-15 at most; with 40 by 6e-14, with 80 by
 4e-15, where the weights lose digits."""
@@ -27,7 +29,9 @@ middle: polynomials of degree 19 are off by 5e-16 there; 14 points are off by 1e
 _STEP_TERMS, _MANY_POINTS = 18, 6
 """Terms of the Chebyshev series of the integral of sinc between two nodes, off by 1e-15 at most (16
 by 2e-14), and the number of points from which they are quicker than Si(pi x) at each."""
-_TABLES = 12  # of a rule that are kept, (n, n) each: quickly made again, and 18 MB at 1,500 nodes
+_TABLES = 12
+"""Tables (n, n) of rules that are kept: they are quickly made again, and one takes 18 MB at 1,500
+nodes."""
 
 
 @dataclass(frozen=True)

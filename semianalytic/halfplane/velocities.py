@@ -12,7 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors, gauss
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
 
 def square_root_panels(ends: Iterable[float], order: int) -> tuple[Array, Array]:

@@ -21,11 +21,11 @@ from semianalytic.interface.rate_and_state import RateAndState
 from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import INTERFACE_KEY
+from semianalytic.scene.given.files import INTERFACE_KEY
 from semianalytic.scene.incident import load_from_document
+from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
-from semianalytic.scene.scene import HISTORY_KINDS
 
 LAWS: Mapping[str, type[InterfaceLaw]] = {
     "coulomb": Coulomb,

@@ -13,7 +13,8 @@ from semianalytic.interface.files import InterfaceFile, parsed, read_interface
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import INTERFACE_KEY, LINES, NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.files import INTERFACE_KEY
+from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
 
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"

@@ -20,7 +20,8 @@ from semianalytic.inversion.verdict import covariance_of, verdict
 from semianalytic.results.notebook import html_table
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.given.named import NAMED_SCENES, checked_scene
+from semianalytic.scene.given.finding import checked_scene
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 

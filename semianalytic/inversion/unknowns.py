@@ -10,7 +10,7 @@ from semianalytic.inversion.gauges import Gauge
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
-from semianalytic.scene.given.named import override_scene
+from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.incident import GRAZING, OF_FRONT, IncidentWave, MovingLoad
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS, parameter

@@ -31,7 +31,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, gauss, rayleigh_factors
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.velocities import square_root_panels
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material

@@ -22,7 +22,8 @@ from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
@@ -32,16 +33,25 @@ from semianalytic.selfsimilar.solver import solve
 
 Loading = Literal["preload", "remote"]
 
-NARROWEST = 1e-14  # half-width of a stick gap that positions x / t in double precision resolve
+NARROWEST = 1e-14
+"""Half-width of the narrowest stick gap that positions x/t in double precision resolve."""
 _TRACTIONS = {
     "preload": (Tractions(1.0, 0.0), Tractions(0.0, 1.0), SLOT),
     "remote": (Tractions(0.0, 0.0), Tractions(1.0, 1.0), REMOTE),
-}  # base, load and where it acts
-SLOW_FRONTS = (math.log(1e-6), math.log(1e6))  # logarithms of v - c, from c_R to nearly 0
-NEGLIGIBLE = 5e-4  # what a zone just born at the shear front may still be left out for
-RULE = rule_for(1e-12)  # the traction at a front is right to 40 times that at worst
-_PAST_FRONTS = (-15.0, 3.0)  # `past_rayleigh` from close to c_l to close to c_t
-_BESIDE = 1e-6  # where the logarithm is read: what it leaves, averaged over both sides, is O(1e-12)
+}
+"""Base, load and the place where it acts."""
+SLOW_FRONTS = (math.log(1e-6), math.log(1e6))
+"""Logarithms of v - c for fronts between c_R and nearly 0."""
+NEGLIGIBLE = 5e-4
+"""Friction, or traction over it, by which a threshold is passed up to which the zone that has just
+begun at the shear front is left out: it is tiny, and shifts other thresholds by less than 1e-8."""
+RULE = rule_for(1e-12)
+"""Rule of all thresholds: the traction at a front is right to 40 times its tolerance at worst."""
+_PAST_FRONTS = (-15.0, 3.0)
+"""Unknowns of `past_rayleigh` for fronts from close to c_l to close to c_t."""
+_BESIDE = 1e-6
+"""Distance from c at which the logarithm is read: what is left of V, averaged over both sides, is
+O(1e-12)."""
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
 from dataclasses import dataclass, fields
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -71,31 +69,6 @@ class OpenInterval:
 
     start: float
     end: float
-
-
-def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "g") -> int:
-    """Return how many digits show different edges as different, and distances to two digits.
-
-    Strips around the Rayleigh front, of reverse slip without friction or of stick with little
-    friction, may be narrower than 1e-12 of its speed and would otherwise appear empty.
-
-    Parameters
-    ----------
-    edges : iterable of float
-        Velocities or positions; infinite ones are left out, and what agrees to 15 significant
-        digits is taken to be the same.
-    least : int
-        Least number of digits.
-    form : str
-        Whether digits are significant ones ("g") or those after the point ("f").
-    """
-    # The same edge may have been computed twice: what differs by rounding alone is one number.
-    different = {float(f"{edge:.15g}") for edge in edges if math.isfinite(edge)}
-    for digits in range(least, 17):
-        if len({f"{one:.{digits}{form}}" for one in different}) == len(different):
-            # One digit more than tells them apart, which shows by how much they differ.
-            return digits if digits == least else digits + 1
-    return 17
 
 
 class ContactFields(Protocol):

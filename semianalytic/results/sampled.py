@@ -7,7 +7,6 @@ A solver that steps through time keeps an `InterfaceHistory` of the levels it st
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,10 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from semianalytic.results.answer import (
     OpenInterval,
     SlipInterval,
-    answer_dataset,
     checked_arrival,
-    sampled_history,
 )
+from semianalytic.results.gridded import Gridded
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import (
     EDGE_STEPS,
@@ -79,7 +77,7 @@ class Totals:
 
 
 @asked_in_units
-class SampledAnswer:
+class SampledAnswer(Gridded):
     """An `Answer` that interpolates between samples, linearly in position and time.
 
     Fields are known at the stored levels only, totals at every step.  Between the contact edge and
@@ -279,22 +277,6 @@ class SampledAnswer:
         if t <= min(self.interface.t[0], 0.0):
             return ()
         return open_intervals(self.interface.x, self.gap(self.interface.x, t))
-
-    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """Return all fields at positions x (n,), times t (m,); errors are those of `slip_rate`."""
-        return sampled_history(self, x, t)
-
-    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """Return fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        SceneError
-            If a position or time is not finite, not on the contact, or beyond what was recorded.
-        """
-        return answer_dataset(self, x, t)
 
     def _field(self, name: str, x: ArrayLike, t: ArrayLike, at_rest: float = 0.0) -> Array:
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))

@@ -11,10 +11,9 @@ from __future__ import annotations
 import difflib
 import math
 import sys
-from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
@@ -24,30 +23,20 @@ from semianalytic.scene.friction import (
     CoulombFriction,
     FrictionLaw,
     RateFriction,
-    RateWeakening,
-    SlipWeakening,
-    ViscousFriction,
 )
 from semianalytic.scene.incident import (
     IncidentWave,
     Load,
     MovingLoad,
 )
+from semianalytic.scene.kinds import PARTS
 from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions
-from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
+from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
-from semianalytic.scene.plugins import HISTORIES, LAWS, kind_of
+from semianalytic.scene.plugins import kind_of
 from semianalytic.scene.quantities import made_in_si, with_quantities
-from semianalytic.scene.tabulated import Tabulated
 from semianalytic.scene.units import SI
 
-HISTORY_KINDS: Mapping[str, type[LoadHistory]] = {
-    "step": Step,
-    "ramp": Ramp,
-    "pulse": Pulse,
-    "harmonic": Harmonic,
-    "tabulated": Tabulated,
-}
 NEAREST_FRONT = 1e-2
 """Least distance of the front of a load that comes along the slot from the first wave, over the
 latter's slowness.  Tables of stuck tractions have all digits at this distance and at half of it;
@@ -59,35 +48,6 @@ difference of numbers of the size of p."""
 IN_PLANE, ANTIPLANE = "in-plane", "antiplane"
 MODES = (IN_PLANE, ANTIPLANE)
 """Directions of shear: along x, across the edge of the contact, or along z, along that edge."""
-
-FRICTION_LAWS: Mapping[str, type[FrictionLaw]] = {
-    "coulomb": CoulombFriction,
-    "viscous": ViscousFriction,
-    "rate-weakening": RateWeakening,
-    "slip-weakening": SlipWeakening,
-}
-
-
-class Part(NamedTuple):
-    """A part of a scene that is named by a kind in files.
-
-    It has a group of entry points, the base class of its classes, the classes of this package by
-    kind, and the default.
-    """
-
-    group: str
-    base: type
-    own: Mapping[str, type]
-    default: LoadHistory | FrictionLaw
-
-
-_HISTORY = Part(HISTORIES, LoadHistory, HISTORY_KINDS, Step())
-PARTS: Mapping[str, Part] = {
-    "pressure_history": _HISTORY,
-    "shear_history": _HISTORY,
-    "friction_law": Part(LAWS, FrictionLaw, FRICTION_LAWS, CoulombFriction()),
-}
-"""The parts by name of the field of a scene."""
 
 
 @with_quantities

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,25 +15,21 @@ from semianalytic.cut.slot_faces import SlotFaces
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import (
-    OpenInterval,
-    SlipInterval,
-    answer_dataset,
     checked_arrival,
-    sampled_history,
 )
-from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.reading import (
     Reading,
     first_times,
     self_similar_reading,
 )
 from semianalytic.results.renamed import renamed
-from semianalytic.scene.checks import checked_number
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said, zones_table
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.totals import ContactTotals
@@ -49,7 +45,7 @@ if TYPE_CHECKING:  # imported where they are asked for, for a quick import
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(SelfSimilarAnswer, AnswerInBodies):
     """Self-similar slip on the interface of a scene, as returned by `solve`.
 
     All fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 they are
@@ -210,22 +206,6 @@ class Solution:
         strength = self.scene.friction_law.strength(frictional, self.slip_rate(x, t), 0.0)
         return strength - np.abs(self.shear_traction(x, t))
 
-    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """Return all fields at positions x (n,) and times t (m,); raises like `slip_rate`."""
-        return sampled_history(self, x, t)
-
-    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """Return fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        SceneError
-            If a position is not positive, or x or t is not finite.
-        """
-        return answer_dataset(self, x, t)
-
     @cached_property
     def edge_slip_rate(self) -> float:
         """Relative slip rate at the contact edge, x -> 0+ [length / time]; 0 if it sticks."""
@@ -385,44 +365,11 @@ class Solution:
         }
         return self_similar_reading(self, x, t, self.scene.material.shear_speed, scales)
 
-    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """Return the intervals that slip at a time [time], from the contact edge outward.
-
-        Until t = 0 there are none.
-
-        Raises
-        ------
-        SceneError
-            If the time is not a finite number.
-        """
-        t = checked_number("zones_at: t", t)
-        if t <= 0:
-            return ()
-        return tuple(
-            SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in self.zones
-        )
-
-    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """Return the open intervals at a time, from the contact edge outward; raises like
-        `zones_at`."""
-        t = checked_number("openings_at: t", t)
-        if t <= 0:
-            return ()
-        return tuple(OpenInterval(t * part.inner, t * part.outer) for part in self.openings)
-
     @cached_property
     def _totals(self) -> ContactTotals:
         """Power, work and slip of the whole contact."""
         scene, rate, stress = self.scene, self._rate_unit, self.stress_unit
         return ContactTotals(scene, self.profile, self._motion, rate, stress)
-
-    @property
-    def edge_speeds(self) -> Array:
-        """(m, 2) velocities of the inner and outer edge of each zone [length / time].
-
-        From the contact edge outward; 0 is the contact edge itself, inf slip ahead of all waves.
-        """
-        return np.array([(zone.inner, zone.outer) for zone in self.zones]).reshape(-1, 2)
 
     front_speeds = renamed("front_speeds", "edge_speeds", "0.3")
     heat = renamed("heat", "frictional_work", "0.3")
@@ -478,68 +425,6 @@ class Solution:
         tolerance = max(tuning.FIELD_RULE_SHARE * fields.rule.tolerance, tuning.FINEST_FIELD_RULE)
         opened = None if self.normal is None else self.normal.profile.fields
         return Bodies(self.scene, fields, opened, self.stress_unit, tolerance)
-
-    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the particle velocity anywhere in the bodies [length / time].
-
-        Smirnov and Sobolev's method gives it exactly up to one interpolation. A picture of 100,000
-        points takes about as many microseconds, and ten times as long the first time.
-
-        Parameters
-        ----------
-        x, y : arrays
-            Positions [length] that broadcast with t: y > 0 is the upper body, y < 0 the lower one,
-            0.0 and -0.0 are their faces.
-        t : array
-            Times [time]; until t = 0 the base state is at rest.
-
-        Returns
-        -------
-        (2, ...) array
-            v_x, v_y; in antiplane shear (3, ...), with v_z.  Infinite, with its sign, at the
-            Rayleigh front of the slot, at that of the contact where slip covers it, and at other
-            singular points.
-
-        Raises
-        ------
-        SceneError
-            If a position or a time is not a finite number.
-        """
-        return self._bodies.velocity(x, y, t)
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the stress anywhere in the bodies, tension positive [stress]; parameters as
-        `velocity`.
-
-        Returns
-        -------
-        (3, ...) array
-            sigma_xx, sigma_yy, sigma_xy; in antiplane shear (5, ...), with sigma_xz and sigma_yz.
-            The base tractions are part of sigma_yy and sigma_xy (or sigma_yz); they do not
-            determine the initial sigma_xx, so that one is the change since t = 0.  At the contact
-            edge the value is that just ahead of it.
-        """
-        return self._bodies.stress(x, y, t)
-
-    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the displacement since t = 0 anywhere in the bodies [length]; parameters as
-        `velocity`.
-
-        Returns
-        -------
-        (2, ...) array
-            u_x, u_y; in antiplane shear (3, ...), with u_z.
-        """
-        return self._bodies.displacement(x, y, t)
-
-    @cached_property
-    def field_error(self) -> float:
-        """Estimate of the error of fields in the bodies, relative to themselves plus the largest
-        load.
-
-        It adds the change on a coarser rule at some points and the error of the zone edges.
-        """
-        return self._bodies.error + self.error_estimate
 
     @cached_property
     def _slot_faces(self) -> SlotFaces:

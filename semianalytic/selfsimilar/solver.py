@@ -23,7 +23,7 @@ from semianalytic.scene.friction import (
     RateFriction,
     ViscousFriction,
 )
-from semianalytic.scene.given.named import checked_scene
+from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.rated.approach import (
     approached,

@@ -10,7 +10,8 @@ from semianalytic.cut.load import Load, Opened, normal_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.tuning import LEAST_BASE
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.separation import tuning
 from semianalytic.separation.opening import Opening, opening_of

@@ -17,7 +17,7 @@ from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.friction import CoulombFriction
-from semianalytic.scene.given.named import checked_scene
+from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps import tuning

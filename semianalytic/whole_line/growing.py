@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
-from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
-from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import Array, Mode, rayleigh_factors
 from semianalytic.results.places import contact_points
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, MODES, Material, Tractions
 from semianalytic.scene.units import SI
+from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.growing_zone import GrowingZone, growing_zone
 
@@ -133,7 +132,7 @@ class GrowingSlot:
 
 
 @dataclass(frozen=True, eq=False)
-class GrowingSolution:
+class GrowingSolution(SelfSimilarAnswer):
     """Slip from the edge of a slot under a load and a strength that grow as t^n.
 
     Fields broadcast over positions x > 0 [length] and times t [time]; up to t = 0 all are zero.
@@ -231,29 +230,6 @@ class GrowingSolution:
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return zeros [length]: nothing opens; raises as `slip_rate`."""
         return np.zeros(self._velocity(x, t)[0].shape)
-
-    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
-        return sampled_history(self, x, t)
-
-    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """Return fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        return answer_dataset(self, x, t)
-
-    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """Return the part that slips at a time; none before the load."""
-        zone = SlipInterval(0.0, self.edge_speed * t, self.slot.sense)
-        return (zone,) if t > 0 else ()
-
-    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """Return the open parts at a time: none."""
-        return ()
 
     def edge_slip_rate(self, t: ArrayLike) -> Array:
         """Relative slip rate at the contact edge, x -> 0+, at times t [length / time]."""

@@ -10,7 +10,8 @@ from typing import Any
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import LINE_KEYS, TABLES, is_file, read_document
+from semianalytic.scene.given.files import LINE_KEYS, TABLES, read_document
+from semianalytic.scene.given.finding import is_file
 from semianalytic.scene.scene import IN_PLANE, Material, Tractions
 from semianalytic.whole_line.growing import GrowingSlot
 from semianalytic.whole_line.line import LOADS, Patch, PointForce, WholeLine

@@ -10,16 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
-from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.places import line_points
+from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.line import Patch, PointForce, WholeLine
 from semianalytic.whole_line.spreading import Spreading
 
 
 @dataclass(frozen=True, eq=False)
-class LineSolution:
+class LineSolution(SelfSimilarAnswer):
     """Self-similar slip or opening of a whole line around a growing patch or point force.
 
     Fields broadcast over positions x [length], of either sign, and times t [time]; until t = 0
@@ -130,30 +129,6 @@ class LineSolution:
             closed = line.base.pressure - self._ahead(xi)
             return np.where(xi < self.edge_speed, 0.0, closed)
         return self._load_pressure(xi)
-
-    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
-        return sampled_history(self, x, t)
-
-    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """Return fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        return answer_dataset(self, x, t)
-
-    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """Return the part that slips at a time; none before the load."""
-        reach = self.edge_speed * t
-        return tuple(SlipInterval(-reach, reach, one.sense) for one in self.zones if t > 0)
-
-    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """Return the part that is open at a time; none before the load."""
-        reach = self.edge_speed * t
-        return tuple(OpenInterval(-reach, reach) for _ in self.openings if t > 0)
 
     def max_slip(self, t: ArrayLike) -> Array:
         """Largest |slip| at times t [length]: that at x = 0, infinite at a point force."""

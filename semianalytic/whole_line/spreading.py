@@ -17,13 +17,15 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.imaginary_axis import (
     impedance_on_axis,
     over_axis,
     static_impedance,
     static_remainder,
 )
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, gauss
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
 from semianalytic.scene.errors import SceneError
 

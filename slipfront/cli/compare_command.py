@@ -22,13 +22,9 @@ from compare.output.tables import write_rows
 from semianalytic import Marched, Material, PairSolution, Scene, Solution
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
-from semianalytic.scene.given.named import (
-    DEFAULT_SCENE,
-    find_blocks,
-    override_scene,
-    scene_folder,
-    scene_label,
-)
+from semianalytic.scene.given.finding import find_blocks, scene_folder, scene_label
+from semianalytic.scene.given.named import DEFAULT_SCENE
+from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
 from slipfront.cli.endings.refusals import check_converged
 from slipfront.cli.options import (

@@ -19,7 +19,8 @@ from compare.output.progress import progress_bar
 from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.extras import FEM, require
-from semianalytic.scene.given.named import find_blocks, override_scene, scene_folder, scene_label
+from semianalytic.scene.given.finding import find_blocks, scene_folder, scene_label
+from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     CHECKPOINT_OPTIONS,

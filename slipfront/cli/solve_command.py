@@ -16,7 +16,8 @@ from semianalytic.prediction import chosen_method
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.given.named import describes_line, find_blocks, override_scene, scene_label
+from semianalytic.scene.given.finding import describes_line, find_blocks, scene_label
+from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.options import (

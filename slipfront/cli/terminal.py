@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -25,7 +24,7 @@ from compare.comparison.documents import (
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Scene
-from semianalytic.results.answer import digits_apart
+from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
 from semianalytic.scene.given.documents import part_document
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import Step
@@ -65,7 +64,7 @@ def zones_table(solution: Solution, title: str) -> Table:
     table.add_column("regime")
     table.add_column("sense")
     parts = [
-        (str(number), zone.inner, zone.outer, _sense(zone.sense))
+        (str(number), zone.inner, zone.outer, kind_of_slip(zone.sense))
         for number, zone in enumerate(solution.zones, start=1)
     ]
     parts += [("open", part.inner, part.outer, "") for part in solution.openings]
@@ -77,8 +76,8 @@ def zones_table(solution: Solution, title: str) -> Table:
             table.add_row(
                 name if end == "inner" else "",
                 end,
-                _decimals(speed, places),
-                _decimals(speed / material.shear_speed, places_over_c_t),
+                number_or_infinity(speed, places, "f"),
+                number_or_infinity(speed / material.shear_speed, places_over_c_t, "f"),
                 speed_regime(speed, scene),
                 sense if end == "inner" else "",
             )
@@ -146,15 +145,17 @@ def end_table(solution: Solution, end_time: float) -> Table:
     ends = [part[name] for part in (*end["zones"], *end["openings"]) for name in ("start", "end")]
     digits = digits_apart(ends, 6)
     for number, zone in enumerate(end["zones"], start=1):
-        place = f"{zone['start']:.{digits}g} < x < {_number(zone['end'], digits)}"
-        table.add_row(f"zone {number}, {_sense(zone['sense'])}", place, units["zones"]["start"])
+        place = f"{zone['start']:.{digits}g} < x < {number_or_infinity(zone['end'], digits)}"
+        table.add_row(
+            f"zone {number}, {kind_of_slip(zone['sense'])}", place, units["zones"]["start"]
+        )
     for part in end["openings"]:
         place = f"{part['start']:.{digits}g} < x < {part['end']:.{digits}g}"
         table.add_row("open", place, units["openings"]["start"])
     for name in ("largest_slip", "accumulated_slip", "frictional_work"):
-        table.add_row(_label(name), _number(end[name]), units[name])
+        table.add_row(_label(name), number_or_infinity(end[name]), units[name])
     intensities = end["stress_intensity"]
-    modes = ", ".join(_number(value) for value in intensities.values())
+    modes = ", ".join(number_or_infinity(value) for value in intensities.values())
     table.add_row(", ".join(intensities), modes, units["stress_intensity"])
     return table
 
@@ -368,18 +369,6 @@ def _label(name: str) -> str:
 def _measure(value: float, dimension: str, scene: Scene) -> str:
     """Return a value with its unit, if the scene has units."""
     return f"{value:.4g} {unit(dimension, scene.units)}" if scene.units else f"{value:.4g}"
-
-
-def _sense(sense: int) -> str:
-    return "slip" if sense > 0 else "reverse slip"
-
-
-def _number(value: float, digits: int = 6) -> str:
-    return "∞" if math.isinf(value) else f"{value:.{digits}g}"
-
-
-def _decimals(speed: float, places: int) -> str:
-    return "∞" if math.isinf(speed) else f"{speed:.{places}f}"
 
 
 def _plain(value: object) -> str:

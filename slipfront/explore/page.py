@@ -8,26 +8,18 @@ from __future__ import annotations
 
 import base64
 import json
-import math
 import time
 from collections.abc import Mapping
 from dataclasses import asdict
-from importlib.resources import files
 from typing import Any
 
 from bokeh.document import Document
 from bokeh.models import TextInput
-from bokeh.resources import Resources
-from bokeh.server.views.static_handler import StaticHandler
-from jinja2 import Environment, Template
 
-from compare.comparison.scales import reference_values
-from semianalytic import Marched, Scene, SlipZone, Tractions, find_pair
+from semianalytic import Marched, Scene, Tractions
 from semianalytic.prediction import chosen_method
-from semianalytic.results.answer import digits_apart
 from semianalytic.scene.errors import SlipfrontError
-from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES, find_scene
-from semianalytic.scene.units import unit
+from slipfront.explore.board import Board
 from slipfront.explore.controls import (
     CHOICES,
     HISTORIES,
@@ -58,19 +50,19 @@ from slipfront.explore.maps import RegimeMap, can_map, highest_friction, map_key
 from slipfront.explore.pictures import (
     CURVES,
     SHADES,
-    Board,
     FieldPicture,
     InterfacePictures,
     MapPicture,
     SpaceTimePicture,
 )
+from slipfront.explore.readings import readings, scales
+from slipfront.explore.template import bokeh_scripts, known_queries, template
 from slipfront.explore.views import (
     DISPLACEMENT,
     NODES,
     SPEED,
     FieldView,
     Shown,
-    end_time,
     interface_view,
     space_time_view,
 )
@@ -141,10 +133,10 @@ class Session:
                 document.add_root(root)
         document.template = template()
         document.template_variables.update(
-            scripts=_bokeh_scripts(),
+            scripts=bokeh_scripts(),
             sliders=[one.name for one in sliders(self._start)],
             choices=CHOICES,
-            scenes=_known_queries(),
+            scenes=known_queries(),
             quantities=(SPEED, DISPLACEMENT),
             given={
                 **self._opened(query),
@@ -247,7 +239,7 @@ class Session:
             since=since,
             status="let go of the slider to march it" if moving else "marching",
             readings=[],
-            scales=_scales(scene),
+            scales=scales(scene),
         )
         if not moving:
             self._marching = scene
@@ -281,8 +273,8 @@ class Session:
             status=solution.status,
             error=f"{solution.error_estimate:.1e}",
             solved=1e3 * seconds,
-            readings=_readings(solution),
-            scales=_scales(solution.scene),
+            readings=readings(solution),
+            scales=scales(solution.scene),
             program=program(problem),
         )
         points, rtol = (MOVING_POINTS, MOVING_RTOL) if moving else (POINTS, RTOL)
@@ -367,7 +359,7 @@ class Session:
                 progress=1.0,
                 status=content.marched.status,
                 error=f"{content.marched.error_estimate:.1e}",
-                readings=_readings(content.marched),
+                readings=readings(content.marched),
                 program=program(content.marched.scene),
                 field=content.field is not None,
                 **said,
@@ -377,64 +369,3 @@ class Session:
             self._tell(field=True)
         else:
             self._refuse(str(content), progress=1.0)
-
-
-def template() -> Template:
-    """Return the template of the page, which escapes all values that are filled in."""
-    text = files("slipfront.explore").joinpath("page.html").read_text(encoding="utf-8")
-    return Environment(autoescape=True).from_string(text)
-
-
-def _bokeh_scripts() -> list[str]:
-    """Return the addresses of Bokeh's scripts that the page runs."""
-    resources = Resources(
-        mode="server",
-        root_url="/",
-        components=["bokeh", "bokeh-widgets"],
-        path_versioner=StaticHandler.append_version,
-    )
-    return [str(address) for address in resources.js_files]
-
-
-def _readings(answer: Shown) -> list[list[str]]:
-    """Return further results of an answer, each with name and value."""
-    scene = answer.scene
-    if isinstance(answer, Marched):
-        slip = float(answer.max_slip(answer.end_time))
-        return [["largest slip", f"{slip:.4g} {unit('length', scene.units)}"]]
-    speed = scene.material.shear_speed
-    parts = [(_kind(zone), zone.inner / speed, zone.outer / speed) for zone in answer.zones]
-    parts += [("open", one.inner / speed, one.outer / speed) for one in answer.openings]
-    digits = digits_apart((end for _, *ends in parts for end in ends), 5)
-    rows = [
-        [kind, f"{inner:.{digits}g} … {_infinite(outer, digits)} c_t"]
-        for kind, inner, outer in sorted(parts, key=lambda part: part[1])
-    ]
-    return rows or [["interface", "sticks everywhere"]]
-
-
-def _kind(zone: SlipZone) -> str:
-    return "slip" if zone.sense > 0 else "reverse slip"
-
-
-def _infinite(speed: float, digits: int) -> str:
-    return "∞" if math.isinf(speed) else f"{speed:.{digits}g}"
-
-
-def _scales(scene: Scene) -> list[list[str]]:
-    """Return the scales of the axes: symbol, value with its unit."""
-    time = end_time(scene)
-    named = reference_values(scene, time)
-    named["c_t T"] = (scene.material.shear_speed * time, unit("length", scene.units))
-    shown = {symbol: named[symbol] for symbol in ("c_t T", "T", "τ₀", "V₀")}
-    return [[symbol, f"{value:.4g} {name}"] for symbol, (value, name) in shown.items()]
-
-
-def _known_queries() -> dict[str, str]:
-    """Return the addresses of the named scenes that the page can show, by name."""
-    known = {}
-    for name in NAMED_SCENES:
-        known[name] = query_of(defaults(find_scene(name)))
-    for name in NAMED_PAIRS:
-        known[name] = query_of(defaults(find_pair(name)))
-    return known

@@ -20,7 +20,7 @@ from semianalytic.interface.parameters import interface_at, interface_parameters
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
-from semianalytic.scene.given.named import checked_scene, find_blocks
+from semianalytic.scene.given.finding import checked_scene, find_blocks
 from semianalytic.scene.given.parameters import part_parameters
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene

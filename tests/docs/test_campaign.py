@@ -17,7 +17,7 @@ from docs.studies.campaign.study import (
 )
 from docs.studies.pages import read_data
 from semianalytic import march, solve
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 
 def result(lines, what):

@@ -13,7 +13,7 @@ import docs.examples
 from docs.examples import __main__ as gallery
 from docs.examples.fit_friction import TRUE
 from semianalytic import Marched, Ramp, SlipWeakening
-from semianalytic.scene.given.named import read_scene
+from semianalytic.scene.given.files import read_scene
 from slipfront.cli.commands import main
 
 FOLDER = Path(docs.examples.__file__).parent

@@ -10,11 +10,12 @@ from catalogue import solved
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.output.tables import append_rows, sound_rows, started_rows
 from docs.studies.judge import fronts as judge_fronts
-from docs.studies.judge import spoils
+from docs.studies.judge import spoils, spoilt_trials
 from docs.studies.judge import trials as judge_trials
 from docs.studies.judge.__main__ import main
 from docs.studies.judge.fronts import drawn
 from docs.studies.judge.held_slot import held_slot
+from docs.studies.judge.rows import JudgedRow, SpoiltRow
 from docs.studies.judge.scenes import (
     HISTORIES,
     OPENINGS,
@@ -24,6 +25,7 @@ from docs.studies.judge.scenes import (
 )
 from docs.studies.judge.spoils import SPOILS, Window, effect, spoilt
 from docs.studies.judge.spoilt_answers import profiled
+from docs.studies.judge.spoilt_trials import SHARES, TRUTH
 from docs.studies.judge.tables import (
     SURE,
     alarm_rows,
@@ -31,11 +33,11 @@ from docs.studies.judge.tables import (
     power_rows,
     upper_limit,
 )
-from docs.studies.judge.trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_trials
+from docs.studies.judge.trials import run_trials
 from docs.studies.pages import read_data
 from semianalytic import Answer, CoulombFriction, SlipWeakening, march
 from semianalytic.cut.load import contact_opens
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from tests.catalogue import REMOTE, SHOCK, over, unit_scene
 
 WINDOW = Window(end_time=1.0, time_step=0.01, reach=2.0)
@@ -224,7 +226,7 @@ def test_a_held_slot_matters_beside_it_only():
 # --- the search for sizes of mistakes -----------------------------------------------------------
 
 
-class Searched(judge_trials._Trial):
+class Searched(spoilt_trials._Trial):
     """A trial in which a mistake of a share has an effect of two bars, whatever the verdict."""
 
     def __init__(self, share, verdict):
@@ -234,7 +236,7 @@ class Searched(judge_trials._Trial):
     def outcome(self, answer):
         share = (answer.scene.friction / 0.3 - 1) / 0.03
         over_bar = 2.001 * share / self.share
-        return judge_trials._Outcome(share, 0.0, over_bar, self.verdict, "")
+        return spoilt_trials._Outcome(share, 0.0, over_bar, self.verdict, "")
 
 
 @pytest.mark.thinned(6)
@@ -246,7 +248,7 @@ def test_sizes_are_chosen_by_effect_and_not_by_verdict(share):
     )
     assert differs.keys() == agrees.keys() >= {1.0}
     assert len(agrees) <= 4
-    beyond = [tried for tried, one in agrees.items() if one.over_bar > judge_trials.MIDDLE]
+    beyond = [tried for tried, one in agrees.items() if one.over_bar > spoilt_trials.MIDDLE]
     expected = [tried for tried in SHARES if tried >= share]
     assert min(beyond, default=None) == min(expected, default=None)
     below = [tried for tried in agrees if tried < share]

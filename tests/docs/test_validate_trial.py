@@ -12,7 +12,7 @@ from compare.validation import bars, grids, validate
 from docs.studies.validate import power, study
 from docs.studies.validate.cases import RIGHT, WRONG, cases
 from docs.studies.validate.writers import written_case
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 EVERY = 9
 """Files between two that are tried here without starting the program."""

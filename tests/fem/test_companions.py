@@ -10,7 +10,7 @@ from fem import companions, load_simulation, simulate, with_companions
 from fem.results import ARRAYS, HISTORIES
 from fem.run import run_plan
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.loads import Harmonic, Pulse
 from semianalytic.scene.scene import Material, Scene, Tractions
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fem import Settings, prepare, simulate
-from fem.assembly import FAMILIES, make_space, tributary_length
-from fem.edge import FARTHEST, edge_offset, surface_stiffness
+from fem.elements.assembly import FAMILIES, make_space, tributary_length
+from fem.elements.edge import FARTHEST, edge_offset, surface_stiffness
 from fem.plan import Plan
 from meshes import Blocks, cached_mesh
 from semianalytic import solve
@@ -42,7 +42,7 @@ def test_edge_is_the_same_on_finer_rules_and_for_any_moduli(element, nu, monkeyp
     family = FAMILIES[element]
     offset = edge_offset([Material(1.0, 1.0, nu)], family)
     assert edge_offset([Material(5.0, 2.0, nu)], family) == offset
-    monkeypatch.setattr("fem.edge.ANGLES", np.pi * (np.arange(100) + 0.5) / 100)
+    monkeypatch.setattr("fem.elements.edge.ANGLES", np.pi * (np.arange(100) + 0.5) / 100)
     assert edge_offset([Material(1.0, 1.0, nu)], family) == pytest.approx(offset, abs=2e-6)
 
 

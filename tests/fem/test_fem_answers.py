@@ -25,7 +25,7 @@ from semianalytic import march, solve
 from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 UNIT = Material(1.0, 1.0, 1 / 3)

@@ -6,8 +6,8 @@ import pytest
 from catalogue import REMOTE, STEEL, UNIT, unit_scene
 
 from fem import Settings, cost, load_simulation, simulate, with_companions
-from fem.assembly import FAMILIES, OUT_OF_PLANE, antiplane_stiffness, make_space
-from fem.edge import edge_offset, surface_stiffness
+from fem.elements.assembly import FAMILIES, OUT_OF_PLANE, antiplane_stiffness, make_space
+from fem.elements.edge import edge_offset, surface_stiffness
 from fem.plan import ANTIPLANE, ANTIPLANE_LOCKSTEP, TWO_MATERIALS, Plan
 from meshes import Blocks, cached_mesh
 from semianalytic import (

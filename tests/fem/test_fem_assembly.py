@@ -5,7 +5,7 @@ import pytest
 from skfem import Basis, ElementVector, FacetBasis, LinearForm, asm
 from skfem.models.elasticity import linear_elasticity
 
-from fem.assembly import FAMILIES, lumped_mass, make_space, stiffness, tributary_length
+from fem.elements.assembly import FAMILIES, lumped_mass, make_space, stiffness, tributary_length
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, cached_mesh, causal_blocks
 from semianalytic.scene.scene import Material

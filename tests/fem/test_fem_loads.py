@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fem import simulate
-from fem.assembly import FAMILIES, make_space, tributary_length
-from fem.edge import edge_offset
+from fem.elements.assembly import FAMILIES, make_space, tributary_length
+from fem.elements.edge import edge_offset
 from fem.interface import strength
 from fem.loading import kick_means
 from meshes import cached_mesh, causal_blocks

@@ -10,10 +10,11 @@ from catalogue import SHOCK as REMOTE
 import fem.interface
 import fem.model
 from fem import simulate
-from fem.assembly import FAMILIES, make_space, tributary_length
+from fem.elements.assembly import FAMILIES, make_space, tributary_length
 from fem.interface import coulomb_traction
 from fem.model import build_model
-from fem.plan import LOCKSTEP, Plan, Settings
+from fem.plan import LOCKSTEP, Plan
+from fem.settings import Settings
 from meshes import Blocks, cached_mesh
 from semianalytic import march, solve
 from semianalytic.scene.errors import SceneError, TensionError

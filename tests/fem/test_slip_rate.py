@@ -6,7 +6,7 @@ import pytest
 from fem import prepare, simulate
 from fem.run import drift, levels
 from semianalytic import solve
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.loads import Pulse
 from semianalytic.scene.scene import Material, Scene, Tractions
 

@@ -34,7 +34,7 @@ from compare.studies.tables import Study, run_studies
 from semianalytic import Scene, Solution, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.selfsimilar.zones.collocation import slip_grid
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
 from semianalytic.sweeps.sweep import Sweep, sweep

@@ -32,7 +32,8 @@ from compare.figures.style import (
 from compare.output.files import filled_template, write_text
 from compare.output.tables import markdown_table
 from compare.studies.chart.methods import EDGE_THRESHOLD, METHODS
-from compare.studies.chart.study import FINEST, SCENES, VERSIONS, Point
+from compare.studies.chart.points import SCENES, VERSIONS, Point
+from compare.studies.chart.reference import FINEST
 from semianalytic.scene.given.named import NAMED_SCENES
 
 LEVELS = (0.1, 0.01, 1e-3, 1e-8)

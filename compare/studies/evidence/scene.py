@@ -39,7 +39,8 @@ from compare.studies.evidence.html import (
 )
 from compare.studies.evidence.study import FEM, PUBLISHED, SceneEvidence, differences
 from semianalytic import Marched, Solution
-from semianalytic.results.answer import Answer, digits_apart
+from semianalytic.results.answer import Answer
+from semianalytic.results.in_words import digits_apart, number_or_infinity
 from semianalytic.scene.given.documents import scene_document
 
 LOOKS = {AGREES: "good", DIFFERS: "bad", UNRESOLVED: "open"}
@@ -169,9 +170,7 @@ def _zones(evidence: SceneEvidence) -> str:
                 text
                 for edge in (zone.inner, zone.outer)
                 for text in (
-                    number(
-                        "∞" if math.isinf(edge) else f"{edge / material.shear_speed:.{places}f}"
-                    ),
+                    number(number_or_infinity(edge / material.shear_speed, places, "f")),
                     speed_regime(edge, evidence.scene),
                 )
             ]
@@ -262,7 +261,7 @@ def _work(value: float) -> str:
     """Write frictional work to six places; infinite for slip ahead of all waves, nan if unknown."""
     if math.isnan(value):
         return DASH
-    return "∞" if math.isinf(value) else f"{value:.6f}"
+    return number_or_infinity(value, 6, "f")
 
 
 def _rows(judgement: Judgement) -> str:

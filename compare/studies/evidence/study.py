@@ -27,7 +27,8 @@ from semianalytic import InterfaceHistory, Material, Scene, Tractions, solve
 from semianalytic.reference import PublishedSlip
 from semianalytic.reference.known_answers import closed_form, published_answer, published_unit
 from semianalytic.scene.errors import SceneError, TensionError
-from semianalytic.scene.given.named import NAMED_SCENES, find_scene, scene_label
+from semianalytic.scene.given.finding import find_scene, scene_label
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loading import REMOTE
 
 if TYPE_CHECKING:

@@ -51,6 +51,7 @@ from compare.studies.regimes.points import (
 from semianalytic import Material
 from semianalytic.reference import edge_speed_under_shear_step
 from semianalytic.regimes import Loading, log_narrow_reverse_threshold, nucleation, stuck_threshold
+from semianalytic.results.in_words import kind_of_slip
 
 Array = NDArray[np.float64]
 
@@ -195,7 +196,7 @@ def _draw_fronts(panel: Axes, loading: str, nu: float, points: Sequence[MapPoint
         zones = np.minimum(np.array([zone_speeds(p) for p in part]).reshape(len(part), -1, 3), top)
         for index, sense in enumerate(count):
             inner, outer = zones[:, index, 0], zones[:, index, 1]
-            colour = shade("slip" if sense > 0 else "reverse slip")
+            colour = shade(kind_of_slip(sense))
             _shade(panel, [borders[x] for x in chi], inner, outer, colour)
             for edge in (inner, outer):
                 panel.plot(chi, np.where((edge > 0) & (edge < top), edge, np.nan), color=PREDICTION)

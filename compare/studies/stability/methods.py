@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.halfplane.rayleigh import gauss, rayleigh_factors
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.regimes import Loading, scene_of
 from semianalytic.scene.errors import ComputationError

@@ -31,10 +31,15 @@ S = 0.8 and 1 are 0.2 L_c farther out, with twice its value 0.4 L_c farther in."
 NUCLEUS, NUCLEATION_SPEED = 1.5, 0.3
 """The rupture is forced out to 1.5 L_c, at 0.3 c_t.  At S = 1 a speed of 0.2 moves the transition
 by -4 %, one of 0.5 by 4 %, and a radius of 2 not at all."""
-_LEFT = 1e-9  # of the pressure in the nucleus: strength is gone while the contact stays closed
-_RATE = 1e-9  # slip rate at which a node counts as slipping, over the rate stress drop / impedance
-_SLOWEST = 0.85  # of c_t: mean front speed that is sure to reach the farthest point in time
-_MARGIN = 4.0  # [L_c] by which the waves of the neighbouring period keep off
+_LEFT = 1e-9
+"""Share of the pressure that is left in the nucleus: strength is gone, the contact stays closed."""
+_RATE = 1e-9
+"""Slip rate at which a node counts as slipping, over the rate stress drop / impedance."""
+_SLOWEST = 0.85
+"""Mean speed of a front over c_t from which the end time follows: every front is faster, so that
+all of them reach the farthest point."""
+_MARGIN = 4.0
+"""Distance [L_c] that waves of the neighbouring period keep from the farthest point."""
 
 
 @dataclass(frozen=True)

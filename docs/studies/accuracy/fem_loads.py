@@ -56,7 +56,7 @@ def stuck_errors(history: LoadHistory, resolution: int) -> tuple[float, float, f
     """Return relative L1 errors of stuck tractions at T under a load history, c_t = T = 1.
 
     The mesh places the edge of the closed contact at x = 0.  The effective edge for shear on a
-    stuck contact lies beside it, see `fem.edge`.
+    stuck contact lies beside it, see `fem.elements.edge`.
 
     Returns
     -------
@@ -64,8 +64,8 @@ def stuck_errors(history: LoadHistory, resolution: int) -> tuple[float, float, f
         Relative errors; for the last, the exact traction has its edge at the effective edge.
     """
     from fem import simulate
-    from fem.assembly import FAMILIES
-    from fem.edge import edge_offset
+    from fem.elements.assembly import FAMILIES
+    from fem.elements.edge import edge_offset
 
     base, load = Tractions(20.0, 0.0), Tractions(0.5, 0.8)
     scene = Scene(UNIT, 50.0, base, load, pressure_history=history, shear_history=history)
@@ -120,7 +120,7 @@ def edge_rows(scenes: Sequence[str], resolutions: Sequence[int]) -> list[EdgeRow
 
 def _field_errors(plan: Plan, edge: float) -> list[float]:
     """Return the errors of an `EdgeRow` with the first node at a position [length]."""
-    from fem.assembly import make_space
+    from fem.elements.assembly import make_space
     from fem.model import build_model
     from fem.run import drift, levels
     from meshes import cached_mesh

@@ -39,10 +39,13 @@ FINE = {"CoulombFriction": 1e-12, "ViscousFriction": 1e-9, "RateWeakening": 1e-9
 slip rate does not come further."""
 ROUGH = (1e-5, 1e-6, 1e-8)
 _TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
-_CLEAR = 0.03  # of c_t, from edges and from c_R, where errors at points are told
+_CLEAR = 0.03
+"""Distance from edges and from c_R, over c_t, beyond which errors hold at points."""
 _POINTS, _BODY_POINTS = 60, 8
-_MOST_NODES = 3000  # of an answer whose derivatives are asked for: those of more take minutes
-_ROUNDING = 4e-16  # of the base, in tractions
+_MOST_NODES = 3000
+"""Nodes of an answer up to which its derivatives are asked for: those of more take minutes."""
+_ROUNDING = 4e-16
+"""Rounding of tractions over the base that is part of them."""
 
 
 @dataclass(frozen=True)

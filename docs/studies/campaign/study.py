@@ -48,9 +48,12 @@ SCENES, HISTORIES, SEED = 5000, 300, 1
 NODES = 200
 _PER_TASK = 25
 _LAW_POINTS, _PER_STRETCH = 200, 60
-_BETWEEN = 8  # points between two places of an edge, at which slip is looked for
-_AT_EDGE = 1e-12  # of c_t, instead of the contact edge itself
-_CHANGED = 0.01  # of the largest slip: what a finer grid may add before "no slip" was wrong
+_BETWEEN = 8
+"""Points between two places of an edge, at which slip is looked for."""
+_AT_EDGE = 1e-12
+"""Velocity over c_t that stands for the contact edge itself."""
+_CHANGED = 0.01
+"""Slip over its scale that a finer grid may find before the answer "no slip" counts as wrong."""
 
 
 @dataclass(frozen=True)

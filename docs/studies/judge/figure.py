@@ -20,8 +20,9 @@ from compare.figures.style import (
     new_figure,
     styled,
 )
+from docs.studies.judge.rows import JudgedRow, SpoiltRow
+from docs.studies.judge.scenes import STEPS
 from docs.studies.judge.spoils import SPOILS
-from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 
 _FARTHEST = 3.0
 """End of the axis of differences over bars; larger ratios are drawn at this value."""

@@ -25,7 +25,9 @@ from semianalytic import (
 )
 from semianalytic.cut.load import contact_opens
 from semianalytic.regimes import opening_threshold
-from semianalytic.scene.given.named import NAMED_SCENES, find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.scene import ANTIPLANE
 from semianalytic.scene.units import SI

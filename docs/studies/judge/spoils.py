@@ -14,6 +14,7 @@ from docs.studies.judge.spoilt_answers import Profiled, Retold, profiled, tabula
 from semianalytic import (
     Answer,
     Marched,
+    OpenZone,
     Scene,
     SceneError,
     SlipZone,
@@ -25,7 +26,7 @@ from semianalytic import (
 from semianalytic.reference import Reading, published_slip
 from semianalytic.reference.known_answers import published_obstacle, published_unit
 from semianalytic.results.intervals import slip_intervals
-from semianalytic.scene.given.named import override_scene
+from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.loading import SLOT
 
 Array = NDArray[np.float64]
@@ -215,7 +216,7 @@ def _bent(solution: Solution, place: float, moved: float, fixed: list[float]) ->
         for (inner, outer), zone in zip(ends, solution.zones, strict=True)
     )
     openings = tuple(
-        (float(inner), float(outer)) for inner, outer in map(bent, map(np.array, table.openings))
+        OpenZone(*bent(np.array([part.inner, part.outer])).tolist()) for part in table.openings
     )
     return replace(table, velocity=bent(table.velocity), zones=zones, openings=openings)
 

@@ -5,21 +5,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic import (
     Answer,
-    InterfaceHistory,
     OpenInterval,
+    OpenZone,
     Scene,
     SlipInterval,
     SlipZone,
     Solution,
 )
-from semianalytic.results.answer import answer_dataset, sampled_history
+from semianalytic.results.gridded import Gridded
+from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ _FIRST, _NEAREST, _BESIDE = 1e-6, 1e-7, 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Retold:
+class Retold(Gridded):
     """An answer told with a delay, or with slip of the other sign.
 
     Attributes
@@ -99,20 +99,12 @@ class Retold:
         """See `Answer.openings_at`."""
         return self.original.openings_at(t - self.lag)
 
-    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """See `Answer.history`."""
-        return sampled_history(self, x, t)
-
-    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """See `Answer.to_xarray`."""
-        return answer_dataset(self, x, t)
-
     def _time(self, t: ArrayLike) -> Array:
         return np.asarray(t, dtype=float) - self.lag
 
 
 @dataclass(frozen=True, eq=False)
-class Profiled:
+class Profiled(SelfSimilarAnswer):
     """A self-similar answer of given fields at velocities x/t, linear between them.
 
     Slip and totals follow from them.  Nearer to the edge than the first velocity, and further than
@@ -131,8 +123,8 @@ class Profiled:
         From the contact edge outward.
     gap_over_time : (n,) array
         How far the contact is open, over the time [length / time].
-    openings : tuple of (float, float)
-        Velocities of the ends of what is open, from the contact edge outward [length / time].
+    openings : tuple of OpenZone
+        From the contact edge outward.
     """
 
     scene: Scene
@@ -142,7 +134,7 @@ class Profiled:
     normal: Array
     zones: tuple[SlipZone, ...]
     gap_over_time: Array
-    openings: tuple[tuple[float, float], ...]
+    openings: tuple[OpenZone, ...]
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """See `Answer.slip_rate`."""
@@ -175,28 +167,6 @@ class Profiled:
     def frictional_work(self, t: ArrayLike) -> Array:
         """See `Answer.frictional_work`."""
         return self._growing(np.abs(self.shear * self.rate), t)
-
-    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """See `Answer.zones_at`."""
-        if t <= 0:
-            return ()
-        return tuple(
-            SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in self.zones
-        )
-
-    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """See `Answer.openings_at`."""
-        if t <= 0:
-            return ()
-        return tuple(OpenInterval(t * inner, t * outer) for inner, outer in self.openings)
-
-    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """See `Answer.history`."""
-        return sampled_history(self, x, t)
-
-    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """See `Answer.to_xarray`."""
-        return answer_dataset(self, x, t)
 
     def _at(self, values: Array, at_rest: float, x: ArrayLike, t: ArrayLike) -> Array:
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
@@ -244,8 +214,9 @@ def profiled(solution: Solution) -> Profiled:
     """Tabulate the fields of a solution on the contact so that they can be distorted."""
     material = solution.scene.material
     speed, reach = material.shear_speed, _REACH * material.longitudinal_speed
-    openings = tuple((part.start, part.end) for part in solution.openings_at(1.0))
-    edges = np.array([*solution.edge_speeds.ravel(), *np.ravel(openings)])
+    openings = solution.openings
+    opened = [end for part in openings for end in (part.inner, part.outer)]
+    edges = np.array([*solution.edge_speeds.ravel(), *opened])
     fronts = (material.rayleigh_speed, speed, material.longitudinal_speed)
     ends = np.array([*edges[(edges > 0) & np.isfinite(edges)], *fronts])
     near = speed * np.geomspace(_NEAREST, _BESIDE, _CLUSTERED)

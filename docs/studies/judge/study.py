@@ -20,6 +20,7 @@ from compare.output.tables import write_rows
 from compare.studies.tables import Study, run_studies
 from compare.tasks.workers import Progress
 from docs.studies.judge.figure import judge_figure
+from docs.studies.judge.rows import JudgedRow, SpoiltRow
 from docs.studies.judge.tables import (
     AlarmRow,
     BarRow,
@@ -32,7 +33,7 @@ from docs.studies.judge.tables import (
     power_rows,
     strength_rows,
 )
-from docs.studies.judge.trials import JudgedRow, SpoiltRow, run_trials
+from docs.studies.judge.trials import run_trials
 
 FOLDER = Path("results", "stability")
 """Default folder of the trials; the tables of the docs are made from it."""

@@ -13,8 +13,10 @@ import scipy
 
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from docs.studies.judge.faults import FAULTS
+from docs.studies.judge.right_trials import COUNTS
+from docs.studies.judge.rows import JudgedRow, SpoiltRow
 from docs.studies.judge.spoils import SPOILS, Spoil
-from docs.studies.judge.trials import COUNTS, REFUSED, TRUTH, JudgedRow, SpoiltRow
+from docs.studies.judge.spoilt_trials import REFUSED, TRUTH
 
 ALL = "all"
 CONFIDENCE = 0.95

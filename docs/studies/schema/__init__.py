@@ -16,7 +16,8 @@ from typing import Any
 
 from compare.output.files import write_text
 from compare.output.tables import write_rows
-from docs.studies.schema.documents import DEFINITIONS, DOCUMENTS, ENVELOPE
+from docs.studies.schema.documents import DOCUMENTS, ENVELOPE
+from docs.studies.schema.parts import DEFINITIONS
 from docs.studies.schema.vocabulary import Key, Schema, object_of
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"

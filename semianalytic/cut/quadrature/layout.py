@@ -14,7 +14,8 @@ from itertools import groupby
 import numpy as np
 
 from semianalytic.cut.quadrature import tuning
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
 
 @dataclass(frozen=True)

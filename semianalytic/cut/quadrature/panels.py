@@ -22,7 +22,8 @@ import numpy as np
 
 from semianalytic.cut.quadrature import tuning
 from semianalytic.cut.quadrature.layout import Layout, Pairs
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule
 
 

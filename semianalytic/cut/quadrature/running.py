@@ -14,7 +14,8 @@ import numpy as np
 
 from semianalytic.cut.quadrature import tuning
 from semianalytic.cut.quadrature.panels import Panels
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import Array
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,11 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.incident import load_document, load_from_document
+from semianalytic.scene.kinds import PARTS, Part
 from semianalytic.scene.loading import SLOT, Tractions
 from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import kind_of, known_class, plugin_names
-from semianalytic.scene.scene import IN_PLANE, PARTS, Part, Scene
+from semianalytic.scene.scene import IN_PLANE, Scene
 
 
 def scene_document(scene: Scene) -> dict[str, Any]:

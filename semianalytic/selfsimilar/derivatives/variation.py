@@ -16,16 +16,11 @@ from functools import cached_property
 import numpy as np
 
 from semianalytic.cut.load import Load
-from semianalytic.cut.node_fields import (
-    FOURTH_ORDER,
-    SECOND_ORDER,
-    NodeFields,
-    Stencil,
-    stencils,
-)
+from semianalytic.cut.node_fields import SECOND_ORDER, NodeFields, Stencil, stencils
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.rates import Rates
 from semianalytic.cut.zones import ZoneFields
+from semianalytic.halfplane.polynomials import FOURTH_ORDER
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.errors import ComputationError

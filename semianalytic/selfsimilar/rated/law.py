@@ -15,7 +15,8 @@ from semianalytic.cut.quadrature.layout import Layout
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import RunningIntegral
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.friction import RateFriction
 from semianalytic.scene.scene import Scene

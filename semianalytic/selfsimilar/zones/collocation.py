@@ -20,7 +20,8 @@ import numpy as np
 
 from semianalytic.cut.load import Load
 from semianalytic.cut.quadrature.layout import Zone
-from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import Array, Mode, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones import tuning

@@ -10,7 +10,8 @@ import numpy as np
 
 from semianalytic.cut.load import Load, Opened
 from semianalytic.cut.quadrature.layout import Zone
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.collocation import GridSlip, is_open, slip_on_grid

@@ -22,7 +22,8 @@ from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
+from semianalytic.halfplane.cut_points import CutPoints
+from semianalytic.halfplane.rayleigh import RayleighFactors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.first_front import opening_behind_front

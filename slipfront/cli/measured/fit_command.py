@@ -27,7 +27,8 @@ from semianalytic.inversion.unknowns import SETUP, Setup, check_known
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import BAYES, PLOT, require
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import measure, unit, units_shown
 from slipfront.cli.options import (

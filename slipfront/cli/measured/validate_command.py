@@ -22,7 +22,8 @@ from compare.validation.validation import CONVERTED, Validation, validate
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.given.named import find_scene, override_scene, scene_folder, scene_label
+from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
+from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import InSI, measure
 from slipfront.cli import terminal

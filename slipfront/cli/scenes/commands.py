@@ -19,16 +19,11 @@ from semianalytic import Material, Scene, WholeLine
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.named import (
-    DEFAULT_SCENE,
-    NAMED_PAIRS,
-    NAMED_SCENES,
-    brought_scene,
-    brought_summary,
-    find_blocks,
-)
+from semianalytic.scene.given.finding import brought_scene, brought_summary, find_blocks
+from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_PAIRS, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
+from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS
 from semianalytic.scene.plugins import (
     FIGURES,
     HISTORIES,
@@ -38,7 +33,6 @@ from semianalytic.scene.plugins import (
     find_plugin,
     plugins,
 )
-from semianalytic.scene.scene import FRICTION_LAWS, HISTORY_KINDS
 from semianalytic.scene.units import SI
 from semianalytic.whole_line.named import NAMED_LINES
 from slipfront.cli.options import AsJson

@@ -13,7 +13,7 @@ from rich.table import Table
 from compare.comparison.pair_documents import pair_answer_document
 from semianalytic import PairSolution, solve_pair
 from semianalytic.dissimilar.pair import Pair
-from semianalytic.results.answer import digits_apart
+from semianalytic.results.in_words import digits_apart
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.units import unit

@@ -193,7 +193,8 @@ def chart(
     """
     require("slipfront chart", *FEM, *PLOT)
     from compare.studies.chart.figure import slopes_table, write_chart
-    from compare.studies.chart.study import FILE_NAME, SCENES, measure_all
+    from compare.studies.chart.points import FILE_NAME, SCENES
+    from compare.studies.chart.study import measure_all
     from compare.studies.documents import chart_document
 
     directory = output or Path("results", "chart-quick" if quick else "chart")

@@ -20,7 +20,8 @@ from compare.output.progress import progress_bar
 from semianalytic.interface.named import described_interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import find_blocks, override_scene, scene_label
+from semianalytic.scene.given.finding import find_blocks, scene_label
+from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.units import ARGUMENTS, InSI, unit
 from slipfront.cli.options import (
     LOWER_OPTIONS,

@@ -16,7 +16,7 @@ from compare.records.record import QUANTITIES, Record, Records
 from docs.studies.league import ROOT, league_rows
 from semianalytic import solve
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.named import override_scene
+from semianalytic.scene.given.overriding import override_scene
 
 TIMES = np.arange(1, 601) / 600 - 1e-5
 """At none of which a front passes a station."""

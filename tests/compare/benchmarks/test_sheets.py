@@ -9,7 +9,8 @@ from compare.benchmarks.sheets import SHEETS, find_sheet
 from compare.records.record import QUANTITIES
 from semianalytic import march, solve
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 
 SOLVED = [sheet for sheet in SHEETS.values() if not sheet.is_marched]
 

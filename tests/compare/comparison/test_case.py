@@ -14,7 +14,7 @@ from compare.comparison.judgement import side_by_side
 from compare.comparison.judging import mesh_changes
 from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import predict_like
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 PRELOADED = find_scene("preloaded")
 

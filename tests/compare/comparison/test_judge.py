@@ -16,7 +16,9 @@ from compare.comparison.scales import slip_rate_scale
 from fem import simulate
 from semianalytic import Material, Scene, Solution, Tractions
 from semianalytic.results.answer import SlipInterval
-from semianalytic.scene.given.named import NAMED_SCENES, find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED = find_scene("preloaded")
 STEEL = Scene(

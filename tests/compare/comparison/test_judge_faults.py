@@ -18,7 +18,8 @@ from docs.studies.judge.faults import FAULTS
 from fem import simulate, with_companions
 from semianalytic import Material, Scene, Tractions
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED, SHOCK = find_scene("preloaded"), find_scene("remote-shock")
 

@@ -10,7 +10,8 @@ from compare import judge
 from compare.comparison.prediction import method_of, predict_like, seconds_of
 from fem import simulate
 from semianalytic import Material, Scene, SceneError, SlipWeakening, Tractions
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED = find_scene("preloaded")
 

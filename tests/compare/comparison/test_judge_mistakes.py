@@ -9,7 +9,8 @@ from compare_cases import Spoilt, differing, named, sampled_run, simulated
 
 from compare import judge
 from compare.comparison.bars import error_bar
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED = find_scene("preloaded")
 

@@ -35,7 +35,8 @@ from semianalytic import (
     Tractions,
 )
 from semianalytic.scene.contact import process_zone
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 from tests.catalogue import over
 from tests.compare_cases import SELF_SIMILAR
 

@@ -11,7 +11,8 @@ from compare_cases import sampled_run, simulated
 from compare import judge
 from compare.comparison.documents import edge_state, json_text, solution_document
 from compare.comparison.report import report_document, write_report
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED = find_scene("preloaded")
 FIELDS = {

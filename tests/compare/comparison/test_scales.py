@@ -13,7 +13,7 @@ from compare.comparison.scales import (
     wave_speeds,
 )
 from semianalytic import Material, Scene, Tractions
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 MATERIAL = Material(shear_modulus=4.0, density=1.0, poisson_ratio=0.25)
 

@@ -16,7 +16,7 @@ from compare.comparison.scales import reference_values
 from semianalytic import Material, Scene, SlipWeakening, Tractions, march
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.units import unit
 from slipfront.cli.commands import main
 

@@ -307,7 +307,7 @@ def no_computing(monkeypatch):
         "slipfront.cli.solve_command.solve",
         "slipfront.cli.marching.march",
         "fem.simulate",
-        "compare.studies.chart.study.solve",
+        "compare.studies.chart.reference.solve",
         "compare.studies.regimes.study._computed",
         "compare.studies.stability.solver.run_tasks",
         "compare.studies.stability.fem.run_trial",

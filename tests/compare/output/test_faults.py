@@ -26,13 +26,13 @@ from faults import (
 from compare.figures.saving import save_figure
 from compare.output.files import append_text, write_text
 from compare.output.places import LOCK, check_file, save_somewhere, working_folder
-from compare.studies.chart.study import read_points
+from compare.studies.chart.points import read_points
 from compare.studies.evidence.page import file_date
 from fem import simulate
 from semianalytic import InterfaceHistory
 from semianalytic.results.files import check_seal, new_file, whole_hdf5
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 NAMES = (
     "history",

@@ -9,6 +9,7 @@ import pytest
 
 from compare.comparison.measures import relative_error
 from compare.output.tables import write_rows
+from compare.studies.chart import reference as chart_reference
 from compare.studies.chart import study as chart
 from compare.studies.chart.figure import (
     FAILS,
@@ -20,25 +21,20 @@ from compare.studies.chart.figure import (
     slopes_table,
 )
 from compare.studies.chart.methods import METHODS, PLACES, answer, measured, sampled
-from compare.studies.chart.study import (
+from compare.studies.chart.points import COMMAND, SCENES, read_points, same_machine
+from compare.studies.chart.reference import (
     CLOSED_FORM_FRICTION,
-    COMMAND,
-    SCENES,
-    Task,
     closed_form_errors,
-    measure_all,
-    missing,
-    read_points,
     reference_of,
     richardson,
-    same_machine,
-    tasks,
     worst_edge_error,
 )
+from compare.studies.chart.study import measure_all, missing, tasks
+from compare.studies.chart.tasks import Task
 from fem.run import peak_memory
 from semianalytic import SlipZone
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
 
 MINI = {
@@ -64,7 +60,8 @@ def in_process(monkeypatch):
     def run(task, runs):
         return measured(task.scene_name, task.method, task.setting, 1)
 
-    monkeypatch.setattr(chart, "run_task", run)
+    for module in (chart, chart_reference):
+        monkeypatch.setattr(module, "run_task", run)
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +150,7 @@ def test_richardson_removes_its_order():
 @pytest.mark.slow
 def test_reference_of_a_ramp_is_what_two_methods_agree_on(in_process, monkeypatch):
     grids = {"space-time": (128, 256), "fem": (25, 50)}
-    monkeypatch.setattr(chart, "_REFERENCE_GRIDS", {True: grids})
+    monkeypatch.setattr(chart_reference, "REFERENCE_GRIDS", {True: grids})
     reference = reference_of("ramp", quick=True)
     assert 1e-4 < reference.error < 1e-2
     assert reference.edge_error < 0.05

@@ -11,7 +11,7 @@ from compare.validation import Conventions, validate
 from compare.validation.bars import MEAN_NOISE, Bar, noise_mean, pooled_bar
 from compare.validation.data import as_runs
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 SCENE = find_scene("preloaded")
 NAMES = ("slip_rate", "slip", "shear_traction", "pressure")

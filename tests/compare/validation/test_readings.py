@@ -13,7 +13,7 @@ from compare.validation.readings import settings_of
 from compare.validation.validation import CONVERTED
 from semianalytic import Material, Pulse, Scene, Tractions, march
 from semianalytic.scene.errors import DataFileError, SceneError, TensionError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 PRELOADED = find_scene("preloaded")
 SHOCK = find_scene("remote-shock")

@@ -11,7 +11,7 @@ from compare.validation import Conventions, validate
 from docs.studies.validate.power import SPOILS, history_arrays
 from semianalytic import Material, Scene, Tractions, march
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 PRELOADED = find_scene("preloaded")
 CELLS = 100

@@ -16,8 +16,8 @@ import pytest
 
 from fem import load_simulation, simulate
 from fem.checkpoint import Keeper
-from fem.plan import Pace
 from fem.results import ARRAYS, HISTORIES
+from fem.settings import Pace
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
 from semianalytic.scene.friction import RateWeakening, SlipWeakening
 from semianalytic.scene.loads import Harmonic, Pulse

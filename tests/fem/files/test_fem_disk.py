@@ -12,10 +12,10 @@ from faults import FULL, ROOM, full_disk, small_disk
 from compare.comparison.fields.frames import last_frame
 from fem import load_simulation, simulate
 from fem.checkpoint import Keeper
-from fem.plan import Pace
+from fem.settings import Pace
 from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 from slipfront.cli.commands import main
 

@@ -8,10 +8,10 @@ from semianalytic import Material, SceneError, Tractions
 from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.pair import Pair
-from semianalytic.dissimilar_slot.density import density_of
-from semianalytic.dissimilar_slot.interface import Interface
-from semianalytic.dissimilar_slot.panels import rule_for
-from semianalytic.dissimilar_slot.profile import NORMAL, SHEAR, Profile
+from semianalytic.dissimilar_slot.densities.density import density_of
+from semianalytic.dissimilar_slot.densities.interface import Interface
+from semianalytic.dissimilar_slot.densities.panels import rule_for
+from semianalytic.dissimilar_slot.densities.profile import NORMAL, SHEAR, Profile
 from semianalytic.halfplane.stuck import stuck_traction
 
 U = np.array([1.2, 2.0, 5.0])

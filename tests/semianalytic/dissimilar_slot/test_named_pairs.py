@@ -3,13 +3,8 @@
 import pytest
 
 import slipfront as sf
-from semianalytic.scene.given.named import (
-    LINES,
-    NAMED_PAIRS,
-    NAMED_SCENES,
-    find_blocks,
-    scene_label,
-)
+from semianalytic.scene.given.finding import find_blocks, scene_label
+from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
 from slipfront.cli.scenes.completion import scene_names
 
 every = pytest.mark.parametrize("name", NAMED_PAIRS)

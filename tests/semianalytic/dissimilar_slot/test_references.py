@@ -11,11 +11,11 @@ from dissimilar_pairs import PAIRS
 from semianalytic import Material
 from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.compliance import compliance_of
-from semianalytic.dissimilar_slot.density import density_of
-from semianalytic.dissimilar_slot.interface import Interface
-from semianalytic.dissimilar_slot.panels import edge_exponents, rule_for
+from semianalytic.dissimilar_slot.densities.density import density_of
+from semianalytic.dissimilar_slot.densities.interface import Interface
+from semianalytic.dissimilar_slot.densities.panels import edge_exponents, rule_for
+from semianalytic.dissimilar_slot.densities.zones import Zone, edges_of
 from semianalytic.dissimilar_slot.placement import edge_tractions, place, polished
-from semianalytic.dissimilar_slot.zones import Zone, edges_of
 
 TOLERANCE = 1e-11
 

@@ -24,8 +24,9 @@ from semianalytic import (
     predict,
     solve,
 )
-from semianalytic.results.answer import FIELDS, TOTALS, digits_apart
+from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.results.datasets import QUANTITIES
+from semianalytic.results.in_words import digits_apart
 from semianalytic.results.intervals import open_intervals, slip_intervals
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.given.named import NAMED_SCENES

@@ -12,7 +12,8 @@ from catalogue import PRELOADED, unit_scene
 import fem
 import semianalytic
 import slipfront
-from fem.plan import Pace, Plan, Settings
+from fem.plan import Plan
+from fem.settings import Pace, Settings
 from semianalytic import (
     Gauge,
     Harmonic,

@@ -16,7 +16,7 @@ from semianalytic import (
     ViscousFriction,
     march,
 )
-from semianalytic.scene import scene as scenes
+from semianalytic.scene import kinds
 from semianalytic.scene.given.named import NAMED_SCENES
 
 SCENE = NAMED_SCENES["preloaded"].scene
@@ -90,7 +90,7 @@ def test_a_scene_refuses_a_law_that_is_not_known_by_name():
 
 def test_a_new_law_is_followed_by_the_march_without_being_told_of(monkeypatch):
     law = complete()
-    monkeypatch.setitem(scenes.FRICTION_LAWS, "new", law)
+    monkeypatch.setitem(kinds.FRICTION_LAWS, "new", law)
     new, old, constant = (
         march(replace(SCENE, friction_law=one), nodes=64).interface.slip
         for one in (law(), SlipWeakening(0.3, 0.5), CoulombFriction())
@@ -101,8 +101,8 @@ def test_a_new_law_is_followed_by_the_march_without_being_told_of(monkeypatch):
 
 def test_a_new_law_is_refused_where_it_is_ill_posed_or_too_sharp(monkeypatch):
     steep, sharp = complete(fall_with_rate=1e3), complete(fall_with_slip=1e6)
-    monkeypatch.setitem(scenes.FRICTION_LAWS, "steep", steep)
-    monkeypatch.setitem(scenes.FRICTION_LAWS, "sharp", sharp)
+    monkeypatch.setitem(kinds.FRICTION_LAWS, "steep", steep)
+    monkeypatch.setitem(kinds.FRICTION_LAWS, "sharp", sharp)
     with pytest.raises(SceneError, match="faster than radiation can balance"):
         replace(SCENE, friction_law=steep())
     with pytest.raises(SceneError, match="weakens within about"):

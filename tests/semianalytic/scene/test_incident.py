@@ -23,7 +23,8 @@ from semianalytic import (
     solve,
 )
 from semianalytic.scene.given.documents import scene_document, scene_from_document
-from semianalytic.scene.given.named import NAMED_SCENES, override_scene
+from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.given.template import in_si_units, scene_text
 
 SOLID = Material(2.0, 3.0, 0.29)

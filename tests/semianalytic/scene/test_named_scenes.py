@@ -21,14 +21,10 @@ from semianalytic import (
 )
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
-from semianalytic.scene.given.named import (
-    DEFAULT_SCENE,
-    NAMED_SCENES,
-    find_scene,
-    override_scene,
-    read_scene,
-    scene_label,
-)
+from semianalytic.scene.given.files import read_scene
+from semianalytic.scene.given.finding import find_scene, scene_label
+from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
+from semianalytic.scene.given.overriding import override_scene
 
 STEEL = """
 friction = 0.4

@@ -6,7 +6,7 @@ from catalogue import REMOTE, unit_scene
 
 from semianalytic import Material, Ramp, RateWeakening, SceneError, Tractions
 from semianalytic.scene.given.documents import scene_document, scene_from_document
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 
 def test_wave_speeds_of_steel():

@@ -21,7 +21,8 @@ from semianalytic import (
     solve,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 
 SOLID = Material(1.0, 1.0, 1 / 3)
 

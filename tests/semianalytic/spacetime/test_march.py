@@ -37,7 +37,7 @@ from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.memory import cosines, line_memory
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import InPlane
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime import stepping
 
 

@@ -33,7 +33,7 @@ from semianalytic import (
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import InPlane
 from semianalytic.scene.contact import process_zone
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime import march_plan
 from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, MOST_NODES, READING_SAFETY
 from slipfront.cli.commands import main

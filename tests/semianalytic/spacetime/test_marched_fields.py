@@ -21,7 +21,7 @@ from semianalytic import (
     solve,
 )
 from semianalytic.field.stuck_steps import stuck_step
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime.bodies import wavefield
 
 QUANTITIES = ("velocity", "stress", "displacement")

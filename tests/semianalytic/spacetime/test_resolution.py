@@ -23,7 +23,7 @@ from semianalytic import (
     march_on,
 )
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime.grid import grid_loads as grid_loads_module
 from semianalytic.spacetime.grid.grid_loads import GridPressure
 from semianalytic.spacetime.grid.resolution import nodes_for_loads, zone_at_edge

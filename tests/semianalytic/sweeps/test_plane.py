@@ -13,7 +13,7 @@ from semianalytic import SceneError, solve
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.sweeps.neighbours import Neighbourhood
 from semianalytic.sweeps.predictions import Followed, Footing, predicted
 from semianalytic.sweeps.sweep import sweep

@@ -437,6 +437,8 @@ def test_x_and_t_must_be_finite():
         found.slip(np.nan, 1.0)
     with pytest.raises(SceneError, match="finite"):
         found.pressure(1.0, np.inf)
+    with pytest.raises(SceneError, match="zones_at: t"):
+        found.zones_at(np.nan)
 
 
 def test_solve_and_march_name_what_takes_a_line():

@@ -3,7 +3,8 @@
 import pytest
 
 from semianalytic import GrowingSlot, SceneError, WholeLine, find_line, find_scene
-from semianalytic.scene.given.named import LINES, NAMED_SCENES, describes_line
+from semianalytic.scene.given.finding import describes_line
+from semianalytic.scene.given.named import LINES, NAMED_SCENES
 from semianalytic.whole_line.named import (
     NAMED_LINES,
     line_document,

@@ -8,7 +8,7 @@ import pytest
 import fem.budget
 from compare.comparison.mesh_choice import choose_mesh
 from fem import cost, load_simulation
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
 
 COARSE = ("--resolution", "32", "--no-snapshots")

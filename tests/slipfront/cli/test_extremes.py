@@ -18,7 +18,8 @@ from compare.comparison.rows import shown_number
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.figures.histories import comparison_figures
 from semianalytic.scene.given.documents import scene_from_document
-from semianalytic.scene.given.named import NAMED_SCENES, override_scene
+from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli.commands import main
 
 STEEL = {"shear_modulus": 80e9, "density": 7800.0}

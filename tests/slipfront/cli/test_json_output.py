@@ -14,7 +14,7 @@ from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
 from compare.studies.article.claims import METHODS, Claim, Verdict
 from compare.studies.article.study import Article
-from compare.studies.chart.study import read_points
+from compare.studies.chart.points import read_points
 from compare.studies.documents import (
     article_document,
     chart_document,

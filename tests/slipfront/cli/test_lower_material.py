@@ -4,7 +4,8 @@ import pytest
 
 from fem import load_simulation
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import find_blocks, find_scene, read_scene
+from semianalytic.scene.given.files import read_scene
+from semianalytic.scene.given.finding import find_blocks, find_scene
 from semianalytic.scene.scene import Material
 from slipfront.cli.commands import main
 

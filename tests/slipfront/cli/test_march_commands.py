@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import pytest
 
 from semianalytic import Marched, SceneError, march
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
 
 

@@ -32,13 +32,15 @@ from semianalytic import (
     solve,
 )
 from semianalytic.regimes import regime
-from semianalytic.scene.given.named import NAMED_SCENES, find_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.units import unit
 from slipfront.cli.commands import main
 from slipfront.explore import controls, downloads, jobs, maps, views
+from slipfront.explore.board import Board
 from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views, moment_in
 from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, Session
-from slipfront.explore.pictures import SHADES, Board, SpaceTimePicture
+from slipfront.explore.pictures import SHADES, SpaceTimePicture
 from slipfront.explore.serving import make_server
 from slipfront.explore.work import Worker
 

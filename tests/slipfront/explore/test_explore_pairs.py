@@ -8,7 +8,8 @@ import pytest
 from bokeh.document import Document
 
 import slipfront as sf
-from semianalytic.scene.given.named import NAMED_PAIRS, find_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NAMED_PAIRS
 from slipfront.explore import controls
 from slipfront.explore.downloads import FILES, program
 from slipfront.explore.jobs import Moment, solved_field

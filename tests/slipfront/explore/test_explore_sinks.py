@@ -22,7 +22,8 @@ from compare.output.files import filled_template
 from compare.studies.evidence import html
 from compare.studies.evidence.page import _program_digest
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import NamedScene, find_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NAMED_SCENES, NamedScene
 from slipfront.explore import controls, page
 from slipfront.explore.serving import content_policy, make_server
 
@@ -117,7 +118,7 @@ def test_an_address_asked_for_later_is_a_message_too():
 
 @pytest.mark.slow
 def test_names_of_scenes_are_shown_as_text(ask, monkeypatch):
-    monkeypatch.setitem(page.NAMED_SCENES, ATTACK, NamedScene(unit_scene(), "of a package"))
+    monkeypatch.setitem(NAMED_SCENES, ATTACK, NamedScene(unit_scene(), "of a package"))
     body = ask().body.decode()
     assert ATTACK not in body
     assert ("option", ATTACK) in check_harmless(body).texts

@@ -18,7 +18,8 @@ from semianalytic import Pulse
 from semianalytic.results.answer import BodyFields
 from semianalytic.results.files import Seal, new_file
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 
 SCENE = find_scene("preloaded")
 EXACT = solved(SCENE)

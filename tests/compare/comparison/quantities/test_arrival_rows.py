@@ -9,7 +9,7 @@ from compare_cases import sampled_run
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 IN_PLANE = {"P interface", "Rayleigh slot face", "P slot face"}
 PRESENT = {

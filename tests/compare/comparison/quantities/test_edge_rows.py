@@ -12,7 +12,8 @@ from compare.comparison.judgement import side_by_side
 from compare.comparison.quantities.edge_rows import narrow_obstacle, zone_rows
 from semianalytic import Material, Scene, Tractions
 from semianalytic.results.answer import SlipInterval
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED = find_scene("preloaded")
 EDGES = ["zone 1, outer edge", "zone 2, inner edge", "zone 2, outer edge"]

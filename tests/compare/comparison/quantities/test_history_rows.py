@@ -25,7 +25,7 @@ from semianalytic import (
     RateWeakening,
     SlipWeakening,
 )
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
 
 HISTORIES = ["ramp", "unload", "pulse", "harmonic"]

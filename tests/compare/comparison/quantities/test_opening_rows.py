@@ -21,7 +21,7 @@ from docs.studies.judge.spoils import SPOILS, Window, spoilt
 from fem import simulate, with_companions
 from semianalytic import Material, Scene, Tractions
 from semianalytic.regimes import opening_threshold
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 
 NAMES = ("lift-off", "lift-off-shear", "tap")
 SPOILT = ("opening +2 %", "opening -2 %", "gap +3 %", "gap -3 %", "no opening")

@@ -4,7 +4,7 @@ import pytest
 from catalogue import UNIT_FILE, unit_scene
 
 from semianalytic import Ramp, TensionError, march, solve
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime.march import check_march
 from slipfront.cli.commands import main
 from slipfront.cli.endings.refusals import in_options

@@ -7,7 +7,7 @@ import pytest
 
 from compare.records.record import QUANTITIES
 from semianalytic import solve
-from semianalytic.scene.given.named import find_scene
+from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
 
 

@@ -11,7 +11,7 @@ from semianalytic import RateWeakening, SlipWeakening, find_scene, march, solve
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.given.template import in_si_units, scene_text
-from semianalytic.scene.scene import FRICTION_LAWS, HISTORY_KINDS
+from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS
 from slipfront.cli.commands import main
 
 X = np.linspace(0.03, 1.2, 40)

@@ -8,7 +8,8 @@ import xarray
 from catalogue import unit_scene
 
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import find_scene, override_scene
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli.commands import main
 from slipfront.cli.studies.survey_command import typed_values
 

@@ -18,7 +18,7 @@ which makes that -sqrt(2/3)/4 and -sqrt(2)/4 (docs/antiplane.md).
 
 So node 0 is laid at minus that, which puts the edge at x = 0.  Where tractions are given on both
 sides, at a slipping or open contact, the edge is where their shares of node 0 meet (see
-`fem.assembly.tributary_length`), which is x = 0 as well.
+`fem.elements.assembly.tributary_length`), which is x = 0 as well.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Family, make_space
+from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Family, make_space
 from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32

@@ -22,7 +22,8 @@ import numpy as np
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar.stretch import Values
-from semianalytic.halfplane.rayleigh import Array, gauss
+from semianalytic.halfplane.polynomials import gauss
+from semianalytic.halfplane.rayleigh import Array
 
 _GAUSS = 48
 """Gauss points of integrals over a panel, on which Psi is smooth."""

@@ -320,8 +320,9 @@ def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArra
     """Return the nodes of a horizontal side and the length of the side that belongs to each.
 
     Inner nodes of linear elements own h, the two end nodes h/2: so an edge node at x = 0 owns h/2
-    of the slot face and h/2 of the contact face, and one at x > 0 (`fem.edge`) as much less of
-    the slot and more of the contact.  With Q2, nodes own 2/3 h and 4/3 h in turn, the ends 1/3 h.
+    of the slot face and h/2 of the contact face, and one at x > 0 (`fem.elements.edge`) as much
+    less of the slot and more of the contact.  With Q2, nodes own 2/3 h and 4/3 h in turn, the ends
+    1/3 h.
 
     Parameters
     ----------

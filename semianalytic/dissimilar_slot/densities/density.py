@@ -27,10 +27,10 @@ from numpy.typing import NDArray
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.compliance import Complex, Entries
 from semianalytic.dissimilar.stretch import Points, Stretch, Values
-from semianalytic.dissimilar_slot.interface import Interface
-from semianalytic.dissimilar_slot.panels import Panel, Rule, between_nodes, panels_of
-from semianalytic.dissimilar_slot.poles import Pole, poles_on
-from semianalytic.dissimilar_slot.zones import Zone
+from semianalytic.dissimilar_slot.densities.interface import Interface
+from semianalytic.dissimilar_slot.densities.panels import Panel, Rule, between_nodes, panels_of
+from semianalytic.dissimilar_slot.densities.poles import Pole, poles_on
+from semianalytic.dissimilar_slot.densities.zones import Zone
 from semianalytic.halfplane.rayleigh import Array
 
 _POWER_STEPS = 12

@@ -21,10 +21,10 @@ from semianalytic.dissimilar.table import (
     interval_weights,
     padded,
 )
-from semianalytic.dissimilar_slot.density import Density, OnPanel
-from semianalytic.dissimilar_slot.panels import edge_exponents
-from semianalytic.dissimilar_slot.poles import Pole
-from semianalytic.dissimilar_slot.zones import edges_of, neighbours
+from semianalytic.dissimilar_slot.densities.density import Density, OnPanel
+from semianalytic.dissimilar_slot.densities.panels import edge_exponents
+from semianalytic.dissimilar_slot.densities.poles import Pole
+from semianalytic.dissimilar_slot.densities.zones import edges_of, neighbours
 from semianalytic.halfplane.rayleigh import Array
 
 RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)

@@ -22,8 +22,8 @@ import numpy as np
 
 from semianalytic.dissimilar.compliance import Complex, Entries
 from semianalytic.dissimilar.stretch import Points, Stretch, Values
-from semianalytic.dissimilar_slot.interface import Interface
-from semianalytic.dissimilar_slot.zones import Zone, neighbours
+from semianalytic.dissimilar_slot.densities.interface import Interface
+from semianalytic.dissimilar_slot.densities.zones import Zone, neighbours
 from semianalytic.halfplane.rayleigh import Array
 
 _PLACE, _PLACE_FAR = 0.65, 0.35

@@ -1,0 +1,351 @@
+"""Keys that commands which answer for one scene, or for many, print with ``--json``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from compare.comparison.fields.errors import FieldError
+from compare.comparison.rows import Row
+from compare.validation.bars import JudgedRow
+from compare.validation.norms import Norm
+from docs.studies.schema.parts import (
+    COUNTS,
+    MATERIAL,
+    PAIR,
+    SCENES,
+    VERDICT,
+)
+from docs.studies.schema.vocabulary import (
+    NUMBER,
+    SCENE,
+    TEXT,
+    WHOLE,
+    Key,
+    Schema,
+    list_of,
+    named,
+    object_of,
+    or_null,
+    row_of,
+)
+from semianalytic.results.answer import ARRIVALS, FIELDS
+
+_SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
+_INTERFACE = object_of(
+    interface={"type": "object"}, end_time=or_null(NUMBER), options={"type": "object"}
+)
+_SUBJECT: Schema = {"anyOf": [SCENE, _INTERFACE]}
+_LABEL = Key("name of the scene", TEXT)
+_PARAMETERS = Key("the scene itself", SCENE)
+_ESTIMATE = Key("relative error estimate of the answer", NUMBER)
+_METHOD = Key("self-similar or space-time", TEXT)
+_RUN = object_of(
+    run=TEXT,
+    end_time=NUMBER,
+    resolution=NUMBER,
+    companions=list_of(NUMBER),
+    element_size=NUMBER,
+    model=TEXT,
+    damping=NUMBER,
+    time_step=NUMBER,
+    critical_step=NUMBER,
+    steps=WHOLE,
+    unknowns=WHOLE,
+    caution=TEXT,
+    opened=or_null({"type": "object"}),
+    seconds=named(NUMBER),
+)
+_PAIR_KEY = Key("two different bodies, as their TOML file has them", PAIR)
+_WAVE_SPEEDS = Key("speeds of the waves that occur in the fields", named(NUMBER))
+_ZONES = Key(
+    "velocities of the edges of slip zones",
+    list_of(object_of(inner=NUMBER, outer=NUMBER, sense=WHOLE)),
+)
+_OPENINGS = Key(
+    "velocities of the edges of openings", list_of(object_of(inner=NUMBER, outer=NUMBER))
+)
+_STATISTICS = Key("cost of the computation", {"type": "object"})
+_UNTIL_END_TIME = Key("zones, slip and work until --end-time, if given", {"type": "object"}, False)
+_MEASURED = object_of(value=NUMBER, error=NUMBER)
+_POINT = object_of(
+    ("t", *FIELDS),
+    x=NUMBER,
+    t=NUMBER,
+    arrivals=object_of(**{name: _MEASURED for name in ARRIVALS}),
+    **{name: _MEASURED for name in FIELDS},
+)
+_POINTS = Key(
+    "arrivals and fields at --x and --t, if given, each a value and the bar of its error",
+    list_of(_POINT),
+    False,
+)
+_ZONE = object_of(inner=NUMBER, outer=NUMBER, sense=WHOLE, inner_regime=TEXT, outer_regime=TEXT)
+_FIELD = {
+    "method": _METHOD,
+    "error_estimate": _ESTIMATE,
+    "of": Key("quantity drawn", TEXT),
+    "time": Key("time of the picture", NUMBER),
+    "window": Key("region shown", object_of(x0=NUMBER, x1=NUMBER, y0=NUMBER, y1=NUMBER)),
+    "frames": Key("number of frames of the animation", WHOLE),
+    "gauges": Key(
+        "gauges recorded, in the order of the files", list_of(object_of(x=NUMBER, y=NUMBER))
+    ),
+}
+"""Keys of ``slipfront field`` for bodies alike and different."""
+
+ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
+    "solve": (
+        {
+            "scene": _SCENE_KEY,
+            "wave_speeds": _WAVE_SPEEDS,
+            "zones": Key(_ZONES.meaning, list_of(_ZONE)),
+            "openings": _OPENINGS,
+            "edge": Key(
+                "state of the interface at x = 0+",
+                object_of(
+                    state=TEXT, slip_rate=NUMBER, stress_intensity_at_unit_time=named(NUMBER)
+                ),
+            ),
+            "far_slip_rate": Key("slip rate ahead of all waves", NUMBER),
+            "error_estimate": _ESTIMATE,
+            "statistics": _STATISTICS,
+            "until_end_time": _UNTIL_END_TIME,
+            "points": _POINTS,
+        },
+        {
+            "scene": _SCENE_KEY,
+            "method": Key("space-time: a march, which has all keys below", {"const": "space-time"}),
+            "caution": Key("reason why the march is unresolved", TEXT),
+            "error_estimate": _ESTIMATE,
+            "end_time": Key("end time T", NUMBER),
+            "largest_slip_rate": Key("largest slip rate over contact and time", NUMBER),
+            "largest_slip": Key("largest slip over contact and time", NUMBER),
+            "reach_of_slip": Key("largest x that slips forward", NUMBER),
+            "reach_of_reverse_slip": Key("largest x that slips backward", NUMBER),
+            "onset": Key(
+                "times at which slip starts at some x", list_of(object_of(x=NUMBER, time=NUMBER))
+            ),
+            "accumulated_slip": Key("accumulated slip, integral over the contact", NUMBER),
+            "frictional_work": Key("frictional work, integral over the contact", NUMBER),
+            "stress_intensity_of_a_stuck_edge": Key(
+                "stress intensity factors of a stuck edge at T", named(NUMBER)
+            ),
+            "stored_levels": Key("number of stored time levels of the history", WHOLE),
+            "statistics": _STATISTICS,
+            "points": _POINTS,
+        },
+        {
+            "line": Key("whole line or growing load, as its TOML file has it", {"type": "object"}),
+            "wave_speeds": _WAVE_SPEEDS,
+            "edge_speed": Key("speed of the edges of slip or opening of a line", NUMBER),
+            "edge_amplitude": Key("rate over sqrt(1 - x/(edge speed t)) beside an edge", NUMBER),
+            "zones": _ZONES,
+            "openings": _OPENINGS,
+            "error_estimate": _ESTIMATE,
+            "until_end_time": _UNTIL_END_TIME,
+        },
+        {
+            "pair": _PAIR_KEY,
+            "wave_speeds": Key("speeds of the waves of both bodies", named(named(NUMBER))),
+            "zones": _ZONES,
+            "openings": _OPENINGS,
+            "edge_slip_rate": Key("slip rate of two different bodies at x = 0+", NUMBER),
+            "error_estimate": _ESTIMATE,
+            "statistics": _STATISTICS,
+            "until_end_time": _UNTIL_END_TIME,
+            "points": _POINTS,
+        },
+    ),
+    "fit": (
+        {
+            "scene": Key("the scene as its TOML file has it, or the interface", _SUBJECT),
+            "parameters": Key(
+                "fitted values and standard errors by name",
+                named(object_of(value=NUMBER, standard_error=NUMBER)),
+            ),
+            "covariance": Key(
+                "covariance of the parameters, in their order", list_of(list_of(NUMBER))
+            ),
+            "correlation": Key(
+                "correlation of the parameters, in their order", list_of(list_of(NUMBER))
+            ),
+            "chi2": Key("sum of squares of the misfits over the noise", NUMBER),
+            "freedom": Key("degrees of freedom: samples minus parameters", WHOLE),
+            "unconstrained": Key("parameters that the data leave free", list_of(TEXT)),
+            "known_by_prior": Key("parameters known by their prior alone", list_of(TEXT)),
+            "minima": Key(
+                "all minima found", list_of(object_of(values=list_of(NUMBER), chi2=NUMBER))
+            ),
+            "gauges": Key(
+                "records, each with its contribution to chi2",
+                list_of(
+                    object_of(
+                        name=TEXT, quantity=TEXT, x=NUMBER, y=NUMBER, samples=WHOLE, chi2=NUMBER
+                    )
+                ),
+            ),
+            "derivative_error": Key("relative error of the derivatives", NUMBER),
+            "solutions": Key("number of solutions computed", WHOLE),
+            "misfit": Key("a sentence that compares the misfits with the noise", TEXT),
+            "posterior": Key("the samples of --posterior, if given", {"type": "object"}, False),
+        },
+    ),
+    "explore": (
+        {
+            "scene": Key("the scene or both bodies, as their TOML file has them", SCENES),
+            "address": Key("address of the page, served until the command ends", TEXT),
+        },
+    ),
+    "survey": (
+        {
+            "file": Key("file that contains all results", TEXT),
+            "points": Key("number of scenes requested", WHOLE),
+            "dimensions": Key("lengths of the dimensions", named(WHOLE)),
+            "parameters": Key(
+                "varied parameters and their ranges",
+                named(object_of(least=NUMBER, largest=NUMBER, count=WHOLE)),
+            ),
+            "statuses": Key("number of scenes with each status", named(WHOLE)),
+            "methods": Key("number of scenes solved by each method", named(WHOLE)),
+            "largest_error_estimate": Key("largest error estimate of all scenes", NUMBER),
+            "seconds": Key("processor time in seconds", NUMBER),
+            "variables": Key(
+                "variables in the file; their units are in units.variables", list_of(TEXT)
+            ),
+        },
+    ),
+    "compare": (
+        {
+            "scene": _LABEL,
+            "verdict": VERDICT,
+            "counts": COUNTS,
+            "parameters": Key("the scene itself, or both bodies", SCENES),
+            "method": _METHOD,
+            "caution": Key("reason why the prediction is unresolved", TEXT),
+            "semianalytic": Key(
+                "result as printed by solve; null for a march", or_null({"type": "object"})
+            ),
+            "finite_elements": Key("settings and cost of the simulation", _RUN),
+            "rows": Key(
+                "judged quantities", list_of(row_of(Row, verdict=TEXT, remedy=or_null(TEXT)))
+            ),
+            "fields": Key(
+                "errors of snapshots",
+                or_null(object_of(band=NUMBER, frames=list_of(row_of(FieldError)))),
+            ),
+        },
+    ),
+    "run": (
+        {
+            "interface": Key("name or file of the interface", TEXT),
+            "nodes": Key("nodes of one period", WHOLE),
+            "end_time": Key("time that was reached", NUMBER),
+            "steps": Key("number of steps", WHOLE),
+            "shortest_step": Key("shortest step", NUMBER),
+            "longest_step": Key("longest step", NUMBER),
+            "frames": Key("number of times at which fields were kept", WHOLE),
+            "largest_slip": Key("largest slip of the contact at the end", NUMBER),
+            "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
+            "slipping": Key("share of the contact that slips at the end", NUMBER),
+            "largest_gap": Key("largest gap of the contact at the times that were kept", NUMBER),
+            "error_estimates": Key(
+                "relative L1 errors of slip, slip rate and the change of shear traction, and of "
+                "gap and pressure where loads change the pressure; empty without a second run",
+                named(NUMBER),
+            ),
+            "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
+            "comparison": Key(
+                "with --compare: verdict, meshes, and the judged quantities",
+                object_of(
+                    verdict=TEXT,
+                    counts=named(WHOLE),
+                    meshes=list_of(
+                        object_of(nodes=WHOLE, steps=WHOLE, unknowns=WHOLE, imbalance=NUMBER)
+                    ),
+                    rows=list_of(row_of(Row, verdict=TEXT)),
+                ),
+                always=False,
+            ),
+        },
+    ),
+    "simulate": (
+        {
+            "scene": _SCENE_KEY,
+            "lower_material": Key("material of the lower body, if different", or_null(MATERIAL)),
+            "finite_elements": Key("settings and cost of the simulation", _RUN),
+            "own_bars": Key(
+                "error bars from coarser meshes",
+                list_of(object_of(name=TEXT, bar=NUMBER, unit=TEXT)),
+            ),
+        },
+    ),
+    "field": (
+        {"scene": _SCENE_KEY, **_FIELD},
+        {"pair": _PAIR_KEY, **_FIELD},
+    ),
+    "validate": (
+        {
+            "format": Key("format of report.json, which has the same contents", TEXT),
+            "slipfront": Key("version of slipfront", TEXT),
+            "source": Key("source of each file", list_of(TEXT)),
+            "scene": _LABEL,
+            "verdict": Key("agrees, agrees after conversion, differs or unresolved", TEXT),
+            "counts": COUNTS,
+            "reading": Key(
+                "how the numbers of the file were read: what was inferred, the options that state "
+                "it, factors and offsets, and the largest error that is left, and as given",
+                object_of(
+                    inferred=list_of(TEXT),
+                    stated_by=list_of(list_of(TEXT)),
+                    factors=named(NUMBER),
+                    offsets=named(NUMBER),
+                    left=NUMBER,
+                    as_given=NUMBER,
+                    runner_up=TEXT,
+                ),
+            ),
+            "notes": Key("units and conventions that were given, and corrections", list_of(TEXT)),
+            "parameters": _PARAMETERS,
+            "method": _METHOD,
+            "end_time": Key("end time T", NUMBER),
+            "spacing": Key("grid spacing of the finest run", NUMBER),
+            "ratio": Key("ratio of the spacings of two grids", NUMBER),
+            "slip_rate_is": Key("time or time span to which the slip rate refers", TEXT),
+            "noise": Key("standard deviation of the samples, by quantity", named(NUMBER)),
+            "rows": Key("judged quantities", list_of(row_of(JudgedRow, verdict=TEXT))),
+            "norms": Key("error norms at each station and over all", list_of(row_of(Norm))),
+        },
+    ),
+    "scenes": (
+        {
+            "scenes": Key(
+                "all named scenes",
+                list_of(
+                    object_of(
+                        name=TEXT,
+                        what=TEXT,
+                        package=or_null(TEXT),
+                        problem=TEXT,
+                        summary=TEXT,
+                        scene=or_null(SCENES),
+                    )
+                ),
+            ),
+            "brought": Key(
+                "laws, histories and figures from other packages",
+                list_of(object_of(name=TEXT, what=TEXT, package=TEXT, problem=TEXT)),
+            ),
+        },
+    ),
+    "init": (
+        {
+            "scene": Key("the scene, as its TOML file has it", SCENES),
+            "text": Key("text of the TOML file", TEXT),
+        },
+    ),
+    "docs": (
+        {"pages": Key("titles of the installed pages, by name", named(TEXT))},
+        {"page": Key("name of the page", TEXT), "text": Key("the page, in Markdown", TEXT)},
+    ),
+}
+"""Keys that each of these commands adds to the `ENVELOPE`; solve has four forms."""

@@ -1,0 +1,1 @@
+"""Element families, what they assemble, and where the edge of a contact lies among their nodes."""

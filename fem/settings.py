@@ -1,0 +1,125 @@
+"""What a run is asked for: its mesh, elements, time step, damping, and what it stores."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from semianalytic.scene.checks import (
+    check_fields,
+    checked_count,
+    checked_size,
+    shown,
+)
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Material
+
+LEAST_RESOLUTION = 8
+"""Fewest node distances per c_t T that a run is made with."""
+STABLE_RATIO = 1.0
+LARGEST_RATIO = 1.5
+"""Time step over the critical one up to which the scheme is stable, and up to which it is run."""
+LARGEST_DAMPING = 100.0
+"""Largest damping that is accepted, in units of h / c_t."""
+DEFAULT_PACE = 100
+"""Steps between checkpoints."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of a simulation: mesh, elements, time step and what is stored.
+
+    Parameters
+    ----------
+    resolution : int
+        Node distances per c_t T, at least 8: h = c_t T / resolution.
+    damping : float
+        eta of the Kelvin-Voigt damping C = eta K, in units of h / c_t; 0 for none.
+    step_ratio : float
+        Largest time step over the critical one, above 0.  Beyond 1 the scheme is unstable; up
+        to 1.5 is accepted to show it.
+    model : str
+        "auto" uses one block where symmetry allows it, which is exact; "two-blocks" never does.
+    element : str
+        "P1" linear triangles, "Q1" bilinear or "Q2" biquadratic quadrilaterals, all with
+        diagonal mass.
+    mesh : str
+        "squares"; "graded", rows that grow away from the interface; or "triangles",
+        unstructured, for P1.  P1 cuts squares and graded rows along a diagonal.
+    lower_material : Material, optional
+        Material of the lower block, if it differs from the scene's.
+    every : int
+        Store every n-th step in the histories; the last one is always stored.
+    frames : int
+        Number of snapshots of the whole fields, if any are written, at evenly spaced steps.
+
+    Raises
+    ------
+    SceneError
+        If one is out of range.
+
+    Examples
+    --------
+    >>> from fem import Settings, simulate
+    >>> from semianalytic import find_scene
+    >>> settings = Settings(resolution=8, element="P1", mesh="triangles")
+    >>> settings.resolution, settings.every
+    (8, 1)
+    """
+
+    resolution: int = 100
+    damping: float = 0.02
+    step_ratio: float = 0.95
+    model: str = "auto"
+    element: str = "Q1"
+    mesh: str = "squares"
+    lower_material: Material | None = None
+    every: int = 1
+    frames: int = 10
+
+    def __post_init__(self) -> None:
+        check_fields(self, "simulate", ("damping", "step_ratio"))
+        if not 0 <= self.damping <= LARGEST_DAMPING:
+            raise SceneError(
+                f"simulate: damping must lie between 0 and {LARGEST_DAMPING:g}, got {self.damping}."
+            )
+        if not 0 < self.step_ratio <= LARGEST_RATIO:
+            raise SceneError(
+                f"simulate: step_ratio must be above 0 and at most {LARGEST_RATIO} "
+                f"(above {STABLE_RATIO} it is unstable), got {self.step_ratio}."
+            )
+        for name, least in (("resolution", LEAST_RESOLUTION), ("every", 1), ("frames", 1)):
+            object.__setattr__(self, name, check_count(name, getattr(self, name), least))
+        if self.model not in ("auto", "two-blocks"):
+            raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {self.model!r}.")
+        if not isinstance(self.lower_material, Material | None):
+            raise SceneError(
+                f"simulate: lower_material must be a Material, got {shown(self.lower_material)}."
+            )
+
+
+@dataclass(frozen=True)
+class Pace:
+    """The interval between checkpoints, in steps or seconds, whichever is shorter.
+
+    Raises
+    ------
+    SceneError
+        If one is out of range.
+    """
+
+    steps: int | None = None
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.steps is not None:
+            object.__setattr__(self, "steps", check_count("checkpoint_every", self.steps, 1))
+        elif self.seconds is None:
+            object.__setattr__(self, "steps", DEFAULT_PACE)
+        if self.seconds is not None:
+            seconds = checked_size("simulate: checkpoint_seconds", self.seconds)
+            object.__setattr__(self, "seconds", seconds)
+
+
+def check_count(name: str, value: int, least: int) -> int:
+    """Return an option as int; raise SceneError unless it is an integer of at least `least`."""
+    return checked_count(f"simulate: {name}", value, least, "an integer of at least")

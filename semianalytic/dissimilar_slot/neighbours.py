@@ -1,0 +1,237 @@
+"""Neighbours of a solved pair along a parameter, and differences of its fields between them.
+
+Fields are not smooth in a parameter p at fixed slowness, past which an edge or a wave front moves,
+but they are at fixed places x between the edges and fronts.  They are differenced there, to fourth
+order, between neighbours whose edges Newton's method places, and the motion of the places is taken
+off again:
+
+    dF/dp = dF/dp at x - ds/dp at x (dF/dx) / (ds/dx),
+
+s being the slowness (docs/derivatives.md, "Two different bodies").
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from semianalytic.dissimilar.canonical import glued
+from semianalytic.dissimilar.pair import Pair, changed, parameter_of
+from semianalytic.dissimilar.stretch import Stretch
+from semianalytic.dissimilar_slot.admissible import violations
+from semianalytic.dissimilar_slot.densities.density import Density
+from semianalytic.dissimilar_slot.densities.interface import interface_of
+from semianalytic.dissimilar_slot.densities.panels import Rule, rule_for
+from semianalytic.dissimilar_slot.densities.profile import (
+    GAP,
+    NORMAL,
+    OPENING,
+    RATE,
+    SHEAR,
+    SLIP,
+    Profile,
+)
+from semianalytic.dissimilar_slot.densities.zones import Coordinates, edges_of
+from semianalytic.dissimilar_slot.placement import Placement, place, polished
+from semianalytic.halfplane.polynomials import FOURTH_ORDER
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.scene.errors import ComputationError, SceneError
+
+_POINTS, _WEIGHTS = FOURTH_ORDER
+_LONGEST_MOVE, _MOST_SHORTENINGS = 0.02, 5
+"""Largest change of an unknown of the edges in a step, in logarithms of distances: an edge beside a
+front would cross it; and how often a step is shortened, by a tenth at most."""
+_ALONG = 5e-3
+"""Step in x of the differences along the interface."""
+_LOOSE = 1e-5
+"""Tolerance of the rule on which the Jacobian of the edges is formed."""
+_LAW = 1e-6
+"""Violation of the law of contact beyond which zones of a neighbour count as others."""
+_FARTHEST = 200.0
+"""Largest |x| at which fields are looked up."""
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A pair near another one, with its own edges, in the units of that pair's parameter.
+
+    Attributes
+    ----------
+    pair : Pair
+    profile : Profile
+    stress : float
+        Unit of stress of the profile.
+    """
+
+    pair: Pair
+    profile: Profile
+    stress: float
+
+    @cached_property
+    def marks(self) -> list[float]:
+        """Edges, wave fronts and poles of the rates, in slowness over b of the upper body."""
+        density = self.profile.density
+        poles = {pole.slowness for part in density.parts for pole in part.poles}
+        fronts = density.interface.compliance.distinct_fronts
+        return sorted({*fronts, *edges_of(density.zones), *poles})
+
+    def slowness(self, v: Array) -> Array:
+        """Return the slownesses [time / length] of those in units of the upper body."""
+        return v / self.pair.upper.shear_speed
+
+    def fields(self, v: Array) -> Array:
+        """Return slip rate, rate of opening, slip and gap over x, shear traction and pressure."""
+        values = self.profile.at(v)
+        rate = self.stress / self.pair.upper.shear_impedance
+        values[[RATE, OPENING]] *= rate
+        values[[SLIP, GAP]] *= rate / self.pair.upper.shear_speed
+        values[SHEAR] = self.pair.base.shear + self.stress * values[SHEAR]
+        values[NORMAL] = self.pair.base.pressure - self.stress * values[NORMAL]
+        return values
+
+    def stretches(self) -> list[Stretch]:
+        """Return what lies between neighbouring marks, and behind the last one."""
+        rights: list[float | None] = [*self.marks[1:], None]
+        return [Stretch(*ends) for ends in zip(self.marks, rights, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Varied:
+    """A solved pair and its neighbours along a parameter.
+
+    Attributes
+    ----------
+    own : Member
+    beside : tuple of Member
+        At `_POINTS` times `step` of the parameter.
+    step : float
+    """
+
+    own: Member
+    beside: tuple[Member, ...]
+    step: float
+
+    def _difference(self, values: list[Any]) -> Array:
+        """Return the derivative from values of the neighbours."""
+        return np.asarray(np.tensordot(_WEIGHTS, np.array(values), 1) / self.step)
+
+    @cached_property
+    def edges(self) -> Array:
+        """Derivatives (e,) of the velocities of the edges, from the fastest to the slowest."""
+        velocities = [
+            1 / one.slowness(np.array(edges_of(one.profile.density.zones))) for one in self.beside
+        ]
+        return self._difference(velocities)
+
+    @cached_property
+    def _ahead(self) -> Array:
+        """Derivatives of all fields ahead of all waves."""
+        return self._difference([one.fields(np.zeros(1))[:, 0] for one in self.beside])
+
+    @cached_property
+    def at_edge(self) -> float:
+        """Derivative of the slip rate at the contact edge."""
+        # Slowness at the contact edge is infinite; the rate has reached its limit long before this.
+        far = np.array([1e12])
+        return float(self._difference([one.fields(far)[RATE, 0] for one in self.beside]))
+
+    def fields(self, v: Array) -> Array:
+        """Return the derivatives (6, n) of `Member.fields` at slownesses v of the pair itself."""
+        result = np.repeat(self._ahead[:, None], len(v), axis=1)
+        stretches = [one.stretches() for one in (self.own, *self.beside)]
+        index = np.searchsorted(self.own.marks, v, side="right") - 1
+        for k, (stretch, *others) in enumerate(zip(*stretches, strict=True)):
+            here = index == k
+            if not here.any():
+                continue
+            x = np.clip(stretch.coordinates(v[here]), -_FARTHEST, _FARTHEST)
+            places = [other.at(x).v for other in others]
+            at_place = self._difference(
+                [one.fields(place) for one, place in zip(self.beside, places, strict=True)]
+            )
+            moved = self._difference(
+                [one.slowness(place) for one, place in zip(self.beside, places, strict=True)]
+            )
+            along = [stretch.at(x + _ALONG * point).v for point in _POINTS]
+            slope = np.tensordot(_WEIGHTS, [self.own.fields(one) for one in along], 1)
+            run = np.tensordot(_WEIGHTS, [self.own.slowness(one) for one in along], 1)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                # At a fixed place between the marks fields change smoothly; the place itself has
+                # moved, which is taken back along the slope of the fields.
+                share = np.where(run == 0, 0.0, moved / run)
+            result[:, here] = at_place - share * slope
+        return result
+
+
+def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
+    """Return a solved pair with its neighbours along a parameter, each with its own edges."""
+    density, rule = own.profile.density, rule_for(tolerance)
+    value = parameter_of(own.pair, name)
+    start = place(density.interface, density.glued, density.zones, rule_for(_LOOSE), _LOOSE)
+    # The loose rule gives the Jacobian alone: neighbours start from the edges themselves.
+    start = replace(start, unknowns=start.coordinates.unknowns(edges_of(density.zones)))
+
+    def at(point: float) -> tuple[Member, float]:
+        pair = changed(own.pair, name, value + step * point)
+        return _neighbour(pair, start, density, rule, tolerance)
+
+    for attempt in range(_MOST_SHORTENINGS + 1):
+        try:
+            ahead, moved = at(1.0)
+        except (ComputationError, SceneError):
+            if attempt == _MOST_SHORTENINGS:
+                raise
+            moved = np.inf
+        if moved <= _LONGEST_MOVE:
+            break
+        # Edges beside a front move fast: the step is chosen by them, not by the parameter.
+        step *= max(_LONGEST_MOVE / moved, 0.1)
+    beside = [ahead if point == 1 else at(float(point))[0] for point in _POINTS]
+    return Varied(own, tuple(beside), step)
+
+
+def _neighbour(
+    pair: Pair, start: Placement, density: Density, rule: Rule, tolerance: float
+) -> tuple[Member, float]:
+    """Return a pair whose zones are of the kind of others, with the edges that it asks for, and
+    how far these have moved as unknowns of `Coordinates`."""
+    interface, unit = interface_of(pair)
+    before = density.interface.compliance.distinct_fronts
+    fronts = interface.compliance.distinct_fronts
+    if len(fronts) != len(before):
+        raise ComputationError(
+            "derivative: two wave fronts of these bodies coincide, and part as this parameter "
+            "changes; change a modulus or density a little."
+        )
+    to: dict[float | None, float | None] = {0.0: 0.0, None: None}
+    to.update(zip(before, fronts, strict=True))
+    segments = tuple((to[left] or 0.0, to[right]) for left, right in start.coordinates.segments)
+    moved = replace(
+        start,
+        coordinates=Coordinates(segments),
+        density=replace(start.density, interface=interface, zones=density.zones),
+    )
+    placed = polished(moved, glued(interface.compliance, 0.1 * tolerance), rule, tolerance, 12)
+    if not placed.converged:
+        raise ComputationError(
+            "derivative: zones of this kind have no edges at a nearby value of the parameter; "
+            "difference two solutions on the side that is wanted."
+        )
+    moves = np.abs(placed.unknowns - start.unknowns)
+    return Member(pair, Profile(placed.density), unit), float(moves.max(initial=0.0))
+
+
+def border(varied: Varied, name: str) -> str:
+    """Return a sentence if neighbours break the law of contact; "" if all obey it."""
+    slowest = 1 / _LAW
+    for one, point in zip(varied.beside, _POINTS, strict=True):
+        if violations(one.profile, _LAW, slowest):
+            side = "above" if point > 0 else "below"
+            return (
+                f"one-sided: {side} this value of {name} zones of another kind begin, and the "
+                "derivative is that of the present ones"
+            )
+    return ""

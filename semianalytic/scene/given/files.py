@@ -1,0 +1,157 @@
+"""Read scenes from TOML files, whose keys and tables are checked by name."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.documents import scene_from_document
+from semianalytic.scene.given.load_tables import with_tables
+from semianalytic.scene.scene import Material, Scene
+
+TABLES = {
+    "material": ("shear_modulus", "density", "poisson_ratio"),
+    "base": ("pressure", "shear"),
+    "load": ("pressure", "shear"),
+}
+LOWER_MATERIAL = "lower_material"
+OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
+LINE_KEYS = ("contact", "growth")
+"""Keys by which files of problems without a slot, or with a load that grows, are known."""
+INTERFACE_KEY = "law"
+"""Key by which files of interfaces are known."""
+LINE_HINT = (
+    "has no slot, or a load that grows as a power of time, and only the exact solver knows it: "
+    "slipfront solve, or find_line in Python (docs/whole_line.md)."
+)
+WORDS = ("mode", "load_on", "units")
+"""Optional keys whose values are words; the scene checks them."""
+
+
+def read_scene(path: str | Path) -> Scene:
+    """Read the scene that a TOML file describes.
+
+    The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
+    ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units.  ``[load]``
+    may hold ``kind = "incident-wave"`` with wave ("P", "SV" or "SH"), angle, velocity or stress,
+    and from ("below" or "above"), or ``kind = "moving"`` with speed, pressure and shear.
+    It may hold ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time =
+    0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance =
+    1e-5``).  A history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header
+    has units.  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
+    "remote"`` lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s
+    and Pa.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, if a key is missing, unknown, of the wrong type or out of range,
+        or if the file describes two materials; the message names file and key.
+    """
+    return identical(path, *read_blocks(path))
+
+
+def identical(source: str | Path, scene: Scene, lower: Material | None) -> Scene:
+    """Return the scene; raise SceneError if its lower block is of another material."""
+    if lower not in (None, scene.material):
+        raise SceneError(
+            f"{source}: this knows identical bodies only, and there are two; solve a step on the "
+            "slot exactly, slipfront solve or survey or solve_pair in Python, or simulate the "
+            "scene with finite elements, slipfront simulate; slipfront compare does both "
+            "(docs/dissimilar.md)."
+        )
+    return scene
+
+
+def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
+    """Read a scene like `read_scene`, with the material of ``[lower_material]``; None without one.
+
+    That table has the keys of ``[material]``, for the lower block.
+    """
+    document = read_document(path)
+    if INTERFACE_KEY in document:
+        raise SceneError(
+            f"{path} describes an interface, not a scene: slipfront run, or find_interface in "
+            "Python (docs/engine.md)."
+        )
+    # Before keys are checked, which would call those of a line unknown one by one.
+    if any(key in document for key in LINE_KEYS):
+        raise SceneError(f"{path} {LINE_HINT}")
+    _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
+    for table, keys in TABLES.items():
+        if table != "load" or "kind" not in document[table]:  # else `load_from_document` checks it
+            _check_keys(path, f"{table}.", document[table], keys)
+    lower = document.get(LOWER_MATERIAL)
+    if lower is not None:
+        _check_keys(path, f"{LOWER_MATERIAL}.", lower, TABLES["material"])
+    try:
+        # Whatever is out of range raises here, and gets the name of the file in front.
+        scene = scene_from_document(with_tables(path, document))
+        return scene, None if lower is None else Material(**lower)
+    except SceneError as error:
+        raise SceneError(f"{path}: {error}") from error
+
+
+def read_document(path: str | Path) -> dict[str, Any]:
+    """Read a TOML file; raise SceneError if it cannot be read, or is none."""
+    text = ""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        return tomllib.loads(text)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
+    except ValueError as error:  # TOML syntax and UTF-8 errors alike
+        # The parser names a line and column; that a table was appended to a file that has it
+        # already is the usual reason, and easier to mend by name.
+        twice = [head for head, count in Counter(_headings(text)).items() if count > 1]
+        if twice:
+            raise SceneError(
+                f"{path} has the table {twice[0]} twice; delete or replace the first one."
+            ) from error
+        raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
+    except RecursionError as error:
+        raise SceneError(f"{path} nests brackets too deeply; give a scene file.") from error
+
+
+def _headings(text: str) -> list[str]:
+    """Return the headings of a TOML text that may stand once: [name], not [[name]] or values."""
+    lines = (line.partition("#")[0].strip() for line in text.splitlines())
+    return [line for line in lines if re.fullmatch(r"\[[A-Za-z_][\w.-]*\]", line)]
+
+
+_NAMED_OTHERWISE = {"step": "what is loaded goes into the table [load]."}
+"""Hints for keys that may be mistaken for others but are spelt too differently to be guessed."""
+
+
+def _check_keys(
+    path: str | Path,
+    prefix: str,
+    table: Mapping[str, object],
+    expected: tuple[str, ...],
+    optional: tuple[str, ...] = (),
+) -> None:
+    """Raise SceneError unless a table has all expected keys, and besides only optional ones."""
+    known = (*expected, *optional)
+    for key, value in table.items():
+        if key not in known:
+            close = difflib.get_close_matches(key, known, n=1)
+            others = f"known are {', '.join(known)} (docs/not_here.md)."
+            hint = f"did you mean {close[0]}?" if close else others
+            hint = _NAMED_OTHERWISE.get(prefix + key, hint)
+            raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
+        if key in (*TABLES, *OPTIONAL_TABLES):
+            if not isinstance(value, dict):
+                raise SceneError(f"{path}: {key} must be a table, [{key}], got {shown(value)}.")
+        elif key not in WORDS and finite(value) is None:
+            raise SceneError(f"{path}: {prefix}{key} must be a number, got {shown(value)}.")
+    for key in expected:
+        if key not in table:
+            raise SceneError(f"{path}: {prefix}{key} is missing.")

@@ -1,0 +1,177 @@
+"""Find a scene by its name, by the path of its file, or in another package that brings it."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from functools import partial
+from os import PathLike, fspath
+from pathlib import Path
+
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.files import (
+    INTERFACE_KEY,
+    LINE_HINT,
+    LINE_KEYS,
+    identical,
+    read_blocks,
+    read_document,
+)
+from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
+from semianalytic.scene.quantities import Function, taking_quantities
+from semianalytic.scene.scene import Material, Scene
+
+
+def find_scene(source: str | PathLike[str]) -> Scene:
+    """Find a scene by its name or by the path of a TOML file.
+
+    Parameters
+    ----------
+    source : str or path
+        A key of `NAMED_SCENES` (docs/scenes.md), a path (anything that ends in .toml or exists as a
+        file), or the name of a scene that another package brings (docs/extending.md).
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene or file, or the file does not describe a scene, or describes a
+        scene of two materials.
+    PluginError
+        If the package that brings the scene is broken, or two packages bring it.
+
+    Examples
+    --------
+    >>> from semianalytic import find_scene
+    >>> scene = find_scene("preloaded")
+    >>> scene.friction, scene.load
+    (0.3, Tractions(pressure=0.0, shear=1.0))
+    """
+    if not isinstance(source, str | PathLike):
+        raise SceneError(
+            f"find_scene: give the name of a scene or the path of a TOML file, got {shown(source)}."
+        )
+    source = fspath(source)
+    return identical(source, *find_blocks(source))
+
+
+def checked_scene(function: str, given: object) -> Scene:
+    """Return the scene that a function was given, itself or as a source of `find_scene`.
+
+    Raises
+    ------
+    SceneError
+        "{function}: scene must be a Scene, ...", or for the reasons given at `find_scene`.
+    PluginError
+        For those given there.
+    """
+    if isinstance(given, Scene):
+        return given
+    if isinstance(given, str | PathLike):
+        return find_scene(given)
+    # pairs and interfaces of two bodies are described elsewhere, and not imported here
+    two = " (two bodies are for solve_pair, survey, run and simulate)"
+    other = two if hasattr(given, "lower") or hasattr(given, "lower_material") else ""
+    raise SceneError(
+        f"{function}: scene must be a Scene, or the name or file of one{other}, got {shown(given)}."
+    )
+
+
+def of_scene(function: Function) -> Function:
+    """Let a function of a scene, or of the name or file of one, take quantities."""
+    return taking_quantities(function, partial(checked_scene, function.__name__))
+
+
+def find_blocks(source: str) -> tuple[Scene, Material | None]:
+    """Find a scene like `find_scene`, with the lower material of its file; None without one."""
+    named = NAMED_SCENES.get(source) or NAMED_PAIRS.get(source)
+    if named is not None:
+        return named.scene, named.lower
+    if is_file(source):
+        return read_blocks(source)
+    if source in LINES:
+        raise SceneError(f"{source} {LINE_HINT}")
+    plugin = find_plugin(SCENES, source)
+    if plugin is not None:
+        return brought_scene(plugin), None
+    own = (*NAMED_SCENES, *NAMED_PAIRS)
+    names = [*own, *plugin_names(SCENES, own)]
+    close = difflib.get_close_matches(source, names, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}"
+    raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
+
+
+def is_file(source: str) -> bool:
+    """Return whether a source is meant as a file, not as a name."""
+    path = Path(source)
+    return path.suffix == ".toml" or path.is_file()
+
+
+def describes_line(source: str) -> bool:
+    """Return whether a source names a whole line or a growing load, or is a file of one.
+
+    Raises
+    ------
+    SceneError
+        If it is a file that cannot be read.
+    """
+    if source in LINES:
+        return True
+    if not is_file(source):
+        return False
+    document = read_document(source)
+    return INTERFACE_KEY not in document and any(key in document for key in LINE_KEYS)
+
+
+def brought_scene(plugin: Plugin) -> Scene:
+    """Return the scene that a package brings, either itself or by a function without arguments.
+
+    Raises
+    ------
+    PluginError
+        If it is neither, or the function fails.
+    """
+    brought = plugin.load()
+    scene = plugin.guarded("cannot be made", brought) if callable(brought) else brought
+    if not isinstance(scene, Scene):
+        raise plugin.error(f"must be a Scene, or a function that returns one, not {shown(scene)}")
+    return scene
+
+
+def brought_summary(plugin: Plugin) -> str:
+    """Return a line that says what the scene of a package shows.
+
+    It is the first line of the docstring of the function that makes the scene.
+    """
+    brought = plugin.load()
+    lines = (brought.__doc__ or "").strip().splitlines() if callable(brought) else []
+    return lines[0] if lines else ""
+
+
+def scene_label(source: str) -> str:
+    """Return a short name of a scene for titles: its name, or the stem of its file."""
+    # Names of packages are no files either.
+    named = source in (*NAMED_SCENES, *NAMED_PAIRS) or not is_file(source)
+    return source if named else Path(source).stem
+
+
+def scene_folder(source: str, overrides: Mapping[str, float | str]) -> Path:
+    """Return the folder for the results of a scene, such as results/preloaded-friction-0.31.
+
+    Parameters
+    ----------
+    source : str
+        Name or file of the scene, as for `find_scene`.
+    overrides : mapping
+        Values that replace the scene's own, as for `override_scene`.
+    """
+    changes = (
+        f"{name.replace('_', '-')}-{str(value).removesuffix('.0')}"
+        for name, value in overrides.items()
+    )
+    return Path("results", "-".join((scene_label(source), *changes)))
