@@ -6,6 +6,7 @@ ways; `Reading` is the table that both return.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.answer import ARRIVALS, FIELDS
 from semianalytic.results.places import contact_positions
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -187,7 +189,9 @@ def sampled_reading(answer: Any, x: ArrayLike, t: ArrayLike) -> Reading:
     """Return the reading of an answer on a grid, with bars by its companion on a coarser grid.
 
     A bar is `SAMPLED_SAFETY` times the largest difference from the companion within two of its
-    nodes around the point and as far in time; without a companion it is inf.
+    nodes around the point and as far in time; without a companion it is inf.  At the front of a
+    wave and at the edge of a slip zone it is no less than what the field changes by within two of
+    these nodes.
 
     Parameters
     ----------
@@ -257,4 +261,33 @@ def _sampled_field(answer: Any, name: str, x: Array, t: Array) -> Measured:
     mean = 0.0
     if until > 0:
         mean = float(apart(nodes, np.linspace(until / _MEAN, until, _MEAN)[:, None]).mean())
-    return Measured(value, np.where(t < 0, 0.0, SAMPLED_SAFETY * np.maximum(error, mean)))
+    error = SAMPLED_SAFETY * np.maximum(error, mean)
+    steep = _on_front(answer.scene, x, t, 2 * step) | _at_edge(answer, places, t)
+    if steep.any():
+        near = np.array([np.asarray(field(place, t)) for place in places])
+        error = np.where(steep, np.fmax(error, np.ptp(near, axis=0)), error)
+    return Measured(value, np.where(t < 0, 0.0, error))
+
+
+def _at_edge(answer: Any, places: Iterable[Array], t: Array) -> NDArray[np.bool_]:
+    """Return where the edge of a slip zone lies among places around points.
+
+    The traction ahead of it has a square root, which a grid sees from one node on.
+    """
+    slips = [np.asarray(answer.slip_rate(place, t)) != 0 for place in places]
+    return np.asarray(np.any(slips, axis=0) & ~np.all(slips, axis=0))
+
+
+def _on_front(scene: Scene, x: Array, t: Array, width: float) -> NDArray[np.bool_]:
+    """Return where a wave from the tip has its front within a width [length].
+
+    A traction has a cusp or a jump there, which a grid rounds off: errors fall with less than half
+    an order, so that the difference from the companion is a part of them only.
+    """
+    begins = {0.0, *(at for one in scene.acting_histories.values() for at in one.pieces.breaks)}
+    material = scene.material
+    speeds = (material.shear_speed, material.longitudinal_speed)
+    found = np.zeros(np.shape(x), dtype=bool)
+    for speed, begin in itertools.product(speeds, begins):
+        found |= (t > begin) & (np.abs(x - speed * (t - begin)) <= width)
+    return found

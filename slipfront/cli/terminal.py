@@ -168,7 +168,8 @@ def march_table(marched: Marched, title: str) -> Table:
     for name, value, dimension in _tractions(scene):
         table.add_row(name, value, unit(dimension, scene.units))
     for onset in document["onset"]:
-        time = "never" if onset["time"] is None else f"{onset['time']:.6g}"
+        never = f"not until {marched.end_time:.6g}"
+        time = never if onset["time"] is None else f"{onset['time']:.6g}"
         place = _measure(onset["x"], "length", scene)
         table.add_row(f"slip starts at x = {place}", time, units["onset"]["time"])
     for mode, value in document["stress_intensity_of_a_stuck_edge"].items():

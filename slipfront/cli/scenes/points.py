@@ -130,13 +130,16 @@ def points_table(answer: Answered, points: Points) -> Table:
     rows = points.document(answer)
     units = units_document(rows, POINT_DIMENSIONS, scene)
     times, size = points.shown_time(scene)
+    # an answer that was sampled ends at some time, and does not know what comes later
+    end = getattr(answer, "end_time", None)
+    never = "never" if end is None else f"not until {end / size:.6g}"
     pairs = [(x, t) for x in points.x for t in points.t or (None,)]
     for point, (x, t) in zip(rows, pairs, strict=True):
         place = f"x = {_given(x, 'length', scene)}"
         if t in (None, points.t[:1] and points.t[0]):
             for name, words in _worth(point["arrivals"]):
                 one = {key: number / size for key, number in point["arrivals"][name].items()}
-                value, bar = written(**one, never="never")
+                value, bar = written(**one, never=never)
                 table.add_row(place, words, value, bar, times)
                 place = ""
         place = "" if t is None else f"{place and f'{place}, '}t = {_given(t, 'time', scene)}"

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.line import Grid
 from semianalytic.engine.balance import freed_rate
+from semianalytic.engine.line import Grid
 
 ROCK = sf.Material(30e9, 2700.0, 0.25)
 LAW = sf.RateAndState(a=0.01, b=0.014, f0=0.6, v0=1e-6, distance=1e-4)

@@ -174,6 +174,27 @@ def test_bars_of_a_march_hold(name):
     assert min(covered(spoilt, exact).values()) < 0.9
 
 
+def test_bars_of_marches_hold_on_fronts_and_beside_edges():
+    """The cusp of the traction at x = c_t t was up to four bars off on either grid."""
+    fronts = Scene(
+        Material(1.0, 1.0, -0.1668), 0.4861, Tractions(1, 0.3227), Tractions(0.17, -1.8458)
+    )
+    edge = Scene(
+        Material(1.0, 1.0, 0.048208),
+        0.633619,
+        Tractions(1, 0.385934),
+        Tractions(-0.048355, 1.511743),
+    )
+    for scene, x in ((fronts, 1.0), (fronts, 0.999), (edge, 1.0), (edge, 1.05)):
+        exact = solve(scene, rtol=1e-10)
+        for nodes in (100, 300):
+            at = march(scene, 1.0, nodes).reading(x, 1.0)
+            for name in FIELDS:
+                value, bar = getattr(at, name)
+                assert abs(value - getattr(exact, name)(x, 1.0)) < bar or bar == value == 0, name
+                assert bar < 0.2
+
+
 def test_bars_of_a_simulation_hold():
     simulation = with_companions(simulate(PRELOADED.scene, resolution=48))
     assert min(covered(simulation, PRELOADED).values()) > 0.97

@@ -49,6 +49,15 @@ def test_arrivals_alone_and_of_marches(printed):
     assert abs(arrival["value"] - exact.arrival(0.5)) < arrival["error"] < 0.1
 
 
+def test_a_march_that_ended_before_slip_came_does_not_say_never(capsys):
+    assert main(["solve", "ramp", "--x", "0.5", "--t", "0.6", "--nodes", "64", "-q"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.count("not until 0.6") == 2  # at the point, and among the onsets of the march
+    assert "never" not in shown
+    assert main(["solve", "remote-shock", "--friction", "5", "--x", "0.5", "-q"]) == 0
+    assert "never" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
