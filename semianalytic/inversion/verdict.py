@@ -17,7 +17,8 @@ LARGEST_CONDITION = 1e8
 AS_GOOD = 4.0
 """Difference of chi2 up to which another minimum is as good: two standard deviations of one."""
 FAR = 3.0
-"""Standard errors between two minima that are as good, from which on the status says so."""
+"""Standard errors between two minima that are as good, from which on the status says so; within
+twice as many chi2 has to rise by the square of it."""
 SILENT = 1e-6
 """Fraction of the variance of a prior that data take away, below which they do not contradict it;
 rounding leaves 1e-14 of it."""
@@ -55,7 +56,39 @@ def verdict(
                 f"another minimum, {apart:.1f} standard errors away, fits as well "
                 f"(chi2 {other.chi2 - best.chi2:.2g} above)"
             )
-    return "converged"
+    return _one_sided(best, covariance, trials) or "converged"
+
+
+def _one_sided(best: Minimum, covariance: Array, trials: Trials) -> str:
+    """Say where the misfit rises as if an error were more than twice as large; "" if nowhere.
+
+    Records that see too little of something often bound a value from one side only: noise makes a
+    shallow minimum beside values that fit as well.  The other unknowns go along as their covariance
+    with it has it, by which chi2 would rise by the square of the standard errors.
+    """
+    low, high = trials.bounds
+    told = []
+    for place, name in enumerate(trials.unknowns.names):
+        along = covariance[:, place] / np.sqrt(covariance[place, place])
+        for sign, side in ((1, "above"), (-1, "below")):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                room = np.where(sign * along > 0, high - best.scaled, best.scaled - low)
+                errors = min(2 * FAR, 0.99 * float(np.nanmin(room / np.abs(along))))
+            if errors > 1:
+                told.append((name, side, errors, best.scaled + sign * errors * along, place))
+    if not told:
+        return ""
+    misfits = trials.misfits([there for *_, there, _ in told])
+    for (name, side, errors, there, place), misfit in zip(told, misfits, strict=True):
+        rise, enough = float(misfit @ misfit) - best.chi2, (errors / 2) ** 2
+        if rise < enough:
+            value = there[place] * trials.sizes[place]
+            return (
+                f"{name} is hardly bounded from {side}: at {value:.4g}, {errors:.2g} standard "
+                f"errors away, chi2 is {max(rise, 0.0):.2g} larger, which it would be by "
+                f"{enough:.2g} with twice the error"
+            )
+    return ""
 
 
 def _contradiction(trials: Trials, best: Minimum, covariance: Array) -> str:

