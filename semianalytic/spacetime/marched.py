@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -73,6 +73,8 @@ class Marched(SampledAnswer):
         Order of convergence seen between this march and a coarser one, if `rtol` asked for both.
     entry : float
         Distance from the tip at which a load that comes along the slot begins [length], else 0.
+    field_share : float
+        Part of the wavenumbers that are summed for fields in the bodies.
 
     Examples
     --------
@@ -108,6 +110,7 @@ class Marched(SampledAnswer):
     rtol: float | None = None
     entry: float = 0.0
     order: float | None = None
+    field_share: float = 1.0
 
     @property
     def begins(self) -> float:
@@ -142,8 +145,9 @@ class Marched(SampledAnswer):
     def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
         """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
 
-        The estimate is 1.6 times the difference from the companion, which assumes that the error
-        falls with the first power of the node distance or faster.  It is too small at a point where
+        The estimate is 1.6 times the difference from the companion, whose fields in the bodies are
+        summed over half the wavenumbers; it assumes that the error falls with the first power of
+        the node distance or faster.  It is too small at a point where
         the two curves cross: take the largest value, or a norm, over several places.
 
         Parameters
@@ -159,7 +163,16 @@ class Marched(SampledAnswer):
         """
         if self.companion is None:
             return np.full(np.shape(reading(self)), np.nan)
-        return READING_SAFETY * np.abs(np.subtract(reading(self), reading(self.companion)))
+        return READING_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
+
+    @cached_property
+    def _coarser(self) -> Marched:
+        """The companion, with fields in the bodies from half the wavenumbers.
+
+        Beside the edge the sum over wavenumbers limits the fields, however many nodes there are.
+        """
+        assert self.companion is not None
+        return replace(self.companion, field_share=self.field_share / 2)
 
     def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
         """Return the times at which something begins at the nodes; slip is known at every step."""
@@ -225,7 +238,7 @@ class Marched(SampledAnswer):
                 "march: the fields in the bodies under an incident wave or a moving load are not "
                 "known from a march; ask `solve`, or simulate the scene (docs/limits.md)."
             )
-        return MarchedBodies(self.scene, self.interface)
+        return MarchedBodies(self.scene, self.interface, self.field_share)
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity anywhere in the bodies [length / time].

@@ -45,10 +45,13 @@ class MarchedBodies:
     interface : InterfaceHistory
         Fields of the contact at the observed nodes, the first half a node distance from the edge,
         and at the stored levels.
+    share : float
+        Part of the wavenumbers that are summed.
     """
 
     scene: Scene
     interface: InterfaceHistory
+    share: float = 1.0
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity; see `Marched.velocity`."""
@@ -124,7 +127,7 @@ class MarchedBodies:
             # what follows it.
             jumps = (*shear.jumps, (0.0, float(far[0])))
             shear = replace(shear, jumps=jumps, rest=shear.rest + (far - far[0]))
-        return Remainder(scene, self.interface, far, normal, shear)
+        return Remainder(scene, self.interface, far, normal, shear, self.share)
 
     @cached_property
     def _spectra(self) -> tuple[Spectrum, ...]:

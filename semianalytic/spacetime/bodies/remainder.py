@@ -93,6 +93,8 @@ class Remainder:
         Change of shear traction ahead of all waves at the stored levels [stress].
     normal, shear : SlotLoad
         Pressure and shear that are taken off the slot.
+    share : float
+        Part of the wavenumbers that are summed.
     """
 
     scene: Scene
@@ -100,6 +102,7 @@ class Remainder:
     far: Array
     normal: SlotLoad
     shear: SlotLoad
+    share: float
 
     @property
     def reach(self) -> float:
@@ -141,9 +144,10 @@ class Remainder:
         """
         scene, seen = self.scene, self.interface
         speed = scene.material.shear_speed
+        nodes = math.ceil(self.share * FIELD_NODES)
         steps = max(len(seen.t) - 1, 2 * FIELD_NODES)  # more than are stored, if those are few
         window = Window(speed * float(seen.t[-1]), steps)
-        enough, _ = nodes_for_loads(scene, float(seen.t[-1]), self.reach, FIELD_NODES)
+        enough, _ = nodes_for_loads(scene, float(seen.t[-1]), self.reach, nodes)
         share = enough * self._spacing / self.reach
         q = kept_wavenumbers(self._nodes * self._spacing, self._nodes, share)
         omega = window.frequencies(scene.fastest_speed / speed * q[-1])

@@ -245,6 +245,23 @@ def test_error_of_fields_is_bounded_by_its_estimate(name, nodes):
     assert error < march(scene, nodes=nodes).field_error < 6 * error
 
 
+def test_estimates_tell_how_close_to_an_edge_stress_is_known():
+    """The sum over wavelengths limits it there, on march and companion alike."""
+    scene = find_scene("preloaded")
+    exact, marched = solve(scene), march(scene, 1.0, 200)
+    angle, cut = np.linspace(-3.1, 3.1, 40), scene.fastest_speed / 64
+    shares = []
+    for circle in (1, 2, 3, 10):
+        at = circle * cut * np.cos(angle), circle * cut * np.sin(angle), 0.9
+        right, estimate = exact.stress(*at), marched.error_of(lambda one, at=at: one.stress(*at))
+        off = np.abs(marched.stress(*at) - right).mean()
+        assert off < estimate.mean()
+        assert estimate.mean() < 30 * off or estimate.mean() < 1e-3
+        shares.append(off / np.abs(right).mean())
+    assert shares[0] > 0.03
+    assert shares[-1] < 1e-3
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 def test_finite_elements_under_slip_weakening_come_to_the_same_fields(tmp_path, mode):
