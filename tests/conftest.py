@@ -55,6 +55,19 @@ def mesh_cache(tmp_path_factory):
         yield
 
 
+@pytest.fixture(scope="module")
+def exact_once():
+    """Records of the exact answer are computed once for all validations of a module.
+
+    For modules that hold many records against few scenes: most of the time of a validation.
+    """
+    from compare.validation import detection
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(detection, "exact_answer", cache(detection.exact_answer))
+        yield
+
+
 @pytest.fixture
 def undrawn(monkeypatch):
     """Figures are made, and their files, but not drawn: most of the time of a comparison.
