@@ -30,7 +30,7 @@ def name(sheet):
 
 
 @cache
-def scored(sheet, cells=100, text=None):
+def scored(sheet, cells=60, text=None):
     """Errors and classes of `run` by quantity, of the interface of another text if one is given."""
     given = sheet if text is None else replace(sheet, text=text)
     records = Records(run_stations(given, cells), source="mine")

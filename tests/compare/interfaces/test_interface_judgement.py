@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from compare.interfaces import compare_interface
+from compare.interfaces import compare_interface, judging
 from compare.interfaces.judging import judge_interface
 from semianalytic.scene.errors import SceneError
 from slipfront.cli.commands import main
@@ -121,10 +121,23 @@ def test_what_cannot_be_compared_is_refused():
         compare_interface(replace(FAULT, held=3.0), 2.0, 256)
 
 
+def once(compute):
+    """A function that computes once and returns that again, whatever it is given."""
+    made = []
+
+    def computed(*args, **options):
+        if not made:
+            made.append(compute(*args, **options))
+        return made[0]
+
+    return computed
+
+
 COMMON = ["run", "rock-on-gouge", "--nodes", "256", "--end-time", "1e-3", "--quiet"]
 
 
-def test_the_command_compares(capsys, printed):
+def test_the_command_compares(capsys, printed, monkeypatch):
+    monkeypatch.setattr(judging, "compare_interface", once(judging.compare_interface))
     assert main([*COMMON, "--compare", "--mesh-nodes", "256"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "Verdict: agrees" in shown
@@ -148,8 +161,6 @@ def test_options_without_effect_are_refused(options, said, refused):
 
 
 def test_a_difference_ends_with_1(monkeypatch, capsys):
-    import compare.interfaces.judging as judging
-
     honest = judging.line_of
     monkeypatch.setattr(
         judging,
