@@ -70,7 +70,7 @@ def test_differences_of_solutions_agree(name, parameter):
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize("name", ["slip and opening", "slip from the slot"])
+@pytest.mark.parametrize("name", ["slip from the slot", "slip and opening"])
 def test_answers_are_homogeneous_in_all_tractions(name):
     """Twice all tractions give twice all fields, with the same edges (Euler)."""
     answer = answer_of(name)
@@ -116,6 +116,7 @@ def of_identical_bodies():
     return one, solve_pair(Pair(SOLID, SOLID, 0.5, base, load), rtol=1e-9)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("parameter", ["friction", "base_pressure", "load_shear"])
 def test_identical_bodies_have_the_derivatives_of_the_other_solver(parameter):
     one, two = of_identical_bodies()
@@ -138,9 +139,9 @@ def test_a_wrong_parameter_is_told_from_the_right_one():
 
 
 def test_an_estimate_bounds_the_error_and_is_small():
-    derivative = derivative_of("slip and opening", "load_shear")
+    derivative = derivative_of("slip from the slot", "friction")
     assert 1e-9 <= derivative.error_estimate < 1e-6
-    assert "load_shear" in repr(derivative)
+    assert "friction" in repr(derivative)
 
 
 def test_open_parts_carry_nothing_and_base_tractions_are_there_from_the_outset():
