@@ -31,6 +31,10 @@ collect_ignore = (
 """Tests that send signals, fork, limit resources or give up rights, none of which Windows can."""
 
 
+RARELY = 10_000
+"""New objects between two searches for garbage, which take 2 % of the run at Python's own 700."""
+
+
 settings.register_profile("repeatable", derandomize=True)
 settings.register_profile("searching")
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
@@ -147,6 +151,7 @@ def pytest_collection():
     finally:
         gc.freeze()
         gc.enable()
+        gc.set_threshold(RARELY, 20, 20)
 
 
 @pytest.hookimpl(tryfirst=True)

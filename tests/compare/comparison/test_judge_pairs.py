@@ -112,7 +112,9 @@ def test_answers_for_identical_bodies_are_refused():
 
 
 def test_the_report_has_both_bodies_and_the_exact_answer():
-    document = report_document(judge(answer_to(find_pair("pair-slip")), simulated("pair-slip")), "pair-slip")
+    document = report_document(
+        judge(answer_to(find_pair("pair-slip")), simulated("pair-slip")), "pair-slip"
+    )
     assert document["parameters"]["lower_material"]["shear_modulus"] == 2.5
     assert document["method"] == "self-similar"
     assert document["semianalytic"]["pair"]["lower_material"]["density"] == 1.2

@@ -558,6 +558,7 @@ def seconds(function):
     return best
 
 
+@pytest.mark.slow
 def test_a_derivative_costs_about_a_solution():
     """By tractions or friction, over scenes of several kinds; 0.8 on a quiet machine."""
     solving = deriving = 0.0
