@@ -107,6 +107,7 @@ def test_companions_end_where_meshes_would_be_too_coarse(resolution):
     assert seen == [one for one in expected if one >= 8]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("history", [Harmonic(2.0), Pulse(0.21)])
 def test_companions_need_not_follow_the_load(history):
     scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0), shear_history=history)

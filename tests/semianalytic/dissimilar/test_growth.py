@@ -124,6 +124,7 @@ def test_every_wave_that_the_principle_of_the_argument_counts_is_found():
     assert len(counts) > 1
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("delay", "growth"),
     [
@@ -223,6 +224,7 @@ def test_generalised_rayleigh_wave_ends_at_the_slower_shear_wave(nu, ratio):
     assert not exists(ratio + 1e-4)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("ratio", "ahead", "behind"),
     [

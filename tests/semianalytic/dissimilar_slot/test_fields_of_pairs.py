@@ -66,7 +66,7 @@ def test_slot_faces_carry_the_load_alone(name):
         np.testing.assert_allclose(-stress[1], held.pressure - load.pressure, atol=1e-10)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("friction", "base", "load"),
     [

@@ -181,6 +181,7 @@ def stuck_error(history, where):
     return relative_l1(found / (factors[:60] if where is None else 1.0), exact)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("history", [Step(), Ramp(0.5)])
 def test_edge_of_the_grid_is_where_the_stuck_traction_says(history):
     """With the grid's own edge 0.1 %; with the nodes taken at face value 30 times worse."""
@@ -359,7 +360,7 @@ def test_slip_weakening_below_the_grid_is_refused():
 # --- going on, saving -----------------------------------------------------------------------
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     "history",
     [

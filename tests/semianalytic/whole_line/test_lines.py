@@ -79,6 +79,7 @@ def driving(answer, x, t):
 # --- numbers --------------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("mode", "speed", "missing", "edge"), PATCHES)
 def test_the_edge_of_a_patch_is_that_of_the_notes_and_of_mpmath(mode, speed, missing, edge):
     found = solve_line(patch_line(mode, speed, missing))

@@ -483,6 +483,7 @@ def test_a_field_that_comes_late_is_not_drawn_over_a_march(monkeypatch):
     assert asked[-1] is marched_views
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("share", [0.25, 1.0])
 def test_pictures_show_the_moment_of_the_time_slider(share, alone):
     session = Session(Document(), STEEL, "")

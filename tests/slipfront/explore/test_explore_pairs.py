@@ -128,6 +128,7 @@ def test_pictures_are_those_of_the_answer_and_reach_beyond_the_faster_body():
     assert np.isfinite(field.size).all()
 
 
+@pytest.mark.thinned(2)
 @every
 def test_files_hold_both_bodies(name, tmp_path, capsys):
     answer = sf.solve_pair(name)

@@ -123,7 +123,7 @@ def errors(solution, name):
     }
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 1 / 3, 0.45])
 @pytest.mark.parametrize("strength", [1.2, 2.5])
 def test_edge_of_the_only_zone_moves_as_its_closed_form(nu, strength):
