@@ -120,7 +120,7 @@ def test_a_file_of_two_bodies_is_solved(capsys, printed, monkeypatch):
     said = capsys.readouterr().out
     for words in ("open", "c_R, c_t, c_l, lower body", "forward slip comes", "converged"):
         assert words in said
-    assert sf.solve_pair("two.toml").edge_speeds.tolist() == known.edge_speeds.tolist()
+    assert sf.find_pair("two.toml") == PAIR
 
 
 def test_options_describe_the_lower_body_in_units(tmp_path, printed):
@@ -202,7 +202,8 @@ def test_a_simulation_of_a_file_takes_its_lower_body():
     assert told != sf.cost(scene, resolution=8)
 
 
-def test_compare_judges_two_bodies(printed, refused, capsys, folder, monkeypatch, request):
+@pytest.mark.usefixtures("undrawn")
+def test_compare_judges_two_bodies(printed, refused, capsys, folder, monkeypatch):
     """Once simulated, the bodies are compared again, with a wrong answer, and with other bodies."""
     judged = printed("compare two.toml --resolution 40 --no-snapshots -q --output out")
     assert judged["verdict"] == judged["status"]
@@ -225,7 +226,6 @@ def test_compare_judges_two_bodies(printed, refused, capsys, folder, monkeypatch
     from compare.comparison import prediction
 
     wrong = solved(0.36, rtol=1e-5)
-    request.getfixturevalue("undrawn")  # the figures have been drawn once
     monkeypatch.setattr(prediction, "solve_pair", lambda pair: wrong)
     assert main(["compare", "two.toml", "--from", "out", "-q"]) == 1
     assert "Verdict: differs" in capsys.readouterr().out

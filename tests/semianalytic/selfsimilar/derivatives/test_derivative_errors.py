@@ -72,16 +72,16 @@ def test_error_estimates_bound_errors_in_random_scenes():
     assert check_estimates(60) >= 45
 
 
-@pytest.mark.thinned(6)
+@pytest.mark.thinned(12)
 @pytest.mark.parametrize("scale", [1e-6, 1e7])
 @pytest.mark.parametrize("name", ["base_pressure", "load_shear", "base_shear"])
-def test_error_estimates_are_the_same_in_any_unit_of_stress(name, scale):
+@pytest.mark.parametrize(("base", "load"), [((1.0, 0.0), (0.0, 1.0)), ((0.36, 0.0), (27.0, -0.42))])
+def test_error_estimates_are_the_same_in_any_unit_of_stress(name, scale, base, load):
     """By a traction that is 0, too, and beside a pressure far larger than it."""
-    for base, load in (((1.0, 0.0), (0.0, 1.0)), ((0.36, 0.0), (27.0, -0.42))):
-        here = unit_scene(0.5, base, load)
-        there = unit_scene(0.5, np.multiply(scale, base), np.multiply(scale, load))
-        one, other = (solve(scene, rtol=1e-6).derivative(name) for scene in (here, there))
-        assert other.error_estimate == pytest.approx(one.error_estimate, rel=0.3, abs=2e-10)
+    here = unit_scene(0.5, base, load)
+    there = unit_scene(0.5, np.multiply(scale, base), np.multiply(scale, load))
+    one, other = (solve(scene, rtol=1e-6).derivative(name) for scene in (here, there))
+    assert other.error_estimate == pytest.approx(one.error_estimate, rel=0.3, abs=2e-10)
 
 
 def seconds(function):
