@@ -79,13 +79,13 @@ def test_slots_openings_and_halves_agree():
     solid = sf.Material(1.0, 1.0, 0.25)
     load = sf.InterfaceLoad(0.8, on="slot")
     slotted = sf.Interface(solid, sf.Coulomb(0.3), 12.0, loads=[load], contact=slot, even=True)
-    judged = compare_interface(slotted, 1.5, 256)
+    judged = compare_interface(slotted, 1.5, 192)
     assert judged.verdict == "agrees"
     burst = sf.InterfaceLoad(
         pressure=lambda x, t: -2 * np.exp(-4 * x**2) * min(2 * t, 1), history=None
     )
     lifted = sf.Interface(solid, sf.Coulomb(0.3), 12.0, shear=0.2, loads=[burst])
-    judged = compare_interface(lifted, 1.5, 256)
+    judged = compare_interface(lifted, 1.5, 192)
     assert judged.verdict == "agrees"
     assert {row.kind for row in judged.rows if row.verdict == "agrees"} >= {"gap", "slip"}
 
