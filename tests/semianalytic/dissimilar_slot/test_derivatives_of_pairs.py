@@ -69,7 +69,7 @@ def test_differences_of_solutions_agree(name, parameter):
         )
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["slip from the slot", "slip and opening"])
 def test_answers_are_homogeneous_in_all_tractions(name):
     """Twice all tractions give twice all fields, with the same edges (Euler)."""

@@ -214,7 +214,7 @@ def test_fields_depend_on_x_and_y_over_t_and_rest_before(name):
     np.testing.assert_array_equal(answer.stress(x, y, 0.0)[1], -answer.pair.base.pressure)
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3, 5])
 def test_error_of_fields_is_honest_on_random_pairs(seed):
     rng = np.random.default_rng(seed)
