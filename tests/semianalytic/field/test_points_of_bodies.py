@@ -24,7 +24,7 @@ def test_what_is_infinite_says_so_with_its_sign():
     assert reverse.velocity(front, 0.0, 1.0)[0] == -np.inf
 
 
-@pytest.mark.thinned(6)
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("lacking", [1e-7, 1e-12])
 @pytest.mark.parametrize(
