@@ -31,7 +31,7 @@ collect_ignore = (
 """Tests that send signals, fork, limit resources or give up rights, none of which Windows can."""
 
 
-RARELY = 10_000
+RARELY = 5_000
 """New objects between two searches for garbage, which take 2 % of the run at Python's own 700."""
 
 
@@ -151,7 +151,7 @@ def pytest_collection():
     finally:
         gc.freeze()
         gc.enable()
-        gc.set_threshold(RARELY, 20, 20)
+        gc.set_threshold(RARELY, 10, 10)
 
 
 @pytest.hookimpl(tryfirst=True)
