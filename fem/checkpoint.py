@@ -7,6 +7,7 @@ import json
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -88,10 +89,15 @@ def run_identity(model: Model) -> dict[str, Any]:
         "snapshots": plan.full,
         "time_step": model.time_step,
         "set of mesh nodes": mesh.hexdigest()[:16],
-        **{f"{library} version": version(library) for library in ("slipfront", "numpy", "scipy")},
+        **_versions(),
     }
     plain: dict[str, Any] = json.loads(json.dumps(options))
     return plain
+
+
+@cache  # looking them up takes as long as a small run
+def _versions() -> dict[str, str]:
+    return {f"{library} version": version(library) for library in ("slipfront", "numpy", "scipy")}
 
 
 def run_name(identity: Mapping[str, Any]) -> str:

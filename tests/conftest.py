@@ -31,6 +31,10 @@ collect_ignore = (
 """Tests that send signals, fork, limit resources or give up rights, none of which Windows can."""
 
 
+RARELY = 5_000
+"""New objects between two searches for garbage, which take 2 % of the run at Python's own 700."""
+
+
 settings.register_profile("repeatable", derandomize=True)
 settings.register_profile("searching")
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
@@ -52,6 +56,19 @@ def mesh_cache(tmp_path_factory):
     """Meshes are built anew by every test run, and once for all tests."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def exact_once():
+    """Records of the exact answer are computed once for all validations of a module.
+
+    For modules that hold many records against few scenes: most of the time of a validation.
+    """
+    from compare.validation import detection
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(detection, "exact_answer", cache(detection.exact_answer))
         yield
 
 
@@ -134,6 +151,7 @@ def pytest_collection():
     finally:
         gc.freeze()
         gc.enable()
+        gc.set_threshold(RARELY, 10, 10)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -4,6 +4,7 @@ import doctest
 import inspect
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,14 @@ def test_public_names_have_examples() -> None:
         if inspect.isclass(one) and issubclass(one, Exception)
     }
     assert set(DESCRIBED) - set(WITH_EXAMPLES) - errors == set()
+
+
+@pytest.fixture(autouse=True, scope="module")
+def pairs_solved_once() -> Iterator[None]:
+    """Several examples solve the same pair."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(semianalytic, "solve_pair", cache(semianalytic.solve_pair))
+        yield
 
 
 @pytest.mark.parametrize("name", WITH_EXAMPLES)

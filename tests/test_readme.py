@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from slipfront import __all__ as PUBLIC
-from slipfront.cli.commands import COMMANDS, app_for
+from slipfront.cli.commands import COMMANDS, command_for
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
@@ -80,7 +80,7 @@ def test_every_command_and_extra_has_its_line():
 def test_options_of_the_page_of_commands_exist(line, capsys):
     command, *rest = line.split()
     with pytest.raises(SystemExit):
-        app_for([command])([command, "--help"], prog_name="slipfront")
+        command_for([command])([command, "--help"], prog_name="slipfront")
     shown = capsys.readouterr().out
     assert [word for word in rest if word.startswith("--") and word not in shown] == []
 

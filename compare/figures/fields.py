@@ -100,8 +100,10 @@ class FieldPicture:
             shrink=0.9,
             aspect=20 if tall > WIDE else 40,
         )
-        for _ in range(2):  # the sizes of labels are known only at the second drawing
-            self.figure.draw_without_rendering()
+        layout = self.figure.get_layout_engine()
+        assert layout is not None
+        for _ in range(2):  # the sizes of labels are known only at the second time
+            layout.execute(self.figure)
         self.figure.set_layout_engine("none")  # the layout stays fixed for all times
 
     @look()

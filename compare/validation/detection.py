@@ -97,7 +97,9 @@ def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
     given = given_reading(conventions, run.stated, scene)
     sample = replace(run, stations=tuple(map(_thinned, _some(run.stations))))
     found = _weighed(sample, run, scene, given, conventions)
-    exact = replace(found.exact, end_time=last_time(found.reading.apply(run)))
+    exact, end = found.exact, last_time(found.reading.apply(run))
+    if end != exact.end_time:  # else the records that it has computed stay known
+        exact = replace(exact, end_time=end)
     found = replace(found, exact=exact, notes=(*_given_notes(conventions), *found.notes))
     if conventions.rate is None and not run.stated.mean:
         found = _with_means(found, replace(run, stations=_some(run.stations)))

@@ -82,22 +82,22 @@ class Roots:
         # q^2 + 4 k^2 alpha beta, with the cancelling sum alpha beta + k^2 as one number.
         return np.asarray(b2 * b2 - 4 * self.square * (b2 - self.bulk))
 
-    @property
+    @cached_property
     def normal(self) -> Complex:
         """A_j R."""
         return np.asarray(self.alpha * (self.body.b**2 / self.body.modulus))
 
-    @property
+    @cached_property
     def tangential(self) -> Complex:
         """B_j R."""
         return np.asarray(self.beta * (self.body.b**2 / self.body.modulus))
 
-    @property
+    @cached_property
     def coupling(self) -> Complex:
         """D_j R = (2 alpha beta - b^2 + 2 k^2) / mu."""
         return np.asarray((2 * self.bulk - self.body.b**2) / self.body.modulus)
 
-    @property
+    @cached_property
     def determinant(self) -> Complex:
         """(A_j B_j + k^2 D_j^2) R = (alpha beta + k^2) / mu^2: it has no Rayleigh pole."""
         return np.asarray(self.bulk / self.body.modulus**2)

@@ -65,31 +65,42 @@ class PhaseIntegrals:
 
     def nodes(self, stop: float) -> tuple[Array, Array, Array]:
         """Return slownesses w up to `stop`, theta dw with quadrature weights, and `stop` - w."""
-        compliance = self.phase.numerator.compliance
-        sharp = {*self.phase.numerator.sharp_turns, *self.phase.denominator.sharp_turns}
-        points, weights, distances = [], [], []
-        for whole in stretches(compliance.distinct_fronts):
+        parts = []
+        for whole in stretches(self.phase.numerator.compliance.distinct_fronts):
             if whole.left >= stop:
                 break
-            ends_there = whole.right is None or stop < whole.right
-            stretch = Stretch(whole.left, stop) if ends_there else whole
-            ends = _pieces(stretch, sorted(sharp))
-            t, weight = gauss(_POINTS)
-            x = (ends[:-1, None] + np.diff(ends)[:, None] * t).ravel()
-            dx = (np.diff(ends)[:, None] * weight).ravel()
-            at = stretch.at(x)
-            beyond = whole.left if whole.right is None else whole.right - at.v
-            # The phase knows whole stretches only: the coordinate of the same points on the whole
-            # one.
-            there = np.log(at.from_left / beyond) if ends_there else x
-            points.append(at.v)
-            # The canonical function is singular at the edge: distances from it must keep their
-            # digits.
-            distances.append(at.to_right if ends_there else stop - at.v)
-            weights.append(dx * np.asarray(stretch.slope(at)) * self.phase.on(whole, there))
-        if not points:
+            if whole.right is None or stop < whole.right:
+                parts.append(self._until(whole, stop))
+                continue
+            if whole not in self._complete:
+                self._complete[whole] = self._until(whole, None)
+            v, weight, _ = self._complete[whole]
+            parts.append((v, weight, stop - v))
+        if not parts:
             return np.zeros(0), np.zeros(0), np.zeros(0)
+        points, weights, distances = zip(*parts, strict=True)
         return np.concatenate(points), np.concatenate(weights), np.concatenate(distances)
+
+    @cached_property
+    def _complete(self) -> dict[Stretch, tuple[Array, Array, Array]]:
+        """What `_until` gave for stretches up to their ends, where no edge lies: it is kept."""
+        return {}
+
+    def _until(self, whole: Stretch, stop: float | None) -> tuple[Array, Array, Array]:
+        """Return nodes, weights and distances from the end on a stretch, up to `stop` if given."""
+        sharp = {*self.phase.numerator.sharp_turns, *self.phase.denominator.sharp_turns}
+        stretch = whole if stop is None else Stretch(whole.left, stop)
+        ends = _pieces(stretch, sorted(sharp))
+        t, weight = gauss(_POINTS)
+        x = (ends[:-1, None] + np.diff(ends)[:, None] * t).ravel()
+        dx = (np.diff(ends)[:, None] * weight).ravel()
+        at = stretch.at(x)
+        beyond = whole.left if whole.right is None else whole.right - at.v
+        # The phase knows whole stretches only: the coordinate of the same points on the whole one.
+        there = x if stop is None else np.log(at.from_left / beyond)
+        # The canonical function is singular at the edge: distances from it must keep their digits.
+        weights = dx * np.asarray(stretch.slope(at)) * self.phase.on(whole, there)
+        return at.v, weights, at.to_right
 
     def over(self, stop: float, kernel: Callable[[Array], Array]) -> float:
         """Return (1/pi) int theta(w) kernel(w) dw up to `stop`."""
@@ -118,11 +129,16 @@ class PhaseIntegrals:
         def slowness(x: float) -> float:
             return float(front.at(np.array([x])).v[0])
 
-        values = [function(slowness(x)) for x in ends]
+        at_ends = {x: function(slowness(x)) for x in ends}
+        values = list(at_ends.values())
         # No zero: the caller says what that means for its own equation.
         if values[0] * values[1] > 0:
             return slowness(ends[int(abs(values[1]) < abs(values[0]))]), False
-        return slowness(brentq(lambda x: function(slowness(x)), *ends, xtol=1e-13)), True
+
+        def value(x: float) -> float:
+            return at_ends[x] if x in at_ends else function(slowness(x))
+
+        return slowness(brentq(value, *ends, xtol=1e-13)), True
 
 
 def _pieces(stretch: Stretch, sharp: list[float]) -> Array:

@@ -6,7 +6,7 @@ import logging
 import os
 import sys
 from collections.abc import Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from importlib import import_module
 from inspect import getdoc
 from io import TextIOWrapper
@@ -136,7 +136,7 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
 """Commands in the order of the help, with the module of this package and the name in it."""
 
 
-def app_for(arguments: Sequence[str]) -> typer.Typer:
+def command_for(arguments: Sequence[str]) -> Any:
     """Return the command line with the command that the arguments call, else with all of them.
 
     Modules of other commands are not imported, nor are their options read: both together take
@@ -147,10 +147,15 @@ def app_for(arguments: Sequence[str]) -> typer.Typer:
         words = words[2:]
     elif words and words[0].startswith("--log="):
         words = words[1:]
-    called = [words[0]] if words and words[0] in COMMANDS else list(COMMANDS)
+    return _group(words[0] if words and words[0] in COMMANDS else "")
+
+
+@cache  # a refusal looks its options up in it again
+def _group(called: str) -> Any:
+    """Return the group with one command, or with all of them where none is called."""
     app = typer.Typer(cls=_Commands, no_args_is_help=True, pretty_exceptions_enable=False)
     app.callback()(slipfront)
-    for name in called:
+    for name in [called] if called else COMMANDS:
         module, attribute = COMMANDS[name]
         command = getattr(import_module(f"slipfront.cli.{module}"), attribute)
         if isinstance(command, typer.Typer):
@@ -158,7 +163,7 @@ def app_for(arguments: Sequence[str]) -> typer.Typer:
         else:
             # names of tables, such as [material], are no markup
             app.command(name, help=escape(getdoc(command) or ""))(command)
-    return app
+    return typer.main.get_command(app)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -182,7 +187,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, so that no other backend needs to exist
     try:
         with needing("This command"):
-            app_for(arguments)(args=arguments, prog_name="slipfront")
+            command_for(arguments)(args=arguments, prog_name="slipfront")
     except SlipfrontError as error:
         print(printable(in_options(str(error), _options(arguments))), file=sys.stderr)
         return error.exit_code
@@ -206,7 +211,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _options(arguments: Sequence[str]) -> set[str]:
     """Return the names of the options of the called command and of its subcommands."""
-    command: Any = typer.main.get_command(app_for(arguments))
+    command = command_for(arguments)
     options: set[str] = set()
     for word in arguments:
         commands = getattr(command, "commands", {})

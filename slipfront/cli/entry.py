@@ -46,7 +46,7 @@ def main() -> int:
             signal.signal(signal.SIGINT, _leave)
         from slipfront.cli import commands as cli
 
-        cli.app_for(sys.argv[1:])  # which imports the command
+        cli.command_for(sys.argv[1:])  # which imports the command
         signal.signal(signal.SIGTERM, terminate)
         if heeded:
             signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -96,7 +96,7 @@ def test_every_folder_is_looked_at():
     assert all(len(runs(folder)) == 3 for folder in folders)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("folder", MOST)
 def test_errors_fall_with_cells_and_stay_small(folder):
     coarse, *_, fine = runs(folder)

@@ -86,9 +86,9 @@ def test_companions_have_the_settings_of_the_simulation():
         "mesh": "graded",
         "model": "two-blocks",
     }
-    run = with_companions(simulate(scene, 0.5, resolution=36, every=4, **options))
-    assert_same_run(run.companion, simulate(scene, 0.5, resolution=18, every=2, **options))
-    assert_same_run(run.companion.companion, simulate(scene, 0.5, resolution=9, **options))
+    run = with_companions(simulate(scene, 0.5, resolution=32, every=4, **options))
+    assert_same_run(run.companion, simulate(scene, 0.5, resolution=16, every=2, **options))
+    assert_same_run(run.companion.companion, simulate(scene, 0.5, resolution=8, **options))
     lower = Material(2.0, 1.0, 0.3)
     run = with_companions(simulate(scene, resolution=20, lower_material=lower))
     assert_same_run(run.companion, simulate(scene, resolution=10, lower_material=lower))
@@ -107,6 +107,7 @@ def test_companions_end_where_meshes_would_be_too_coarse(resolution):
     assert seen == [one for one in expected if one >= 8]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("history", [Harmonic(2.0), Pulse(0.21)])
 def test_companions_need_not_follow_the_load(history):
     scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0), shear_history=history)

@@ -1,5 +1,7 @@
 """The scalar model of antiplane shear: matrices, mesh edge, closed forms, the other solvers."""
 
+from functools import cache
+
 import meshio
 import numpy as np
 import pytest
@@ -30,6 +32,12 @@ LINEAR = pytest.mark.parametrize("element", ["Q1", "P1"])
 
 def antiplane(friction, base=(1.0, 0.0), load=(0.0, 1.0), **parts):
     return unit_scene(friction, base, load, mode="antiplane", **parts)
+
+
+@cache
+def fine(scene):
+    """A run of 100 elements, and the exact solution; both are computed once for all tests."""
+    return simulate(scene, resolution=100), solve(scene)
 
 
 def l1(found, wanted):
@@ -114,7 +122,7 @@ def test_slip_converges_to_the_closed_form():
     ids=["shock", "viscous", "slip from the longitudinal front"],
 )
 def test_exact_solutions_are_met(scene, name):
-    run, exact = simulate(scene, resolution=100), solve(scene)
+    run, exact = fine(scene)
     assert run.model == name
     x = run.interface.x[run.interface.x > 0.02]
     found = run.interface.slip[-1, -len(x) :]
@@ -130,7 +138,7 @@ def test_slip_weakening_agrees_with_a_march():
 
 def test_slot_faces_move_along_z_and_normally():
     scene = antiplane(1.0, **REMOTE)
-    run, exact = simulate(scene, resolution=100), solve(scene)
+    run, exact = fine(scene)
     x = run.slot.x[run.slot.x < -0.03]
     velocities = run.slot.velocity_x[-1, : len(x)], run.slot.velocity_y[-1, : len(x)]
     for found, wanted in zip(velocities, exact.slot_velocity(x, 1.0), strict=True):

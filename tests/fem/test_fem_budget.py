@@ -41,7 +41,7 @@ print(json.dumps({
 """
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("scene", "options"),
     [

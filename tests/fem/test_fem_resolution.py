@@ -128,7 +128,7 @@ def test_fast_pressure_is_refused_by_its_name():
         simulate(scene)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     "history",
     [

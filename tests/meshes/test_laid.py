@@ -59,6 +59,7 @@ def groups(file):
         yield f"physical group {name}", tag.tolist()
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.gmsh
 @pytest.mark.parametrize("lower", [False, True])
 @pytest.mark.parametrize("pattern", ["squares", "graded"])

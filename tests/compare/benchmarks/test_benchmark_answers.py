@@ -99,6 +99,7 @@ def test_the_stuck_edge_has_the_closed_form_intensities():
     assert np.max(np.abs(answers["slip"])) == 0
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("sheet", [one for one in SOLVED if one.arrival], ids=name)
 def test_at_an_arrival_the_level_is_passed(sheet):
     answer = answer_to(sheet)

@@ -30,7 +30,7 @@ def name(sheet):
 
 
 @cache
-def scored(sheet, cells=100, text=None):
+def scored(sheet, cells=60, text=None):
     """Errors and classes of `run` by quantity, of the interface of another text if one is given."""
     given = sheet if text is None else replace(sheet, text=text)
     records = Records(run_stations(given, cells), source="mine")
@@ -48,8 +48,8 @@ def limits_computed_once():
 # --- the answers ----------------------------------------------------------------------------------
 
 
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("sheet", SHEETS, ids=name)
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize("sheet", SHEETS[::-1], ids=name)
 def test_coarser_grids_have_the_written_limit(sheet):
     assert list(changes(sheet, nodes=COARSE[sheet.name])) == []
 

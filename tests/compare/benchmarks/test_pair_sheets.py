@@ -27,6 +27,7 @@ def test_the_written_answer_is_the_one_computed_now(name):
     assert document["si_scene"]["lower_material"]["density"] == 3000.0
 
 
+@pytest.mark.thinned(2)
 @every
 def test_nine_digits_are_sure(name):
     content, loose = (
@@ -39,6 +40,7 @@ def test_nine_digits_are_sure(name):
         np.testing.assert_allclose(loose[key][known], values[known], atol=3e-10 * (size or 1.0))
 
 
+@pytest.mark.thinned(2)
 @every
 def test_the_si_problem_is_the_same_times_its_scales(name):
     plain, si = answer_to(PAIR_SHEETS[name]), solve_pair(PAIR_SHEETS[name].si_problem)

@@ -132,13 +132,13 @@ def strokes(artist):
     return {to_hex(one._gc["foreground"]) for one in effects}
 
 
-@pytest.mark.thinned(57)
+@pytest.mark.thinned(20)
 @EACH
 def test_colours_are_told_apart_by_all_readers(name):
     assert list(too_near(drawn(name))) == []
 
 
-@pytest.mark.thinned(52)
+@pytest.mark.thinned(20)
 @EACH
 def test_colour_maps_are_in_order_of_lightness_for_all_readers(name):
     for panel in drawn(name).axes:
@@ -149,13 +149,13 @@ def test_colour_maps_are_in_order_of_lightness_for_all_readers(name):
                 assert least_difference(colours[0], colours[-1]) > LEAST_APART
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(10)
 @EACH
 def test_words_and_curves_stand_out(name):
     assert list(faint(drawn(name))) == []
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(10)
 @EACH
 def test_figures_say_poisson_ratio_friction_and_units(name):
     words = "\n".join(text.get_text() for text in drawn(name).findobj(Text))

@@ -39,7 +39,7 @@ def test_a_small_map_is_written(tmp_path, monkeypatch):
     assert len(growth_document(results)["thresholds"]) == len(results.thresholds)
 
 
-@pytest.mark.parametrize("name", ["thresholds", "halflines"])
+@pytest.mark.parametrize("name", ["thresholds", pytest.param("halflines", marks=pytest.mark.slow)])
 def test_tables_of_docs_are_what_their_command_makes(name):
     found = tables.STUDIES[name]() if name == "thresholds" else tables.half_line_rows()[:1]
     _, kept = read_data(f"dissimilar-{name}")

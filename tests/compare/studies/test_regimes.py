@@ -161,6 +161,7 @@ def test_reversed_half_widths_without_friction():
         )
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("poisson_ratio", [-0.9, -0.3, 0.2, 0.45])
 def test_a_remote_load_never_reverses_slip(poisson_ratio):
     for chi in (0.0, 0.3, 0.95):

@@ -188,6 +188,7 @@ def test_next_to_a_threshold_the_solver_ends_in_a_status(rows):
         assert row.status == "converged" or math.isnan(row.value) or row.status
 
 
+@pytest.mark.slow
 def test_figures_hold_finite_data(rows):
     for draw in (limits_figure, thresholds_figure, grids_figure, rules_figure):
         figure = draw(rows)

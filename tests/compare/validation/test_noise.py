@@ -13,6 +13,8 @@ from compare.validation.data import as_runs
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene
 
+pytestmark = pytest.mark.usefixtures("exact_once")
+
 SCENE = find_scene("preloaded")
 NAMES = ("slip_rate", "slip", "shear_traction", "pressure")
 

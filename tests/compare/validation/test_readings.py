@@ -15,6 +15,8 @@ from semianalytic import Material, Pulse, Scene, Tractions, march
 from semianalytic.scene.errors import DataFileError, SceneError, TensionError
 from semianalytic.scene.given.finding import find_scene
 
+pytestmark = pytest.mark.usefixtures("exact_once")
+
 PRELOADED = find_scene("preloaded")
 SHOCK = find_scene("remote-shock")
 PMMA = Scene(

@@ -13,6 +13,8 @@ from semianalytic import Material, Scene, Tractions, march
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene
 
+pytestmark = pytest.mark.usefixtures("exact_once")
+
 PRELOADED = find_scene("preloaded")
 CELLS = 100
 TIMES = np.linspace(0.0, 1.0, 121)

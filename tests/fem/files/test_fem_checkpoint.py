@@ -231,7 +231,7 @@ def test_checkpoint_of_another_run_is_refused(interrupted, changes, named):
 
 
 def test_checkpoint_of_another_version_is_refused(interrupted, monkeypatch):
-    monkeypatch.setattr("fem.checkpoint.version", lambda library: "99.0")
+    monkeypatch.setattr("fem.checkpoint._versions", lambda: {"slipfront version": "99.0"})
     with pytest.raises(DataFileError, match="slipfront version is"):
         resume(interrupted)
 

@@ -124,6 +124,7 @@ def test_the_identity_tells_the_error():
             assert error < 3 * told < 30 * tolerance
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("count", "errors"),
     [

@@ -47,6 +47,7 @@ def test_half_line(ratio, friction, chi, positive, negative):
     assert half_line_speed(bodies, -friction, chi) == pytest.approx(negative, abs=8e-10)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("ratio", "friction", "ahead", "behind"),
     [

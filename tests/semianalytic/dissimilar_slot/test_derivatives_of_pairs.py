@@ -36,16 +36,16 @@ def places(answer, count=60):
 
 
 CASES = [
-    ("slip from the slot", "lower_shear_modulus"),
+    ("film", "viscosity"),
     ("slip from the slot", "friction"),
     ("slip and opening", "load_shear"),
-    ("film", "viscosity"),
+    ("slip from the slot", "lower_shear_modulus"),
     ("film", "base_shear"),
     ("slip and opening", "lower_density"),
 ]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(("name", "parameter"), CASES)
 def test_differences_of_solutions_agree(name, parameter):
     answer, derivative = answer_of(name), derivative_of(name, parameter)
@@ -69,8 +69,8 @@ def test_differences_of_solutions_agree(name, parameter):
         )
 
 
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("name", ["slip and opening", "slip from the slot"])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["slip from the slot", "slip and opening"])
 def test_answers_are_homogeneous_in_all_tractions(name):
     """Twice all tractions give twice all fields, with the same edges (Euler)."""
     answer = answer_of(name)
@@ -116,10 +116,15 @@ def of_identical_bodies():
     return one, solve_pair(Pair(SOLID, SOLID, 0.5, base, load), rtol=1e-9)
 
 
-@pytest.mark.parametrize("parameter", ["friction", "base_pressure", "load_shear"])
+@lru_cache
+def derivatives_of_identical_bodies(parameter):
+    return [answer.derivative(parameter) for answer in of_identical_bodies()]
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("parameter", ["friction", "load_shear", "base_pressure"])
 def test_identical_bodies_have_the_derivatives_of_the_other_solver(parameter):
-    one, two = of_identical_bodies()
-    ours, theirs = two.derivative(parameter), one.derivative(parameter)
+    theirs, ours = derivatives_of_identical_bodies(parameter)
     assert ours.zones[0].outer == pytest.approx(theirs.zones[0].outer, rel=1e-7)
     assert ours.openings[0].outer == pytest.approx(theirs.openings[0].outer, rel=1e-5, abs=1e-9)
     x = np.array([0.05, 0.1, 0.2, 0.45, 0.6, 1.3, 1.6])
@@ -138,17 +143,19 @@ def test_a_wrong_parameter_is_told_from_the_right_one():
 
 
 def test_an_estimate_bounds_the_error_and_is_small():
-    derivative = derivative_of("slip and opening", "load_shear")
+    derivative = derivative_of("slip from the slot", "friction")
     assert 1e-9 <= derivative.error_estimate < 1e-6
-    assert "load_shear" in repr(derivative)
+    assert "friction" in repr(derivative)
 
 
 def test_open_parts_carry_nothing_and_base_tractions_are_there_from_the_outset():
-    derivative = derivative_of("slip and opening", "base_pressure")
-    assert derivative.pressure(0.1, 1.0) == 0
-    assert derivative.shear_traction(0.1, 1.0) == 0
-    assert derivative.gap(0.1, 1.0) != 0
-    assert derivative.gap(0.3, 1.0) == 0
+    _, derivative = derivatives_of_identical_bodies("base_pressure")
+    (opening,) = of_identical_bodies()[1].openings
+    inside, outside = opening.outer / 2, 1.2 * opening.outer
+    assert derivative.pressure(inside, 1.0) == 0
+    assert derivative.shear_traction(inside, 1.0) == 0
+    assert derivative.gap(inside, 1.0) != 0
+    assert derivative.gap(outside, 1.0) == 0
     assert derivative.pressure(0.5, -1.0) == 1
     assert derivative.slip_rate(0.5, -1.0) == 0
     assert derivative.pressure(9.0, 1.0) == pytest.approx(1.0, abs=1e-9)

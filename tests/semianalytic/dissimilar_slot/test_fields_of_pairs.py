@@ -66,7 +66,7 @@ def test_slot_faces_carry_the_load_alone(name):
         np.testing.assert_allclose(-stress[1], held.pressure - load.pressure, atol=1e-10)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("friction", "base", "load"),
     [
@@ -94,7 +94,7 @@ def test_exchanged_bodies_have_mirrored_fields(name):
     pair, far = answer.pair, max(speeds(answer.pair))
     base, load = (Tractions(one.pressure, -one.shear) for one in (pair.base, pair.load))
     other = solve_pair(replace(pair, upper=pair.lower, lower=pair.upper, base=base, load=load))
-    x, y = np.random.default_rng(3).uniform(-far, far, (2, 300))
+    x, y = np.random.default_rng(3).uniform(-far, far, (2, 100))
     for field, signs in (("velocity", (1, -1)), ("stress", (1, 1, -1)), ("displacement", (1, -1))):
         mirrored = np.array(signs)[:, None] * getattr(other, field)(x, -y, 1.0)
         np.testing.assert_allclose(getattr(answer, field)(x, y, 1.0), mirrored, atol=1e-11)
@@ -214,7 +214,7 @@ def test_fields_depend_on_x_and_y_over_t_and_rest_before(name):
     np.testing.assert_array_equal(answer.stress(x, y, 0.0)[1], -answer.pair.base.pressure)
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3, 5])
 def test_error_of_fields_is_honest_on_random_pairs(seed):
     rng = np.random.default_rng(seed)
@@ -225,7 +225,7 @@ def test_error_of_fields_is_honest_on_random_pairs(seed):
         except SceneError:
             continue
         break
-    x, y = rng.uniform(-1.0, 1.0, (2, 300)) * max(speeds(pair))
+    x, y = rng.uniform(-1.0, 1.0, (2, 100)) * max(speeds(pair))
     impedance = np.where(y > 0, pair.upper.shear_impedance, pair.lower.shear_impedance)
     for rtol in (1e-4, 1e-6):
         answer = solve_pair(pair, rtol=rtol)

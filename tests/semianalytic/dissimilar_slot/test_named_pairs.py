@@ -56,6 +56,7 @@ def test_the_list_has_both_bodies(printed):
     assert "lower_material" not in rows["preloaded"]["scene"]
 
 
+@pytest.mark.thinned(2)
 @every
 def test_the_command_solves_it(name, printed):
     document = printed(f"solve {name}")

@@ -96,6 +96,7 @@ def slipping(wave, upper, lower):
     return b * shear + kd * (-pressure - sigma), -sigma
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "wave",
     [sf.IncidentWave("P", -20.0, stress=0.2), sf.IncidentWave("SV", -12.0, stress=0.2)],

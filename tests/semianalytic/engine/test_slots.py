@@ -32,6 +32,7 @@ def test_slots_carry_nothing_whatever_the_contact_does(even):
     assert np.abs((found + held - load)[touching]).max() > 0.1
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("contact", "plate"),
     [([(-6.0, -1.0), (1.0, 6.0)], 0.0), ([(-3.0, 7.0)], 1e-6)],

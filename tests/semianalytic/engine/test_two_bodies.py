@@ -100,6 +100,7 @@ def patch(upper, lower, **changes):
     return Interface(upper, length=10.0, **{**given, **changes})
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("ratio", "nodes"), [(1.0, 512), (2.0, 512)])
 def test_an_over_stressed_half_line_slips_as_far_as_the_exact_answer(ratio, nodes):
     """Contrast 1.5, friction 0.2: .394936752 and .387292149 of c_t at chi = 1."""
@@ -159,6 +160,7 @@ def test_nearly_identical_bodies_give_the_answer_of_identical_ones():
         np.testing.assert_allclose(other, one, rtol=0, atol=1e-6 * np.abs(one).max())
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("load", "pressure", "friction"), [((1.0, 0.5), 1.5, 0.3), ((-1.0, 0.5), 1.5, 0.3)]
 )

@@ -19,7 +19,7 @@ def s_plus_by_quadrature(nu, k):
     return float(mpmath.exp(-mpmath.quad(integrand, [a, (a + 1) / 2, 1]) / mpmath.pi))
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("nu", POISSON_RATIOS)
 def test_s_plus_against_mpmath(nu):
     factors = rayleigh_factors(nu)

@@ -36,7 +36,7 @@ def surface_response(material: Material, k: complex) -> mp.matrix:
     return motion * mp.inverse(force)
 
 
-@pytest.mark.thinned(8)
+@pytest.mark.slow
 @pytest.mark.parametrize("component", [(0, 0), (0, 1), (1, 0), (1, 1)])
 @pytest.mark.parametrize("nu", [1 / 3, 0.1])
 def test_transform_of_each_function(component, nu):

@@ -44,7 +44,7 @@ def test_without_viscosity_it_is_the_closed_form():
     )
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(("ratio", "viscosity"), CASES)
 def test_solver_agrees_with_the_quadrature(ratio, viscosity):
     material, load = Material(2.0, 0.5, 1 / 3), 3.0

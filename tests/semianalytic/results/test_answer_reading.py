@@ -165,6 +165,7 @@ def covered(answer, exact, count=300):
     return shares
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["preloaded", "remote-shock"])
 def test_bars_of_a_march_hold(name):
     exact = solve(find_scene(name))

@@ -40,6 +40,7 @@ def test_laws_hold_out_of_the_plane(scene):
     check_invariants(replace(scene, mode="antiplane"))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("nu", "friction", "base", "shear"),
     [(-0.467, 0.4257, (0.0539, 0.0), 3.942), (-0.279, 0.0426, (0.0599, -0.00027), -0.4932)],
@@ -105,7 +106,7 @@ def test_friction_decides_whether_slip_goes_on_behind_a_closing_edge():
     assert rate[1] / rate[0] == pytest.approx(2.0, rel=0.01)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     ("nu", "friction", "base", "load_shear"),
     [
@@ -278,7 +279,7 @@ def test_estimates_bound_errors():
     check_estimates(range(1000, 1020))
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("nu", [-0.5, 0.2, 0.45])
 @pytest.mark.parametrize("below", [1e-3, 1e-4, 1e-6])
 def test_estimates_cover_the_gap_of_narrow_openings(nu, below):

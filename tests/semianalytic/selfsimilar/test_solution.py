@@ -43,7 +43,7 @@ def test_slip_is_the_time_integral_of_slip_rate(name, request):
             2,
             points=points,
             limit=400,
-            epsabs=1e-11,
+            epsabs=1e-9,
         )[0]
         assert float(solution.slip(x, 2.0)) == pytest.approx(expected, abs=2e-8)
 

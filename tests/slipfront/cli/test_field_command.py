@@ -3,6 +3,7 @@
 import csv
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -57,7 +58,11 @@ def test_a_face_is_told_by_its_sign(tmp_path, undrawn):
     assert upper[-1, 3] != pytest.approx(solution.velocity(-0.5, 0.0, 1.0)[0], rel=1e-4)
 
 
-def test_a_lower_body_of_another_kind_is_solved_and_recorded(tmp_path, undrawn, capsys):
+def test_a_lower_body_of_another_kind_is_solved_and_recorded(
+    tmp_path, undrawn, capsys, monkeypatch
+):
+    solved = cache(solve_pair)
+    monkeypatch.setattr("slipfront.cli.field_command.solve_pair", solved)
     gauges = ["--gauge=0.5,0", "--gauge=0.5,-0.2", "--points", "4", "--samples", "3"]
     words = ["preloaded", "--lower-shear-modulus", "2.25", *gauges, "--output", str(tmp_path)]
     assert field(*words, "--json") == 0
@@ -67,7 +72,7 @@ def test_a_lower_body_of_another_kind_is_solved_and_recorded(tmp_path, undrawn, 
     assert document["units"]["pair"]["lower_material"]["shear_modulus"] == "stress"
     scene = find_scene("preloaded")
     lower = replace(scene.material, shear_modulus=2.25)
-    answer = solve_pair(pair_of(scene, lower))
+    answer = solved(pair_of(scene, lower))
     for number, y, body in ((1, 0.0, scene.material), (2, -0.2, lower)):
         lines = (tmp_path / f"preloaded_gauge-{number}.csv").read_text().splitlines()
         assert "--lower-shear-modulus=2.25" in lines[0]

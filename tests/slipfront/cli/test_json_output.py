@@ -6,7 +6,6 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-import typer
 from json_checks import VALIDATOR, checked
 
 import docs.studies.schema
@@ -30,14 +29,14 @@ from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
 from semianalytic.scene.given.documents import scene_document
-from slipfront.cli.commands import app_for, main
+from slipfront.cli.commands import command_for, main
 
 ROOT = Path(__file__).parents[3]
 
 
 def commands(group=None, before=""):
     """(name, command) of the app, those of its groups included."""
-    for name, command in (group or typer.main.get_command(app_for([]))).commands.items():
+    for name, command in (group or command_for([])).commands.items():
         yield f"{before}{name}", command
         if hasattr(command, "commands"):
             yield from commands(command, f"{before}{name} ")

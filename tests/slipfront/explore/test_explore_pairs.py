@@ -88,7 +88,7 @@ def test_a_move_is_answered_by_the_exact_solver_of_pairs(name, alone):
     assert told["status"] == "converged"
     lower = sf.Material(2.4, 1.2, 0.25)
     moved = sf.Pair(pair.upper, lower, pair.friction, pair.base, pair.load)
-    answer = sf.solve_pair(moved)
+    answer = sf.solve_pair(moved, rtol=1e-5)  # three digits are shown
     outer = f"{answer.zones[0].outer:.3g}"
     assert outer in told["readings"][-1][1]
     assert session._answer.pair == moved
@@ -129,14 +129,15 @@ def test_pictures_are_those_of_the_answer_and_reach_beyond_the_faster_body():
     assert np.isfinite(field.size).all()
 
 
+@pytest.mark.thinned(2)
 @every
 def test_files_hold_both_bodies(name, tmp_path, capsys):
-    answer = sf.solve_pair(name, rtol=1e-5)
+    answer = sf.solve_pair(name)
     _, _, text = FILES["toml"](answer)
     assert tomllib.loads(text.decode())["lower_material"]["shear_modulus"] == 2.5
     (tmp_path / "scene.toml").write_bytes(text)
     assert sf.find_pair(tmp_path / "scene.toml") == answer.pair
     exec(program(answer.pair), {})
-    assert f"{sf.solve_pair(name).zones[0].outer:.6f}"[:6] in capsys.readouterr().out
+    assert f"{answer.zones[0].outer:.6f}"[:6] in capsys.readouterr().out
     assert FILES["csv"](answer)[2].decode().splitlines()[1].startswith("x,slip_rate")
     assert FILES["svg"](answer)[2].startswith(b"<?xml")

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 
 import meshio
 import numpy as np
@@ -50,16 +51,14 @@ def simulated(folder, scene, resolution, frames=1):
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """Simulations of the default scene at two resolutions."""
-    return [
-        simulated(tmp_path_factory.mktemp("frames"), SCENE, resolution) for resolution in (20, 40)
-    ]
+    """Simulations of the default scene at two resolutions, each made when it is asked for."""
+    return cache(lambda resolution: simulated(tmp_path_factory.mktemp("frames"), SCENE, resolution))
 
 
 @pytest.fixture(scope="module")
 def right(runs):
-    """Errors of the exact fields on the two meshes."""
-    return [last(EXACT, *run) for run in runs]
+    """Errors of the exact fields on the mesh of a resolution."""
+    return cache(lambda resolution: last(EXACT, *runs(resolution)))
 
 
 def last(prediction, run, folder):
@@ -69,7 +68,7 @@ def last(prediction, run, folder):
 
 @pytest.mark.slow
 def test_exact_fields_are_met_more_closely_by_a_finer_mesh(right):
-    coarse, fine = right
+    coarse, fine = right(20), right(40)
     assert list(fine) == ["v_x", "v_y", "u_x", "u_y", "sigma_xx", "sigma_yy", "sigma_xy"]
     for name, error in fine.items():
         assert error.outside < error.whole < 0.07
@@ -93,26 +92,26 @@ def test_frames_of_other_scenes_come_closer_with_time(name, tmp_path):
 
 @pytest.mark.slow
 def test_friction_off_by_three_percent_is_seen(runs, right):
-    spoilt = last(solved(override_scene(SCENE, friction=1.03 * SCENE.friction)), *runs[1])
-    assert spoilt["u_y"].whole > 1.5 * right[1]["u_y"].whole
-    assert spoilt["u_y"].outside > 2 * right[1]["u_y"].outside
-    assert all(spoilt[name].outside > error.outside for name, error in right[1].items())
+    spoilt = last(solved(override_scene(SCENE, friction=1.03 * SCENE.friction)), *runs(40))
+    assert spoilt["u_y"].whole > 1.5 * right(40)["u_y"].whole
+    assert spoilt["u_y"].outside > 2 * right(40)["u_y"].outside
+    assert all(spoilt[name].outside > error.outside for name, error in right(40).items())
 
 
 def test_a_sign_of_one_component_is_seen(runs, right):
     def flipped(name, values, y):
         return values * ([[1], [-1]] if name == "velocity" else 1)
 
-    spoilt = last(Spoilt(EXACT, flipped, EXACT.zones), *runs[0])
+    spoilt = last(Spoilt(EXACT, flipped, EXACT.zones), *runs(20))
     assert spoilt.pop("v_y").whole > 1.9
-    assert all(spoilt[name] == right[0][name] for name in spoilt)
+    assert all(spoilt[name] == right(20)[name] for name in spoilt)
 
 
 def test_a_lower_body_mirrored_wrongly_is_seen(runs):
     def mirrored(name, values, y):
         return np.where(np.signbit(y), -values, values)
 
-    spoilt = last(Spoilt(EXACT, mirrored, EXACT.zones), *runs[0])
+    spoilt = last(Spoilt(EXACT, mirrored, EXACT.zones), *runs(20))
     assert all(error.whole > 0.8 and error.outside > 0.8 for error in spoilt.values())
 
 
@@ -145,7 +144,7 @@ def errors_of(frame, most=10**6):
 
 
 def test_the_exact_answer_itself_has_no_error_and_a_known_one_has_its_own(runs):
-    run, folder = runs[0]
+    run, folder = runs(20)
     for error in errors_of(planted(folder, run, lambda values: values)):
         assert error.whole == error.outside == 0
     at_rest = planted(folder, run, lambda values: 0 * values)
@@ -155,7 +154,7 @@ def test_the_exact_answer_itself_has_no_error_and_a_known_one_has_its_own(runs):
 
 
 def test_a_part_of_the_places_tells_the_same_in_two_digits(runs):
-    run, folder = runs[1]
+    run, folder = runs(40)
     ((time, path),) = listed_frames(folder, run.run)
     frame = read_frame(time, path)
     for some, every in zip(errors_of(frame, 5000), errors_of(frame), strict=True):
@@ -263,7 +262,7 @@ def test_exact_fields_change_suddenly_nowhere_but_at_fronts(name):
 
 
 def test_a_prediction_of_the_contact_alone_has_no_fields(runs):
-    run, folder = runs[0]
+    run, folder = runs(20)
     assert isinstance(EXACT, BodyFields)
     assert field_errors(run, run, folder) is None
 

@@ -90,7 +90,7 @@ FILMS = [
 ]
 
 
-@pytest.mark.thinned(9)
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("scene", FILMS)
 def test_derivatives_of_films_that_open_scale(scene, mode):

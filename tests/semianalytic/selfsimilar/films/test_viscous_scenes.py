@@ -41,7 +41,7 @@ def check_film(seed, strict=1e-10):
     return True
 
 
-@pytest.mark.thinned(8)
+@pytest.mark.thinned(16)
 @pytest.mark.parametrize("seed", range(12))
 def test_films_are_answered_lawfully_and_honestly(seed):
     assert check_film(seed)

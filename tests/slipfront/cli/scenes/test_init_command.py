@@ -49,7 +49,7 @@ def test_weakening_laws_are_the_same_in_si_units():
     scene = find_scene("preloaded")
     for law in (SlipWeakening(0.5, 0.3), RateWeakening(0.1, 2.0)):
         weakening = replace(scene, friction_law=law)
-        plain, si = (march(one, None, nodes=200) for one in (weakening, in_si_units(weakening)))
+        plain, si = (march(one, None, nodes=100) for one in (weakening, in_si_units(weakening)))
         np.testing.assert_allclose(
             si.interface.slip[-1], 1e-3 * plain.interface.slip[-1], rtol=1e-9, atol=1e-15
         )

@@ -127,11 +127,9 @@ COMMANDS = [
 
 def texts_of(command):
     """Help texts of a command and its options, as they were written."""
-    from typer.main import get_command
+    from slipfront.cli.commands import command_for
 
-    from slipfront.cli.commands import app_for
-
-    found = get_command(app_for([]))
+    found = command_for([])
     for name in command.split():
         found = found.commands[name]
     yield from (one.help for one in found.params if getattr(one, "help", None))

@@ -1,0 +1,108 @@
+"""Fields in the bodies at points close to an edge, far away, out of range, and many at once."""
+
+import numpy as np
+import pytest
+from catalogue import PRELOADED, REMOTE, UNIT, unit_scene
+
+from semianalytic import SceneError, ViscousFriction, solve
+from semianalytic.field import body, tuning
+from semianalytic.scene.given.named import NAMED_SCENES
+
+
+def test_what_is_infinite_says_so_with_its_sign():
+    solution, speed = solve(unit_scene(2.0, **REMOTE)), UNIT.rayleigh_speed
+    assert solution.velocity(-speed, 0.0, 1.0)[0] == np.inf
+    assert solution.velocity(-speed, -0.0, 1.0)[0] == -np.inf
+    assert solution.stress(0.0, 0.0, 1.0)[1] == -np.inf
+    assert solution.stress(0.0, 0.0, 1.0)[2] == np.inf
+    assert np.isfinite(solution.displacement(0.0, 0.0, 1.0)).all()
+    assert np.isfinite(solution.velocity([0.5, -1.0, 0.3], [0.0, 0.0, 0.95], 1.0)).all()
+    slips = solve(unit_scene(0.5, **REMOTE))  # across c_R, but uniformly: nothing is infinite there
+    assert np.isfinite(slips.velocity(speed, 0.0, 1.0)).all()
+    reverse = solve(NAMED_SCENES["auxetic"].scene)
+    front = reverse.scene.material.rayleigh_speed
+    assert reverse.velocity(front, 0.0, 1.0)[0] == -np.inf
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("lacking", [1e-7, 1e-12])
+@pytest.mark.parametrize(
+    "parts", [{}, {"mode": "antiplane"}, {"friction_law": ViscousFriction(0.2)}]
+)
+def test_an_edge_closer_to_a_front_than_rounding_is_right_of_it(parts, lacking):
+    """A base just below friction sticks on a strip as wide as the square of what it lacks."""
+    base = (1.0, 0.3 * (1 - lacking))
+    scene = unit_scene(0.3, base, (0.5, 1.0), **parts)
+    solution, better = solve(scene, rtol=1e-7), solve(scene, rtol=1e-10)
+    x, y = np.array([-0.5, 0.3, 0.9, 1.5]), np.array([0.4, -0.2, 0.3, 0.2])
+    bound = solution.field_error + better.field_error
+    for name in ("velocity", "stress", "displacement"):
+        one, other = (getattr(answer, name)(x, y, 1.0) for answer in (solution, better))
+        assert np.abs(one - other).max() < bound * (1 + np.abs(other).max()), name
+
+
+def test_bad_points_are_refused():
+    with pytest.raises(SceneError, match="finite"):
+        solve(PRELOADED).velocity(np.nan, 0.0, 1.0)
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.parametrize("size", [1e-300, 1e-160, 1e160, 1e300])
+@pytest.mark.filterwarnings("error")
+def test_no_position_is_too_small_or_too_large_to_square(mode, size):
+    solution = solve(unit_scene(2.0, **REMOTE, mode=mode))
+    x, y = np.array([0.3, -0.4, 0.5, -0.2, 0.0]), np.array([0.2, -0.1, 0.0, -0.0, 0.6])
+    for field, power in (("velocity", 0), ("stress", 0), ("displacement", 1)):
+        ask = getattr(solution, field)
+        np.testing.assert_allclose(
+            ask(size * x, size * y, size), size**power * ask(x, y, 1.0), rtol=1e-9, atol=1e-300
+        )
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.filterwarnings("error")
+def test_far_points_have_the_fields_at_infinity_and_those_at_the_edge_its_own(mode):
+    solution = solve(unit_scene(2.0, **REMOTE, mode=mode))
+    behind, ahead = (solution.stress(x, [0.5, 1e300], 1.0) for x in (-1e300, 1e300))
+    np.testing.assert_allclose(behind, solution.stress(-1e12, [0.5, 1e12], 1.0), atol=1e-8)
+    np.testing.assert_array_equal(ahead, solution.stress([0.5, 1e12], 9.0, 1.0))
+    edge = solution.stress(0.0, 0.0, 1.0)
+    np.testing.assert_array_equal(solution.stress(1e-300, 1e-300, 1.0), edge)
+    np.testing.assert_array_equal(solution.stress(0.3, 0.2, 1e300), edge)
+
+
+def test_fields_are_formed_in_parts(monkeypatch):
+    solution, rng = solve(unit_scene(2.0, **REMOTE)), np.random.default_rng(9)
+    x, y, t = *rng.uniform(-2, 2, (2, 3, 7)), rng.uniform(-0.2, 1, (3, 7))
+    whole = solution.displacement(x, y, t)
+    sizes, near = [], body._near
+    monkeypatch.setattr(tuning, "POINTS_AT_ONCE", 4)
+    monkeypatch.setattr(body, "_near", lambda *at: sizes.append(len(at[2][0])) or near(*at))
+    np.testing.assert_allclose(solution.displacement(x, y, t), whole, rtol=1e-12, atol=1e-14)
+    assert max(sizes) == 4
+    assert sum(sizes) == np.count_nonzero(t > 0)
+
+
+@pytest.mark.parametrize("distance", [1e-2, 1e-5, 1e-8])
+def test_stresses_close_to_a_stuck_antiplane_edge_lose_no_digits(distance):
+    solution = solve(unit_scene(5.0, **REMOTE, mode="antiplane"))
+    angle = np.linspace(0.1, 3.0, 9)
+    x, y = distance * np.cos(angle), distance * np.sin(angle)
+    root = np.sqrt(1 + (-x + 1j * y * np.sqrt(1 - distance**2)) / distance**2)
+    shear = 2 / np.pi * (root - np.arctanh(1 / root)).imag
+    np.testing.assert_allclose(solution.stress(x, y, 1.0)[4], shear, rtol=2e-8)
+
+
+def test_far_nodes_are_summed_up_to_what_they_are_one_by_one(monkeypatch):
+    """Stresses beside a stuck edge lose no digits either way."""
+    scene, rng = unit_scene(2.0, **REMOTE), np.random.default_rng(5)
+    r, angle = 10.0 ** rng.uniform(-11, 0, 60), rng.uniform(0, np.pi, 60)
+    at = r * np.cos(angle), r * np.sin(angle), 1.0
+    few = solve(scene, rtol=1e-10).stress(*at)
+    monkeypatch.setattr(tuning, "MANY_SEEN", 10**6)
+    monkeypatch.setattr(tuning, "NEGLIGIBLE", 1e-9)
+    every = solve(scene, rtol=1e-10).stress(*at)
+    assert np.any(few != every)
+    assert (np.abs(few - every).max(axis=0) / np.abs(every).max(axis=0)).max() < 2e-11

@@ -1,0 +1,248 @@
+"""``slipfront simulate`` and ``compare``: files, verdicts, exit codes and what is said."""
+
+import csv
+import json
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+import compare.comparison.prediction
+from compare.comparison.judgement import Judgement
+from compare.comparison.rows import Row
+from semianalytic import solve
+from slipfront.cli.commands import main
+from slipfront.cli.terminal import verdict_text
+from tests.slipfront.cli.test_cli import unconverged
+
+COARSE = ("--resolution", "40", "--frames", "2")
+
+COMPARISON_FIGURES = {
+    f"{name}.png" for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear")
+}
+
+
+COMPARED_FIELDS = {"fields.png", "fields.csv"}
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path, monkeypatch):
+    """Relative paths of the commands end up in a fresh folder; tables get room."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "160")
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    """Folder of a coarse simulation of the default scene."""
+    folder = tmp_path_factory.mktemp("simulated") / "preloaded"
+    assert main(["simulate", "preloaded", *COARSE, "--output", str(folder)]) == 0
+    return folder
+
+
+def test_simulate_writes_history_and_snapshots(simulated):
+    names = {path.name for path in simulated.iterdir()}
+    assert {"simulation.h5", "snapshots"} <= names
+    snapshots = list((simulated / "snapshots").iterdir())
+    assert {path.suffix for path in snapshots if path.is_file()} == {".vtu", ".pvd"}
+    # the last frames of its companions, from which fields get their error bars
+    folders = {path.name: path for path in snapshots if path.is_dir()}
+    assert set(folders) == {"2h", "4h"}
+    assert all(len(list(folder.glob("*.vtu"))) == 1 for folder in folders.values())
+
+
+def test_simulate_quietly_and_without_snapshots(tmp_path, capsys):
+    folder = tmp_path / "short"
+    arguments = ["simulate", "stuck", "--resolution", "20", "--no-snapshots", "--quiet"]
+    assert main([*arguments, "--output", str(folder)]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert captured.out == f"Written to {folder}/\n"
+    assert not (folder / "snapshots").exists()
+
+
+def test_an_output_folder_that_is_a_file_exits_with_three(tmp_path, refused):
+    taken = tmp_path / "taken"
+    taken.write_text("")
+    assert "taken" in refused(f"simulate stuck --resolution 20 --quiet --output {taken}", 3)
+
+
+@pytest.mark.slow
+def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
+    folder = tmp_path / "compared"
+    code = main(["compare", "preloaded", "--from", str(simulated), "--output", str(folder)])
+    document = json.loads((folder / "report.json").read_text())
+    assert code == (1 if document["verdict"] == "differs" else 0)
+    names = {path.name for path in folder.iterdir()}
+    assert names == COMPARISON_FIGURES | COMPARED_FIELDS | {"report.json"}
+    out = capsys.readouterr().out
+    for row in document["rows"]:
+        assert row["name"] in out
+    assert f"Verdict: {document['verdict']} (" in out
+
+
+def test_agreement_is_told_with_its_largest_difference_and_widest_bar():
+    """In bars and per cent; rows that differ by more, or do not agree, are none of it."""
+    rows = (
+        Row("slip, L1", "slip", None, 1.0, 1.0, -0.03, 0.04, relative=True),
+        Row("largest gap", "gap", None, 2.0, 2.1, 0.1, 0.5, "length"),
+        Row("onset", "onset", None, 0.5, 0.7, 0.2, 0.3, place="x = 1"),
+        Row("pressure", "pressure", None, 1.0, 1.0, 0.0, 0.0, "stress"),
+        Row("front", "arrival", None, 1.0, 2.0, 1.0, 1.0, obstacle="not sharp"),
+    )
+    said = verdict_text(Judgement(SimpleNamespace(rests=False), rows)).splitlines()
+    assert said[:3] == [
+        "Verdict: agrees (4 agrees, 1 unresolved).",
+        "Largest difference of what agrees: 0.75 bars (slip, L1: 3.0 % ± 4.0 %).",
+        "Widest bar of what agrees: 25 % of the value compared (largest gap [length]).",
+    ]
+    worse = replace(rows[0], difference=0.2)
+    said = verdict_text(Judgement(SimpleNamespace(rests=False), (worse, *rows[1:])))
+    assert "differs" in said
+    assert "Largest" not in said
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_compare_judges_whole_fields(simulated, tmp_path, capsys):
+    command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
+    main(command)
+    document, out = json.loads((tmp_path / "report.json").read_text()), capsys.readouterr().out
+    frames = document["fields"]["frames"]
+    assert len(frames) == 7 * len(list((simulated / "snapshots").glob("*.vtu")))
+    assert document["units"]["fields"]["frames"]["time"] == "time"
+    rows = {row["name"]: row for row in document["rows"] if row["kind"] == "field"}
+    for error in frames[-7:]:
+        assert 0 < error["outside"] < error["whole"] < 0.2
+        whole = rows[f"{error['component']}, whole"]
+        assert whole["difference"] == pytest.approx(error["whole"])
+        assert whole["bar"] > 0
+        assert whole["verdict"] != "differs"
+        assert f"{error['component']}, whole" in out
+    assert len(rows) == 14
+    assert sum(row["verdict"] == "agrees" for row in rows.values()) >= 10
+    with (tmp_path / "fields.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["whole"]) for row in rows] == [error["whole"] for error in frames]
+    main([*command, "--no-snapshots"])
+    assert json.loads((tmp_path / "report.json").read_text())["fields"] is None
+    assert not COMPARED_FIELDS & {path.name for path in tmp_path.iterdir()}
+    assert ", whole" not in capsys.readouterr().out
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_compare_without_output_writes_beside_the_simulation(simulated):
+    main(["compare", "--from", str(simulated)])
+    document = json.loads((simulated / "report.json").read_text())
+    assert document["scene"] == simulated.name
+
+
+def test_compare_refuses_a_simulation_of_another_scene(simulated, refused):
+    assert "another scene" in refused(["compare", "stuck", "--from", simulated])
+
+
+def test_compare_from_a_damaged_or_absent_simulation_exits_with_three(tmp_path, refused):
+    refused(["compare", "--from", tmp_path / "absent"], 3)
+    (tmp_path / "simulation.h5").write_text("not HDF5")
+    refused(["compare", "--from", tmp_path], 3)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys):
+    code = main(["compare", "--resolution", "30", "--frames", "2", "--friction", "1"])
+    folder = tmp_path / "results" / "preloaded-friction-1"
+    names = {path.name for path in folder.iterdir()}
+    kept = {"report.json", "simulation.h5", "snapshots"}
+    assert names == COMPARISON_FIGURES | COMPARED_FIELDS | kept
+    captured = capsys.readouterr()
+    assert "results/preloaded-friction-1/" in captured.out
+    assert "mesh size" in captured.err
+    document = json.loads((folder / "report.json").read_text())
+    assert code == (1 if document["verdict"] == "differs" else 0)
+    assert document["parameters"]["friction"] == 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_four(
+    simulated, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr(compare.comparison.prediction, "solve", unconverged)
+    command = ["compare", "--from", str(simulated), "--no-snapshots", "--output", str(tmp_path)]
+    assert main(command) == 4
+    assert "has not converged" in capsys.readouterr().err
+    document = json.loads((tmp_path / "report.json").read_text(), parse_constant=pytest.fail)
+    assert document["semianalytic"]["error_estimate"] is None
+    assert "the prediction has not converged" in {row["obstacle"] for row in document["rows"]}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_a_prediction_that_differs_exits_with_one(simulated, monkeypatch, tmp_path, capsys):
+    """With the answer for more friction in place of the right one."""
+
+    def spoilt(scene):
+        return solve(replace(scene, friction=0.6))
+
+    monkeypatch.setattr(compare.comparison.prediction, "solve", spoilt)
+    arguments = ["compare", "--from", str(simulated), "--output", str(tmp_path / "out")]
+    assert main(arguments) == 1
+    out = capsys.readouterr().out
+    assert "Verdict: differs (" in out
+    document = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert document["verdict"] == "differs"
+    assert document["counts"]["differs"] >= 3
+    monkeypatch.undo()
+    assert main(arguments) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(tmp_path, capsys):
+    options = ["--resolution", "20", "--no-snapshots", "--quiet", "--output", str(tmp_path / "out")]
+    assert main(["compare", "preloaded", "--friction", "0.15", *options]) == 0
+    out = capsys.readouterr().out
+    table, unresolved = out.split("Unresolved:\n")
+    assert "unresolved" in table
+    told = " ".join(unresolved.split())
+    assert (
+        "· zone 1, outer edge; zone 2, inner edge: the gap to the next zone is 0.00053 c_t" in told
+    )
+    assert "(resolution 14995, h = 6.7e-05: " in told
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("columns", ["80", "100"])
+def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", columns)
+    main(["compare", "--from", str(simulated)])
+    lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    assert max(map(len, lines)) <= int(columns)
+    assert "…" not in "".join(lines)
+    (heads,) = (" ".join(line.split()) for line in lines if line.startswith(" quantity"))
+    assert heads == "quantity exact at nodes FEM differ by bar ± verdict"
+    verdicts = [line.split()[-1] for line in lines[3 : lines.index("", 3)] if line.split()]
+    document = json.loads((simulated / "report.json").read_text())
+    assert [one for one in verdicts if one in ("agrees", "differs", "unresolved")] == [
+        row["verdict"] for row in document["rows"]
+    ]
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("quiet", [False, True])
+def test_long_simulations_say_what_they_will_cost(quiet, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("slipfront.cli.simulate_command.WORTH_SAYING", 0.0)
+    options = ["--resolution", "16", "--no-snapshots", "--output", str(tmp_path / "out")]
+    assert main(["simulate", "preloaded", *options, *["--quiet"] * quiet]) == 0
+    first, *_ = (capsys.readouterr().err or "\n").splitlines()
+    cost = r"preloaded: [\d,]+ unknowns and 36 steps will take about 1 minute and 0\.\d GB\."
+    assert bool(re.fullmatch(cost, first)) == (not quiet)
+
+
+def test_short_simulations_do_not(tmp_path, capsys):
+    options = ["--resolution", "16", "--no-snapshots", "--output", str(tmp_path / "out")]
+    assert main(["simulate", "preloaded", *options]) == 0
+    assert "will take" not in capsys.readouterr().err
