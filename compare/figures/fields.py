@@ -10,6 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
+from matplotlib.text import Annotation
 
 from compare.comparison.scales import scene_fronts
 from compare.figures.fronts import Front, Moving, Window, fronts, moving_parts, reach
@@ -36,6 +37,10 @@ SHOWN = 0.995
 """Fraction of the points whose values are within the range of colours."""
 WIDE = 4.0
 """Height of a picture [inch] below which its colour bar is placed under it."""
+NAME_SIZE = (0.12, 0.04)
+"""Room of the name of a front, over the width and the height of a panel."""
+NAME_SHIFTS = (0.0, 0.06, -0.06, 0.12, -0.12)
+"""Places of a name along its front, over its length, from the one it asks for."""
 COLOURS = {"size": "viridis", "sign": "RdBu_r", "light": "gray"}
 INK = {"size": ("white", "#333333"), "sign": ("#333333", "white"), "light": (ORANGE, "#333333")}
 """Colour of the fronts over each kind of quantity, and of their outline."""
@@ -180,19 +185,36 @@ def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float
     return rest - away, rest + away
 
 
+def _name_at(panel: Axes, front: Front, window: Window) -> tuple[float, float] | None:
+    """Return where the name of a front is seen, clear of names that are there; None if nowhere.
+
+    It is the place that the front asks for, or one to either side of it along the front.
+    """
+    x0, x1, y0, y1 = window
+    taken = [text.xy for text in panel.texts if isinstance(text, Annotation)]
+    seen = []
+    for shift in NAME_SHIFTS if front.share else (0.0,):
+        at = int(np.clip((front.share + shift) * len(front.x), 0, len(front.x) - 1))
+        x, y = float(front.x[at]), float(front.sides[0] * front.y[at])
+        if x0 < x < x1 and y0 <= y <= y1:
+            wide, high = NAME_SIZE[0] * (x1 - x0), NAME_SIZE[1] * (y1 - y0)
+            if all(abs(x - a) > wide or abs(y - b) > high for a, b in taken):
+                return x, y
+            seen.append((x, y, shift))
+    return seen[0][:2] if seen and seen[0][2] == 0 else None
+
+
 def draw_front(panel: Axes, front: Front, window: Window, colour: str, around: str) -> None:
     """Draw a front and its mirror image, with its name if the upper one is visible."""
     line: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 0.8}
     for side in front.sides:
         panel.plot(front.x, side * front.y, **line, path_effects=outline(around, 1.6))
-    x0, x1, y0, y1 = window
-    at = min(int(front.share * len(front.x)), len(front.x) - 1)
-    x, y = front.x[at], front.sides[0] * front.y[at]
-    if front.name and x0 < x < x1 and y0 <= y <= y1:
+    place = _name_at(panel, front, window) if front.name else None
+    if place is not None:
         beside = front.share == 0
         panel.annotate(
             front.name,
-            (x, y),
+            place,
             (4, 5) if beside else (0, 0),
             textcoords="offset points",
             color=colour,

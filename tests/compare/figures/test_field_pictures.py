@@ -1,5 +1,6 @@
 """Pictures of fields: fronts are where the fields change, names and colours say what is shown."""
 
+import itertools
 from io import BytesIO
 
 import numpy as np
@@ -19,10 +20,14 @@ from compare.figures.saving import figure_png, save_figure
 from compare.figures.style import SENSE_COLOURS
 from semianalytic import (
     ComputationError,
+    IncidentWave,
     MissingLibraryError,
+    Scene,
     SceneError,
+    Tractions,
     find_scene,
     fringes,
+    solve,
 )
 
 SCENES = ("preloaded", "tap", "antiplane")
@@ -35,6 +40,19 @@ def solution(request):
 
 def names_of(solution):
     return [front.name for front in fronts(solution, 1.0)]
+
+
+def test_names_of_fronts_that_cross_stand_clear_of_each_other():
+    """The circle of the P wave meets the front of this SV wave where both have their names."""
+    wave = IncidentWave("SV", angle=-30.0, stress=0.2)
+    scene = Scene(find_scene("preloaded").material, 0.3, Tractions(1.0, 0.0), wave)
+    panel = field_figure(solve(scene), find_quantity("sxy"), 1.0, points=40).axes[0]
+    places = {text.get_text(): text.xy for text in panel.texts}
+    assert {"P", "S", "incident SV"} <= set(places)
+    x0, x1, y0, y1 = (*panel.get_xlim(), *panel.get_ylim())
+    for (one, (x, y)), (other, (a, b)) in itertools.combinations(places.items(), 2):
+        clear = abs(x - a) > 0.1 * (x1 - x0) or abs(y - b) > 0.03 * (y1 - y0)
+        assert clear, (one, other)
 
 
 def test_fronts_of_scenes_are_all_named():
