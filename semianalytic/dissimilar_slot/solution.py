@@ -128,10 +128,8 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         return self.pair.alike
 
     def __repr__(self) -> str:
-        opens = [f"{part.inner:.4g} < x/t < {part.outer:.4g}" for part in self.openings]
-        open_ = f", open at {', '.join(opens)}" if opens else ""
-        estimate = f"error estimate {self.error_estimate:.1e}"
-        return f"<PairSolution: {slips_said(self.zones)}{open_}; {self.status}, {estimate}>"
+        moving = slips_said(self.zones, self.openings)
+        return f"<PairSolution: {moving}; {self.status}, error estimate {self.error_estimate:.1e}>"
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the functions of the profile at positions and times, (6, ...); 0 before t = 0."""

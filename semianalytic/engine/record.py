@@ -96,7 +96,8 @@ class Record:
         first = self._touching & np.isnan(self.onset) & (new > self.slipping)
         if first.any():
             rise = np.maximum(new - old, 1e-300)[first]
-            share = np.clip((self.slipping - old[first]) / rise, 0.0, 1.0)
+            with np.errstate(over="ignore"):  # of a rate that has not risen
+                share = np.clip((self.slipping - old[first]) / rise, 0.0, 1.0)
             self.onset[first] = before.time + share * (now.time - before.time)
 
     def _write(self, time: float, shown: Sequence[Array]) -> None:

@@ -14,15 +14,19 @@ from semianalytic.scene.units import unit
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 
-def slips_said(zones: Iterable[SlipZone]) -> str:
-    """Return where the contact slips and which way, or "no slip"."""
-    zones = tuple(zones)
-    digits = digits_apart((end for zone in zones for end in (zone.inner, zone.outer)), 4)
-    speeds = [
-        (f"{zone.inner:.{digits}g}", f"{zone.outer:.{digits}g}", zone.sense) for zone in zones
-    ]
-    said = ", ".join(f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds)
-    return f"slip at {said}" if said else "no slip"
+def slips_said(zones: Iterable[SlipZone], openings: Iterable[OpenZone] = ()) -> str:
+    """Return where the contact slips and which way, or "no slip", and where it is open."""
+    zones, openings = tuple(zones), tuple(openings)
+    parts: list[SlipZone | OpenZone] = [*zones, *openings]
+    digits = digits_apart((end for part in parts for end in (part.inner, part.outer)), 4)
+
+    def place(part: SlipZone | OpenZone) -> str:
+        return f"{part.inner:.{digits}g} < x/t < {part.outer:.{digits}g}"
+
+    slips = ", ".join(f"{place(zone)} ({zone.sense:+d})" for zone in zones)
+    opens = ", ".join(map(place, openings))
+    said = f"slip at {slips}" if slips else "no slip"
+    return f"{said}, open at {opens}" if opens else said
 
 
 def zones_table(

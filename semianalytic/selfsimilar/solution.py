@@ -105,7 +105,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     normal: Normal | None = None
 
     def __repr__(self) -> str:
-        moving = slips_said(self.zones)
+        moving = slips_said(self.zones, self.openings)
         return f"<Solution: {moving}; {self.status}, error estimate {self.error_estimate:.1e}>"
 
     def _repr_html_(self) -> str:

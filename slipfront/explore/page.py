@@ -197,8 +197,10 @@ class Session:
 
     def _show(self, values: Mapping[str, Any], moving: bool, since: float) -> None:
         """Draw the scene of the controls, or say why it does not exist."""
+        # the address follows the controls where there is no answer as well
+        query = query_of(values) + self._moment.query
         try:
-            problem, query = problem_of(values), query_of(values) + self._moment.query
+            problem = problem_of(values)
             scene = upper_scene(problem)
             if isinstance(self._answer, Marched) and self._answer.scene == scene:
                 self._show_march(self._answer, moving, since, query)
@@ -216,7 +218,7 @@ class Session:
             if not moving:
                 self._draw_map(problem)
         except SlipfrontError as error:
-            self._refuse(str(error), since=since)
+            self._refuse(str(error), since=since, query=query)
         except Exception as error:
             # after an error in a solver, the previous answer must not stay on the page as if it
             # were the current one; the server logs the traceback

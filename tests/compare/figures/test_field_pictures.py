@@ -46,7 +46,7 @@ def test_names_of_fronts_that_cross_stand_clear_of_each_other():
     """The circle of the P wave meets the front of this SV wave where both have their names."""
     wave = IncidentWave("SV", angle=-30.0, stress=0.2)
     scene = Scene(find_scene("preloaded").material, 0.3, Tractions(1.0, 0.0), wave)
-    panel = field_figure(solve(scene), find_quantity("sxy"), 1.0, points=40).axes[0]
+    panel = field_figure(solve(scene), find_quantity("sxy", scene), 1.0, points=40).axes[0]
     places = {text.get_text(): text.xy for text in panel.texts}
     assert {"P", "S", "incident SV"} <= set(places)
     x0, x1, y0, y1 = (*panel.get_xlim(), *panel.get_ylim())

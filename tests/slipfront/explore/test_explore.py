@@ -153,6 +153,8 @@ def test_nothing_of_an_answer_stays_beside_a_refusal(steel, monkeypatch):
     session, values = steel, controls.defaults(STEEL)
     assert told_by(session)["status"] == "converged"
     session._show(values | {"base_shear": -4e6}, True, 0.0)
+    # the address is that of the controls, not of the last scene that had an answer
+    assert "base_shear=-4000000.0" in told_by(session)["query"]
     assert "already slide" in refused_by(session)
     session._show(values | {"history": "ramp"}, True, 0.0)
     assert (told_by(session)["readings"], told_by(session)["stale"]) == ([], True)
