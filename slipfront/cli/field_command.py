@@ -135,14 +135,14 @@ def field_command(
         ),
     ] = 0,
     form: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--format",
-            help="Format of the animation: gif or mp4.",
+            help="Format of the animation: gif, which is the default, or mp4.",
             rich_help_panel=_FILM,
             autocompletion=one_of(*FORMATS),
         ),
-    ] = "gif",
+    ] = None,
     vtu: Annotated[
         bool,
         typer.Option(
@@ -159,8 +159,9 @@ def field_command(
     ] = None,
     gauge: _Gauges = None,
     samples: Annotated[
-        int, typer.Option(help="Number of times of a record.", rich_help_panel=_GAUGE)
-    ] = 1000,
+        int | None,
+        typer.Option(help="Number of times of a record; 1000 by default.", rich_help_panel=_GAUGE),
+    ] = None,
     method: Method = "auto",
     output: Output = None,
     figures: FiguresForm = "png",
@@ -195,6 +196,11 @@ def field_command(
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:
         raise SceneError("--grid needs --vtu; give both.")
+    if form is not None and not animate:
+        raise SceneError("--format is that of --animate; give both.")
+    if samples is not None and not gauge:
+        raise SceneError("--samples are those of --gauge; give both.")
+    form, samples = form or FORMATS[0], 1000 if samples is None else samples
     if form not in FORMATS:
         raise SceneError(f"--format must be one of {', '.join(FORMATS)}, got {shown(form)}.")
     request = Request(

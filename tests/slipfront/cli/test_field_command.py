@@ -105,6 +105,8 @@ def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, monkeypatch)
         (["--animate=-1"], "--animate must be a whole number"),
         (["--format", "avi"], "--format must be one of gif, mp4"),
         (["--grid", "3,3"], "--grid needs --vtu"),
+        (["--format", "mp4"], "--format is that of --animate; give both"),
+        (["--samples", "5"], "--samples are those of --gauge; give both"),
         (["--vtu", "--grid", "3,x"], "--grid must be two whole numbers"),
         (["--vtu", "--grid", "3.5,3"], "--grid must be two whole numbers"),
         (["--gauge", "1"], "--gauge must be two numbers"),
