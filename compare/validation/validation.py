@@ -10,6 +10,7 @@ from os import PathLike
 import numpy as np
 
 from compare.comparison.judgement import MOTION
+from compare.comparison.measures import NOTHING
 from compare.comparison.rows import AGREES, DIFFERS, HasRows, overall
 from compare.records.record import BEFORE, QUANTITIES, Record, Records
 from compare.validation.bars import JudgedRow
@@ -77,17 +78,18 @@ class Validation(HasRows[JudgedRow]):
 
     @cached_property
     def verdict(self) -> str:
-        """ "differs" if one row does; else "agrees" if one does of slip or slip rate, of anything
-        where neither was recorded; else "unresolved".
+        """ "differs" if one row does; else "agrees" if one does of slip or slip rate, where
+        something slips if it does anywhere, and of anything where neither was recorded; else
+        "unresolved".
 
         "agrees after conversion" where that takes units or conventions which neither the file nor
         the caller has said; "differs" where these do not explain all quantities.
         """
-        moves = any(row.kind in MOTION for row in self.rows)
-        telling = (
-            row for row in self.rows if row.kind in MOTION or row.verdict == DIFFERS or not moves
-        )
-        verdict = overall(row.verdict for row in telling)
+        motion = [row for row in self.rows if row.kind in MOTION]
+        # That nothing slips where nothing should is no sign that slip is right where it is.
+        slips = [row for row in motion if (row.exact or 0.0) > NOTHING]
+        telling = [row.verdict for row in slips or motion or self.rows]
+        verdict = overall([*telling, *(row.verdict for row in self.having(DIFFERS))])
         if not self.inferred or verdict == DIFFERS:
             return verdict
         if self.detection.left >= LITTLE:  # units were inferred that do not explain everything

@@ -124,7 +124,14 @@ def regimes_figure(loading: Loading, results: RegimeResults) -> Figure:
 
 
 def _legend_below(figure: Figure, handles: Sequence[Artist], columns: int) -> None:
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns, frameon=False)
+    """Put a legend below the panels, in so many columns or as many as the figure is wide."""
+    for count in range(columns, 0, -1):
+        legend = figure.legend(
+            handles=handles, loc="outside lower center", ncols=count, frameon=False
+        )
+        if count == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
 
 
 def _by_curve(results: RegimeResults, loading: Loading) -> dict[str, Array]:

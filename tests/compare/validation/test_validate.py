@@ -193,6 +193,18 @@ def test_what_cannot_be_compared_is_refused_in_one_sentence(data, sentence):
         validate(data, PRELOADED)
 
 
+@pytest.mark.parametrize("factor", [0.0, 1.0, 2.0])
+def test_stations_where_nothing_slips_do_not_decide(factor):
+    """Slip reaches one station of four, late, so that a grid leaves its slip open."""
+    scene = Scene(
+        Material(1.0, 1.0, -0.0904), 0.9445, Tractions(1.0, -0.2405), Tractions(0.7322, 1.20705)
+    )
+    data = recorded(solved(scene), np.linspace(0, 1, 151)[1:], np.array([0.1, 0.3, 0.6, 0.9]))
+    found = judged({**data, "slip": factor * data["slip"]}, scene)
+    assert found.verdict == "unresolved"
+    assert found.counts["agrees"] > 10
+
+
 def test_conventions_that_are_none_are_refused():
     with pytest.raises(SceneError, match="sign must be one of as-given, reversed"):
         Conventions(sign="up")
