@@ -132,7 +132,8 @@ def test_what_is_bounded_from_one_side_alone_is_told(seed):
     if found.unconstrained:
         return
     assert found.standard_errors[0] < 0.15
-    assert re.match(r"friction is hardly bounded from above: at 2\.\d+, 6 standard", found.status)
+    said = r"friction is hardly bounded from above: \d\.\d+, 20 standard errors away, fits almost"
+    assert re.match(said, found.status)
 
 
 @pytest.mark.slow
