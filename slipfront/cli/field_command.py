@@ -196,26 +196,25 @@ def field_command(
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:
         raise SceneError("--grid needs --vtu; give both.")
-    if form is not None and not animate:
-        raise SceneError("--format is that of --animate; give both.")
-    if samples is not None and not gauge:
-        raise SceneError("--samples are those of --gauge; give both.")
-    form, samples = form or FORMATS[0], 1000 if samples is None else samples
-    if form not in FORMATS:
+    if form is not None and form not in FORMATS:
         raise SceneError(f"--format must be one of {', '.join(FORMATS)}, got {shown(form)}.")
     request = Request(
         1 / scene.material.shear_speed if time is None else checked_size("field: time", time),
         None if window is None else window_of(scene, window),
         count_of("points", points, 2, MOST_POINTS),
         count_of("animate", animate, 0, MOST_FRAMES),
-        form,
+        form or FORMATS[0],
         (cells_of(grid) if grid else GRID) if vtu else None,
         tuple(place_of(scene, one) for one in gauge or ()),
-        count_of("samples", samples, 2, MOST_SAMPLES),
+        count_of("samples", 1000 if samples is None else samples, 2, MOST_SAMPLES),
         figures,
     )
+    if form is not None and not request.frames:
+        raise SceneError("--format is that of --animate; give both.")
+    if samples is not None and not request.gauges:
+        raise SceneError("--samples are those of --gauge; give both.")
     if request.frames:
-        check_format(form)
+        check_format(request.form)
     given = {**overrides, **lower}
     directory = output or scene_folder(scene_name, given) / "field"
     words = [scene_name, *(f"{option_name(k)}={v}" for k, v in given.items())]
