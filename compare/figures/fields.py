@@ -192,7 +192,7 @@ def _name_at(panel: Axes, front: Front, window: Window) -> tuple[float, float] |
     """
     x0, x1, y0, y1 = window
     taken = [text.xy for text in panel.texts if isinstance(text, Annotation)]
-    seen = []
+    wanted = None
     for shift in NAME_SHIFTS if front.share else (0.0,):
         at = int(np.clip((front.share + shift) * len(front.x), 0, len(front.x) - 1))
         x, y = float(front.x[at]), float(front.sides[0] * front.y[at])
@@ -200,8 +200,8 @@ def _name_at(panel: Axes, front: Front, window: Window) -> tuple[float, float] |
             wide, high = NAME_SIZE[0] * (x1 - x0), NAME_SIZE[1] * (y1 - y0)
             if all(abs(x - a) > wide or abs(y - b) > high for a, b in taken):
                 return x, y
-            seen.append((x, y, shift))
-    return seen[0][:2] if seen and seen[0][2] == 0 else None
+            wanted = (x, y) if shift == 0 else wanted
+    return wanted
 
 
 def draw_front(panel: Axes, front: Front, window: Window, colour: str, around: str) -> None:

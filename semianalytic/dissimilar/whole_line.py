@@ -83,7 +83,7 @@ class PhaseIntegrals:
 
     @cached_property
     def _complete(self) -> dict[Stretch, tuple[Array, Array, Array]]:
-        """What `_until` gave for stretches up to their ends, where no edge lies: it is kept."""
+        """Points that `_until` found for stretches up to their ends, where no edge lies."""
         return {}
 
     def _until(self, whole: Stretch, stop: float | None) -> tuple[Array, Array, Array]:

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.tuning import HISTORY_SAMPLES, LOAD_SHARE, PART_NODES, WAVE_STEPS
-from semianalytic.interface.fields import moving
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loads import LoadHistory
@@ -51,7 +50,7 @@ class LoadPace:
 
     def __init__(self, interface: Interface, x: Array, end_time: float) -> None:
         self._interface, self._x = interface, x
-        self._times = np.linspace(0.0, end_time, HISTORY_SAMPLES)
+        self._times = _sample_times(end_time)
         spacing = float(x[1] - x[0])
         self._breaks: list[float] = []
         self._windows: list[Window] = []
@@ -107,10 +106,10 @@ class LoadPace:
             if not isinstance(load, InterfaceLoad):
                 continue
             if load.is_timed:
-                found.append(_variation(np.array(list(map(load.factor, self._times)))[:, None]))
+                found.append(_variation(map(np.asarray, map(load.factor, self._times.tolist()))))
             elif load.history is None:
                 found += [
-                    _variation(moving(getattr(load, of), self._x, t, 0.0) for t in self._times)
+                    _variation(load.traction(self._x, t, of=of) for t in self._times.tolist())
                     for of in ("shear", "pressure")
                     if load.acts(of)
                 ]
@@ -162,8 +161,13 @@ def nodes_for_histories(interface: Interface, end_time: float) -> float:
 
 def _sampled(load: InterfaceLoad, end_time: float) -> LoadHistory:
     """Return samples of a history that is a function of time, as a table."""
-    times = tuple(np.linspace(0.0, end_time, HISTORY_SAMPLES).tolist())
-    return Tabulated(times, tuple(map(load.factor, times)))
+    times = _sample_times(end_time).tolist()
+    return Tabulated(tuple(times), tuple(map(load.factor, times)))
+
+
+def _sample_times(end_time: float) -> Array:
+    """Return the times at which functions are looked at, (`HISTORY_SAMPLES`,) [time]."""
+    return np.linspace(0.0, end_time, HISTORY_SAMPLES)
 
 
 def _histories(interface: Interface) -> Iterator[tuple[InterfaceLoad | FrontLoad, LoadHistory]]:

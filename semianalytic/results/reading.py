@@ -202,7 +202,8 @@ def sampled_reading(answer: Any, x: ArrayLike, t: ArrayLike) -> Reading:
     """
     x, t = np.broadcast_arrays(contact_positions(x), np.asarray(t, dtype=float))
     arrivals = {of: _sampled_arrival(answer, x, of) for of in ARRIVALS}
-    fields = {name: _sampled_field(answer, name, x, t) for name in FIELDS}
+    steep = _steep(answer, x, t)
+    fields = {name: _sampled_field(answer, name, x, t, steep) for name in FIELDS}
     return Reading(x, t, arrivals, status=answer.status, **fields)
 
 
@@ -238,7 +239,9 @@ def _sampled_arrival(answer: Any, x: Array, of: str) -> Measured:
     return Measured(when, np.where(open_, np.inf, np.where(comes, error, 0.0)))
 
 
-def _sampled_field(answer: Any, name: str, x: Array, t: Array) -> Measured:
+def _sampled_field(
+    answer: Any, name: str, x: Array, t: Array, steep: NDArray[np.bool_]
+) -> Measured:
     field, coarse = getattr(answer, name), answer.companion
     value = np.asarray(field(x, t))
     if coarse is None:
@@ -262,11 +265,18 @@ def _sampled_field(answer: Any, name: str, x: Array, t: Array) -> Measured:
     if until > 0:
         mean = float(apart(nodes, np.linspace(until / _MEAN, until, _MEAN)[:, None]).mean())
     error = SAMPLED_SAFETY * np.maximum(error, mean)
-    steep = _on_front(answer.scene, x, t, 2 * step) | _at_edge(answer, places, t)
     if steep.any():
         near = np.array([np.asarray(field(place, t)) for place in places])
         error = np.where(steep, np.fmax(error, np.ptp(near, axis=0)), error)
     return Measured(value, np.where(t < 0, 0.0, error))
+
+
+def _steep(answer: Any, x: Array, t: Array) -> NDArray[np.bool_]:
+    """Return where fields of an answer with a companion are steeper than a grid resolves."""
+    if answer.companion is None:
+        return np.zeros(x.shape, dtype=bool)
+    places, step = _around(answer.interface.x, answer.companion.interface.x, x)
+    return _on_front(answer.scene, x, t, 2 * step) | _at_edge(answer, places, t)
 
 
 def _at_edge(answer: Any, places: Iterable[Array], t: Array) -> NDArray[np.bool_]:

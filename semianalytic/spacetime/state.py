@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,10 +51,6 @@ class MarchState:
         lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
         modes = np.zeros((poles, grid.size), dtype=complex)
         return cls(time, modes, lasting, lasting, contact, contact, contact, contact)
-
-    def copy(self) -> MarchState:
-        """Return a state whose memory can be changed in place."""
-        return replace(self, modes=self.modes.copy(), lasting=self.lasting.copy())
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,18 +7,19 @@ import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.output.tables import write_rows
+from compare.output.tables import PARSERS, write_rows
 from docs.studies.pages import read_data
 
 Array = NDArray[np.float64]
 DATA = Path(__file__).resolve().parents[2] / "data"
 FILE = DATA / "peers.csv"
 Kind = TypeVar("Kind")
+_CELLS = PARSERS | {"float | None": lambda text: float(text) if text else None}
 
 
 @dataclass(frozen=True)
@@ -62,15 +63,9 @@ def replace_rows(rows: Sequence[Row], file: Path = FILE) -> None:
 def rows_in(file: Path, kind: type[Kind]) -> list[Kind]:
     """Return the rows of a file that `write_rows` wrote, as instances of a dataclass."""
     return [
-        kind(**{one.name: _value(cells[one.name], str(one.type)) for one in fields(kind)})  # type: ignore[arg-type]
+        kind(**{one.name: _CELLS[str(one.type)](cells[one.name]) for one in fields(kind)})  # type: ignore[arg-type]
         for cells in read_data(file.stem, file.parent)[1]
     ]
-
-
-def _value(text: str, kind: str) -> Any:
-    if "float" in kind:
-        return float(text) if text else None
-    return int(text) if kind == "int" else text
 
 
 def rounded(value: float, digits: int = 3) -> float:

@@ -21,7 +21,7 @@ from tests.semianalytic.selfsimilar.derivatives.test_derivative import (
 
 
 def error_over_size(derivative, exact, right):
-    """Of fields and edges, as `Derivative.error_estimate` is meant, of what another is right in."""
+    """Return the error of fields and edges over their size, as `error_estimate` is meant."""
     x, worst = clear_positions(exact), []
     size = abs(value(exact.scene, right.name))
     if not size:
