@@ -11,9 +11,10 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import Gauge, check_gauge
+from semianalytic.inversion.intervals import intervals
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples
-from semianalytic.inversion.search import minima
+from semianalytic.inversion.search import ROUNDS, minima, refine
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
 from semianalytic.inversion.verdict import covariance_of, verdict
@@ -48,6 +49,10 @@ class Fit:
         Estimates, in the units of the scene.
     covariance : (p, p) array
         Covariance of the estimates; infinite for parameters that the data do not constrain.
+    interval : (p, 2) array
+        Lower and upper end of each value: there chi2, with the other values fitted anew, is one
+        above its least.  If chi2 is a parabola, this is one standard error to either side; an end
+        is infinite where the data set none.
     chi2 : float
         Sum of squares of the misfits over the noise, and over the widths of priors.
     freedom : int
@@ -90,6 +95,7 @@ class Fit:
     parameters: tuple[str, ...]
     values: Array
     covariance: Array
+    interval: Array
     chi2: float
     freedom: int
     unconstrained: tuple[str, ...]
@@ -104,19 +110,41 @@ class Fit:
     trials: Trials = field(repr=False)
 
     def __repr__(self) -> str:
-        pairs = zip(self.parameters, self.values, self.standard_errors, strict=True)
-        values = ", ".join(f"{name} {value:.5g} ± {error:.2g}" for name, value, error in pairs)
+        values = ", ".join(
+            f"{name} {self.values[number]:.5g} {self.error_in_words(number)}"
+            for number, name in enumerate(self.parameters)
+        )
         return f"<Fit: {values}; chi2 {self.chi2:.4g} of {self.freedom}; {self.status}>"
 
     def _repr_html_(self) -> str:
         rows = [
-            (name, f"{value:.6g}", f"{error:.2g}")
-            for name, value, error in zip(
-                self.parameters, self.values, self.standard_errors, strict=True
-            )
+            (name, f"{self.values[number]:.6g}", self.error_in_words(number))
+            for number, name in enumerate(self.parameters)
         ]
         caption = f"Fit: chi2 {self.chi2:.4g} of {self.freedom}; {self.status}"
-        return html_table(caption, ("parameter", "value", "standard error"), rows)
+        return html_table(caption, ("parameter", "value", "error"), rows)
+
+    def error_in_words(self, number: int) -> str:
+        """Return the error of a value as text, with two sides where they differ.
+
+        Parameters
+        ----------
+        number : int
+            Place of the parameter.
+
+        Returns
+        -------
+        str
+            Such as "± 0.0031", "+0.06 -0.16" or "not constrained".
+        """
+        error = float(self.standard_errors[number])
+        if not np.isfinite(error):
+            return "not constrained"
+        below, above = np.abs(self.interval[number] - self.values[number])
+        # Ends that were not sought apart are one standard error away, but for rounding.
+        if max(abs(above - error), abs(below - error)) < 1e-6 * error:
+            return f"± {error:.2g}"
+        return f"+{above:.2g} -{below:.2g}"
 
     @property
     def scene(self) -> Scene:
@@ -228,10 +256,17 @@ def fit(
     trials.jacobian(trials.start)  # refuses what has no solution or derivative
     ends = minima(trials)
     # `minima` returns the lowest first.
-    best, size = ends[0], trials.sizes
-    if not np.isfinite(best.chi2):
+    if not np.isfinite(ends[0].chi2):
         raise ComputationError("fit: no values within the ranges make a scene that can be solved.")
-    covariance, free = covariance_of(best.jacobian)
+    size = trials.sizes
+    known = np.array([isinstance(priors.get(name), Normal | LogNormal) for name in names])
+    for _ in range(ROUNDS):
+        best = ends[0]
+        covariance, free = covariance_of(best.jacobian, known)
+        interval, lower = intervals(best, covariance, trials)
+        if lower is None:
+            break
+        refine(trials, ends, lower)  # the search for an interval has met a lower minimum
     unconstrained = tuple(name for name, one in zip(names, free, strict=True) if one)
     derivative_error = trials.difference_error(best.scaled)
     trials.progress = None  # a posterior goes on with these trials and reports its own steps
@@ -251,6 +286,7 @@ def fit(
         values=best.scaled * size,
         # Unknowns of the search are over their sizes; covariances go like the square.
         covariance=covariance * np.outer(size, size),
+        interval=interval * size[:, None],
         chi2=best.chi2,
         freedom=trials.rows - len(names),
         unconstrained=unconstrained,

@@ -102,6 +102,11 @@ def minima(trials: Trials) -> list[Minimum]:
     return ends
 
 
+def refine(trials: Trials, ends: list[Minimum], start: Array) -> None:
+    """Add the minimum below a start to a list of minima, the lowest of which stays first."""
+    _add(ends, descend(trials, start))
+
+
 def _add(ends: list[Minimum], end: Minimum) -> None:
     """Add a minimum to a list; of minima that are the same, the lowest stays."""
     # A new minimum replaces those that it is the better end of.

@@ -135,10 +135,11 @@ def _is_rare(square: float, freedom: int) -> bool:
     return freedom > 0 and float(chdtrc(freedom, square)) < TOO_RARE
 
 
-def covariance_of(jacobian: Array) -> tuple[Array, np.ndarray]:
+def covariance_of(jacobian: Array, known: np.ndarray) -> tuple[Array, np.ndarray]:
     """Return the inverse (p, p) of the weighted normal matrix, and which parameters are free (p,).
 
-    Parameters are divided by their sizes.
+    Parameters are divided by their sizes.  Those `known` (p,) by a normal or lognormal prior have
+    its error at most, however wide it is.
     """
     # By singular values, not by inverting J^T J, which would square the condition number.
     _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
@@ -152,7 +153,7 @@ def covariance_of(jacobian: Array) -> tuple[Array, np.ndarray]:
     # A share of 1e-3 of a lost direction is above what rounding mixes into it, and below what would
     # be seen in a standard error.
     within = np.abs(rows[lost]).max(axis=0, initial=0.0) > 1e-3
-    free = within | (np.diag(covariance) > UNCONSTRAINED**2)
+    free = within | (~known & (np.diag(covariance) > UNCONSTRAINED**2))
     covariance[free, :] = covariance[:, free] = 0.0
     covariance[free, free] = np.inf
     return covariance, free

@@ -33,12 +33,17 @@ def dimension(name: str, scene: object = None) -> str:
 
 def fit_document(fit: Fit, posterior: Posterior | None = None) -> dict[str, Any]:
     """Return a fit, and its posterior if there is one, as dictionaries, lists, text and numbers."""
-    errors = fit.standard_errors
+    rows = zip(fit.parameters, fit.values, fit.standard_errors, fit.interval, strict=True)
     document: dict[str, Any] = {
         "scene": _subject(fit.scene),
         "parameters": {
-            name: {"value": float(value), "standard_error": float(error)}
-            for name, value, error in zip(fit.parameters, fit.values, errors, strict=True)
+            name: {
+                "value": float(value),
+                "standard_error": float(error),
+                "from": float(ends[0]),
+                "to": float(ends[1]),
+            }
+            for name, value, error, ends in rows
         },
         "covariance": fit.covariance.tolist(),
         "correlation": fit.correlation.tolist(),

@@ -208,11 +208,18 @@ def _axis(fit: Fit, number: int) -> str:
 def _range(fit: Fit, posterior: Posterior | None, number: int, error: float) -> tuple[float, float]:
     """Return the range of a parameter that a panel shows."""
     value = float(fit.values[number])
-    low, high = value - WIDTH * error, value + WIDTH * error
+    below, above = np.maximum(np.abs(_ends(fit, number, error) - value), error)
+    low, high = value - WIDTH * float(below), value + WIDTH * float(above)
     if posterior is not None:
         least, most = posterior.quantiles(0.002, 0.998)[:, number]
         low, high = min(low, float(least)), max(high, float(most))
     return low, high
+
+
+def _ends(fit: Fit, number: int, error: float) -> Array:
+    """Return the ends (2,) of the interval of a value, an error away where it has none."""
+    around = fit.values[number] + error * np.array([-1.0, 1.0])
+    return np.where(np.isfinite(fit.interval[number]), fit.interval[number], around)
 
 
 def _draw_density(
@@ -230,14 +237,21 @@ def _draw_density(
             alpha=0.6,
         )
     if np.isfinite(error):
-        density = np.exp(-(((at - fit.values[number]) / error) ** 2) / 2) / error
+        # Normal to either side, each as wide as its part of the interval.
+        below, above = np.abs(_ends(fit, number, error) - fit.values[number])
+        width = np.where(at < fit.values[number], below, above)
+        density = np.exp(-(((at - fit.values[number]) / width) ** 2) / 2) * 2 / (below + above)
         panel.plot(at, density / np.sqrt(2 * np.pi), color=PREDICTION, linewidth=1.2)
     else:
         panel.text(0.5, 0.5, "free", transform=panel.transAxes, ha="center", fontsize=SMALL)
     panel.set(xlim=limits, yticks=[])
     name = dimension(fit.parameters[number], fit.scene)
     has_unit = name != "1" and fit.scene.units
-    words = f"{fit.values[number]:.4g} ± {error:.2g}"
+    error_words = fit.error_in_words(number)
+    # Two sides need a line of their own, or the title is wider than its panel.
+    words = (
+        f"{fit.values[number]:.4g}{' ' if error_words.startswith('±') else chr(10)}{error_words}"
+    )
     words += f" {unit(name, fit.scene.units)}" if has_unit else ""
     panel.set_title(words, fontsize=SMALL)
 

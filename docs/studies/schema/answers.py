@@ -160,8 +160,11 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         {
             "scene": Key("the scene as its TOML file has it, or the interface", _SUBJECT),
             "parameters": Key(
-                "fitted values and standard errors by name",
-                named(object_of(value=NUMBER, standard_error=NUMBER)),
+                "fitted values, standard errors, and the ends between which chi2 is at most one "
+                "above its least, by name",
+                named(
+                    object_of(value=NUMBER, standard_error=NUMBER, **{"from": NUMBER, "to": NUMBER})
+                ),
             ),
             "covariance": Key(
                 "covariance of the parameters, in their order", list_of(list_of(NUMBER))

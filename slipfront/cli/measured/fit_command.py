@@ -196,18 +196,16 @@ def _minima(found: Fit) -> str:
 
 def _values_table(found: Fit, chains: Posterior | None) -> Table:
     table = Table("parameter", title=f"Fit: {found.status}")
-    for name in ("value", "± error", "unit"):
+    for name in ("value", "error", "unit"):
         table.add_column(name, justify="left" if name == "unit" else "right")
     if chains is not None:
         table.add_column("posterior, 5 to 95 %", justify="right")
         low, high = chains.quantiles(0.05, 0.95)
     for number, name in enumerate(found.parameters):
-        error = found.standard_errors[number]
-        free = not np.isfinite(error)
         row = [
             name,
             f"{found.values[number]:.6g}",
-            "not constrained" if free else f"{error:.2g}",
+            found.error_in_words(number),
             escape(unit(dimension(name, found.scene), found.scene.units)),
         ]
         if chains is not None:

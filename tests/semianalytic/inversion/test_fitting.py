@@ -136,6 +136,47 @@ def test_what_is_bounded_from_one_side_alone_is_told(seed):
     assert re.match(said, found.status)
 
 
+def test_a_prior_wider_than_the_value_is_the_error_where_records_say_nothing():
+    """The records were taken before any wave arrived."""
+    ahead = Gauge(5.0, np.array([0.1, 0.2, 0.3]), np.zeros(3), NOISE)
+    prior = {"friction": Normal(2.0, 2.0)}
+    found = fit([ahead], PRELOADED, "friction", priors=prior, rtol=1e-6)
+    assert found.unconstrained == ()
+    assert found.values == pytest.approx([2.0], rel=1e-6)
+    assert found.standard_errors == pytest.approx([2.0], rel=1e-6)
+    assert found.interval == pytest.approx(np.array([[0.0, 4.0]]), abs=1e-6)
+
+
+def late_rates():
+    """Slip rates of a load that acts at 0.02; their front makes chi2 uneven in its time."""
+    t, noise = np.linspace(0.03, 1.5, 40), np.random.default_rng(1)
+    rates = [solve(PRELOADED).slip_rate(x, t - 0.02) for x in (0.25, 0.55)]
+    noisy = [rate + 0.02 * noise.normal(size=40) for rate in rates]
+    return [Gauge(x, t, rate, 0.02) for x, rate in zip((0.25, 0.55), noisy, strict=True)]
+
+
+def test_the_interval_of_one_value_ends_where_chi2_is_one_above_its_least():
+    found = fit(late_rates(), PRELOADED, "t0", rtol=1e-6)
+    below, above = np.abs(found.interval[0] - found.values[0])
+    assert above > 1.3 * below
+    assert repr(found).startswith(f"<Fit: t0 {found.values[0]:.5g} +{above:.2g} -{below:.2g};")
+    for end in found.interval:
+        square = np.sum(found.trials.misfit(end[:1] / found.trials.sizes) ** 2)
+        assert square - found.chi2 == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.slow
+def test_intervals_end_where_chi2_is_one_above_its_least_with_other_values_fitted_anew():
+    gauges, names = late_rates(), ("friction", "t0")
+    found = fit(gauges, PRELOADED, names, rtol=1e-6)
+    errors = np.abs(found.interval - found.values[:, None])
+    assert np.any(np.abs(errors / found.standard_errors[:, None] - 1) > 0.15)
+    for name, ends in zip(names, found.interval, strict=True):
+        for end in ends:
+            held = fit(gauges, PRELOADED, names, priors={name: Normal(end, 1e-7)}, rtol=1e-6)
+            assert held.chi2 - found.chi2 == pytest.approx(1.0, abs=0.25)
+
+
 @pytest.mark.slow
 def test_samples_on_edges_and_fronts_do_no_harm(truth):
     material, speeds = PRELOADED.material, truth.edge_speeds

@@ -1,0 +1,178 @@
+"""Intervals of fitted values: how far each may move before chi2 is one above its least."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.inversion.search import WORTH, Minimum
+from semianalytic.inversion.trials import Trials
+
+RISE = 1.0
+"""Rise of chi2 at the ends of an interval: that at one standard error, if chi2 is a parabola."""
+PARABOLIC = 0.25
+"""Difference of the rise at one standard error from `RISE` up to which chi2 is taken for a
+parabola: the standard error is then right within an eighth."""
+NEAR = 0.1
+"""Difference of the rise from `RISE` at which an end is found: within a twentieth of its distance,
+as between two draws of the noise."""
+FARTHEST = 20.0
+"""Standard errors at which the search for an end stops; there is none to this side then."""
+LOOKS = 12
+"""Trials between one that is too near and one that is too far; three are mostly enough."""
+STEP = 1e-3
+"""Step of differences, over the standard error of a value with all others held."""
+REFITS = 6
+"""Solutions for fitting the other values anew.  They start where a parabola or the last trial has
+these values, so that the third is mostly the last."""
+
+
+def intervals(best: Minimum, covariance: Array, trials: Trials) -> tuple[Array, Array | None]:
+    """Return the interval of each value, and values of lower chi2 if the search meets any.
+
+    An interval ends where chi2, with all other values fitted anew, is `RISE` above its least (the
+    profile likelihood).  If chi2 is a parabola, that is one standard error to either side.  It
+    rises faster to one side than to the other where a front or an edge of slip passes samples.
+
+    Parameters
+    ----------
+    best : Minimum
+        The lowest minimum.
+    covariance : (p, p) array
+        Covariance of the values over their sizes; infinite where data do not constrain them.
+    trials : Trials
+
+    Returns
+    -------
+    ends : (p, 2) array
+        Lower and upper end, over the sizes: infinite where chi2 stays below, or the bound of the
+        value if that comes first.
+    lower : (p,) array, optional
+        Values whose chi2 is below that of the minimum, from which to search again.
+    """
+    errors = np.sqrt(np.diag(covariance))
+    ends = best.scaled[:, None] + errors[:, None] * np.array([-1.0, 1.0])
+    for place in np.flatnonzero(np.isfinite(errors)).tolist():
+        # By the covariance, the other values move along with this one so that chi2 rises least.
+        path = np.where(np.isfinite(covariance[place]), covariance[place], 0.0) / errors[place]
+        for side, sign in ((0, -1.0), (1, 1.0)):
+            bound = float(trials.bounds[side, place])
+            room = min(abs(bound - best.scaled[place]) / errors[place], FARTHEST)
+            profile = _Profile(best, place, sign * path, trials)
+            far = _crossing(profile.rise, room)
+            if profile.lower is not None:
+                return ends, profile.lower
+            if far is not None:
+                ends[place, side] = best.scaled[place] + sign * far * errors[place]
+            else:
+                ends[place, side] = bound if room < FARTHEST else sign * np.inf
+    return ends, None
+
+
+@dataclass
+class _Profile:
+    """The least chi2 as a function of one value.
+
+    Attributes
+    ----------
+    best : Minimum
+    place : int
+        Place of the value.
+    path : (p,) array
+        Change of all values over one standard error of this one, as the last trial had it.
+    trials : Trials
+    lower : (p,) array, optional
+        Values whose chi2 is below that of the minimum, if a trial met any.
+    """
+
+    best: Minimum
+    place: int
+    path: Array
+    trials: Trials
+    lower: Array | None = None
+
+    def rise(self, far: float) -> float:
+        """Return by how much chi2 is above its least, so many standard errors away."""
+        best = self.best
+        start = np.clip(best.scaled + far * self.path, *self.trials.bounds)
+        values, chi2 = _refitted(self.trials, best, start, self.place)
+        if chi2 < best.chi2 - WORTH:
+            self.lower = values
+            return np.inf  # which ends the search for a crossing soonest
+        if np.isfinite(chi2):
+            self.path = (values - best.scaled) / far
+        return chi2 - best.chi2
+
+
+def _crossing(rise: Callable[[float], float], room: float) -> float | None:
+    """Return where a rise from 0 at 0 reaches `RISE`, None if it does not within the room."""
+    near, below, far = 0.0, 0.0, min(1.0, room)
+    above = rise(far)
+    if far == 1.0 and abs(above - RISE) <= PARABOLIC:
+        return far
+    while above < RISE - NEAR:
+        if far == room:
+            return None
+        near, below, far = far, above, min(2 * far, room)
+        above = rise(far)
+    for _ in range(LOOKS):
+        if abs(above - RISE) <= NEAR:
+            break
+        # The root of chi2 is straight where chi2 is a parabola; a tenth from either end, since
+        # chi2 may jump where a front passes a sample.
+        low, high = np.sqrt(max(below, 0.0)), np.sqrt(above)
+        share = float(np.clip((np.sqrt(RISE) - low) / (high - low), 0.1, 0.9))
+        between = near + share * (far - near)
+        middle = rise(between)
+        if middle < RISE - NEAR:
+            near, below = between, middle
+        else:
+            far, above = between, middle
+    return far
+
+
+def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[Array, float]:
+    """Return the values (p,) with one of them held and the others fitted anew, and their chi2."""
+    from scipy.optimize import least_squares  # here, for `import semianalytic` is to be quick
+
+    others = np.arange(len(start)) != place
+    first = trials.misfit(start)
+    if not others.any() or not np.all(np.isfinite(first)):
+        return start, float(first @ first)
+    low, high = trials.bounds[:, others]
+
+    def whole(part: Array) -> Array:
+        values = start.copy()
+        values[others] = part
+        return values
+
+    # The derivatives at the minimum say where to, and are all that slow trials are given.
+    slopes = best.jacobian[:, others]
+    steps = STEP / np.linalg.norm(slopes, axis=0)
+
+    def jacobian(part: Array) -> Array:
+        if trials.is_slow:
+            return slopes
+        # Differences, since the derivatives of `trials` are those a little off the edges of slip
+        # (`Samples.clear`), where chi2 has its kinks.
+        here = misfit(part)
+        columns = [misfit(part + step) - here for step in np.diag(steps)]
+        return np.stack(columns, axis=1) / steps
+
+    def misfit(part: Array) -> Array:
+        return trials.misfit(whole(part))
+
+    found = least_squares(
+        misfit,
+        np.clip(start[others], low + 1e-9, high - 1e-9),
+        jac=jacobian,
+        bounds=(low, high),
+        xtol=1e-9,
+        ftol=1e-3,
+        gtol=1e-3,
+        max_nfev=REFITS,
+    )
+    return whole(found.x), 2 * float(found.cost)
