@@ -67,6 +67,13 @@ class EdgeReading:
     slip: Array
     gap: Array
 
+    def __repr__(self) -> str:
+        far, off = self.distance, self.slot_distance
+        return (
+            f"<EdgeReading: contact at {len(far)} points {far.min():.3g} to {far.max():.3g} from "
+            f"the edge, slot at {len(off)} points {off.min():.3g} to {off.max():.3g}>"
+        )
+
 
 @lru_cache(maxsize=16)
 def edge_factors(beta: float, count: int = MOST_NODES) -> tuple[float, Complex, Complex]:

@@ -13,9 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import checked_number, checked_size
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
+
+UNBALANCED = 1e-3
+"""Largest part of the traction by which the slip rate of a law may miss its balance: far above what
+the root of any solver misses, and far below a factor that was left out."""
+_STOPPED = (1.2, 2.0, 5.0)
+"""Tractions over friction times pressure at which a law is tried."""
 
 
 class FrictionLaw(ABC):
@@ -109,6 +116,34 @@ class RateFriction(FrictionLaw):
 
         Arguments are those of `FrictionLaw.strength`.
         """
+
+
+def check_balance(law: FrictionLaw, frictional: float, impedance: float) -> None:
+    """Raise SceneError unless the slip rate of a law balances its own strength.
+
+    The laws of this package do; this one is for those of other packages.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+    frictional : float
+        Friction coefficient times pressure [stress], positive.
+    impedance : float
+        Traction that slip releases per slip rate [stress time / length].
+    """
+    size, path = np.full(len(_STOPPED), frictional), np.zeros(len(_STOPPED))
+    stopping = frictional * np.array(_STOPPED)
+    speed = np.asarray(law.slip_speed(stopping, size, impedance, path), dtype=float)
+    left = stopping - np.asarray(law.strength(size, speed, path), dtype=float) - impedance * speed
+    # Where the interface sticks, strength may exceed the traction; nan is wrong either way.
+    off = np.where(speed == 0, np.maximum(left, 0.0), np.abs(left))
+    if not np.all(off <= UNBALANCED * stopping):
+        raise SceneError(
+            f"scene: slip_speed of the friction law {type(law).__name__} must return the slip rate "
+            "V >= 0 at which strength(frictional, V, path) + impedance V is the traction that "
+            f"stops; for tractions {stopping.tolist()}, frictional {frictional:g} and impedance "
+            f"{impedance:g} it returns {speed.tolist()}."
+        )
 
 
 def _spread(*given: ArrayLike) -> list[Array]:

@@ -89,6 +89,22 @@ class Pieces(NamedTuple):
         return tuple(sorted(set(starts)))
 
 
+def check_pieces(name: str, history: LoadHistory) -> None:
+    """Raise SceneError unless a history is a sum of finite pieces from t = 0 on.
+
+    The histories of this package check their parameters; this one is for those of other packages.
+    """
+    pieces = history.pieces
+    if not isinstance(pieces, Pieces):
+        raise SceneError(f"scene: the pieces of the {name} must be a Pieces, got {shown(pieces)}.")
+    for piece in (*pieces.jumps, *pieces.kinks, *pieces.waves):
+        if not (np.all(np.isfinite(piece)) and piece[0] >= 0):
+            raise SceneError(
+                f"scene: the pieces of the {name} must be finite numbers that begin at t = 0 or "
+                f"later, got {shown(tuple(piece))}."
+            )
+
+
 class LoadHistory(ABC):
     """A load history f(t), the sum of its pieces.
 

@@ -81,14 +81,29 @@ class Plugin:
             return run()
         # A package may raise anything, also SystemExit from a script that is imported.
         except (Exception, SystemExit) as error:
-            reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
-            raise self.error(f"{failing} ({reason})") from error
+            raise self.error(f"{failing} ({_words(error)})") from error
 
     def error(self, failing: str) -> PluginError:
         """Make the error that says what is wrong with the plugin, and what to do."""
         return PluginError(
             f"{self.what[0].upper()}{self.what[1:]} {failing}; mend or uninstall that package."
         )
+
+
+def plugin_at_fault(error: BaseException) -> PluginError | None:
+    """Return the error that names the plugin in which another error arose; None if in none.
+
+    The innermost call inside the modules of a plugin decides, also if that called this package.
+    """
+    brought = {
+        one.entry.module.partition(".")[0]: one for group in GROUPS for one in plugins(group)
+    }
+    calls, trace = [], error.__traceback__
+    while trace is not None:
+        calls.append(str(trace.tb_frame.f_globals.get("__name__", "")).partition(".")[0])
+        trace = trace.tb_next
+    plugin = next((brought[name] for name in reversed(calls) if name in brought), None)
+    return None if plugin is None else plugin.error(f"failed ({_words(error)})")
 
 
 @cache
@@ -179,6 +194,11 @@ def _kind_brought(
         if named and known_class(group, base, dict(own), plugin.name) is described:
             return plugin.name
     return None
+
+
+def _words(error: BaseException) -> str:
+    """Return the class and the message of an error on one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def _failings(described: Any, base: type, own: Collection[type]) -> Iterator[str]:

@@ -23,15 +23,16 @@ from semianalytic.scene.friction import (
     CoulombFriction,
     FrictionLaw,
     RateFriction,
+    check_balance,
 )
 from semianalytic.scene.incident import (
     IncidentWave,
     Load,
     MovingLoad,
 )
-from semianalytic.scene.kinds import PARTS
+from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS, PARTS
 from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions
-from semianalytic.scene.loads import LoadHistory, Step
+from semianalytic.scene.loads import LoadHistory, Step, check_pieces
 from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import kind_of
 from semianalytic.scene.quantities import made_in_si, with_quantities
@@ -180,6 +181,7 @@ class Scene:
             self._check_front()
         if self.arrives:
             self._check_remote()
+        self._check_brought()
         self.check_weakening(self.superposition.in_place.pressure)
 
     def _check_rest(self) -> None:
@@ -200,6 +202,16 @@ class Scene:
             "scene: the interface would already slide before the load arrives; "
             f"{advice} (docs/limits.md)."
         )
+
+    def _check_brought(self) -> None:
+        """Raise SceneError unless laws and histories of other packages keep what they promise."""
+        for name in ("pressure_history", "shear_history"):
+            history = getattr(self, name)
+            if type(history) not in HISTORY_KINDS.values():
+                check_pieces(name, history)
+        strength = self.friction * self.superposition.in_place.pressure
+        if type(self.friction_law) not in FRICTION_LAWS.values() and strength > 0:
+            check_balance(self.friction_law, strength, self.material.shear_impedance / 2)
 
     def _check_remote(self) -> None:
         """Raise SceneError unless a load from far away is a step that leaves a contact."""

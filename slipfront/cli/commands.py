@@ -19,6 +19,7 @@ from typer.core import TyperGroup
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError, SlipfrontError
 from semianalytic.scene.extras import needing
+from semianalytic.scene.plugins import plugin_at_fault
 from slipfront.cli.endings.faults import READER_GONE, crashed, printable
 from slipfront.cli.endings.interruption import INTERRUPTED, INTERRUPTION
 from slipfront.cli.endings.refusals import in_one_sentence, in_options
@@ -205,7 +206,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(INTERRUPTION, file=sys.stderr)
         return int(end.code or 0)
     except Exception as error:
-        return crashed(error, arguments)
+        foreign = plugin_at_fault(error)
+        if foreign is None:
+            return crashed(error, arguments)
+        print(printable(foreign), file=sys.stderr)
+        return foreign.exit_code
     return 0
 
 

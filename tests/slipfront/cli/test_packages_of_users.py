@@ -256,6 +256,60 @@ def test_what_a_law_lacks_is_said_at_once(old, new, reason, installed, tmp_path,
     assert reason in sentence
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "code", "reason"),
+    [
+        ("return 0 * stopping", "return 1 / 0", 5, "of the package lawless failed (ZeroDivision"),
+        ("return frictional", "raise ValueError('no')", 5, "lawless failed (ValueError: no); mend"),
+        ("return 0 * stopping", "return 2 * (stopping - frictional) / impedance", 2, "V >= 0 at"),
+        ("return 0 * stopping", "return np.nan * stopping", 2, "it returns [nan, nan, nan]"),
+    ],
+)
+def test_what_a_law_gets_wrong_is_one_sentence(
+    old, new, code, reason, installed, tmp_path, refused
+):
+    text = "import numpy as np" + LAW.replace(old, new)
+    installed(packages.brought("lawless", "lawless", laws=["mine = S"]), {"lawless.py": text})
+    path = tmp_path / "scene.toml"
+    assert main(["init", str(path)]) == 0
+    mine = '"mine"\nreduction = 0.5\ndistance = 1.0'
+    path.write_text(path.read_text().replace('"coulomb"', mine))
+    assert reason in refused(["solve", path], code)
+
+
+HISTORY = """
+from dataclasses import dataclass
+import slipfront as sf
+from semianalytic.scene.loads import Pieces
+
+@dataclass(frozen=True)
+class H(sf.LoadHistory):
+    @property
+    def pieces(self): return PIECES
+    def turn(self, width, until): return 0.0
+"""
+
+
+@pytest.mark.parametrize(
+    ("pieces", "code", "reason"),
+    [
+        ("[1, 2]", 2, "the pieces of the pressure_history must be a Pieces, got [1, 2]"),
+        ("Pieces(jumps=((-1.0, 0.5),))", 2, "begin at t = 0 or later, got (-1.0, 0.5)"),
+        ("Pieces(kinks=((float('nan'), 0.5),))", 2, "must be finite numbers that begin at t"),
+        ("undefined", 5, "The load history 'mine' of the package pushy failed (NameError"),
+    ],
+)
+def test_what_a_history_gets_wrong_is_one_sentence(
+    pieces, code, reason, installed, tmp_path, refused
+):
+    text = HISTORY.replace("PIECES", pieces)
+    installed(packages.brought("pushy", "pushy", histories=["mine = H"]), {"pushy.py": text})
+    path = tmp_path / "scene.toml"
+    assert main(["init", str(path)]) == 0
+    path.write_text(path.read_text().replace('"step"', '"mine"'))
+    assert reason in refused(["solve", path], code)
+
+
 def test_a_law_that_no_package_brings_is_refused_with_the_way_to_bring_it(installed):
     names: dict = {}
     exec(LAW, names)
