@@ -113,6 +113,38 @@ def edge_factors(beta: float, count: int = MOST_NODES) -> tuple[float, Complex, 
     return offset, contact, slot
 
 
+def zone_beside_edge(
+    change: Array, strength: Array, spacing: float, compliance: float
+) -> tuple[Array, Array]:
+    """Return length and area of the slip beside an edge whose first node sticks.
+
+    Beyond any strength, the traction at an edge makes the contact slip over a length l.  The
+    traction of the first node gives K; under a constant strength s, l = (pi / 8) (K / s)^2, the
+    slip at the edge is 8 s l / (pi E') and its mean over l a third of it (Dugdale).
+
+    Parameters
+    ----------
+    change : array
+        |Change of shear traction| at the first node [stress].
+    strength : array, like `change`
+        Strength there, less the traction before the change in its sense [stress], positive.
+    spacing : float
+        Node distance [length].
+    compliance : float
+        2 / E', the mean of (1 - nu) / mu of both bodies [1 / stress].
+
+    Returns
+    -------
+    length, area : arrays, like `change`
+        [length], [length^2]
+    """
+    offset, of_contact, _ = edge_factors(0.0)
+    # tau = K / sqrt(2 pi d) at the distance d of the first node, which has a known factor.
+    root = change * np.sqrt(2 * np.pi * offset * spacing) / of_contact[0].real
+    length = np.pi / 8 * (root / strength) ** 2
+    return length, 4 * compliance * strength * length**2 / (3 * np.pi)
+
+
 def read_beside_edge(
     contact: Complex, slot: Complex, spacing: float, beta: float
 ) -> tuple[Array, Complex, Array, Complex]:

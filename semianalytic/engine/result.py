@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from io import BytesIO
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,11 +18,15 @@ from semianalytic.engine.line import Grid
 from semianalytic.engine.tuning import LEAST_GAP
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
+from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import needing
 
 Array = NDArray[np.float64]
 
+SAME_TIME = 1e-9
+"""Part of the time of a rupture within which two nodes begin to slip at once: above rounding, and
+far below a step."""
 FORMAT = "slipfront interface run 6"
 _UNITS = {
     "slip": ("length", "relative slip, upper minus lower side"),
@@ -170,14 +176,24 @@ class Run:
     def rupture_speed(self) -> float:
         """Mean speed of the rupture [length / time], from where slip begins first to where last.
 
-        It is nan where nothing slips, and where slip begins everywhere at once.
+        Where slip begins at several nodes at once, the nearest of them is taken as its origin.  It
+        is nan where nothing slips, and where slip begins everywhere at once.
         """
-        begun = np.flatnonzero(np.isfinite(self.onset))
-        if not len(begun):
+        begun = np.isfinite(self.onset)
+        if not begun.any():
             return np.nan
-        first, last = (begun[find(self.onset[begun])] for find in (np.argmin, np.argmax))
-        time = float(self.onset[last] - self.onset[first])
-        return float(abs(self.x[last] - self.x[first])) / time if time > 0 else np.nan
+        x, onset, length = self.x[begun], self.onset[begun], self.interface.length
+        time = float(np.ptp(onset))
+        if time == 0:
+            return np.nan
+        # Mirror images and nodes of a patch begin together, but for rounding.
+        first = x[onset <= onset.min() + SAME_TIME * time]
+        last = x[onset >= onset.max() - SAME_TIME * time]
+        if self.interface.even:
+            first = np.concatenate([first, -first])
+        ways = np.abs(last[:, None] - first)
+        # The line is periodic: a rupture may have come from the next period.
+        return float(np.minimum(ways, length - ways).min(axis=1).max()) / time
 
     def front_speed(self) -> Array:
         """Return the speed of the rupture front at the nodes, (n,) [length / time].
@@ -293,13 +309,22 @@ class Run:
         return data
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write fields and checkpoint to an .npz file; `Run.load` reads it, `run` continues it."""
+        """Write fields and checkpoint to an .npz file; `Run.load` reads it, `run` continues it.
+
+        An earlier file of that name stays until the new one is complete.
+
+        Raises
+        ------
+        DataFileError
+            If the file cannot be written.
+        """
         kept: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
         kept |= {f"checkpoint_{name}": value for name, value in self.checkpoint.items()}
         kept |= {"format": FORMAT, "status": self.status, "nodes": self.nodes}
         kept |= {f"error_{name}": value for name, value in self.error_estimates.items()}
-        with open(path, "wb") as stream:
-            np.savez_compressed(stream, **kept)
+        stream = BytesIO()
+        np.savez_compressed(stream, **kept)
+        write_bytes(Path(path), stream.getbuffer())
 
     @classmethod
     def load(cls, path: str | PathLike[str], interface: Interface) -> Run:

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.dissimilar.grid_edge import zone_beside_edge
 from semianalytic.engine.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.steps import Stepper
 from semianalytic.engine.tuning import (
+    EDGE_NODES,
     ERROR_SAFETY,
     LARGEST_ERROR,
     LEAST_GAP,
@@ -26,6 +28,7 @@ from semianalytic.engine.tuning import (
     ZONE_NODES,
 )
 from semianalytic.engine.window import doubt_of
+from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
@@ -133,7 +136,8 @@ def run(
         rtol = checked_size("run: rtol", rtol)
     if times is not None:
         times = sorted(float(one) for one in times)
-        if not times or times[0] < 0 or times[-1] > end_time:
+        # nan is none of these, and so refused.
+        if not (times and all(0 <= one <= end_time for one in times)):
             raise SceneError("run: times must lie between 0 and the end time.")
     if slipping is not None:
         slipping = checked_number("run: slipping", slipping, "be 0 or more", lambda one: one >= 0)
@@ -299,21 +303,72 @@ def _estimated(
         pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
         return np.asarray(pairs[:, touching])
 
+    spacing = interface.length / done.nodes
+    base = thinned(sampled("run: shear", interface.shear, done.x, spacing)[None])
     errors = {}
     names = ["slip", "slip_rate", "shear_traction"]
     if done.interface.may_open:
         names += ["gap", "pressure"]
     for name in names:
         fine, other = thinned(getattr(done, name)), getattr(coarse, name)[:, touching]
-        scale = fine - fine[0] if name == "shear_traction" else fine
+        # Against the base, whichever frames are stored: a sudden load has come at the first.
+        scale = fine - base if name == "shear_traction" else fine
         # where the finer grid has nothing and the coarser one something, the error is all of it
         size = max(float(np.abs(scale).sum()), float(np.abs(fine - other).sum()))
         errors[name] = ERROR_SAFETY * float(np.abs(fine - other).sum()) / size if size else 0.0
+    largest = LARGEST_ERROR if rtol is None else rtol
+    slip, (zone, missed) = float(np.abs(thinned(done.slip)).sum()), _missed(done)
+    # `thinned` has every other node, or the mean of two.
+    missed = missed / (2 * spacing)
+    if missed > 0:
+        share = missed / (slip + missed)
+        for name in ("slip", "slip_rate"):
+            errors[name] += share * (1 - errors[name])
     status, name = done.status, _deciding(done, errors)
-    if status == "done" and errors[name] > (LARGEST_ERROR if rtol is None else rtol):
+    if status == "done" and missed > largest * (slip + missed):
+        needed = in_fours(interface.length * EDGE_NODES / zone)
+        status = (
+            f"unresolved: the contact slips beside an edge over about {zone:.2g}, which nodes "
+            f"{spacing:.2g} apart do not resolve; use {needed} nodes or more."
+        )
+    if status == "done" and errors[name] > largest:
         what = "slip" if name == "slip" else "the gap"
         status = f"unresolved: {what} may be off by {errors[name]:.1g} of itself; raise `nodes`."
     return replace(done, error_estimates=errors, status=status)
+
+
+def _missed(done: Run) -> tuple[float, float]:
+    """Return the longest slip beside stuck edges of a contact, and the area of all, over frames.
+
+    The first node beside an edge may stick on any grid that is too coarse, and slip that is zero on
+    two grids does not differ.
+    """
+    interface, touching = done.interface, done.touching
+    if not interface.law.has_threshold or touching.all():
+        return 0.0, 0.0
+    left, right = np.roll(touching, 1), np.roll(touching, -1)
+    if interface.even:
+        left[0] = right[-1] = True  # mirror images of themselves
+    first = np.flatnonzero(touching & ~(left & right))
+    spacing, x = interface.length / done.nodes, done.x
+    base = sampled("run: shear", interface.shear, x, spacing)[first]
+    law = interface.law.on(x[touching], spacing)
+    bodies = (interface.material, interface.lower_material or interface.material)
+    plane = [1.0 if interface.mode == "antiplane" else 1 - body.poisson_ratio for body in bodies]
+    moduli = [body.shear_modulus for body in bodies]
+    compliance = sum(share / modulus for share, modulus in zip(plane, moduli, strict=True)) / 2
+    place = np.searchsorted(np.flatnonzero(touching), first)
+    still = np.zeros(int(touching.sum()))
+    zones = areas = 0.0
+    for frame in range(len(done.t)):
+        felt, state = done.felt_pressure[frame, touching], done.state[frame, touching]
+        strength = law.strength(felt, still, state)[place]
+        change = done.shear_traction[frame, first] - base
+        room = strength - np.sign(change) * base
+        sticks = (done.slip[frame, first] == 0) & (room > 0) & (done.gap[frame, first] <= 0)
+        zone, area = zone_beside_edge(np.abs(change[sticks]), room[sticks], spacing, compliance)
+        zones, areas = max(zones, float(zone.max(initial=0.0))), areas + float(area.sum())
+    return zones, areas
 
 
 def _deciding(done: Run, errors: Mapping[str, float]) -> str:

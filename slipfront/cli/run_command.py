@@ -16,6 +16,7 @@ from compare.output.places import check_file, save_somewhere
 from compare.output.progress import progress_bar
 from semianalytic import Run, find_interface, run
 from semianalytic.interface.named import NAMED_INTERFACES
+from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import FEM, XARRAY, require
 from semianalytic.scene.units import InSI
@@ -130,7 +131,9 @@ def run_command(
     if save is not None:
         save_somewhere(done.save, save, save.name)
     if netcdf is not None:
-        save_somewhere(lambda path: done.to_xarray().to_netcdf(path), netcdf, netcdf.name)
+        # In memory first, for HDF5 files are spoiled if the disk becomes full.
+        content = done.to_xarray().to_netcdf(engine="h5netcdf")
+        save_somewhere(lambda path: write_bytes(path, content), netcdf, netcdf.name)
     files = [path for path in (save, netcdf) if path is not None]
     if as_json:
         document = _document(done, source)
