@@ -90,8 +90,9 @@ def run(
     estimate : bool
         Whether to compute the second run, on which the error estimates rest.
     go_on : Run, optional
-        A run of the same interface to continue; the result is the same to the last bit as that of
-        a run which was not interrupted.
+        A run of the same interface to continue.  After an interruption the result is the same to
+        the last bit as that of a run which was not interrupted; after an end time, whose last step
+        was cut to end there, to rounding.
     latest : float, optional
         Time up to which `go_on` may continue this run [time]; the end time by default.  The memory
         is made for it.

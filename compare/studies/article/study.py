@@ -318,7 +318,8 @@ def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
         panel.plot(check.x, check.simulated, ".", color=SIMULATION, markersize=3, label="FEM")
         panel.axvline(0, color=ink(0.5), linewidth=0.8)
         panel.set(xlabel="x", ylabel="traction", title=f"mode {check.mode}")
-        panel.legend()
+    # Below the panels, for the curves fill them.
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 

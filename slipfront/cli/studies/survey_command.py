@@ -165,7 +165,12 @@ def survey_command(
         name: typed_values(scene, name, text, option_dimension(name))
         for name, text in values.items()
     }
-    given |= _others(scene, vary or ())
+    others = _others(scene, vary or ())
+    if twice := [name for name in others if name in given]:
+        raise SceneError(
+            f"--vary {twice[0]} and {option_name(twice[0])} are one parameter; give one of them."
+        )
+    given |= others
     plan = planned(scene, given, Question(**wanted), together=together, chunk=chunk)
     command = shlex.join(["slipfront", *sys.argv[1:]])
     bar = progress_bar(Console(stderr=True), quiet or as_json, "surveying")
@@ -234,13 +239,15 @@ def _others(scene: Subject, vary: Sequence[str]) -> dict[str, Any]:
     """Return the values of parameters that have no option of their own."""
     from slipfront.surveys.parameters import dimension_of, parameter_name
 
-    result = {}
+    result: dict[str, Any] = {}
     for text in vary:
         name, equals, values = text.partition("=")
         if not equals or not name:
             raise SceneError(
                 f"--vary must be a name and values as friction_law.reduction=0:1:11, got {text!r}."
             )
+        if name in result:
+            raise SceneError(f"--vary {name} is given twice; give all its values in one row.")
         dimension = dimension_of(scene, parameter_name(scene, name))
         result[name] = typed_values(scene, "vary", values, dimension)
     return result
