@@ -143,10 +143,3 @@ def test_a_wave_beyond_a_critical_angle_shows_before_its_front():
     assert np.abs(plain - wanted).sum() > 0.5 * size
     ahead = np.abs(wanted[since < 0]).sum()
     assert ahead > 0.1 * size
-
-
-def test_a_lasting_wave_beyond_a_critical_angle_is_refused():
-    for history in (sf.Step(), sf.Pulse(0.5, "half-sine")):
-        load = sf.FrontLoad(sf.IncidentWave("SV", -50.0, stress=0.2), history, at=4.0)
-        with pytest.raises(sf.SceneError, match="beyond a critical angle"):
-            sf.Interface(HARD, sf.Coulomb(0.3), 8.0, loads=[load], lower_material=SOFT)

@@ -110,20 +110,6 @@ def test_a_contact_of_few_nodes_is_unresolved_and_gets_enough_by_default():
     assert "has 0.8 nodes" in sf.run(slot, 0.2, 128, estimate=False).status
 
 
-@pytest.mark.parametrize(
-    ("fields", "what"),
-    [
-        ({"loads": [sf.InterfaceLoad(lambda x: 0.5 * (x > 1))]}, "shear of a load"),
-        ({"contact": sf.Contact([(1, 3)])}, "contact"),
-        ({"shear": lambda x: 0.1 * x}, "shear"),
-    ],
-)
-def test_what_is_called_even_has_to_be(fields, what):
-    face = sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3), 16.0, even=True, **fields)
-    with pytest.raises(sf.SceneError, match=f"the {what} is not even in x"):
-        sf.run(face, 0.2, 64)
-
-
 def test_nothing_is_known_beyond_the_period():
     done = sf.run(sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3), 16.0), 0.1, 16)
     assert np.isnan(done.at(done.slip, [-8.1, 0.0, 100.0])).tolist()[-1] == [True, False, True]

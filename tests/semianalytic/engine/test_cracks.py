@@ -62,5 +62,3 @@ def test_a_front_that_is_forced_goes_on_and_may_fall_slowly(tmp_path):
     at, h = whole.x < 1.5, 8.0 / 64
     assert (whole.onset[at] <= whole.x[at] + 0.5).all()
     assert (whole.onset[at] >= whole.x[at] - 2 * h).all()
-    with pytest.raises(sf.SceneError, match="fall must be 0 or more"):
-        sf.ForcedFront(0.6, 0.2, arrival=1.0, fall=-1.0)

@@ -280,26 +280,3 @@ def test_without_loads_of_pressure_nothing_opens():
     data = done.to_xarray()
     assert data["gap"].attrs["units"] == "length"
     assert data["pressure"].dims == ("t", "x")
-
-
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (
-            lambda: sf.Interface(SOLID, sf.Coulomb(0.5), 8.0, mode="antiplane",
-                                 loads=[sf.InterfaceLoad(pressure=1.0)]),
-            "antiplane interface have no pressure",
-        ),
-        (lambda: sf.InterfaceLoad(pressure=1.0, history=None), "`pressure` must be a function of"),
-        (lambda: sf.InterfaceLoad(pressure="low"), "load: pressure must be a number"),
-        (
-            lambda: run(sf.Interface(SOLID, sf.Coulomb(0.5), 8.0, loads=[
-                sf.InterfaceLoad(pressure=lambda x: x[:3])]), 1.0, 32),
-            "load: pressure: the function of x must return 32 numbers",
-        ),
-    ],
-)  # fmt: skip
-def test_bad_loads_of_pressure_are_refused(make, said):
-    with pytest.raises(sf.SceneError, match=said) as told:
-        make()
-    assert "\n" not in str(told.value)

@@ -109,13 +109,6 @@ def test_a_pace_counts_all_that_a_function_does():
     assert LoadPace(face, np.linspace(-8, 7.75, 64), 10.0).longest(0.0) == np.inf
 
 
-@pytest.mark.parametrize("rate", [-1e-9, lambda x: 1e-9 * np.sign(x - 3)])
-def test_slip_at_the_start_has_the_sense_of_the_base_shear(rate):
-    words = "rate must have the sense of `shear`, for friction opposes slip, got -1e-09 at x = -8"
-    with pytest.raises(SceneError, match=words):
-        sf.run(slow(sf.Step(), rate=rate), 1.0, 32)
-
-
 def test_a_wave_that_passes_is_followed_from_node_to_node():
     blow = sf.Tabulated([0, 400, 400.5, 401, 1000], [0, 0, 1, 0, 0])
     wave = sf.FrontLoad(sf.IncidentWave("SV", -20.0, stress=2e6), history=blow)
@@ -204,44 +197,3 @@ def test_slots_take_no_work_of_adhesion():
         works.append(done.work["closing"])
     assert works[0] == pytest.approx(works[1], rel=0.01)
     assert works[0] > 0.1
-
-
-@pytest.mark.parametrize(
-    ("contact", "words"),
-    [
-        ((9, 12), "the contact 9 to 12 leaves the period, -8 to 8; raise `length`"),
-        ((6, 10), "the contact 6 to 10 leaves the period"),
-        ((0.01, 0.02), "no node lies on the contact; use 12800 nodes or more"),
-    ],
-)
-def test_contacts_without_a_node_are_refused(contact, words):
-    with pytest.raises(SceneError, match=words):
-        sf.run(struck(sf.Step(), contact=sf.Contact([contact])), 1.0, 128)
-
-
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ({"longest": 0.001}, "`longest` must be 0.05 or more on this grid, got 0.001"),
-        ({"longest": 0.0}, "longest must be positive"),
-        ({"sweeps": 0}, "sweeps must be a whole number of at least 1"),
-        ({"foo": 1}, "unknown argument foo; settings are sweeps"),
-    ],
-)
-def test_settings_of_steps_are_checked(settings, words):
-    with pytest.raises(SceneError, match=words):
-        sf.run(struck(sf.Step()), 0.1, 128, **settings)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("text", ["1/0", "10**400", "(-8)**(1/3)", "sqrt(-1)", "log(x)", "1/0*x"])
-def test_expressions_without_a_finite_value_end_in_one_sentence(text):
-    with pytest.raises(SceneError, match="shear has no finite value"):
-        sf.run(sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=Expression(text, ("x",))), 0.1, 16)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("text", ["1/t", "log(t-1)", "(t-1)**0.5"])
-def test_histories_have_a_finite_value_at_all_times(text):
-    with pytest.raises(SceneError, match="history must always be finite, got"):
-        sf.run(struck(Expression(text, ("t",))), 0.5, 16)

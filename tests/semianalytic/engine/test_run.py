@@ -166,40 +166,6 @@ def test_slow_grids_are_called_unresolved():
     assert run(fault, 0.1, least, estimate=False).status == "done"
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"pressure": -1.0}, "not be negative"),
-        ({"pressure": sf.Table([-1.0, 1.0], [1.0, 1.0])}, "must cover the contact"),
-        ({"shear": lambda x: np.full(3, 1.0)}, "must return 64 numbers"),
-        ({"law": sf.RateAndState(0.01, 0.01, 0.6, 1e-6, 1.0)}, "give `theta`"),
-        ({"mode": "III"}, "in-plane or antiplane"),
-        ({"length": 0.0}, "length must be positive"),
-    ],
-)
-def test_bad_interfaces_are_refused(given, said):
-    with pytest.raises(sf.SceneError, match=said):
-        run(sf.Interface(**{"material": UNIT, "law": COULOMB, "length": 8.0} | given), 1.0, 64)
-
-
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: sf.Contact([(0, 2), (1, 3)]), "overlap"),
-        (lambda: sf.Contact([(1, 0)]), "empty"),
-        (lambda: sf.Contact([]), "pairs of begin and end"),
-        (lambda: sf.Table([0, 1], [1, math.nan]), "finite numbers"),
-        (lambda: sf.Table([1, 0], [1, 1]), "must increase"),
-        (lambda: sf.InterfaceLoad(1.0, on="contact"), "line"),
-        (lambda: run(sf.Interface(UNIT, COULOMB, 8.0), 1.0, 66), "multiple of 4"),
-        (lambda: run(sf.Interface(UNIT, COULOMB, 8.0), -1.0), "end_time must be positive"),
-    ],
-)
-def test_bad_parts_are_refused(make, said):
-    with pytest.raises(sf.SceneError, match=said):
-        make()
-
-
 def test_to_xarray_has_units_and_errors():
     load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
     data = run(sf.Interface(UNIT, COULOMB, 8.0, loads=[load]), 0.5, 32).to_xarray()

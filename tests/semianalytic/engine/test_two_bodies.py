@@ -319,20 +319,6 @@ def test_runs_in_which_the_grid_let_waves_grow_say_so():
     assert "friction rises too little with slip rate" in fast.status
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"lower_material": 3}, "lower_material must be a Material"),
-        ({"lower_material": Material(1e6, 1.0, 0.25)}, "must not differ by more than a factor"),
-        ({"mode": "antiplane"}, "between different bodies mode must be"),
-        ({"even": True}, "set even = false"),
-    ],
-)
-def test_wrong_descriptions_of_two_bodies_are_refused(changes, words):
-    with pytest.raises(SceneError, match=words):
-        patch(ROCK, FASTER, **changes)
-
-
 def test_a_run_of_two_bodies_goes_on_bit_for_bit(tmp_path):
     given = patch(ROCK, FASTER, contact=Contact([(-4.0, 4.0)]))
     whole = run(given, 1.0, 64, estimate=False)
