@@ -151,23 +151,6 @@ def test_slots_grow_under_the_tension_of_griffith():
     assert griffith(3.0, 256) == pytest.approx(0.97, abs=0.02)
 
 
-def test_an_interrupted_run_goes_on_with_the_same_digits():
-    def pulled_at_once(strength):
-        load = sf.InterfaceLoad(pressure=lambda x: -2.5 * np.exp(-(x**2)))
-        bonds = sf.Adhesion(strength, 0.3)
-        return sf.Interface(ROCK, sf.Coulomb(0.3), 8.0, 0.5, loads=[load], adhesion=bonds)
-
-    face = pulled_at_once(1.0)
-    whole = sf.run(face, 1.0, 64, estimate=False)
-    half = sf.run(face, 1.0, 64, estimate=False, progress=lambda t, end: t > 0.4)
-    assert half.status.startswith("interrupted")
-    assert half.checkpoint["opened"].max() > 0.3
-    done = sf.run(face, 1.0, 64, estimate=False, go_on=half)
-    assert np.array_equal(done.gap[-1], whole.gap[-1])
-    with pytest.raises(sf.DataFileError, match="another interface"):
-        sf.run(pulled_at_once(1.1), 1.0, 64, estimate=False, go_on=half)
-
-
 def test_grids_that_cannot_follow_it_are_told():
     with pytest.raises(sf.SceneError, match=r"cannot follow; take \d+ nodes or more"):
         sf.run(pulled(3.0, sf.Adhesion(1.0, 1e-3)), 0.5, 16, estimate=False)

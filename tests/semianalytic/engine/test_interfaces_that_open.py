@@ -224,37 +224,6 @@ def test_rate_and_state_opens_after_long_steps():
     assert (done.shear_traction[done.gap > 0] == 0).all()
 
 
-def test_even_and_whole_lines_agree():
-    halves = [run(burst(sf.Coulomb(0.3), shear=0.1, even=even), 3.0, 64, estimate=False)
-              for even in (True, False)]  # fmt: skip
-    right = halves[1].x >= 0
-    for field in ("gap", "pressure", "slip"):
-        one, other = (getattr(half, field) for half in halves)
-        assert np.abs(one).max() > 0
-        assert np.abs(one[:, : right.sum()] - other[:, right]).max() < 1e-13
-    for name in ("friction", "closing"):
-        assert halves[0].work[name] == pytest.approx(halves[1].work[name], rel=1e-10)
-        assert halves[0].work[name] > 0
-
-
-def test_a_run_with_a_gap_goes_on_to_the_last_bit(tmp_path):
-    fault = burst(sf.SlipDependent(0.3, 0.1, 0.5), shear=0.15)
-    options = {"nodes": 64, "estimate": False, "every": 2}
-    whole = run(fault, 3.0, **options)
-    part = run(fault, 3.0, **options, progress=lambda t, _: t > 1.7)
-    assert part.gap[-1].max() > 0
-    part.save(tmp_path / "a.npz")
-    done = run(fault, 3.0, go_on=sf.Run.load(tmp_path / "a.npz", fault), **options)
-    for field in ("t", "slip", "slip_rate", "shear_traction", "pressure", "gap"):
-        assert np.array_equal(getattr(done, field), getattr(whole, field))
-    assert done.work == whole.work
-    assert whole.gap[-1].max() == 0
-    other = sf.InterfaceLoad(pressure=-0.1)
-    changed = sf.Interface(SOLID, fault.law, 16.0, 1.0, shear=0.15, loads=[other])
-    with pytest.raises(sf.DataFileError, match="another interface"):
-        run(changed, 4.0, 64, go_on=part)
-
-
 def test_estimates_cover_gap_and_pressure():
     _, face = beside_slot("tap")
     done = run(face, 1.0, 512, times=[1.0])

@@ -6,7 +6,6 @@ import pytest
 import semianalytic as sf
 from semianalytic.engine.pace import LoadPace, nodes_for_histories
 from semianalytic.interface.fields import Expression
-from semianalytic.scene.errors import SceneError
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
 ROCK = sf.Material(30e9, 2700.0, 0.25)
@@ -152,18 +151,6 @@ def test_friction_that_damps_less_as_it_speeds_up_does_not_let_short_waves_grow(
     assert done.status == "done"
     assert done.peak_rates.max() < 1e-3
     assert done.slip[-1] == pytest.approx(fine.slip[-1], rel=0.02, abs=2e-3 * fine.slip.max())
-
-
-def test_a_run_continues_at_a_jump_and_says_how_far_its_memory_reaches():
-    face = struck(sf.Pulse(2.0, "rectangle"))
-    begun = sf.run(face, 2.0, 128, latest=4.0, estimate=False)
-    whole, resumed = (
-        sf.run(face, 4.0, 128, estimate=False, **given) for given in ({}, {"go_on": begun})
-    )
-    assert np.array_equal(whole.slip, resumed.slip)
-    assert np.array_equal(whole.slip_rate, resumed.slip_rate)
-    with pytest.raises(SceneError, match=r"reaches t = 4; compute it again with `latest` = 200"):
-        sf.run(face, 200.0, 128, go_on=begun)
 
 
 @pytest.mark.parametrize("held", [1.0, 0.3])

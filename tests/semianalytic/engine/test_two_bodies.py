@@ -22,7 +22,7 @@ from semianalytic import (
 )
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.growth import growing_waves
-from semianalytic.dissimilar.kernels import BodyPair, PairImpedance
+from semianalytic.dissimilar.kernels import PairImpedance
 from semianalytic.dissimilar.whole_line import (
     half_line_slip_rate,
     half_line_speed,
@@ -319,16 +319,6 @@ def test_runs_in_which_the_grid_let_waves_grow_say_so():
     assert "friction rises too little with slip rate" in fast.status
 
 
-def test_a_run_of_two_bodies_goes_on_bit_for_bit(tmp_path):
-    given = patch(ROCK, FASTER, contact=Contact([(-4.0, 4.0)]))
-    whole = run(given, 1.0, 64, estimate=False)
-    part = run(given, 1.0, 64, estimate=False, progress=lambda now, end: now > 0.5)
-    part.save(tmp_path / "part.npz")
-    rest = run(given, 1.0, go_on=type(part).load(tmp_path / "part.npz", given), estimate=False)
-    for name in FIELDS:
-        np.testing.assert_array_equal(getattr(rest, name), getattr(whole, name))
-
-
 def test_rate_and_state_between_two_bodies_needs_no_short_steps():
     """The ladder against steps of one length, half of its shortest."""
     law = RateAndState(a=0.02, b=0.012, f0=0.4, v0=1e-3, distance=0.05)
@@ -375,13 +365,6 @@ def test_steel_on_rubber_is_resolved_under_its_delay_and_refused_without():
     )
     with pytest.raises(SceneError, match="no friction is too low"):
         run(sudden, found.end_time, 256)
-
-
-def test_the_unit_of_a_pair_does_not_depend_on_which_body_is_above():
-    one, other = BodyPair(ROCK, FASTER), BodyPair(FASTER, ROCK)
-    assert one.impedances == other.impedances
-    assert one.kernels == other.kernels
-    assert one.sense == -other.sense
 
 
 def test_a_file_names_the_body_that_is_wrong(tmp_path):
