@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from body_fields import check_faces, departures_from_laws, edges_of, smooth_points
 
 from compare.studies.dissimilar.pairs import SCENES, random_pair
 from semianalytic import Material, Pair, Scene, SceneError, Tractions, solve, solve_pair
@@ -30,7 +31,7 @@ def speeds(pair):
 
 def places(answer, count=200):
     """Positions along the interface at t = 1, away from zone edges."""
-    edges = [v for zone in (*answer.zones, *answer.openings) for v in (zone.inner, zone.outer)]
+    edges = edges_of(answer)
     x = np.random.default_rng(2).uniform(0.01, 1.2 * max(speeds(answer.pair)), 4 * count)
     apart = np.min(np.abs(np.subtract.outer([*edges, 0.0], x)), axis=0)
     return x[apart > 0.03 * min(speeds(answer.pair))][:count]
@@ -41,19 +42,7 @@ def places(answer, count=200):
 )
 def test_faces_move_and_carry_what_the_interface_does(name):
     answer = answer_of(name)
-    x, within = places(answer), 3 * answer.error_estimate
-    above, below = (answer.velocity(x, face, 1.0) for face in (0.0, -0.0))
-    np.testing.assert_allclose(above[0] - below[0], answer.slip_rate(x, 1.0), atol=within)
-    np.testing.assert_allclose(above[1] - below[1], answer.gap_rate(x, 1.0), atol=within)
-    above, below = (answer.displacement(x, face, 1.0) for face in (0.0, -0.0))
-    np.testing.assert_allclose(above[0] - below[0], answer.slip(x, 1.0), atol=within)
-    np.testing.assert_allclose(above[1] - below[1], answer.gap(x, 1.0), atol=within)
-    for face in (0.0, -0.0):
-        stress = answer.stress(x, face, 1.0)
-        np.testing.assert_allclose(
-            stress[2], answer.shear_traction(x, 1.0), rtol=within, atol=within
-        )
-        np.testing.assert_allclose(-stress[1], answer.pressure(x, 1.0), rtol=within, atol=within)
+    check_faces(answer, places(answer), 1.0, 3 * answer.error_estimate)
 
 
 @pytest.mark.parametrize("name", FEW)
@@ -100,59 +89,13 @@ def test_exchanged_bodies_have_mirrored_fields(name):
         np.testing.assert_allclose(getattr(answer, field)(x, y, 1.0), mirrored, atol=1e-11)
 
 
-CENTRAL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
-"""Eighth-order differences."""
-
-
-def differentiated(field, at, axis, step):
-    total = 0.0
-    for weight, shift in zip(CENTRAL, range(-4, 5), strict=True):
-        moved = list(at)
-        moved[axis] = moved[axis] + shift * step
-        total = total + weight * field(*moved)
-    return total / step
-
-
-def smooth_points(answer, body, side, count=40):
-    """Points of one body at t = 1 with no front nearby, head waves of both bodies included."""
-    far, rng = max(speeds(answer.pair)), np.random.default_rng(4)
-    x, y = rng.uniform(-far, far, 8000), rng.uniform(0.2, 1.0, 8000) * far
-    edges = [v for zone in (*answer.zones, *answer.openings) for v in (zone.inner, zone.outer)]
-    apart = []
-    for speed in (body.longitudinal_speed, body.shear_speed):
-        apart += [np.hypot(x, y) / speed - 1, y / speed - 1]
-        for along in (*speeds(answer.pair), *edges):
-            if along > speed:
-                rise = np.sqrt(1 / speed**2 - 1 / along**2)
-                apart += [x / along + y * rise - 1, -x / along + y * rise - 1]
-    clear = np.min(np.abs(apart), axis=0) > 0.03
-    assert np.count_nonzero(clear) >= count
-    return x[clear][:count], side * y[clear][:count], np.ones(count)
-
-
 def faults(answer, upper, lower):
-    """Largest departures from Hooke's law, from motion and from u' = v, of supposed materials."""
+    """Departures from six laws in the upper body, and in the lower one, of supposed materials."""
     worst = []
     for body, side in ((upper, 1), (lower, -1)):
-        at = smooth_points(answer, body, side)
-        step, mu = 0.002 * body.shear_speed, body.shear_modulus
-        bulk = body.density * body.longitudinal_speed**2
-        change = answer.stress(*at) - answer.stress(at[0], at[1], 0.0)
-        rate = differentiated(answer.velocity, at, 2, 0.002)
-        stress_x, stress_y = (differentiated(answer.stress, at, axis, step) for axis in (0, 1))
-        moved_x, moved_y = (differentiated(answer.displacement, at, axis, step) for axis in (0, 1))
-        moved = differentiated(answer.displacement, at, 2, 0.002)
-        speed = body.shear_speed
-        pairs = [
-            (body.density * speed * rate[0], speed * (stress_x[0] + stress_y[2])),
-            (body.density * speed * rate[1], speed * (stress_x[2] + stress_y[1])),
-            (change[0], bulk * moved_x[0] + (bulk - 2 * mu) * moved_y[1]),
-            (change[1], bulk * moved_y[1] + (bulk - 2 * mu) * moved_x[0]),
-            (change[2], mu * (moved_y[0] + moved_x[1])),
-            (body.shear_impedance * answer.velocity(*at), body.shear_impedance * moved),
-        ]
-        worst += [float(np.abs(np.subtract(*pair)).max()) for pair in pairs]
-    return np.array(worst)
+        at = smooth_points(answer, body, speeds(answer.pair), side=side)
+        worst.append(departures_from_laws(answer, at, body, 0.002 * body.shear_speed))
+    return np.concatenate(worst)
 
 
 @pytest.mark.parametrize("name", ["two zones", "slip and opening"])

@@ -64,33 +64,12 @@ def check_like_bodies(given, accuracy):
     assert found.max_slip(2.0) == pytest.approx(known.max_slip(2.0), rel=1e-7, abs=1e-12)
 
 
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("seed", [0, 3])
-def test_like_bodies_have_the_answer_of_solve(seed):
-    check_like_bodies(random_scene(np.random.default_rng([1, seed])), 1e-10)
-
-
-@pytest.mark.slow
+@pytest.mark.thinned(16)
 @pytest.mark.parametrize("seed", range(16))
-def test_many_scenes_of_like_bodies(seed):
+def test_like_bodies_have_the_answer_of_solve(seed):
     given = random_scene(np.random.default_rng([1, seed]))
     film = given.friction_law != CoulombFriction()
-    accuracy = 1e-9 if film or abs(given.load.shear) < 1e-3 else 1e-10
-    check_like_bodies(given, accuracy)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["slip from the slot", "slip and opening", "film"])
-def test_exchange_of_the_bodies_mirrors_the_answer(name):
-    pair = SCENES[name]
-    one, other = solve_pair(pair), solve_pair(pair.exchanged)
-    assert [zone.sense for zone in one.zones] == [-zone.sense for zone in other.zones]
-    np.testing.assert_allclose(one.edge_speeds, other.edge_speeds, rtol=1e-12)
-    x = X[np.abs(X[:, None] - one.edge_speeds.ravel()).min(axis=1) > 0.03]
-    for field, sign in (("slip_rate", -1), ("shear_traction", -1), ("pressure", 1), ("gap", 1)):
-        here, there = (getattr(answer, field)(x, 1.0) for answer in (one, other))
-        scale = np.abs(here).max() or 1.0
-        np.testing.assert_allclose(sign * there / scale, here / scale, rtol=0, atol=1e-12)
+    check_like_bodies(given, 1e-9 if film or abs(given.load.shear) < 1e-3 else 1e-10)
 
 
 @pytest.mark.thinned(2)
@@ -143,34 +122,23 @@ def check_law(answer, rtol):
     assert np.all(np.abs(error[smooth]) < 1e-3 * scale)
 
 
-def check_random_pair(seed, tolerances):
-    """One random pair: what is said of it, and that its errors are below their estimates."""
+@pytest.mark.thinned(20)
+@pytest.mark.parametrize("seed", [1, 0, *range(2, 20)])
+def test_errors_of_random_pairs_are_below_their_estimates(seed):
     pair = random_pair(np.random.default_rng([2, seed]))
     try:
         exact = solve_pair(pair, rtol=1e-10)
     except SceneError:
-        return "refused"
+        assert seed not in (1, 4)
+        return
     assert np.isfinite(exact.error_estimate)
     check_law(exact, 1e-9)
-    for rtol in tolerances:
+    for rtol in (1e-4, 1e-6, 1e-8):
         answer = solve_pair(pair, rtol=rtol)
         assert answer.status == "converged"
         error = error_of(answer, exact)
         if error is not None:  # else there are zones next to the edge that rtol leaves out
             assert error <= answer.error_estimate
-    return "solved"
-
-
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("seed", [1, 4])
-def test_a_random_pair(seed):
-    assert check_random_pair(seed, (1e-6,)) == "solved"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
-def test_random_pairs(seed):
-    check_random_pair(seed, (1e-4, 1e-6, 1e-8))
 
 
 def compared(pair, nodes, reach):
@@ -196,37 +164,22 @@ def compared(pair, nodes, reach):
 @pytest.mark.parametrize(
     ("name", "reach", "rate", "pressure"),
     [
+        ("slip from the slot", 0.8, 0.02, 0.006),
         ("two zones", 1.3, 0.01, 0.0006),
         ("slip and opening", 0.8, 0.017, 0.008),
         ("film", 1.3, 0.01, 0.0017),
+        ("both senses", 2.4, 0.02, 0.006),
+        ("detached opening", 2.0, 0.02, 0.006),
     ],
 )
-def test_a_march_agrees(name, reach, rate, pressure):
-    """Within some 4/3 of what was found on 512 nodes; four times the nodes leave a quarter."""
-    _, _, found = compared(SCENES[name], 512, reach)
-    assert found[0] < rate
-    assert found[1] < pressure
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "reach"),
-    [
-        ("slip from the slot", 0.8),
-        ("two zones", 1.3),
-        ("slip and opening", 0.8),
-        ("film", 1.3),
-        ("both senses", 2.4),
-        ("detached opening", 2.0),
-    ],
-)
-def test_a_march_converges_to_the_answer(name, reach):
+def test_a_march_converges_to_the_answer(name, reach, rate, pressure):
+    """On 512 nodes within some 4/3 of what was found; four times the nodes leave a quarter."""
     answer, marched, fine = compared(SCENES[name], 2048, reach)
     _, _, coarse = compared(SCENES[name], 512, reach)
-    assert fine[0] < 0.007
-    assert fine[0] < 0.35 * coarse[0]
-    assert fine[1] < 0.002
-    assert fine[1] < 0.35 * coarse[1]
+    assert coarse[0] < rate
+    assert coarse[1] < pressure
+    assert fine[0] < min(0.007, 0.35 * coarse[0])
+    assert fine[1] < min(0.002, 0.35 * coarse[1])
     for zone in answer.zones:
         if zone.outer - zone.inner > 0.1:
             ends = [end for state, *both in marched.zones if state == zone.sense for end in both]
@@ -268,15 +221,8 @@ def test_a_detached_opening():
 
 @pytest.mark.slow
 def test_a_detached_opening_of_like_bodies():
-    solid = Material(1.0, 1.0, 1 / 3)
-    given = Scene(solid, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.5))
-    known = solve(given, rtol=1e-10)
-    found = solve_pair(Pair(solid, solid, 0.3, given.base, given.load))
-    np.testing.assert_allclose(found.edge_speeds, known.edge_speeds, atol=1e-7)
-    x = np.array([0.3, 0.6, 0.8, 1.2, 1.5, 1.7])
-    for name in ("slip_rate", "gap_rate", "gap", "pressure"):
-        one, other = (getattr(each, name)(x, 1.0) for each in (found, known))
-        np.testing.assert_allclose(one, other, atol=1e-7)
+    base, load = Tractions(0.02, 0.0), Tractions(1.0, 0.5)
+    check_like_bodies(Scene(Material(1.0, 1.0, 1 / 3), 0.3, base, load), 1e-7)
 
 
 @pytest.mark.slow
