@@ -59,12 +59,13 @@ def test_relative_accuracy_at_the_onset(mode):
     assert ratio == pytest.approx(4**power, rel=1e-3)  # rounding of a + step: 2^-52 / 2^-42
 
 
-def test_nothing_ahead_of_the_longitudinal_front():
-    for mode in ("I", "II"):
-        traction = stuck_traction(0.3, mode)
-        ahead = np.array([-1.0, 0.0, 0.5 * traction.factors.a])
-        assert np.all(traction(ahead) == 0)
-        assert np.all(traction.derivative(ahead) == 0)
+@pytest.mark.parametrize("mode", ["I", "II", "III"])
+def test_nothing_comes_ahead_of_the_first_wave(mode):
+    traction = stuck_traction(0.3, mode)
+    ahead = np.array([-1.0, 0.0, 0.5, 0.99]) * (1.0 if mode == "III" else traction.factors.a)
+    assert np.all(traction(ahead) == 0)
+    assert np.all(traction.derivative(ahead) == 0)
+    assert np.all(stuck_primitive(0.3, mode)(ahead) == 0)
 
 
 def test_stress_intensity_is_the_limit_at_the_edge():
@@ -114,13 +115,6 @@ def test_traction_and_primitive_against_quadrature(u):
     assert float(primitive(u)) == pytest.approx(float(once), rel=1e-11)
 
 
-def test_nothing_arrives_before_the_shear_wave():
-    ahead = np.array([-1.0, 0.0, 0.6, 0.99, 1.0])
-    for field in (stuck_traction(0.2, "III"), stuck_primitive(0.2, "III")):
-        assert np.all(field(ahead) == 0)
-    assert np.all(stuck_traction(0.2, "III").derivative(ahead) == 0)
-
-
 @pytest.mark.parametrize("history", [Step(), Ramp(0.5), Harmonic(2.0)])
 def test_histories_superpose_steps(history):
     """Against a table of many samples, whose kinks are exact."""
@@ -144,54 +138,28 @@ def test_intensity_is_the_limit_at_the_edge():
     assert traction == pytest.approx(near_field(sheared, 1e-9), rel=1e-4)
 
 
-TABLE = {  # p: M_+(-p) of II and I; q_p*, p_p* at u = 0.7, 1, 2, 10, nu = 1/3
-    -2.0: (
-        1.650307999637,
-        1.807821836465,
-        (0.00416302, 0.02613857, 0.05823778, 0.49265632),
-        (-0.00431393, -0.00742553, 0.01667952, 0.38899258),
-    ),
-    -0.9: (
-        1.268049960483,
-        1.477233498889,
-        (0.00932314, 0.05568173, 0.1150059, 0.78474499),
-        (-0.00934231, -0.01544957, 0.02686865, 0.56539015),
-    ),
-    -0.25: (
-        0.966788423071,
-        1.248118487287,
-        (0.02132173, 0.11749023, 0.22078779, 1.21205729),
-        (-0.02029108, -0.03153569, 0.0359652, 0.75378202),
-    ),
-    0.0: (
-        0.816496580928,
-        1.154700538379,
-        (0.03540245, 0.1822508, 0.32195311, 1.5588662),
-        (-0.03233404, -0.04779902, 0.03649484, 0.85334755),
-    ),
-    0.25: (
-        0.619913143262,
-        1.07372106041,
-        (0.07840059, 0.35139985, 0.5651749, 2.28949283),
-        (-0.06637316, -0.08925443, 0.01816682, 0.94686328),
-    ),
-    0.4: (
-        0.444329545937,
-        1.088380665188,
-        (0.18864292, 0.69662414, 1.02551031, 3.52080497),
-        (-0.14675892, -0.17594967, -0.05665785, 0.89288675),
-    ),
-}
+TABLE = [  # p, mode, M_+(-p), q_p* or p_p* at u = 0.7, 1, 2, 10, nu = 1/3
+    (-2.0, "II", 1.650307999637, (0.00416302, 0.02613857, 0.05823778, 0.49265632)),
+    (-2.0, "I", 1.807821836465, (-0.00431393, -0.00742553, 0.01667952, 0.38899258)),
+    (-0.9, "II", 1.268049960483, (0.00932314, 0.05568173, 0.1150059, 0.78474499)),
+    (-0.9, "I", 1.477233498889, (-0.00934231, -0.01544957, 0.02686865, 0.56539015)),
+    (-0.25, "II", 0.966788423071, (0.02132173, 0.11749023, 0.22078779, 1.21205729)),
+    (-0.25, "I", 1.248118487287, (-0.02029108, -0.03153569, 0.0359652, 0.75378202)),
+    (0.0, "II", 0.816496580928, (0.03540245, 0.1822508, 0.32195311, 1.5588662)),
+    (0.0, "I", 1.154700538379, (-0.03233404, -0.04779902, 0.03649484, 0.85334755)),
+    (0.25, "II", 0.619913143262, (0.07840059, 0.35139985, 0.5651749, 2.28949283)),
+    (0.25, "I", 1.07372106041, (-0.06637316, -0.08925443, 0.01816682, 0.94686328)),
+    (0.4, "II", 0.444329545937, (0.18864292, 0.69662414, 1.02551031, 3.52080497)),
+    (0.4, "I", 1.088380665188, (-0.14675892, -0.17594967, -0.05665785, 0.89288675)),
+]
 """The table of the theory notes, made by the quadrature of another hand."""
 
 
-@pytest.mark.parametrize("p", TABLE)
-def test_the_table_of_the_notes(p):
-    shear, normal, of_shear, of_pressure = TABLE[p]
-    for mode, at_load, values in (("II", shear, of_shear), ("I", normal, of_pressure)):
-        stuck = stuck_traction(1 / 3, mode, p)
-        assert stuck.m_plus_at_load == pytest.approx(at_load, abs=2e-12)
-        assert stuck(np.array([0.7, 1.0, 2.0, 10.0])) == pytest.approx(values, abs=1e-8)
+@pytest.mark.parametrize(("p", "mode", "at_load", "values"), TABLE)
+def test_the_table_of_the_notes(p, mode, at_load, values):
+    stuck = stuck_traction(1 / 3, mode, p)
+    assert stuck.m_plus_at_load == pytest.approx(at_load, abs=2e-12)
+    assert stuck(np.array([0.7, 1.0, 2.0, 10.0])) == pytest.approx(values, abs=1e-8)
 
 
 def second(poisson_ratio, mode, p, u):
