@@ -10,17 +10,6 @@ from two_body_march import march
 import slipfront as sf
 from compare.studies.dissimilar.honesty import error_of
 from compare.studies.dissimilar.pairs import SCENES, random_pair
-from semianalytic import (
-    CoulombFriction,
-    Material,
-    Pair,
-    Scene,
-    SceneError,
-    Tractions,
-    ViscousFriction,
-    solve,
-    solve_pair,
-)
 from semianalytic.scene.given.finding import find_blocks, scene_label
 from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
 from slipfront.cli.scenes.completion import scene_names
@@ -30,22 +19,24 @@ X = np.linspace(0.02, 1.95, 160)
 
 def random_scene(rng):
     """One solid on both sides: slip, openings from the edge, viscous films, several zones."""
-    solid = Material(*rng.uniform(0.5, 2, 2), rng.uniform(-0.3, 0.45))
+    solid = sf.Material(*rng.uniform(0.5, 2, 2), rng.uniform(-0.3, 0.45))
     friction, kind = rng.uniform(0.05, 0.8), rng.integers(0, 4)
-    base = Tractions(1.0, rng.uniform(-0.9, 0.9) * friction * (rng.random() < 0.5))
+    base = sf.Tractions(1.0, rng.uniform(-0.9, 0.9) * friction * (rng.random() < 0.5))
     shear, size = rng.normal() * friction, abs(rng.normal()) / 2
-    load = Tractions([0.0, size, -size, 2 * rng.normal()][kind], shear)
+    load = sf.Tractions([0.0, size, -size, 2 * rng.normal()][kind], shear)
     viscous = rng.random() < 0.25 and load.pressure == 0
-    law = {"friction_law": ViscousFriction(rng.uniform(0, 2) * solid.shear_impedance)}
-    return Scene(solid, friction, base, load, **(law if viscous else {}))
+    law = {"friction_law": sf.ViscousFriction(rng.uniform(0, 2) * solid.shear_impedance)}
+    return sf.Scene(solid, friction, base, load, **(law if viscous else {}))
 
 
 def check_like_bodies(given, accuracy):
     """A scene through `solve_pair` is what `solve` says."""
-    known = solve(given, rtol=accuracy)
+    known = sf.solve(given, rtol=accuracy)
     law = {"friction_law": given.friction_law}
     solids = (given.material, given.material)
-    found = solve_pair(Pair(*solids, given.friction, given.base, given.load, **law), rtol=accuracy)
+    found = sf.solve_pair(
+        sf.Pair(*solids, given.friction, given.base, given.load, **law), rtol=accuracy
+    )
     assert found.status == "converged"
     speed = given.material.shear_speed
     assert len(found.zones) == len(known.zones)
@@ -68,7 +59,7 @@ def check_like_bodies(given, accuracy):
 @pytest.mark.parametrize("seed", range(16))
 def test_like_bodies_have_the_answer_of_solve(seed):
     given = random_scene(np.random.default_rng([1, seed]))
-    film = given.friction_law != CoulombFriction()
+    film = given.friction_law != sf.CoulombFriction()
     check_like_bodies(given, 1e-9 if film or abs(given.load.shear) < 1e-3 else 1e-10)
 
 
@@ -78,13 +69,13 @@ def test_units_do_not_matter(name):
     pair, stress, speed = SCENES[name], 3e6, 2000.0
     density = 5e9 / speed**2
     solids = [
-        Material(5e9 * one.shear_modulus, density * one.density, one.poisson_ratio)
+        sf.Material(5e9 * one.shear_modulus, density * one.density, one.poisson_ratio)
         for one in (pair.upper, pair.lower)
     ]
     base, load = (
-        Tractions(stress * one.pressure, stress * one.shear) for one in (pair.base, pair.load)
+        sf.Tractions(stress * one.pressure, stress * one.shear) for one in (pair.base, pair.load)
     )
-    one, other = solve_pair(pair), solve_pair(Pair(*solids, pair.friction, base, load))
+    one, other = sf.solve_pair(pair), sf.solve_pair(sf.Pair(*solids, pair.friction, base, load))
     np.testing.assert_allclose(other.edge_speeds, speed * one.edge_speeds, rtol=1e-11)
     x, t = 0.17, 3e-4
     rate = other.slip_rate(x * speed * t, t) * density * speed / stress
@@ -127,14 +118,14 @@ def check_law(answer, rtol):
 def test_errors_of_random_pairs_are_below_their_estimates(seed):
     pair = random_pair(np.random.default_rng([2, seed]))
     try:
-        exact = solve_pair(pair, rtol=1e-10)
-    except SceneError:
+        exact = sf.solve_pair(pair, rtol=1e-10)
+    except sf.SceneError:
         assert seed not in (1, 4)
         return
     assert np.isfinite(exact.error_estimate)
     check_law(exact, 1e-9)
     for rtol in (1e-4, 1e-6, 1e-8):
-        answer = solve_pair(pair, rtol=rtol)
+        answer = sf.solve_pair(pair, rtol=rtol)
         assert answer.status == "converged"
         error = error_of(answer, exact)
         if error is not None:  # else there are zones next to the edge that rtol leaves out
@@ -148,7 +139,7 @@ def compared(pair, nodes, reach):
     the j-th node on every grid, for the symbol of the grid jumps at its Nyquist frequency
     (docs/dissimilar.md): means of three neighbours are compared, of the march and of the answer.
     """
-    answer = solve_pair(pair, rtol=1e-5)
+    answer = sf.solve_pair(pair, rtol=1e-5)
     marched = march(pair, nodes, reach, getattr(pair.friction_law, "viscosity", 0.0))
     x = marched.velocity
     clear = x[1:-1] > 0.03
@@ -188,7 +179,7 @@ def test_a_march_converges_to_the_answer(name, reach, rate, pressure):
 
 @pytest.mark.slow
 def test_both_senses():
-    answer = solve_pair(SCENES["both senses"], rtol=1e-6)
+    answer = sf.solve_pair(SCENES["both senses"], rtol=1e-6)
     assert [zone.sense for zone in answer.zones] == [1, -1, 1]
     assert answer.status == "converged"
     assert len(answer.openings) == 0
@@ -197,7 +188,7 @@ def test_both_senses():
 @pytest.mark.slow
 def test_a_stuck_edge_of_different_bodies_slips_within_a_strip():
     """The tractions turn like x^(i eps) there: they leave every cone of friction."""
-    answer = solve_pair(scene("0", 0.4, (0.7, 0.0), (5.5, -1.0)))
+    answer = sf.solve_pair(scene("0", 0.4, (0.7, 0.0), (5.5, -1.0)))
     edge, detached = answer.zones
     assert (edge.inner, edge.sense) == (0.0, 1)
     assert edge.outer == pytest.approx(1.5728e-6, rel=1e-4)
@@ -205,14 +196,14 @@ def test_a_stuck_edge_of_different_bodies_slips_within_a_strip():
 
 
 def test_tension_next_to_the_edge_opens_it():
-    answer = solve_pair(scene("A", 0.2, (5.0, 0.0), (0.0, -1.0)))
+    answer = sf.solve_pair(scene("A", 0.2, (5.0, 0.0), (0.0, -1.0)))
     assert answer.openings[0].outer == pytest.approx(1.036920e-5, rel=1e-6)
     assert answer.zones[0].outer == pytest.approx(0.373588456, abs=3e-9)
 
 
 @pytest.mark.slow
 def test_a_detached_opening():
-    answer = solve_pair(SCENES["detached opening"])
+    answer = sf.solve_pair(SCENES["detached opening"])
     assert answer.status == "converged"
     assert answer.openings[0].inner == pytest.approx(0.7831567, abs=1e-7)
     assert answer.openings[0].outer == pytest.approx(1.1553929, abs=1e-7)
@@ -221,54 +212,54 @@ def test_a_detached_opening():
 
 @pytest.mark.slow
 def test_a_detached_opening_of_like_bodies():
-    base, load = Tractions(0.02, 0.0), Tractions(1.0, 0.5)
-    check_like_bodies(Scene(Material(1.0, 1.0, 1 / 3), 0.3, base, load), 1e-7)
+    base, load = sf.Tractions(0.02, 0.0), sf.Tractions(1.0, 0.5)
+    check_like_bodies(sf.Scene(sf.Material(1.0, 1.0, 1 / 3), 0.3, base, load), 1e-7)
 
 
 @pytest.mark.slow
 def test_what_has_no_answer_is_refused():
-    with pytest.raises(SceneError, match=r"grow by 4\.82 % .* no friction is too low"):
-        solve_pair(scene("A", 0.2, (5.0, 0.0), (0.0, 1.0)))
-    with pytest.raises(SceneError, match=r"lower it below 0\.572"):
-        solve_pair(scene("0", 0.8, (1.0, 0.0), (0.0, 1.0)))
-    upper, lower = Material(1.0, 1.0, 0.3), Material(1.9706, 1.98737, -0.02)
-    bonded = Pair(upper, lower, 0.2, Tractions(1.0, 0.0), Tractions(0.0, 0.3))
-    with pytest.raises(SceneError, match="Stoneley"):
-        solve_pair(bonded)
-    film = dataclasses.replace(SCENES["slip and opening"], friction_law=ViscousFriction(0.3))
-    with pytest.raises(SceneError, match="viscous film"):
-        solve_pair(film)
-    with pytest.raises(SceneError, match="rtol"):
-        solve_pair(SCENES["slip from the slot"], rtol=1e-13)
+    with pytest.raises(sf.SceneError, match=r"grow by 4\.82 % .* no friction is too low"):
+        sf.solve_pair(scene("A", 0.2, (5.0, 0.0), (0.0, 1.0)))
+    with pytest.raises(sf.SceneError, match=r"lower it below 0\.572"):
+        sf.solve_pair(scene("0", 0.8, (1.0, 0.0), (0.0, 1.0)))
+    upper, lower = sf.Material(1.0, 1.0, 0.3), sf.Material(1.9706, 1.98737, -0.02)
+    bonded = sf.Pair(upper, lower, 0.2, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 0.3))
+    with pytest.raises(sf.SceneError, match="Stoneley"):
+        sf.solve_pair(bonded)
+    film = dataclasses.replace(SCENES["slip and opening"], friction_law=sf.ViscousFriction(0.3))
+    with pytest.raises(sf.SceneError, match="viscous film"):
+        sf.solve_pair(film)
+    with pytest.raises(sf.SceneError, match="rtol"):
+        sf.solve_pair(SCENES["slip from the slot"], rtol=1e-13)
 
 
 @pytest.mark.slow
 def test_waves_towards_the_edge_are_told():
     """Slip of pair C towards -x is solved; a march of it lets waves towards the edge grow."""
-    answer = solve_pair(SCENES["slip from the slot"], rtol=1e-5)
+    answer = sf.solve_pair(SCENES["slip from the slot"], rtol=1e-5)
     (wave,) = answer.growing
     assert wave.velocity < 0
     assert 0 < wave.growth < 0.02
-    assert solve_pair(SCENES["slip and opening"], rtol=1e-5).growing == ()
+    assert sf.solve_pair(SCENES["slip and opening"], rtol=1e-5).growing == ()
 
 
 def test_nothing_moves_without_a_load_or_before_it():
-    still = solve_pair(scene("0", 0.3, (1.0, 0.1), (0.0, 0.0)))
+    still = sf.solve_pair(scene("0", 0.3, (1.0, 0.1), (0.0, 0.0)))
     assert (still.status, still.zones) == ("converged", ())
     np.testing.assert_array_equal(still.shear_traction(X, 1.0), 0.1)
-    answer = solve_pair(SCENES["slip from the slot"], rtol=1e-5)
+    answer = sf.solve_pair(SCENES["slip from the slot"], rtol=1e-5)
     assert answer.slip_rate(0.1, -1.0) == 0
     assert answer.pressure(0.1, 0.0) == 4.0
     assert answer.zones_at(0.0) == ()
     assert answer.zones_at(2.0)[0].end == pytest.approx(2 * answer.zones[0].outer)
     assert "slip at 0 < x/t < 0.40" in repr(answer)
-    with pytest.raises(SceneError, match="x > 0"):
+    with pytest.raises(sf.SceneError, match="x > 0"):
         answer.slip(-1.0, 1.0)
 
 
 @pytest.mark.slow
 def test_history_holds_all_fields():
-    answer = solve_pair(SCENES["slip and opening"], rtol=1e-5)
+    answer = sf.solve_pair(SCENES["slip and opening"], rtol=1e-5)
     history = answer.history([0.05, 0.3], [0.5, 1.0])
     assert history.slip_rate.shape == (2, 2)
     assert history.gap[1, 0] > 0 == history.gap[1, 1]
