@@ -6,17 +6,7 @@ import numpy as np
 import pytest
 from dissimilar_pairs import PAIRS, contrast
 
-from semianalytic import (
-    Material,
-    Patch,
-    PointForce,
-    Scene,
-    SceneError,
-    Tractions,
-    WholeLine,
-    solve,
-    solve_line,
-)
+import semianalytic as sf
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.thresholds import stoneley_speed
@@ -28,7 +18,7 @@ from semianalytic.dissimilar.whole_line import (
     point_speeds,
 )
 
-SOLID = Material(1.0, 1.0, 1 / 3)
+SOLID = sf.Material(1.0, 1.0, 1 / 3)
 ALIKE = compliance_of(SOLID, SOLID)
 
 
@@ -51,7 +41,7 @@ def test_half_line(ratio, friction, chi, positive, negative):
     """Two-body marches have them to a cell: 0.39538, 0.38682 for the third row."""
     bodies = contrast(ratio)
     if positive is None:
-        with pytest.raises(SceneError, match="waves grow"):
+        with pytest.raises(sf.SceneError, match="waves grow"):
             half_line_speed(bodies, friction, chi)
     else:
         assert half_line_speed(bodies, friction, chi) == pytest.approx(positive, abs=8e-10)
@@ -99,19 +89,19 @@ def test_like_bodies():
     assert half_line_speed(ALIKE, 0.3, 1.0) == pytest.approx(0.375, rel=1e-13)
     assert half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)
     for speed, missing in ((0.3, 0.5), (0.6, 0.6)):
-        patch = WholeLine(SOLID, missing, Tractions(1.0, 0.0), Patch(speed, shear=1.0))
-        known = solve_line(patch).edge_speed
+        patch = sf.WholeLine(SOLID, missing, sf.Tractions(1.0, 0.0), sf.Patch(speed, shear=1.0))
+        known = sf.solve_line(patch).edge_speed
         assert patch_speeds(ALIKE, 0.2, missing, speed) == pytest.approx((known, known), rel=1e-9)
-        known = solve_line(replace(patch, load=PointForce(shear=1.0))).edge_speed
+        known = sf.solve_line(replace(patch, load=sf.PointForce(shear=1.0))).edge_speed
         assert point_speeds(ALIKE, 0.2, missing) == pytest.approx((known, known), rel=1e-8)
 
 
 def test_slip_rate_of_like_bodies_is_that_beside_a_slot():
-    scene = Scene(SOLID, 0.5, Tractions(2.0, 0.0), Tractions(0.0, 1.0))
+    scene = sf.Scene(SOLID, 0.5, sf.Tractions(2.0, 0.0), sf.Tractions(0.0, 1.0))
     x = np.array([0.02, 0.1, 0.3, 0.37, 0.4])
     # the slot of chi_b = 1 takes 1 of the 2 that are too much and missing together
     rate = 2 * half_line_slip_rate(ALIKE, 0.0, 1.0, x)
-    np.testing.assert_allclose(rate, solve(scene, rtol=1e-11).slip_rate(x, 1.0), rtol=1e-9)
+    np.testing.assert_allclose(rate, sf.solve(scene, rtol=1e-11).slip_rate(x, 1.0), rtol=1e-9)
 
 
 @pytest.mark.slow
@@ -148,8 +138,8 @@ def test_the_phase_of_random_pairs_tends_to_one_of_two_limits():
     limits = []
     for _ in range(10):
         bodies = compliance_of(
-            Material(1.0, 1.0, rng.uniform(0.0, 0.45)),
-            Material(*np.exp(rng.uniform(-0.9, 0.9, 2)), rng.uniform(0.0, 0.45)),
+            sf.Material(1.0, 1.0, rng.uniform(0.0, 0.45)),
+            sf.Material(*np.exp(rng.uniform(-0.9, 0.9, 2)), rng.uniform(0.0, 0.45)),
         )
         if stoneley_speed(bodies) is None:
             limits += [slip_phase(bodies, f).limit / np.pi for f in (0.15, -0.15)]
@@ -166,9 +156,9 @@ def test_dundurs_parameter_is_that_of_the_moduli():
 
 
 def test_what_cannot_be_is_refused():
-    with pytest.raises(SceneError, match="positive"):
+    with pytest.raises(sf.SceneError, match="positive"):
         point_speeds(ALIKE, 0.2, 0.0)
-    with pytest.raises(SceneError, match="less than 1"):
+    with pytest.raises(sf.SceneError, match="less than 1"):
         patch_speeds(ALIKE, 0.2, 1.5, 0.3)
-    with pytest.raises(SceneError, match="slower than all waves"):
+    with pytest.raises(sf.SceneError, match="slower than all waves"):
         half_line_speed(ALIKE, 0.2, 1e-6)

@@ -17,7 +17,6 @@ from semianalytic.dissimilar.whole_line import (
     patch_speeds,
 )
 from semianalytic.engine.steps import Stepper
-from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.memory.exponentials import fit_shared
 from semianalytic.memory.impedance import InPlane, Opening
 
@@ -344,10 +343,3 @@ def test_steel_on_rubber_is_resolved_under_its_delay_and_refused_without():
     sudden = replace(found.interface, law=sf.Coulomb(0.5))
     with pytest.raises(sf.SceneError, match="no friction is too low"):
         sf.run(sudden, found.end_time, 256)
-
-
-def test_a_file_names_the_body_that_is_wrong(tmp_path):
-    text = NAMED_INTERFACES["rock-on-gouge"].replace("12e9", "0")
-    (tmp_path / "wrong.toml").write_text(text)
-    with pytest.raises(sf.SceneError, match="lower_material: shear_modulus must be positive"):
-        sf.find_interface(tmp_path / "wrong.toml")

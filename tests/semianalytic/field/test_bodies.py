@@ -23,16 +23,16 @@ ALL = [
     *(Problem(name, scene, frozenset()) for name, scene in FILMS.items()),
 ]
 every = pytest.mark.parametrize("problem", ALL, ids=[problem.name for problem in ALL])
-FEW = ("two zones under a shock", "both senses", "opens and closes again", "antiplane shock")
-few = pytest.mark.parametrize(
-    "problem", [p for p in ALL if p.name in FEW], ids=[p.name for p in ALL if p.name in FEW]
-)
 
 
-BESIDE = ("two zones under a shock", "both senses", "pressure on the slot", "slip everywhere")
-every_other = pytest.mark.parametrize(
-    "problem", [p for p in ALL if p.name in BESIDE], ids=[p.name for p in ALL if p.name in BESIDE]
-)
+def among(*names):
+    """Run a test on these problems."""
+    return pytest.mark.parametrize(
+        "problem", [p for p in ALL if p.name in names], ids=lambda one: one.name
+    )
+
+
+few = among("two zones under a shock", "both senses", "opens and closes again", "antiplane shock")
 
 
 def unit_time(scene):
@@ -134,17 +134,19 @@ def test_a_stuck_antiplane_step_has_the_closed_form():
     solution = solve(unit_scene(5.0, **REMOTE, mode="antiplane"))
     rng = np.random.default_rng(5)
     x, y = rng.uniform(-0.99, 0.99, (2, 400)) / np.sqrt(2)
-    y = np.abs(y)
-    circle = np.geomspace(1e-12, 1e-3, 40), rng.uniform(0, np.pi, 40)
-    x = np.append(x, (1 - circle[0]) * np.cos(circle[1]))
-    y = np.append(y, (1 - circle[0]) * np.sin(circle[1]))
+    radius, angle = 1 - np.geomspace(1e-12, 1e-3, 40), rng.uniform(0, np.pi, 40)
+    close, around = (one.ravel() for one in np.meshgrid([1e-2, 1e-5, 1e-8], np.linspace(0.1, 3, 9)))
+    x = np.concatenate([x, radius * np.cos(angle), close * np.cos(around)])
+    y = np.concatenate([np.abs(y), radius * np.sin(angle), close * np.sin(around)])
     square = x**2 + y**2
     k = (-x + 1j * y * np.sqrt(1 - square)) / square
     rate = 2 / np.pi * np.arctanh(1 / np.sqrt(1 - k)).imag
     root = np.sqrt(1 + k)
     shear = 2 / np.pi * (root - np.arctanh(1 / root)).imag
     np.testing.assert_allclose(solution.velocity(x, y, 1.0)[2], rate, atol=1e-9)
-    np.testing.assert_allclose(solution.stress(x, y, 1.0)[4], shear, atol=1e-9, rtol=1e-9)
+    found, far = solution.stress(x, y, 1.0)[4], len(x) - len(close)
+    np.testing.assert_allclose(found[:far], shear[:far], atol=1e-9, rtol=1e-9)
+    np.testing.assert_allclose(found[far:], shear[far:], rtol=2e-8)
 
 
 def test_stresses_beside_a_stuck_edge_are_those_of_its_intensity():
@@ -163,7 +165,7 @@ def test_stresses_beside_a_stuck_edge_are_those_of_its_intensity():
 
 
 @pytest.mark.thinned(3)
-@every_other
+@among("two zones under a shock", "both senses", "pressure on the slot", "slip everywhere")
 def test_both_waves_added_first_are_what_they_are_apart(problem, monkeypatch):
     """Beside the edge, where it matters, at distances where either loses little."""
     solution, (time, reach) = solve(problem.scene), unit_time(problem.scene)
@@ -182,14 +184,12 @@ def test_fields_are_self_similar_and_at_rest_before():
     x, y = rng.uniform(-2, 2, (2, 50))
     for field, power in (("velocity", 0), ("stress", 0), ("displacement", 1)):
         ask = getattr(solution, field)
-        np.testing.assert_allclose(
-            ask(3 * x, 3 * y, 3.0), 3**power * ask(x, y, 1.0), rtol=1e-7, atol=1e-9
-        )
-        assert ask(x[:, None], y, 1.0).shape == (3 if field == "stress" else 2, 50, 50)
+        once, later = ask(x[:, None], y, 1.0), ask(3 * x[:, None], 3 * y, 3.0)
+        np.testing.assert_allclose(later, 3**power * once, rtol=1e-7, atol=1e-9)
+        assert once.shape == (3 if field == "stress" else 2, 50, 50)
     assert np.all(solution.velocity(x, y, 0.0) == 0)
-    np.testing.assert_array_equal(
-        solution.stress(0.5, 0.1, [-1.0, 0.0]), [[0, 0], [-1, -1], [0, 0]]
-    )
+    before = solution.stress(0.5, 0.1, [-1.0, 0.0])
+    np.testing.assert_array_equal(before, [[0, 0], [-1, -1], [0, 0]])
 
 
 def test_stuck_fields_superpose():

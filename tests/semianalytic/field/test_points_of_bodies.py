@@ -88,16 +88,6 @@ def test_fields_are_formed_in_parts(monkeypatch):
     assert sum(sizes) == np.count_nonzero(t > 0)
 
 
-@pytest.mark.parametrize("distance", [1e-2, 1e-5, 1e-8])
-def test_stresses_close_to_a_stuck_antiplane_edge_lose_no_digits(distance):
-    solution = solve(unit_scene(5.0, **REMOTE, mode="antiplane"))
-    angle = np.linspace(0.1, 3.0, 9)
-    x, y = distance * np.cos(angle), distance * np.sin(angle)
-    root = np.sqrt(1 + (-x + 1j * y * np.sqrt(1 - distance**2)) / distance**2)
-    shear = 2 / np.pi * (root - np.arctanh(1 / root)).imag
-    np.testing.assert_allclose(solution.stress(x, y, 1.0)[4], shear, rtol=2e-8)
-
-
 def test_far_nodes_are_summed_up_to_what_they_are_one_by_one(monkeypatch):
     """Stresses beside a stuck edge lose no digits either way."""
     scene, rng = unit_scene(2.0, **REMOTE), np.random.default_rng(5)

@@ -11,6 +11,7 @@ from slipfront.cli.commands import main
 
 MATERIAL = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
 SOFTER_BELOW = "lower_" + MATERIAL.replace("shear_modulus = 1.0", "shear_modulus = 0.3")
+NONE_BELOW = SOFTER_BELOW.replace("0.3", "0.0")
 COULOMB = 'law = {kind = "coulomb", friction = 0.3}\n'
 GOOD = f"""length = 8.0
 pressure = {{file = "p.csv", column = "pressure"}}
@@ -167,6 +168,7 @@ def test_named_interfaces_begin(name):
         (WAVE, "length = 8.0", "length = 8.0\neven = true", "not even in x"),
         (WAVE, "at = 4.0", 'at = "end"', "load: at must"),
         (WAVE, "material", f"{SOFTER_BELOW}material", "beyond a critical angle"),
+        (WAVE, "material", f"{NONE_BELOW}material", "lower_material: shear_modulus must be"),
     ],
 )
 def test_mistakes_in_files_end_in_one_sentence(folder, capsys, text, old, new, said):
