@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from semianalytic import Harmonic, Material, Ramp, Tabulated, Tractions
+from semianalytic import Material, Tractions
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stress_intensity, stuck_traction
@@ -113,16 +113,6 @@ def test_traction_and_primitive_against_quadrature(u):
         [0, mp.sqrt(mp.mpf(u) - 1)],
     )
     assert float(primitive(u)) == pytest.approx(float(once), rel=1e-11)
-
-
-@pytest.mark.parametrize("history", [Step(), Ramp(0.5), Harmonic(2.0)])
-def test_histories_superpose_steps(history):
-    """Against a table of many samples, whose kinks are exact."""
-    t = np.linspace(0, 2, 4001)
-    table = history if history == Step() else Tabulated(tuple(t), tuple(history.value(t)))
-    x = np.array([0.1, 0.7])
-    found = stuck_shear(history, 2.0, UNIT, x, 1.9, "III").value
-    np.testing.assert_allclose(found, stuck_shear(table, 2.0, UNIT, x, 1.9, "III").value, atol=1e-5)
 
 
 def test_intensity_is_the_limit_at_the_edge():

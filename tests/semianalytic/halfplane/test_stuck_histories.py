@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -30,7 +31,7 @@ HISTORIES = [
     Tabulated((0.2, 0.2, 0.5, 0.7, 0.7), (0.3, 0.6, -0.2, 0.1, 0.4)),
     *(Pulse(0.7, shape) for shape in PULSE_SHAPES),
 ]
-STUCK = {"I": stuck_pressure, "II": stuck_shear}
+STUCK = {"I": stuck_pressure, "II": stuck_shear, "III": partial(stuck_shear, mode="III")}
 
 
 @pytest.mark.parametrize("mode", ["I", "II"])
@@ -75,7 +76,7 @@ def test_transform_of_the_step(mode):
 
 
 @pytest.mark.thinned(3)
-@pytest.mark.parametrize("mode", ["I", "II"])
+@pytest.mark.parametrize("mode", ["I", "II", "III"])
 @pytest.mark.parametrize(
     "history",
     [
