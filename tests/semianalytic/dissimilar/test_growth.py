@@ -16,15 +16,10 @@ from dissimilar_pairs import (
 
 import slipfront as sf
 from semianalytic import Material, SceneError
+from semianalytic.dissimilar import thresholds
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.delay import fastest_delayed_growth
 from semianalytic.dissimilar.growth import count_growing, growing_waves
-from semianalytic.dissimilar.thresholds import (
-    friction_crossings,
-    generalised_rayleigh_speed,
-    growth_threshold,
-    stoneley_speed,
-)
 
 FASTEST = [
     (contrast(1.2), 0.05, 0.00209156, 0.98485883),
@@ -177,16 +172,16 @@ def test_a_delay_lets_waves_grow_that_decay_without_one():
     ],
 )
 def test_generalised_rayleigh_speed(ratio, speed):
-    assert generalised_rayleigh_speed(contrast(ratio)) == pytest.approx(speed, abs=6e-7)
-    assert growth_threshold(contrast(ratio), 1) == 0
-    assert stoneley_speed(contrast(ratio)) is None
+    assert thresholds.generalised_rayleigh_speed(contrast(ratio)) == pytest.approx(speed, abs=6e-7)
+    assert thresholds.growth_threshold(contrast(ratio), 1) == 0
+    assert thresholds.stoneley_speed(contrast(ratio)) is None
 
 
 @pytest.mark.parametrize(("nu", "ratio"), [(0.1, 1.478882), (0.25, 1.359316), (0.4, 1.252707)])
 def test_generalised_rayleigh_wave_ends_at_the_slower_shear_wave(nu, ratio):
     def exists(other):
         bodies = compliance_of(Material(1, 1, nu), Material(other**2, 1, nu))
-        return generalised_rayleigh_speed(bodies) is not None
+        return thresholds.generalised_rayleigh_speed(bodies) is not None
 
     assert exists(ratio - 1e-4)
     assert not exists(ratio + 1e-4)
@@ -216,10 +211,10 @@ def test_thresholds(ratio, ahead, behind, below, above):
     for known, direction in ((ahead, 1), (behind, -1)):
         if known is not None:
             digit = 0.6 * 10.0 ** -len(f"{known}".partition(".")[2]) if known >= 1e-3 else 2e-5
-            assert growth_threshold(bodies, direction) == pytest.approx(known, abs=digit)
+            assert thresholds.growth_threshold(bodies, direction) == pytest.approx(known, abs=digit)
     if above:
         assert [count_growing(bodies.mirrored, one) for one in (below, above)] == [0, 1]
-        assert below < growth_threshold(bodies, -1) < above
+        assert below < thresholds.growth_threshold(bodies, -1) < above
 
 
 @pytest.mark.parametrize(
@@ -251,19 +246,19 @@ def test_waves_against_the_slower_body_run_near_a_longitudinal_wave(ratio, frict
 
 def test_thresholds_of_named_pairs():
     gouge = compliance_of(*GOUGE_ON_ROCK)
-    assert growth_threshold(gouge, 1) == pytest.approx(0.5314169, abs=6e-8)
+    assert thresholds.growth_threshold(gouge, 1) == pytest.approx(0.5314169, abs=6e-8)
     assert growing_waves(gouge, 0.5314) == ()
     (wave,) = growing_waves(gouge, 0.532)
     assert 0 < wave.growth < 1e-4
     pmma = compliance_of(*PAIRS["PMMA on aluminium"])
-    assert growth_threshold(pmma, -1) == pytest.approx(0.0095371, abs=6e-8)
-    assert growth_threshold(compliance_of(*RUBBER_ON_STEEL), -1) < 1e-5
+    assert thresholds.growth_threshold(pmma, -1) == pytest.approx(0.0095371, abs=6e-8)
+    assert thresholds.growth_threshold(compliance_of(*RUBBER_ON_STEEL), -1) < 1e-5
 
 
 @pytest.mark.parametrize("nu", [0.1, 0.25, 0.4])
 def test_on_a_rigid_body_waves_ahead_grow_above_friction_1(nu):
     bodies = compliance_of(Material(1, 1, nu), Material(1e10, 100.0, nu))
-    assert growth_threshold(bodies, 1) == pytest.approx(1.0, abs=1e-8)
+    assert thresholds.growth_threshold(bodies, 1) == pytest.approx(1.0, abs=1e-8)
     # exact: q = b^2 - 2 k^2 is 0 at a speed of sqrt(2) c_t, where A + k D vanishes
     entries = bodies.on_cut(np.sqrt([0.5]))
     assert abs(entries.frictional(1.0)[0]) < 1e-9 * abs(entries.normal[0])
@@ -272,7 +267,9 @@ def test_on_a_rigid_body_waves_ahead_grow_above_friction_1(nu):
 
 def test_a_wave_turns_at_its_threshold():
     bodies = contrast(1.5)
-    for friction in friction_crossings(bodies)[np.abs(friction_crossings(bodies)) < 1]:
+    for friction in thresholds.friction_crossings(bodies)[
+        np.abs(thresholds.friction_crossings(bodies)) < 1
+    ]:
         below, above = (count_growing(bodies, friction * (1 + s)) for s in (-1e-3, 1e-3))
         assert below != above
 

@@ -7,16 +7,10 @@ import pytest
 from dissimilar_pairs import PAIRS, contrast
 
 import semianalytic as sf
+from semianalytic.dissimilar import whole_line
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.thresholds import stoneley_speed
-from semianalytic.dissimilar.whole_line import (
-    half_line_exponent,
-    half_line_slip_rate,
-    half_line_speed,
-    patch_speeds,
-    point_speeds,
-)
 
 SOLID = sf.Material(1.0, 1.0, 1 / 3)
 ALIKE = compliance_of(SOLID, SOLID)
@@ -45,13 +39,17 @@ def test_half_line(ratio, friction, chi, positive, negative, exponents):
     bodies = contrast(ratio)
     if positive is None:
         with pytest.raises(sf.SceneError, match="waves grow"):
-            half_line_speed(bodies, friction, chi)
+            whole_line.half_line_speed(bodies, friction, chi)
     else:
-        assert half_line_speed(bodies, friction, chi) == pytest.approx(positive, abs=8e-10)
-    assert half_line_speed(bodies.mirrored, friction, chi) == pytest.approx(negative, abs=8e-10)
-    assert half_line_speed(bodies, -friction, chi) == pytest.approx(negative, abs=8e-10)
+        assert whole_line.half_line_speed(bodies, friction, chi) == pytest.approx(
+            positive, abs=8e-10
+        )
+    assert whole_line.half_line_speed(bodies.mirrored, friction, chi) == pytest.approx(
+        negative, abs=8e-10
+    )
+    assert whole_line.half_line_speed(bodies, -friction, chi) == pytest.approx(negative, abs=8e-10)
     for sign, speed, known in zip((1, -1), (positive, negative), exponents, strict=False):
-        exponent = half_line_exponent(bodies, sign * friction, speed)
+        exponent = whole_line.half_line_exponent(bodies, sign * friction, speed)
         assert 1 - exponent == pytest.approx(known, abs=6e-7)
 
 
@@ -68,27 +66,31 @@ def test_half_line(ratio, friction, chi, positive, negative, exponents):
     ],
 )
 def test_point(ratio, friction, drop, right, left):
-    speeds = point_speeds(contrast(ratio), friction, drop)
+    speeds = whole_line.point_speeds(contrast(ratio), friction, drop)
     assert speeds == pytest.approx((right, left), abs=8e-10)
 
 
 @pytest.mark.slow
 def test_like_bodies():
-    assert half_line_speed(ALIKE, 0.3, 1.0) == pytest.approx(0.375, rel=1e-13)
-    assert half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)
+    assert whole_line.half_line_speed(ALIKE, 0.3, 1.0) == pytest.approx(0.375, rel=1e-13)
+    assert whole_line.half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)
     for speed, missing in ((0.3, 0.5), (0.6, 0.6)):
         patch = sf.WholeLine(SOLID, missing, sf.Tractions(1.0, 0.0), sf.Patch(speed, shear=1.0))
         known = sf.solve_line(patch).edge_speed
-        assert patch_speeds(ALIKE, 0.2, missing, speed) == pytest.approx((known, known), rel=1e-9)
+        assert whole_line.patch_speeds(ALIKE, 0.2, missing, speed) == pytest.approx(
+            (known, known), rel=1e-9
+        )
         known = sf.solve_line(replace(patch, load=sf.PointForce(shear=1.0))).edge_speed
-        assert point_speeds(ALIKE, 0.2, missing) == pytest.approx((known, known), rel=1e-8)
+        assert whole_line.point_speeds(ALIKE, 0.2, missing) == pytest.approx(
+            (known, known), rel=1e-8
+        )
 
 
 def test_slip_rate_of_like_bodies_is_that_beside_a_slot():
     scene = sf.Scene(SOLID, 0.5, sf.Tractions(2.0, 0.0), sf.Tractions(0.0, 1.0))
     x = np.array([0.02, 0.1, 0.3, 0.37, 0.4])
     # the slot of chi_b = 1 takes 1 of the 2 that are too much and missing together
-    rate = 2 * half_line_slip_rate(ALIKE, 0.0, 1.0, x)
+    rate = 2 * whole_line.half_line_slip_rate(ALIKE, 0.0, 1.0, x)
     np.testing.assert_allclose(rate, sf.solve(scene, rtol=1e-11).slip_rate(x, 1.0), rtol=1e-9)
 
 
@@ -96,8 +98,8 @@ def test_slip_rate_of_like_bodies_is_that_beside_a_slot():
 def test_a_narrow_patch_is_a_point():
     bodies, width = contrast(1.5), 1e-4
     excess = 1 / (2 * width)
-    patch = patch_speeds(bodies, 0.2, 1 / excess, width)
-    assert patch == pytest.approx(point_speeds(bodies, 0.2, 1.0), rel=1e-7)
+    patch = whole_line.patch_speeds(bodies, 0.2, 1 / excess, width)
+    assert patch == pytest.approx(whole_line.point_speeds(bodies, 0.2, 1.0), rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -145,8 +147,8 @@ def test_dundurs_parameter_is_that_of_the_moduli():
 
 def test_what_cannot_be_is_refused():
     with pytest.raises(sf.SceneError, match="positive"):
-        point_speeds(ALIKE, 0.2, 0.0)
+        whole_line.point_speeds(ALIKE, 0.2, 0.0)
     with pytest.raises(sf.SceneError, match="less than 1"):
-        patch_speeds(ALIKE, 0.2, 1.5, 0.3)
+        whole_line.patch_speeds(ALIKE, 0.2, 1.5, 0.3)
     with pytest.raises(sf.SceneError, match="slower than all waves"):
-        half_line_speed(ALIKE, 0.2, 1e-6)
+        whole_line.half_line_speed(ALIKE, 0.2, 1e-6)

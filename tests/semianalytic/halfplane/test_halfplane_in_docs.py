@@ -9,11 +9,7 @@ from semianalytic import Material
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.reference.closed_forms import (
-    edge_speed_under_shear_step,
-    slip_rate_under_remote_shock,
-    slip_rate_under_shear_step,
-)
+from semianalytic.reference import closed_forms
 
 THEORY, ARTICLE, SCENES = "docs/theory.md", "docs/article.md", "docs/scenes.md"
 THIRD, AUXETIC = Material(1.0, 1.0, 1 / 3), Material(1.0, 1.0, -0.5)
@@ -29,14 +25,14 @@ def place_without_pressure():
 
 def slip_everywhere():
     # with f P_0 = Q_0 = 1 only f P_0 Lambda is left of V
-    return slip_rate_under_remote_shock(THIRD, 1.0, 1.0, 1.0, np.array([0.5, 1.6])) / 2
+    return closed_forms.slip_rate_under_remote_shock(THIRD, 1.0, 1.0, 1.0, np.array([0.5, 1.6])) / 2
 
 
 def one_zone():
     values = []
     for chi in (1.0, 0.5):
-        rate = slip_rate_under_shear_step(THIRD, 1.0, chi, np.array([0.0]))[0]
-        values += [edge_speed_under_shear_step(THIRD, chi), rate / 2]
+        rate = closed_forms.slip_rate_under_shear_step(THIRD, 1.0, chi, np.array([0.0]))[0]
+        values += [closed_forms.edge_speed_under_shear_step(THIRD, chi), rate / 2]
     return values
 
 
