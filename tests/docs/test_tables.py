@@ -1,4 +1,4 @@
-"""Studies as rows, on the terminal and in data files; the small studies of the docs."""
+"""Studies as rows, on the terminal and in data files; small studies, of constants and of speed."""
 
 import math
 from collections import Counter
@@ -17,6 +17,8 @@ from docs.studies.accuracy import scenes
 from docs.studies.constants import constant_rows, random_scenes, solved
 from docs.studies.pages import read_data
 from semianalytic.selfsimilar.zones import tuning
+
+SOLVE = "`solve` of `preloaded` to 1e-9"
 
 
 @dataclass(frozen=True)
@@ -149,9 +151,6 @@ def test_an_unknown_constant_is_refused(capsys):
     assert "NO_SUCH_NUMBER is no number of semianalytic.selfsimilar.zones.tuning" in (
         capsys.readouterr().err
     )
-
-
-SOLVE = "`solve` of `preloaded` to 1e-9"
 
 
 def test_a_job_runs_in_both_checkouts():

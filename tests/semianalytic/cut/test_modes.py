@@ -1,4 +1,4 @@
-"""The problem on the cut in all its modes: closed limits, and an operator that shares nothing."""
+"""The problem on the cut in all its modes: closed limits, another operator, residues at c_R."""
 
 from dataclasses import replace
 
@@ -17,6 +17,23 @@ from semianalytic.regimes import opening_threshold
 from semianalytic.selfsimilar.zones.collocation import slip_grid
 
 RULE = rule_for(1e-12)
+OPEN = Scene(
+    Material(1.0, 1.0, 0.2), 0.45, Tractions(0.0033, 0.0004), Tractions(1.0, 0.05)
+)  # the contact opens around c, with slip ahead
+CASES = {
+    "slip from ahead of the shear front": Scene(
+        Material(1.0, 1.0, 0.1), 1.08, Tractions(0.067, -0.016), Tractions(1.0, -0.9)
+    ),
+    "no friction": Scene(Material(1.0, 1.0, 0.25), 0.0, Tractions(1.0, 0.0), Tractions(0.0, 1.0)),
+    "opening": OPEN,
+    "opening behind the shear front": Scene(
+        Material(1.0, 1.0, 0.1),
+        0.3,
+        Tractions(0.8 * opening_threshold(0.1), 0.0),
+        Tractions(1.0, 0.4),
+    ),
+    "opening within a film": replace(OPEN, friction_law=ViscousFriction(0.04)),
+}
 
 
 def edge_zone(factors, load, last=60.0):
@@ -171,25 +188,6 @@ def test_a_gap_that_closes_smoothly():
     assert abs(profile.slip_over_time(np.array([inner - 1e-12]))[0]) < 1e-7
     stuck = np.array([0.51, 0.53, 1.9, 3.0, 10.0])
     assert np.all(0.02 - profile.shear_change(stuck) > 0)
-
-
-OPEN = Scene(
-    Material(1.0, 1.0, 0.2), 0.45, Tractions(0.0033, 0.0004), Tractions(1.0, 0.05)
-)  # the contact opens around c, with slip ahead
-CASES = {
-    "slip from ahead of the shear front": Scene(
-        Material(1.0, 1.0, 0.1), 1.08, Tractions(0.067, -0.016), Tractions(1.0, -0.9)
-    ),
-    "no friction": Scene(Material(1.0, 1.0, 0.25), 0.0, Tractions(1.0, 0.0), Tractions(0.0, 1.0)),
-    "opening": OPEN,
-    "opening behind the shear front": Scene(
-        Material(1.0, 1.0, 0.1),
-        0.3,
-        Tractions(0.8 * opening_threshold(0.1), 0.0),
-        Tractions(1.0, 0.4),
-    ),
-    "opening within a film": replace(OPEN, friction_law=ViscousFriction(0.04)),
-}
 
 
 def on_rule(fields, tolerance):

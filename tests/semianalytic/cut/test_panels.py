@@ -1,4 +1,4 @@
-"""Panels between zone edges: their ends and layout, and integrals over them against quad."""
+"""Panels between zone edges, and their rules: ends, layout, integrals against quad and Si."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
 """Waves that grow while two bodies slide: tables computed by an independent Newton's method and by
-marching single waves, and the count of the principle of the argument on random pairs."""
+marching single waves, the principle of the argument on random pairs, verdicts on stability."""
 
 from functools import cache
 

@@ -1,4 +1,4 @@
-"""`solve_pair` on random pairs: like bodies, symmetry, units, the law of contact, honest errors."""
+"""`solve_pair` on random and named pairs: like bodies, units, law of contact, honest errors."""
 
 from dataclasses import replace
 
@@ -15,6 +15,7 @@ from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
 from slipfront.cli.scenes.completion import scene_names
 
 X = np.linspace(0.02, 1.95, 160)
+every_name = pytest.mark.parametrize("name", NAMED_PAIRS)
 
 
 def random_scene(rng):
@@ -268,9 +269,6 @@ def test_history_holds_all_fields():
     assert history.gap[1, 0] > 0 == history.gap[1, 1]
     assert answer.frictional_power(1.0) > 0
     assert answer.accumulated_slip(2.0) == pytest.approx(4 * answer.accumulated_slip(1.0))
-
-
-every_name = pytest.mark.parametrize("name", NAMED_PAIRS)
 
 
 def test_no_name_is_taken_twice():

@@ -17,6 +17,10 @@ from semianalytic.interface.fields import Table, at_nodes, moving, sampled
 
 STRIP = Contact([(-2.0, 2.0)])
 END = 1.5
+ROCK = sf.Material(30e9, 2700.0, 0.25)
+LAW = sf.RateAndState(a=0.01, b=0.014, f0=0.6, v0=1e-6, distance=1e-4)
+PAGE = Path(__file__).parents[3] / "docs" / "engine.md"
+NODES = 0.1 * np.arange(-20, 21)
 
 
 def punch():
@@ -119,11 +123,6 @@ def test_nothing_is_known_beyond_the_period():
     assert np.isnan(done.at(done.slip, [-8.1, 0.0, 100.0])).tolist()[-1] == [True, False, True]
 
 
-ROCK = sf.Material(30e9, 2700.0, 0.25)
-LAW = sf.RateAndState(a=0.01, b=0.014, f0=0.6, v0=1e-6, distance=1e-4)
-PAGE = Path(__file__).parents[3] / "docs" / "engine.md"
-
-
 @pytest.mark.parametrize("even", [False, True])
 def test_slots_carry_nothing_whatever_the_contact_does(even):
     """V + h * V = load on slots, by the whole matrix of the line."""
@@ -178,9 +177,6 @@ def test_the_file_of_the_page_runs(tmp_path, monkeypatch):
     done = sf.run(found.interface, found.end_time, **found.options)
     assert done.status == "done"
     assert done.steps < 2000
-
-
-NODES = 0.1 * np.arange(-20, 21)
 
 
 def step(at):

@@ -10,6 +10,13 @@ from semianalytic.interface.hilbert import comes_back, transformed
 
 THIRD = sf.Material(1.0, 1.0, 1 / 3)
 HALF = sf.Contact.half_line()
+HARD, SOFT = sf.Material(4.0, 1.3, 0.25), sf.Material(1.0, 0.9, 0.3)
+WAVES = [
+    sf.IncidentWave(kind, angle, stress=1.0, from_=side)
+    for kind in ("P", "SV")
+    for side in ("below", "above")
+    for angle in (0.0, 10.0, -25.0, 50.0, -80.0)
+]
 
 
 def beside_slot(load, mode="in-plane", nodes=512, at=0.0, length=12.0):
@@ -66,15 +73,6 @@ def test_a_front_is_the_mean_of_its_load_over_a_node_distance():
     assert away.traction([-2.5, -1.5, 0.5], 1.0, of="pressure").tolist() == [0.0, 0.5, 0.0]
     comes = sf.FrontLoad(sf.MovingLoad(-2.0, 0.5, 1.0), at=-1.0).of(THIRD)
     assert comes.traction([-1.5, 0.5, 1.5], 1.0).tolist() == [1.0, 1.0, 0.0]
-
-
-HARD, SOFT = sf.Material(4.0, 1.3, 0.25), sf.Material(1.0, 0.9, 0.3)
-WAVES = [
-    sf.IncidentWave(kind, angle, stress=1.0, from_=side)
-    for kind in ("P", "SV")
-    for side in ("below", "above")
-    for angle in (0.0, 10.0, -25.0, 50.0, -80.0)
-]
 
 
 def name(wave):

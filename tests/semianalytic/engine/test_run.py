@@ -12,6 +12,9 @@ from semianalytic.memory.impedance import Antiplane, InPlane
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
 COULOMB = sf.Coulomb(0.5)
+THIRD = sf.Material(1.0, 1.0, 1 / 3)
+SPEED = 0.5
+FRONT = sf.ForcedFront(static=100.0, dynamic=0.0, arrival=lambda x: np.abs(x) / SPEED)
 
 
 @pytest.mark.parametrize(
@@ -121,11 +124,6 @@ def test_to_xarray_has_units_and_errors():
     assert data["slip"].dims == ("t", "x")
     assert data["slip_rate"].attrs["units"] == "length / time"
     assert data.attrs["error_slip"] > 0
-
-
-THIRD = sf.Material(1.0, 1.0, 1 / 3)
-SPEED = 0.5
-FRONT = sf.ForcedFront(static=100.0, dynamic=0.0, arrival=lambda x: np.abs(x) / SPEED)
 
 
 def test_references_have_the_digits_and_the_intensity_of_others():

@@ -11,6 +11,8 @@ from semianalytic import RateWeakening, SceneError, ViscousFriction, solve
 from semianalytic.field import body, tuning
 from semianalytic.scene.given.named import NAMED_SCENES
 
+WEAKENED = unit_scene(1.0, load=(0.0, 1.2), friction_law=RateWeakening(0.4, 1.0))
+
 
 def test_what_is_infinite_says_so_with_its_sign():
     solution, speed = solve(unit_scene(2.0, **REMOTE)), UNIT.rayleigh_speed
@@ -99,9 +101,6 @@ def test_far_nodes_are_summed_up_to_what_they_are_one_by_one(monkeypatch):
     every = solve(scene, rtol=1e-10).stress(*at)
     assert np.any(few != every)
     assert (np.abs(few - every).max(axis=0) / np.abs(every).max(axis=0)).max() < 2e-11
-
-
-WEAKENED = unit_scene(1.0, load=(0.0, 1.2), friction_law=RateWeakening(0.4, 1.0))
 
 
 def on_fronts(solution):

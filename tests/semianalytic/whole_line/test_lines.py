@@ -1,4 +1,4 @@
-"""Slip and opening around a patch or a point force on a line without a slot."""
+"""Slip and opening around a patch or a point force on a line without a slot, and refusals."""
 
 from itertools import pairwise
 
