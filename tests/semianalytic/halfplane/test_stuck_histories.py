@@ -31,7 +31,7 @@ HISTORIES = [
     Tabulated((0.2, 0.2, 0.5, 0.7, 0.7), (0.3, 0.6, -0.2, 0.1, 0.4)),
     *(Pulse(0.7, shape) for shape in PULSE_SHAPES),
 ]
-STUCK = {"I": stuck_pressure, "II": stuck_shear, "III": partial(stuck_shear, mode="III")}
+STUCK = {"I": stuck_pressure, "II": stuck_shear, "III": partial(stuck_shear, shear_mode="III")}
 
 
 @pytest.mark.parametrize("mode", ["I", "II"])
