@@ -1,4 +1,4 @@
-"""Fields in both bodies of a solved pair: limits, laws of the bodies, one body mirrored, edges."""
+"""Fields in both bodies of a solved pair, and its derivatives: limits, laws, mirrors, scaling."""
 
 from functools import lru_cache
 
@@ -8,10 +8,20 @@ from body_fields import check_faces, departures_from_laws, edges_of, smooth_poin
 
 from compare.studies.dissimilar.pairs import SCENES, random_pair
 from semianalytic import Material, Pair, Scene, SceneError, Tractions, solve, solve_pair
+from semianalytic.dissimilar.pair import PARAMETERS, changed, parameter_of
 
 SOLID = Material(1.0, 1.0, 0.25)
 KINDS = list(SCENES)
 FEW = ("slip from the slot", "slip and opening", "film")
+INTERFACE_FIELDS = ("slip_rate", "gap_rate", "slip", "gap", "shear_traction", "pressure")
+CASES = [
+    ("film", "viscosity"),
+    ("slip from the slot", "friction"),
+    ("slip and opening", "load_shear"),
+    ("slip from the slot", "lower_shear_modulus"),
+    ("film", "base_shear"),
+    ("slip and opening", "lower_density"),
+]
 
 
 @lru_cache
@@ -54,25 +64,30 @@ def test_slot_faces_carry_the_load_alone(name):
         np.testing.assert_allclose(-stress[1], held.pressure - load.pressure, atol=1e-10)
 
 
+@lru_cache
+def of_identical_bodies(friction=0.5, base=(2.4, 0.0), load=(-0.2, 1.0)):
+    """The answers of both solvers; to a scene that opens unless told otherwise."""
+    base, load = Tractions(*base), Tractions(*load)
+    one = solve(Scene(SOLID, friction, base, load), rtol=1e-10)
+    return one, solve_pair(Pair(SOLID, SOLID, friction, base, load), rtol=1e-9)
+
+
 @pytest.mark.thinned(4)
 @pytest.mark.parametrize(
-    ("friction", "base", "load"),
+    "given",
     [
+        (),
         (0.5, (1.6, 0.0), (0.0, 1.0)),
-        (0.5, (2.4, 0.0), (-0.2, 1.0)),
         (0.5, (1.0, 0.0), (-1.5, 0.3)),
         (9.0, (3.0, 0.1), (1.0, -0.4)),
     ],
 )
-def test_identical_bodies_have_the_fields_of_the_other_solver(friction, base, load):
-    base, load = Tractions(*base), Tractions(*load)
-    one = solve(Scene(SOLID, friction, base, load), rtol=1e-10)
-    two = solve_pair(Pair(SOLID, SOLID, friction, base, load), rtol=1e-9)
+def test_identical_bodies_have_the_fields_of_the_other_solver(given):
+    one, two = of_identical_bodies(*given)
     at = *np.random.default_rng(1).uniform(-2, 2, (2, 300)), 1.0
     for field in ("velocity", "stress", "displacement"):
-        np.testing.assert_allclose(
-            getattr(two, field)(*at), getattr(one, field)(*at), rtol=1e-9, atol=1e-9
-        )
+        known = getattr(one, field)(*at)
+        np.testing.assert_allclose(getattr(two, field)(*at), known, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.thinned(2)
@@ -186,3 +201,122 @@ def test_what_is_infinite_says_so():
     assert np.isfinite(answer.displacement(0.0, 0.0, 1.0)).all()
     with pytest.raises(SceneError, match="finite"):
         answer.stress(np.nan, 0.0, 1.0)
+
+
+@lru_cache
+def derivative_of(name, parameter):
+    return answer_of(name, 1e-9).derivative(parameter)
+
+
+def positions(answer, count=60):
+    """Positions at t = 1 away from edges and fronts."""
+    marks = [*edges_of(answer), *speeds(answer.pair)]
+    x = np.linspace(0.01, 1.2 * max(marks), 4 * count)
+    apart = np.min(np.abs(np.subtract.outer(marks, x)), axis=0)
+    return x[apart > 0.05 * min(speeds(answer.pair))][::4]
+
+
+@pytest.mark.thinned(6)
+@pytest.mark.parametrize(("name", "parameter"), CASES)
+def test_differences_of_solutions_agree(name, parameter):
+    answer, derivative = answer_of(name, 1e-9), derivative_of(name, parameter)
+    pair, x = answer.pair, positions(answer)
+    value = parameter_of(pair, parameter)
+    step = 2e-4 * max(abs(value), 1.0)
+    points, weights = (-2, -1, 1, 2), np.array([1.0, -8.0, 8.0, -1.0]) / (12 * step)
+    beside = [
+        solve_pair(changed(pair, parameter, value + step * point), rtol=1e-10) for point in points
+    ]
+    assert derivative.status == "converged"
+    for end in ("inner", "outer"):
+        found = [getattr(zone, end) for zone in derivative.zones]
+        edges = weights @ [[getattr(zone, end) for zone in one.zones] for one in beside]
+        np.testing.assert_allclose(found, edges, rtol=1e-5, atol=1e-7)
+    for field in INTERFACE_FIELDS:
+        expected = weights @ np.array([getattr(one, field)(x, 1.0) for one in beside])
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(
+            getattr(derivative, field)(x, 1.0), expected, atol=2e-6 * (size or 1.0)
+        )
+
+
+@pytest.mark.thinned(4)
+@pytest.mark.parametrize("name", ["slip from the slot", "slip and opening"])
+@pytest.mark.parametrize(
+    ("parameters", "degrees"),
+    [
+        # twice all moduli and densities halve slip, and leave edges and tractions
+        (
+            ("shear_modulus", "density", "lower_shear_modulus", "lower_density"),
+            (-1, -1, -1, -1, 0, 0),
+        ),
+        # twice all tractions double all fields, and leave edges
+        (("base_pressure", "base_shear", "load_pressure", "load_shear"), (1,) * 6),
+    ],
+    ids=["bodies", "tractions"],
+)
+def test_answers_are_homogeneous(name, parameters, degrees):
+    """Euler: the sum of parameters times derivatives is the field times its degree."""
+    answer = answer_of(name, 1e-9)
+    x, pair = positions(answer), answer.pair
+    parts = [(parameter_of(pair, one), derivative_of(name, one)) for one in parameters]
+    for field, degree in zip(INTERFACE_FIELDS, degrees, strict=True):
+        total = sum(value * getattr(derivative, field)(x, 1.0) for value, derivative in parts)
+        values = getattr(answer, field)(x, 1.0)
+        within = 1e-7 if degree == 1 else 1e-6
+        np.testing.assert_allclose(
+            total, degree * values, atol=within * (np.abs(values).max() or 1)
+        )
+    for index, zone in enumerate(answer.zones):
+        moved = sum(value * derivative.zones[index].outer for value, derivative in parts)
+        assert abs(moved) < 1e-7 * zone.outer
+    edge = sum(value * derivative.edge_slip_rate for value, derivative in parts)
+    assert edge == pytest.approx(degrees[0] * answer.edge_slip_rate, rel=1e-6)
+
+
+@lru_cache
+def derivatives_of_identical_bodies(parameter):
+    return [answer.derivative(parameter) for answer in of_identical_bodies()]
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize("parameter", ["base_pressure", "friction", "load_shear"])
+def test_identical_bodies_have_the_derivatives_of_the_other_solver(parameter):
+    theirs, ours = derivatives_of_identical_bodies(parameter)
+    assert ours.zones[0].outer == pytest.approx(theirs.zones[0].outer, rel=1e-7)
+    assert ours.openings[0].outer == pytest.approx(theirs.openings[0].outer, rel=1e-5, abs=1e-9)
+    x = np.array([0.05, 0.1, 0.2, 0.45, 0.6, 1.3, 1.6])
+    for field in ("slip_rate", "slip", "shear_traction", "pressure"):
+        expected = getattr(theirs, field)(x, 1.0)
+        size = np.abs(expected).max() or 1.0
+        np.testing.assert_allclose(getattr(ours, field)(x, 1.0), expected, atol=1e-6 * size)
+
+
+def test_an_estimate_bounds_the_error_and_is_small():
+    derivative = derivative_of("slip from the slot", "friction")
+    assert 1e-9 <= derivative.error_estimate < 1e-6
+    assert "friction" in repr(derivative)
+
+
+def test_open_parts_carry_nothing_and_base_tractions_are_there_from_the_outset():
+    _, derivative = derivatives_of_identical_bodies("base_pressure")
+    (opening,) = of_identical_bodies()[1].openings
+    inside, outside = opening.outer / 2, 1.2 * opening.outer
+    assert derivative.pressure(inside, 1.0) == 0
+    assert derivative.shear_traction(inside, 1.0) == 0
+    assert derivative.gap(inside, 1.0) != 0
+    assert derivative.gap(outside, 1.0) == 0
+    assert derivative.pressure(0.5, -1.0) == 1
+    assert derivative.slip_rate(0.5, -1.0) == 0
+    assert derivative.pressure(9.0, 1.0) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_what_has_no_derivative_is_refused_in_one_sentence():
+    answer = answer_of("slip from the slot", 1e-9)
+    with pytest.raises(SceneError, match="name must be one of friction, viscosity, base_pressure"):
+        answer.derivative("weight")
+    with pytest.raises(SceneError, match="needs ViscousFriction of a positive viscosity"):
+        answer.derivative("viscosity")
+    with pytest.raises(SceneError, match="positive positions"):
+        derivative_of("slip from the slot", "friction").slip_rate(-1.0, 1.0)
+    assert len(PARAMETERS) == 12
