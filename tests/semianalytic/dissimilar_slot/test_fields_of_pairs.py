@@ -4,11 +4,16 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from body_fields import check_faces, departures_from_laws, edges_of, smooth_points
 
 from compare.studies.dissimilar.pairs import SCENES, random_pair
 from semianalytic import Material, Pair, Scene, SceneError, Tractions, solve, solve_pair
 from semianalytic.dissimilar.pair import PARAMETERS, changed, parameter_of
+from tests.semianalytic.field.body_fields import (
+    check_faces,
+    departures_from_laws,
+    edges_of,
+    smooth_points,
+)
 
 SOLID = Material(1.0, 1.0, 0.25)
 KINDS = list(SCENES)

@@ -2,13 +2,18 @@
 
 import numpy as np
 import pytest
-from body_fields import check_faces, departures_from_laws, edges_of, smooth_points
 from catalogue import PRELOADED, REMOTE, Problem, problems, unit_scene
 from hypothesis import given, settings
 from laws import scenes
 
 from semianalytic import ViscousFriction, solve
 from semianalytic.field import tuning
+from tests.semianalytic.field.body_fields import (
+    check_faces,
+    departures_from_laws,
+    edges_of,
+    smooth_points,
+)
 
 FILM = {"friction_law": ViscousFriction(0.1)}
 FILMS = {
