@@ -148,7 +148,7 @@ FOUND = [
 ]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("index", FOUND)
 def test_draws_that_were_beyond_their_estimates(index):
     """One of each kind that a campaign of 5,000 found."""

@@ -118,7 +118,7 @@ def check_law(answer, rtol):
 
 
 @pytest.mark.thinned(20)
-@pytest.mark.parametrize("seed", [1, 0, *range(2, 20)])
+@pytest.mark.parametrize("seed", [4, *range(4), *range(5, 20)])
 def test_errors_of_random_pairs_are_below_their_estimates(seed):
     pair = random_pair(np.random.default_rng([2, seed]))
     try:

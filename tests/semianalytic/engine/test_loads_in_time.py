@@ -122,7 +122,7 @@ def test_a_wave_that_arrives_in_a_quiet_phase_sets_off_its_rupture():
     assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-4)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("period", "size"), [(20.0, 2e6), (5.0, 2e6), (100.0, 1e6)])
 def test_friction_that_damps_less_as_it_speeds_up_does_not_let_short_waves_grow(period, size):
     """Steps chosen by slow slip at their beginning were too long for the fast slip at their end."""
