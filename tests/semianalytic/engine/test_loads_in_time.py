@@ -61,17 +61,17 @@ def blow(t):
     return np.maximum(1 - abs(t - 5) / 0.5, 0.0)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "load",
     [
         sf.InterfaceLoad(ON_PATCH, history=sf.Tabulated([0, 4.5, 5, 5.5, 1000], [0, 0, 1, 0, 0])),
-        sf.InterfaceLoad(lambda x, t: ON_PATCH(x) * blow(t), history=None),
         sf.InterfaceLoad(ON_PATCH, history=blow),
         sf.InterfaceLoad(ON_PATCH, history=sf.Pulse(0.5, "haversine")),
+        sf.InterfaceLoad(lambda x, t: ON_PATCH(x) * blow(t), history=None),
         sf.InterfaceLoad(lambda x, t: 1e6 * blow(t - x / 4), history=None),
     ],
-    ids=["table", "function of x and t", "function of t", "pulse", "wave"],
+    ids=["table", "function of t", "pulse", "function of x and t", "wave"],
 )
 def test_long_steps_do_not_pass_over_a_load(load):
     """The line is struck within a quiet phase, in which steps last as long as the whole blow.
