@@ -1,10 +1,10 @@
 """The committed studies, the command line's checkpoints, and histories as xarray."""
 
-import builtins
 import csv
 import importlib.util
 import io
 import re
+import sys
 import time
 
 import numpy as np
@@ -12,31 +12,10 @@ import pytest
 from catalogue import solved
 from rich.console import Console
 
-import compare.studies.stability.fem
-import docs.studies.accuracy.fem
-import docs.studies.accuracy.fem_loads
 from compare.output.progress import progress_bar
-from compare.studies.stability.fem import fem_stability, trials
-from docs.studies.accuracy.fem import (
-    PROFILE,
-    Smoothing,
-    accuracy,
-    damping_rows,
-    element_rows,
-    last_profile,
-    profile_errors,
-    simulated,
-    smoothing_rows,
-)
-from docs.studies.accuracy.fem_loads import (
-    VARIANTS,
-    change_rows,
-    cost_rows,
-    edge_rows,
-    slip_changes,
-    stuck_errors,
-    stuck_rows,
-)
+from compare.studies.stability import fem as stability
+from docs.studies.accuracy import fem as study
+from docs.studies.accuracy import fem_loads
 from fem import load_simulation
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import MissingLibraryError
@@ -47,16 +26,15 @@ from slipfront.cli import commands as cli
 
 def test_errors_of_the_exact_profile_are_zero():
     solution = solved(NAMED_SCENES["preloaded"].scene)
-    exact = solution.slip_rate(PROFILE, 1.0)
-    errors = profile_errors(solution, exact, 1.01 * exact)
+    exact = solution.slip_rate(study.PROFILE, 1.0)
+    errors = study.profile_errors(solution, exact, 1.01 * exact)
     assert errors.last == 0
-    assert errors.averaged == pytest.approx(0.01)
-    assert errors.first_peak == pytest.approx(0.01)
-    assert errors.second_peak == pytest.approx(0.01)
+    for peak in (errors.averaged, errors.first_peak, errors.second_peak):
+        assert peak == pytest.approx(0.01)
 
 
 def test_accuracy_has_a_row_per_mesh_and_the_extrapolation():
-    coarse, fine, limit = accuracy("preloaded", (20, 40))
+    coarse, fine, limit = study.accuracy("preloaded", (20, 40))
     assert [row.h for row in (coarse, fine, limit)] == ["1/20", "1/40", "extrapolated"]
     assert np.isnan(coarse.last_order)
     assert fine.last_order == pytest.approx(np.log2(coarse.last / fine.last))
@@ -66,20 +44,14 @@ def test_accuracy_has_a_row_per_mesh_and_the_extrapolation():
 
 @pytest.mark.slow
 def test_smoothing_has_a_row_per_scene_and_setting(monkeypatch):
-    monkeypatch.setattr(
-        docs.studies.accuracy.fem,
-        "SMOOTHING_TRIALS",
-        (Smoothing(40), Smoothing(40, "Q2", damping=0.0), Smoothing(40, damping=0.2)),
-    )
-    rows = smoothing_rows()
+    trials = (study.Smoothing(40), study.Smoothing(40, "Q2", 0.0), study.Smoothing(40, damping=0.2))
+    monkeypatch.setattr(study, "SMOOTHING_TRIALS", trials)
+    rows = study.smoothing_rows()
     assert len(rows) == 12
     assert {row.h for row in rows} == {"1/40"}
     default, undamped, smeared = rows[:3]
-    assert [(row.element, row.damping) for row in rows[:3]] == [
-        ("Q1", 0.02),
-        ("Q2", 0.0),
-        ("Q1", 0.2),
-    ]
+    named = [(row.element, row.damping) for row in rows[:3]]
+    assert named == [("Q1", 0.02), ("Q2", 0.0), ("Q1", 0.2)]
     assert undamped.work > default.work
     assert undamped.bar > default.bar > default.last  # it rings
     assert smeared.second_zone > default.second_zone > 0
@@ -88,28 +60,29 @@ def test_smoothing_has_a_row_per_scene_and_setting(monkeypatch):
 
 @pytest.mark.slow
 def test_rows_say_how_stuck_tractions_and_slip_converge(monkeypatch):
-    monkeypatch.setattr(docs.studies.accuracy.fem_loads, "LOADS", {"ramp": Ramp(0.5)})
-    assert [row.h for row in stuck_rows((20, 40))] == ["1/20", "1/40"]
-    two = dict(list(VARIANTS.items())[:2])
-    monkeypatch.setattr(docs.studies.accuracy.fem_loads, "VARIANTS", two)
-    assert [row.variant for row in change_rows((10, 20, 40))] == list(VARIANTS)[:2]
-    pressure, shear, beside = stuck_errors(Ramp(0.5), 32)
+    monkeypatch.setattr(fem_loads, "LOADS", {"ramp": Ramp(0.5)})
+    assert [row.h for row in fem_loads.stuck_rows((20, 40))] == ["1/20", "1/40"]
+    two = dict(list(fem_loads.VARIANTS.items())[:2])
+    monkeypatch.setattr(fem_loads, "VARIANTS", two)
+    assert [row.variant for row in fem_loads.change_rows((10, 20, 40))] == list(two)
+    pressure, shear, beside = fem_loads.stuck_errors(Ramp(0.5), 32)
     assert max(pressure, beside) < 0.3 * shear < 0.02
-    changes = slip_changes(NAMED_SCENES["preloaded"].scene, (10, 20, 40))
+    changes = fem_loads.slip_changes(NAMED_SCENES["preloaded"].scene, (10, 20, 40))
     assert changes[0] > 2 * changes[1]
 
 
 def test_edge_rows_say_what_the_place_of_the_edge_is_worth():
-    at_node, beside = edge_rows(("remote-shock",), (40,))
+    at_node, beside = fem_loads.edge_rows(("remote-shock",), (40,))
     assert (at_node.edge, beside.edge) == (0.0, pytest.approx(0.2417, abs=1e-4))
     for field in ("slip", "shear", "pressure"):
         assert getattr(beside, field) < 0.5 * getattr(at_node, field)
-    stuck = edge_rows(("stuck",), (20,))
+    stuck = fem_loads.edge_rows(("stuck",), (20,))
     assert all(np.isnan(row.slip_rate) and np.isnan(row.slip) for row in stuck)
 
 
 def test_cost_is_that_of_the_mesh_that_is_simulated():
-    [cost], run = cost_rows("preloaded", (40,)), simulated("preloaded", 40, every=10**6)
+    [cost] = fem_loads.cost_rows("preloaded", (40,))
+    run = study.simulated("preloaded", 40, every=10**6)
     assert cost.unknowns == run.unknowns
     assert cost.ratio == pytest.approx(cost.step / cost.product)
     assert cost.window > 1
@@ -117,11 +90,11 @@ def test_cost_is_that_of_the_mesh_that_is_simulated():
 
 
 def test_elements_and_damping_have_a_row_each(monkeypatch):
-    monkeypatch.setattr(docs.studies.accuracy.fem, "ELEMENTS", (("Q1", "squares"),))
-    coarse, fine = element_rows("preloaded", (20, 40))
+    monkeypatch.setattr(study, "ELEMENTS", (("Q1", "squares"),))
+    coarse, fine = study.element_rows("preloaded", (20, 40))
     assert fine.unknowns > coarse.unknowns
     assert fine.order == pytest.approx(np.log2(coarse.error / fine.error))
-    rows = damping_rows("preloaded", 20)
+    rows = study.damping_rows("preloaded", 20)
     assert [row.damping for row in rows] == sorted(row.damping for row in rows)
     assert rows[0].energy == pytest.approx(0, abs=1e-14)
     assert rows[-1].critical_step < rows[0].critical_step == 1
@@ -132,8 +105,8 @@ def test_default_mesh_and_three_meshes_reach_what_is_promised():
     """At most 0.3 % in L1 with defaults, 0.1 % on the next mesh, and of first order or better."""
     solution, errors = solved(NAMED_SCENES["preloaded"].scene), []
     for resolution in (50, 100, 200):
-        profile = last_profile(simulated("preloaded", resolution, every=10**6))
-        errors.append(profile_errors(solution, profile, profile).last)
+        profile = study.last_profile(study.simulated("preloaded", resolution, every=10**6))
+        errors.append(study.profile_errors(solution, profile, profile).last)
     assert errors[1] < 3e-3
     assert errors[2] < 1e-3
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
@@ -141,11 +114,13 @@ def test_default_mesh_and_three_meshes_reach_what_is_promised():
 
 @pytest.mark.slow
 def test_quick_stability_study_writes_its_files(tmp_path, monkeypatch):
-    planned = list(trials(quick=True))
+    planned = list(stability.trials(quick=True))
     chosen = [t for t in planned if t.step_ratio == 1.05] + planned[5:6] + planned[-1:]
-    monkeypatch.setattr(compare.studies.stability.fem, "trials", lambda quick: chosen)
+    monkeypatch.setattr(stability, "trials", lambda quick: chosen)
     seen = []
-    outcomes = fem_stability(tmp_path / "new", quick=True, progress=lambda *n: seen.append(n))
+    outcomes = stability.fem_stability(
+        tmp_path / "new", quick=True, progress=lambda *n: seen.append(n)
+    )
     assert seen[-1] == (len(chosen), len(chosen))
     assert outcomes[0].outcome == "stopped"
     assert "lower `step_ratio`" in outcomes[0].message
@@ -199,10 +174,8 @@ def shown_progress(quiet, terminal):
 
 def test_progress_bar_shows_percent_rate_and_time_left():
     shown = shown_progress(quiet=False, terminal=True)
-    assert " 25%" in shown
-    assert "50/200" in shown
-    assert re.search(r"\d steps/s", shown)
-    assert re.search(r"\d:\d\d:\d\d", shown)
+    for words in (" 25%", "50/200", r"\d steps/s", r"\d:\d\d:\d\d"):
+        assert re.search(words, shown), words
 
 
 @pytest.mark.parametrize(("quiet", "terminal"), [(True, True), (False, False)])
@@ -235,13 +208,6 @@ def test_history_as_xarray():
 
 
 def test_without_xarray_it_is_asked_for(monkeypatch):
-    original = builtins.__import__
-
-    def without_xarray(name, *args, **kwargs):
-        if name == "xarray":
-            raise ModuleNotFoundError("No module named 'xarray'", name="xarray")
-        return original(name, *args, **kwargs)
-
-    monkeypatch.setattr(builtins, "__import__", without_xarray)
+    monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(MissingLibraryError, match=r"pip install '\.\[xarray\]'"):
         HISTORY.to_xarray()

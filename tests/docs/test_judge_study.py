@@ -10,29 +10,16 @@ from catalogue import solved
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.output.tables import append_rows, sound_rows, started_rows
 from docs.studies.judge import fronts as judge_fronts
-from docs.studies.judge import spoils, spoilt_trials
+from docs.studies.judge import spoils, spoilt_trials, tables
 from docs.studies.judge import trials as judge_trials
 from docs.studies.judge.__main__ import main
 from docs.studies.judge.fronts import drawn
 from docs.studies.judge.held_slot import held_slot
 from docs.studies.judge.rows import JudgedRow, SpoiltRow
-from docs.studies.judge.scenes import (
-    HISTORIES,
-    OPENINGS,
-    STEPS,
-    draw,
-    power_scenes,
-)
+from docs.studies.judge.scenes import HISTORIES, OPENINGS, STEPS, draw, power_scenes
 from docs.studies.judge.spoils import SPOILS, Window, effect, spoilt
 from docs.studies.judge.spoilt_answers import profiled
 from docs.studies.judge.spoilt_trials import SHARES, TRUTH
-from docs.studies.judge.tables import (
-    SURE,
-    alarm_rows,
-    bar_rows,
-    power_rows,
-    upper_limit,
-)
 from docs.studies.judge.trials import run_trials
 from docs.studies.pages import read_data
 from semianalytic import Answer, CoulombFriction, SlipWeakening, march
@@ -52,6 +39,10 @@ def wrong(name, right, share=1.0):
 # --- scenes -------------------------------------------------------------------------------------
 
 
+def scenes_of(kind, count):
+    return [draw(kind, np.random.default_rng([1, index])).scene for index in range(count)]
+
+
 @pytest.mark.parametrize("kind", [STEPS, HISTORIES, OPENINGS])
 def test_draws_are_the_same_for_the_same_seed_only(kind):
     one, same, other = (draw(kind, np.random.default_rng([1, index])) for index in (4, 4, 5))
@@ -61,7 +52,7 @@ def test_draws_are_the_same_for_the_same_seed_only(kind):
 
 
 def test_draws_reach_all_kinds_of_step():
-    scenes = [draw(STEPS, np.random.default_rng([1, index])).scene for index in range(60)]
+    scenes = scenes_of(STEPS, 60)
     assert {scene.friction == 0 for scene in scenes} == {True, False}
     assert {scene.load_on for scene in scenes} == {"slot", "remote"}
     assert {math.copysign(1, scene.load.shear) for scene in scenes if scene.load.shear} == {1, -1}
@@ -72,16 +63,16 @@ def test_draws_reach_all_kinds_of_step():
 
 
 def test_openings_open_from_the_edge_and_ahead_and_steps_do_not():
-    scenes = [draw(OPENINGS, np.random.default_rng([1, index])).scene for index in range(12)]
+    scenes = scenes_of(OPENINGS, 12)
     inner = [solved(scene).openings[0].inner for scene in scenes]
     assert {speed > 0 for speed in inner} == {True, False}
     assert {scene.load.shear == 0 for scene in scenes} == {True, False}
-    steps = [draw(STEPS, np.random.default_rng([1, index])).scene for index in range(60)]
+    steps = scenes_of(STEPS, 60)
     assert not any(contact_opens(scene) for scene in steps)
 
 
 def test_histories_weaken_with_slip_if_at_all():
-    scenes = [draw(HISTORIES, np.random.default_rng([1, index])).scene for index in range(40)]
+    scenes = scenes_of(HISTORIES, 40)
     laws = {type(scene.friction_law) for scene in scenes}
     assert laws == {CoulombFriction, SlipWeakening}
 
@@ -266,26 +257,26 @@ def judged(index, kind="slip", ratio=0.5, verdict=AGREES, group=STEPS, of=1):
 def test_false_alarms_are_counted_by_row_and_scene():
     rows = [judged(0), judged(0, verdict=DIFFERS, ratio=2.0), judged(1), judged(2)]
     rows += [judged(3, verdict=UNRESOLVED, ratio=math.nan), judged(0, group=HISTORIES)]
-    steps, histories, every = alarm_rows(rows)
+    steps, histories, every = tables.alarm_rows(rows)
     assert (steps.scenes, steps.rows, steps.refusals) == (4, 5, 4)
     assert (steps.false_rows, steps.false_scenes, steps.unresolved_rows) == (1, 1, 0.2)
     assert steps.agreeing_scenes == 0.5
     assert (histories.scenes, histories.false_rows) == (1, 0)
     assert (every.group, every.scenes, every.false_scenes) == ("all", 5, 1)
-    assert every.rate == upper_limit(1, 5) > histories.rate - 1
+    assert every.rate == tables.upper_limit(1, 5) > histories.rate - 1
 
 
 @pytest.mark.parametrize(("count", "trials", "limit"), [(0, 59, 0.0495), (1, 93, 0.05), (5, 5, 1)])
 def test_the_limit_of_a_rate_is_that_of_tables(count, trials, limit):
     """No alarm in 59 scenes, or one in 93, says that there are less than 5 %."""
-    assert upper_limit(count, trials) == pytest.approx(limit, rel=0.02)
+    assert tables.upper_limit(count, trials) == pytest.approx(limit, rel=0.02)
 
 
 def test_coverage_leaves_out_what_is_not_held_against_a_bar():
     rows = [judged(0, ratio=0.4), judged(1, ratio=0.9), judged(2, ratio=2.0, verdict=DIFFERS)]
     rows += [judged(3, ratio=1.2, verdict=UNRESOLVED), judged(4, ratio=9.0, verdict=UNRESOLVED)]
     rows += [judged(5, ratio=0.1, verdict=UNRESOLVED), judged(0, "work", 0.0)]
-    slip, work = bar_rows(rows)
+    slip, work = tables.bar_rows(rows)
     assert (slip.rows, slip.without, slip.covered, slip.within_half) == (4, 2, 0.5, 0.25)
     assert slip.bar == 0.5
     assert (work.kind, work.covered, work.bar) == ("work", 1, 1)
@@ -302,7 +293,7 @@ def test_power_is_that_of_scenes_without_a_false_alarm():
     rows += [row("b", 1.0, AGREES, True), row("b", 2.0, AGREES), row("b", 4.0, DIFFERS)]
     rows += [row("c", 1.0, AGREES), row("c", 2.0, AGREES), row("c", 4.0, AGREES)]
     rows += [row("c", 8.0, AGREES), row("a", 1.0, DIFFERS, True, "all slip reversed")]
-    friction, reversed_ = power_rows(rows)
+    friction, reversed_ = tables.power_rows(rows)
     assert (friction.scenes, friction.beyond, friction.caught_beyond) == (3, 2, 0.5)
     assert friction.sure == 0
     assert friction.caught == pytest.approx(1 / 3)
@@ -358,12 +349,12 @@ def test_the_judge_is_right_at_a_glance(tmp_path):
     """The quick trial raises few false alarms, and mistakes are caught."""
     assert main(["--quick", "--output", str(tmp_path)]) == 0
     judged_ones, spoilt_ones = run_trials(tmp_path, quick=True)
-    alarms = alarm_rows(judged_ones)
+    alarms = tables.alarm_rows(judged_ones)
     assert sum(row.false_scenes for row in alarms) == 0
     assert all(row.verdict != DIFFERS for row in spoilt_ones if row.spoil == TRUTH)
-    sure = [row for row in spoilt_ones if row.over_bar > SURE]
+    sure = [row for row in spoilt_ones if row.over_bar > tables.SURE]
     assert sum(row.verdict == DIFFERS for row in sure) >= 0.9 * len(sure) > 0
-    for row in power_rows(spoilt_ones):
+    for row in tables.power_rows(spoilt_ones):
         if row.spoil in ("friction +3 %", "all slip reversed", "slot held", "signs as printed"):
             assert row.caught == 1, row.spoil
     assert (tmp_path / "judge.png").stat().st_size > 0
@@ -375,7 +366,7 @@ def test_the_docs_hold_what_they_say():
     assert {row["group"] for row in alarms} <= {*judge_trials.COUNTS, "all"}
     for row in alarms:
         false, scenes = int(row["false_scenes"]), int(row["scenes"])
-        assert float(row["rate"]) == pytest.approx(upper_limit(false, scenes))
+        assert float(row["rate"]) == pytest.approx(tables.upper_limit(false, scenes))
     assert alarms[-1]["group"] == "all"
     assert false == int(alarms[-1]["false_rows"]) == 0
     assert scenes == 500

@@ -1,7 +1,9 @@
-"""Studies as rows, on the terminal and in data files; the small studies of the docs."""
+"""Studies as rows, on the terminal and in data files; small studies, of constants and of speed."""
 
+import math
 from collections import Counter
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,8 +12,13 @@ from compare.studies import wear
 from compare.studies.article import study as article
 from compare.studies.regimes import tables
 from compare.studies.tables import run_studies
+from docs.studies import constants, goals, ratios
 from docs.studies.accuracy import scenes
+from docs.studies.constants import constant_rows, random_scenes, solved
 from docs.studies.pages import read_data
+from semianalytic.selfsimilar.zones import tuning
+
+SOLVE = "`solve` of `preloaded` to 1e-9"
 
 
 @dataclass(frozen=True)
@@ -125,3 +132,81 @@ def test_rows_of_the_article(monkeypatch):
     claims = article.claim_rows()
     assert len(claims) == len(article.CLAIMS)
     assert claims[0].exact.startswith("fails: ")
+
+
+def test_a_constant_that_matters_is_told_from_one_that_does_not():
+    compute = partial(solved, random_scenes(1))
+    rows = list(constant_rows(tuning, ["FINEST_RULE", "RULE_SHARE"], compute))
+    assert [row.value for row in rows] == [5e-17, 2e-16, 5.0, 20.0]
+    idle, finer = rows[0], rows[3]
+    assert (idle.failed, idle.changed, idle.work) == (0, 0, 1.0)
+    assert finer.work > 1.0
+    assert finer.changed
+    assert all(row.worst < 1 for row in rows)
+
+
+def test_an_unknown_constant_is_refused(capsys):
+    with pytest.raises(SystemExit, match="2"):
+        constants.main(["NO_SUCH_NUMBER"])
+    assert "NO_SUCH_NUMBER is no number of semianalytic.selfsimilar.zones.tuning" in (
+        capsys.readouterr().err
+    )
+
+
+def test_a_job_runs_in_both_checkouts():
+    (row,) = ratios.compared([SOLVE], ratios.ROOT, ratios.ROOT, times=0.1)
+    assert row.job == SOLVE
+    assert row.before > 0
+    assert row.ratio == row.now / row.before
+    assert row.error_before == row.error_now < 1e-9
+
+
+def test_a_checkout_that_fails_is_named(tmp_path):
+    (tmp_path / "slipfront.py").write_text("")  # a package without a single name
+    with pytest.raises(SystemExit, match="`solve` of `preloaded`"):
+        ratios.compared([SOLVE], tmp_path, ratios.ROOT, times=0.1)
+
+
+@pytest.mark.parametrize(("ratio", "code"), [(1.2, 0), (1.3, 1), (0.5, 0)])
+def test_exit_code_tells_of_a_slower_job(ratio, code, monkeypatch, tmp_path):
+    row = ratios.RatioRow(SOLVE, 1.0, ratio, ratio, math.nan, 1e-10)
+    packed = []
+    monkeypatch.setattr(ratios, "unpacked", lambda commit, folder: packed.append(commit))
+    monkeypatch.setattr(ratios, "compared", lambda *given: [row])
+    assert ratios.main(["--against", "some", "--csv", str(tmp_path)]) == code
+    assert packed == ["some"]
+    assert (tmp_path / "speed-ratios.csv").read_text().startswith("# python -m docs.studies.ratios")
+
+
+def test_all_jobs_are_in_the_table():
+    _, rows = read_data("speed-ratios")
+    assert [str(row["job"]) for row in rows] == list(ratios.JOBS)
+
+
+def test_jobs_that_were_not_run_keep_their_row(monkeypatch, tmp_path):
+    monkeypatch.setattr(ratios, "unpacked", lambda commit, folder: None)
+    for job, ratio in ((SOLVE, 0.5), ("`march` with 256 nodes", 0.4), (SOLVE, 0.6)):
+        row = ratios.RatioRow(job, 1.0, ratio, ratio, math.nan, 1e-10)
+        monkeypatch.setattr(ratios, "compared", lambda *given, row=row: [row])
+        ratios.main(["--csv", str(tmp_path), "--jobs", job])
+    _, rows = read_data("speed-ratios", tmp_path)
+    assert [(row["job"], float(row["ratio"])) for row in rows] == [
+        (SOLVE, 0.6),
+        ("`march` with 256 nodes", 0.4),
+    ]
+
+
+def test_all_goals_are_in_the_table_and_judged():
+    _, rows = read_data("speed-goals")
+    assert [row["job"] for row in rows] == list(goals.GOALS)
+    for row in rows:
+        goal, now = goals.GOALS[row["job"]], float(row["now"])
+        here = goal.here(goals.pace_of(goals.DATA))
+        assert float(row["here"]) == pytest.approx(here)
+        assert (row["met"] == "yes") == (now >= here if goal.more else now <= here)
+
+
+def test_goals_in_seconds_follow_the_pace_of_the_machine():
+    jobs = {"`solve` of `viscous` to 1e-10": 2.0, "stress at 200,000 points to 1e-9": 0.5}
+    for job, factor in {**jobs, "survey on two processes": 1.0}.items():
+        assert goals.GOALS[job].here(2.0) == pytest.approx(factor * goals.GOALS[job].goal)

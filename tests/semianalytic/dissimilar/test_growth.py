@@ -1,5 +1,5 @@
 """Waves that grow while two bodies slide: tables computed by an independent Newton's method and by
-marching single waves, and the count of the principle of the argument on random pairs."""
+marching single waves, the principle of the argument on random pairs, verdicts on stability."""
 
 from functools import cache
 
@@ -14,16 +14,12 @@ from dissimilar_pairs import (
     contrast,
 )
 
-from semianalytic import Material
+import slipfront as sf
+from semianalytic import Material, SceneError
+from semianalytic.dissimilar import thresholds
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.delay import fastest_delayed_growth
 from semianalytic.dissimilar.growth import count_growing, growing_waves
-from semianalytic.dissimilar.thresholds import (
-    friction_crossings,
-    generalised_rayleigh_speed,
-    growth_threshold,
-    stoneley_speed,
-)
 
 FASTEST = [
     (contrast(1.2), 0.05, 0.00209156, 0.98485883),
@@ -72,25 +68,6 @@ def test_waves_beyond_the_second_threshold_grow_slowly():
     assert growing_waves(contrast(1.2), 2.0)[1].growth == pytest.approx(0.073638, abs=6e-7)
 
 
-@pytest.mark.parametrize(
-    ("ratio", "below", "above"),
-    [
-        (1.1, 0.28, 0.32),
-        (1.2, 0.25, 0.27),
-        (1.4, 2.05, 2.2),
-        (1.5, 2.3, 2.45),
-        (1.8, 2.8, 2.9),
-        (2, 1.0, 1.06),
-        (3, 0.024, 0.027),
-        (5, 0.001, 0.003),
-    ],
-)
-def test_waves_against_the_slower_body_grow_on_one_side_of_a_threshold(ratio, below, above):
-    counts = [count_growing(contrast(ratio).mirrored, friction) for friction in (below, above)]
-    assert counts == [0, 1]
-    assert below < growth_threshold(contrast(ratio), -1) < above
-
-
 def test_there_may_be_waves_in_both_directions():
     _, other = growing_waves(contrast(1.2), 1.0)
     assert (other.growth, other.velocity) == pytest.approx((0.00586992, -1.75947300), abs=6e-9)
@@ -99,9 +76,8 @@ def test_there_may_be_waves_in_both_directions():
     assert rubber[1].growth == pytest.approx(1.153e-5, rel=1e-3)
 
 
-def test_nothing_grows_between_like_bodies_or_below_the_threshold():
+def test_nothing_grows_between_like_bodies():
     assert growing_waves(compliance_of(Material(1, 1, 0.3), Material(1, 1, 0.3)), 0.9) == ()
-    assert growing_waves(compliance_of(*GOUGE_ON_ROCK), 0.5) == ()
 
 
 def test_every_wave_that_the_principle_of_the_argument_counts_is_found():
@@ -167,30 +143,17 @@ def test_a_delay_bounds_growth():
     assert fastest_delayed_growth(compliance_of(ROCK, ROCK), 0.5) is None
 
 
-def plain_symbol(k, upper, lower, friction):
-    """A + s f k D of two materials, as it is written down."""
-    total_a = total_d = 0.0
-    for body, sign in ((upper, 1), (lower, -1)):
-        a, b = 1 / body.longitudinal_speed, 1 / body.shear_speed
-        alpha, beta, q = np.sqrt(a**2 - k**2), np.sqrt(b**2 - k**2), b**2 - 2 * k**2
-        rayleigh = q**2 + 4 * k**2 * alpha * beta
-        total_a += alpha * b**2 / (body.shear_modulus * rayleigh)
-        total_d += sign * (2 * alpha * beta - q) / (body.shear_modulus * rayleigh)
-    return total_a + friction * k * total_d
-
-
 @pytest.mark.slow
 def test_a_delay_lets_waves_grow_that_decay_without_one():
     """Gouge on rock is well posed below 0.53, and unstable at 0.5 under a delay all the same."""
-    bodies, unit = compliance_of(*GOUGE_ON_ROCK), GOUGE_ON_ROCK[0].shear_speed
-    assert growing_waves(bodies, 0.5) == ()
+    bodies = compliance_of(*GOUGE_ON_ROCK)
     fastest = fastest_delayed_growth(bodies, 0.5)
     assert fastest.rate == pytest.approx(0.0040085025, rel=1e-7)
     wave = growing_waves(bodies, 0.5, fastest.wave_number)[0]
     assert wave.growth * fastest.wave_number == pytest.approx(fastest.rate, rel=1e-9)
     delayed = 0.5 / (1 + 1j * fastest.wave_number / wave.slowness)
-    sizes = [plain_symbol(wave.slowness / unit, *GOUGE_ON_ROCK, f) for f in (delayed, 0.0)]
-    assert abs(sizes[0]) < 1e-9 * abs(sizes[1])
+    entries = bodies.at(np.array([wave.slowness]))
+    assert abs(entries.frictional(delayed)[0]) < 1e-9 * abs(entries.frictional(0.0)[0])
     # the fastest of aluminium on steel is none of those that grow without delay either
     assert growing_waves(compliance_of(*ALUMINIUM_ON_STEEL), 0.5)[-1].velocity > 0
     fastest = fastest_delayed_growth(compliance_of(*ALUMINIUM_ON_STEEL), 0.5)
@@ -209,16 +172,16 @@ def test_a_delay_lets_waves_grow_that_decay_without_one():
     ],
 )
 def test_generalised_rayleigh_speed(ratio, speed):
-    assert generalised_rayleigh_speed(contrast(ratio)) == pytest.approx(speed, abs=6e-7)
-    assert growth_threshold(contrast(ratio), 1) == 0
-    assert stoneley_speed(contrast(ratio)) is None
+    assert thresholds.generalised_rayleigh_speed(contrast(ratio)) == pytest.approx(speed, abs=6e-7)
+    assert thresholds.growth_threshold(contrast(ratio), 1) == 0
+    assert thresholds.stoneley_speed(contrast(ratio)) is None
 
 
 @pytest.mark.parametrize(("nu", "ratio"), [(0.1, 1.478882), (0.25, 1.359316), (0.4, 1.252707)])
 def test_generalised_rayleigh_wave_ends_at_the_slower_shear_wave(nu, ratio):
     def exists(other):
         bodies = compliance_of(Material(1, 1, nu), Material(other**2, 1, nu))
-        return generalised_rayleigh_speed(bodies) is not None
+        return thresholds.generalised_rayleigh_speed(bodies) is not None
 
     assert exists(ratio - 1e-4)
     assert not exists(ratio + 1e-4)
@@ -226,33 +189,32 @@ def test_generalised_rayleigh_wave_ends_at_the_slower_shear_wave(nu, ratio):
 
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
-    ("ratio", "ahead", "behind"),
+    ("ratio", "ahead", "behind", "below", "above"),
     [
-        (1.1, 0.0, 0.30043),
-        (1.2, 0.0, 0.25798),
-        (1.4, 0.29780, 2.1086),
-        (1.5, 0.51239, None),
-        (1.6, 0.62529, None),
-        (1.8, 0.75080, 2.8435),
-        (2.0, 0.81902, 1.0268),
-        (2.2, None, 0.2517),
-        (2.5, None, 0.0833),
-        (3.0, 0.93557, 0.0257),
-        (5.0, 0.97895, 0.0021),
-        (10.0, 0.99494, 1e-4),
+        (1.1, 0.0, 0.30043, 0.28, 0.32),
+        (1.2, 0.0, 0.25798, 0.25, 0.27),
+        (1.4, 0.29780, 2.1086, 2.05, 2.2),
+        (1.6, 0.62529, None, 0.0, 0.0),
+        (1.5, 0.51239, None, 2.3, 2.45),
+        (1.8, 0.75080, 2.8435, 2.8, 2.9),
+        (2.0, 0.81902, 1.0268, 1.0, 1.06),
+        (2.2, None, 0.2517, 0.0, 0.0),
+        (3.0, 0.93557, 0.0257, 0.024, 0.027),
+        (2.5, None, 0.0833, 0.0, 0.0),
+        (5.0, 0.97895, 0.0021, 0.001, 0.003),
+        (10.0, 0.99494, 1e-4, 0.0, 0.0),
     ],
 )
-def test_thresholds(ratio, ahead, behind):
+def test_thresholds(ratio, ahead, behind, below, above):
+    """Above that behind, a wave against the slower body grows, and below it there is none."""
+    bodies = contrast(ratio)
     for known, direction in ((ahead, 1), (behind, -1)):
         if known is not None:
             digit = 0.6 * 10.0 ** -len(f"{known}".partition(".")[2]) if known >= 1e-3 else 2e-5
-            assert growth_threshold(contrast(ratio), direction) == pytest.approx(known, abs=digit)
-
-
-def test_waves_of_gouge_on_rock_begin_at_the_threshold():
-    assert growing_waves(compliance_of(*GOUGE_ON_ROCK), 0.5314) == ()
-    (wave,) = growing_waves(compliance_of(*GOUGE_ON_ROCK), 0.532)
-    assert 0 < wave.growth < 1e-4
+            assert thresholds.growth_threshold(bodies, direction) == pytest.approx(known, abs=digit)
+    if above:
+        assert [count_growing(bodies.mirrored, one) for one in (below, above)] == [0, 1]
+        assert below < thresholds.growth_threshold(bodies, -1) < above
 
 
 @pytest.mark.parametrize(
@@ -283,16 +245,20 @@ def test_waves_against_the_slower_body_run_near_a_longitudinal_wave(ratio, frict
 
 
 def test_thresholds_of_named_pairs():
-    assert growth_threshold(compliance_of(*GOUGE_ON_ROCK), 1) == pytest.approx(0.5314169, abs=6e-8)
+    gouge = compliance_of(*GOUGE_ON_ROCK)
+    assert thresholds.growth_threshold(gouge, 1) == pytest.approx(0.5314169, abs=6e-8)
+    assert growing_waves(gouge, 0.5314) == ()
+    (wave,) = growing_waves(gouge, 0.532)
+    assert 0 < wave.growth < 1e-4
     pmma = compliance_of(*PAIRS["PMMA on aluminium"])
-    assert growth_threshold(pmma, -1) == pytest.approx(0.0095371, abs=6e-8)
-    assert growth_threshold(compliance_of(*RUBBER_ON_STEEL), -1) < 1e-5
+    assert thresholds.growth_threshold(pmma, -1) == pytest.approx(0.0095371, abs=6e-8)
+    assert thresholds.growth_threshold(compliance_of(*RUBBER_ON_STEEL), -1) < 1e-5
 
 
 @pytest.mark.parametrize("nu", [0.1, 0.25, 0.4])
 def test_on_a_rigid_body_waves_ahead_grow_above_friction_1(nu):
     bodies = compliance_of(Material(1, 1, nu), Material(1e10, 100.0, nu))
-    assert growth_threshold(bodies, 1) == pytest.approx(1.0, abs=1e-8)
+    assert thresholds.growth_threshold(bodies, 1) == pytest.approx(1.0, abs=1e-8)
     # exact: q = b^2 - 2 k^2 is 0 at a speed of sqrt(2) c_t, where A + k D vanishes
     entries = bodies.on_cut(np.sqrt([0.5]))
     assert abs(entries.frictional(1.0)[0]) < 1e-9 * abs(entries.normal[0])
@@ -301,7 +267,9 @@ def test_on_a_rigid_body_waves_ahead_grow_above_friction_1(nu):
 
 def test_a_wave_turns_at_its_threshold():
     bodies = contrast(1.5)
-    for friction in friction_crossings(bodies)[np.abs(friction_crossings(bodies)) < 1]:
+    for friction in thresholds.friction_crossings(bodies)[
+        np.abs(thresholds.friction_crossings(bodies)) < 1
+    ]:
         below, above = (count_growing(bodies, friction * (1 + s)) for s in (-1e-3, 1e-3))
         assert below != above
 
@@ -321,3 +289,60 @@ def test_bodies_that_differ_by_rounding_let_no_wave_grow(which, contrast):
     assert growing_on(which, contrast) == ()
     (wave,) = growing_on(which, 1e-5)
     assert 1e-7 < wave.per_wavelength < 4e-6
+
+
+def test_verdicts():
+    known = sf.sliding_stability(*GOUGE_ON_ROCK, 0.5)
+    assert known.well_posed
+    assert known.verdict.endswith("under friction below 0.5314.")
+    assert known.delayed_growth > 0  # a delay makes waves grow that decay without it
+    assert sf.sliding_stability(ROCK, ROCK, 3.0).verdict.endswith("slide under any friction.")
+
+
+@pytest.mark.slow
+def test_verdicts_on_pairs_between_which_waves_grow():
+    verdict = sf.sliding_stability(*ALUMINIUM_ON_STEEL, 0.2).verdict
+    assert "with the upper body grow by 0.855 % over every wavelength" in verdict
+    assert "no friction is too low" in verdict
+    verdict = sf.sliding_stability(*PAIRS["PMMA on aluminium"], 0.2).verdict
+    assert "against the upper body grow by 3.09 %" in verdict
+    assert "lower it below 0.00954" in verdict
+    assert "no friction is too low" in sf.sliding_stability(*RUBBER_ON_STEEL, 0.2).verdict
+
+
+@pytest.mark.slow
+def test_from_below_waves_with_the_upper_body_run_against_it():
+    one, other = (sf.sliding_stability(*pair, 0.3) for pair in (PAIRS["C"], PAIRS["C"][::-1]))
+    assert one.threshold_with == other.threshold_against
+    assert one.threshold_against == pytest.approx(other.threshold_with, rel=1e-12)
+    assert one.dundurs == pytest.approx(-other.dundurs, rel=1e-12)
+    assert one.delayed_growth == pytest.approx(other.delayed_growth, rel=1e-9)
+    here, there = one.waves[0], other.waves[0]
+    assert here.velocity == pytest.approx(-there.velocity, rel=1e-9)
+    assert here.growth == pytest.approx(there.growth, rel=1e-8)
+
+
+@pytest.mark.slow
+def test_units_of_the_bodies():
+    scaled = [
+        Material(4e9 * one.shear_modulus, 1e3 * one.density, one.poisson_ratio)
+        for one in PAIRS["C"]
+    ]
+    known, plain = (sf.sliding_stability(*pair, 0.2) for pair in (scaled, PAIRS["C"]))
+    assert known.generalised_rayleigh_speed == pytest.approx(2000 * 0.95866882, rel=1e-8)
+    assert known.waves[0].growth == pytest.approx(2000 * plain.waves[0].growth, rel=1e-9)
+    assert known.waves[0].per_wavelength == pytest.approx(plain.waves[0].per_wavelength, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("steel", ROCK, 0.3), "upper must be a Material"),
+        ((ROCK, ROCK, 0.0), "friction must be positive"),
+        ((ROCK, ROCK, np.nan), "friction must be"),
+        ((ROCK, Material(1e11, 1.0, 0.25), 0.3), "factor of 1e\\+10"),
+    ],
+)
+def test_what_cannot_be_told_is_refused(arguments, complaint):
+    with pytest.raises(SceneError, match=complaint):
+        sf.sliding_stability(*arguments)

@@ -1,67 +1,55 @@
 """Exact answers without a slot: nine digits of an independent quadrature, limits, and marches."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dissimilar_pairs import PAIRS, contrast
 
-from semianalytic import Material, Scene, SceneError, Tractions, solve
+import semianalytic as sf
+from semianalytic.dissimilar import whole_line
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.thresholds import stoneley_speed
-from semianalytic.dissimilar.whole_line import (
-    half_line_exponent,
-    half_line_slip_rate,
-    half_line_speed,
-    patch_speeds,
-    point_speeds,
-)
 
-SOLID = Material(1.0, 1.0, 1 / 3)
+SOLID = sf.Material(1.0, 1.0, 1 / 3)
 ALIKE = compliance_of(SOLID, SOLID)
 
 
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize(
-    ("ratio", "friction", "chi", "positive", "negative"),
+    ("ratio", "friction", "chi", "positive", "negative", "exponents"),
     [
-        (1.2, 0.2, 1, None, 0.360433044),
-        (1.4, 0.2, 1, 0.385976303, 0.379830317),
-        (1.4, 0.2, 2, 0.173637764, 0.166726952),
-        (1.5, 0.2, 1, 0.394936752, 0.387292149),
-        (1.5, 0.2, 2, 0.178058450, 0.169609086),
-        (1.5, 0.4, 1, 0.398972442, 0.383686269),
-        (1.5, 0.4, 2, 0.182392415, 0.165496831),
-        (1.8, 0.4, 1, 0.421397689, 0.397512913),
-        (1.8, 0.4, 2, 0.194551541, 0.169523728),
+        (1.2, 0.2, 1, None, 0.360433044, ()),
+        (1.4, 0.2, 1, 0.385976303, 0.379830317, (0.508394, 0.491661)),
+        (1.4, 0.2, 2, 0.173637764, 0.166726952, ()),
+        (1.5, 0.2, 1, 0.394936752, 0.387292149, (0.509919, 0.490159)),
+        (1.5, 0.2, 2, 0.178058450, 0.169609086, ()),
+        (1.5, 0.4, 1, 0.398972442, 0.383686269, (0.519904, 0.480408)),
+        (1.5, 0.4, 2, 0.182392415, 0.165496831, ()),
+        (1.8, 0.4, 1, 0.421397689, 0.397512913, (0.527052, 0.473538)),
+        (1.8, 0.4, 2, 0.194551541, 0.169523728, ()),
     ],
 )
-def test_half_line(ratio, friction, chi, positive, negative):
-    """Two-body marches have them to a cell: 0.39538, 0.38682 for the third row."""
+def test_half_line(ratio, friction, chi, positive, negative, exponents):
+    """Two-body marches have the speeds to a cell: 0.39538, 0.38682 for the fourth row.
+
+    Exponents are those of slip at the edge, ahead and behind.
+    """
     bodies = contrast(ratio)
     if positive is None:
-        with pytest.raises(SceneError, match="waves grow"):
-            half_line_speed(bodies, friction, chi)
+        with pytest.raises(sf.SceneError, match="waves grow"):
+            whole_line.half_line_speed(bodies, friction, chi)
     else:
-        assert half_line_speed(bodies, friction, chi) == pytest.approx(positive, abs=8e-10)
-    assert half_line_speed(bodies.mirrored, friction, chi) == pytest.approx(negative, abs=8e-10)
-    assert half_line_speed(bodies, -friction, chi) == pytest.approx(negative, abs=8e-10)
-
-
-@pytest.mark.thinned(3)
-@pytest.mark.parametrize(
-    ("ratio", "friction", "ahead", "behind"),
-    [
-        (1.4, 0.2, 0.508394, 0.491661),
-        (1.5, 0.2, 0.509919, 0.490159),
-        (1.5, 0.4, 0.519904, 0.480408),
-        (1.8, 0.4, 0.527052, 0.473538),
-    ],
-)
-def test_exponents_at_the_edge(ratio, friction, ahead, behind):
-    for sign, known in ((1, ahead), (-1, behind)):
-        bodies = contrast(ratio)
-        speed = half_line_speed(bodies, sign * friction, 1.0)
-        exponent = half_line_exponent(bodies, sign * friction, speed)
+        assert whole_line.half_line_speed(bodies, friction, chi) == pytest.approx(
+            positive, abs=8e-10
+        )
+    assert whole_line.half_line_speed(bodies.mirrored, friction, chi) == pytest.approx(
+        negative, abs=8e-10
+    )
+    assert whole_line.half_line_speed(bodies, -friction, chi) == pytest.approx(negative, abs=8e-10)
+    for sign, speed, known in zip((1, -1), (positive, negative), exponents, strict=False):
+        exponent = whole_line.half_line_exponent(bodies, sign * friction, speed)
         assert 1 - exponent == pytest.approx(known, abs=6e-7)
 
 
@@ -78,33 +66,40 @@ def test_exponents_at_the_edge(ratio, friction, ahead, behind):
     ],
 )
 def test_point(ratio, friction, drop, right, left):
-    speeds = point_speeds(contrast(ratio), friction, drop)
+    speeds = whole_line.point_speeds(contrast(ratio), friction, drop)
     assert speeds == pytest.approx((right, left), abs=8e-10)
 
 
 @pytest.mark.slow
 def test_like_bodies():
-    assert half_line_speed(ALIKE, 0.3, 1.0) == pytest.approx(0.375, rel=1e-13)
-    assert half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)
-    assert point_speeds(ALIKE, 0.0, 1.0) == pytest.approx((0.290552362,) * 2, abs=6e-10)
-    assert patch_speeds(ALIKE, 0.0, 0.5, 0.3) == pytest.approx((0.395154,) * 2, abs=6e-7)
-    assert patch_speeds(ALIKE, 0.0, 0.6, 0.6) == pytest.approx((0.665193,) * 2, abs=6e-7)
+    assert whole_line.half_line_speed(ALIKE, 0.3, 1.0) == pytest.approx(0.375, rel=1e-13)
+    assert whole_line.half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)
+    for speed, missing in ((0.3, 0.5), (0.6, 0.6)):
+        patch = sf.WholeLine(SOLID, missing, sf.Tractions(1.0, 0.0), sf.Patch(speed, shear=1.0))
+        known = sf.solve_line(patch).edge_speed
+        assert whole_line.patch_speeds(ALIKE, 0.2, missing, speed) == pytest.approx(
+            (known, known), rel=1e-9
+        )
+        known = sf.solve_line(replace(patch, load=sf.PointForce(shear=1.0))).edge_speed
+        assert whole_line.point_speeds(ALIKE, 0.2, missing) == pytest.approx(
+            (known, known), rel=1e-8
+        )
 
 
 def test_slip_rate_of_like_bodies_is_that_beside_a_slot():
-    scene = Scene(SOLID, 0.5, Tractions(2.0, 0.0), Tractions(0.0, 1.0))
+    scene = sf.Scene(SOLID, 0.5, sf.Tractions(2.0, 0.0), sf.Tractions(0.0, 1.0))
     x = np.array([0.02, 0.1, 0.3, 0.37, 0.4])
     # the slot of chi_b = 1 takes 1 of the 2 that are too much and missing together
-    rate = 2 * half_line_slip_rate(ALIKE, 0.0, 1.0, x)
-    np.testing.assert_allclose(rate, solve(scene, rtol=1e-11).slip_rate(x, 1.0), rtol=1e-9)
+    rate = 2 * whole_line.half_line_slip_rate(ALIKE, 0.0, 1.0, x)
+    np.testing.assert_allclose(rate, sf.solve(scene, rtol=1e-11).slip_rate(x, 1.0), rtol=1e-9)
 
 
 @pytest.mark.slow
 def test_a_narrow_patch_is_a_point():
     bodies, width = contrast(1.5), 1e-4
     excess = 1 / (2 * width)
-    patch = patch_speeds(bodies, 0.2, 1 / excess, width)
-    assert patch == pytest.approx(point_speeds(bodies, 0.2, 1.0), rel=1e-7)
+    patch = whole_line.patch_speeds(bodies, 0.2, 1 / excess, width)
+    assert patch == pytest.approx(whole_line.point_speeds(bodies, 0.2, 1.0), rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -133,8 +128,8 @@ def test_the_phase_of_random_pairs_tends_to_one_of_two_limits():
     limits = []
     for _ in range(10):
         bodies = compliance_of(
-            Material(1.0, 1.0, rng.uniform(0.0, 0.45)),
-            Material(*np.exp(rng.uniform(-0.9, 0.9, 2)), rng.uniform(0.0, 0.45)),
+            sf.Material(1.0, 1.0, rng.uniform(0.0, 0.45)),
+            sf.Material(*np.exp(rng.uniform(-0.9, 0.9, 2)), rng.uniform(0.0, 0.45)),
         )
         if stoneley_speed(bodies) is None:
             limits += [slip_phase(bodies, f).limit / np.pi for f in (0.15, -0.15)]
@@ -151,9 +146,9 @@ def test_dundurs_parameter_is_that_of_the_moduli():
 
 
 def test_what_cannot_be_is_refused():
-    with pytest.raises(SceneError, match="positive"):
-        point_speeds(ALIKE, 0.2, 0.0)
-    with pytest.raises(SceneError, match="less than 1"):
-        patch_speeds(ALIKE, 0.2, 1.5, 0.3)
-    with pytest.raises(SceneError, match="slower than all waves"):
-        half_line_speed(ALIKE, 0.2, 1e-6)
+    with pytest.raises(sf.SceneError, match="positive"):
+        whole_line.point_speeds(ALIKE, 0.2, 0.0)
+    with pytest.raises(sf.SceneError, match="less than 1"):
+        whole_line.patch_speeds(ALIKE, 0.2, 1.5, 0.3)
+    with pytest.raises(sf.SceneError, match="slower than all waves"):
+        whole_line.half_line_speed(ALIKE, 0.2, 1e-6)

@@ -1,6 +1,5 @@
-"""Fields in both bodies of a solved pair: limits, laws of the bodies, one body mirrored, edges."""
+"""Fields in both bodies of a solved pair, and its derivatives: limits, laws, mirrors, scaling."""
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -8,10 +7,26 @@ import pytest
 
 from compare.studies.dissimilar.pairs import SCENES, random_pair
 from semianalytic import Material, Pair, Scene, SceneError, Tractions, solve, solve_pair
+from semianalytic.dissimilar.pair import PARAMETERS, changed, parameter_of
+from tests.semianalytic.field.body_fields import (
+    check_faces,
+    departures_from_laws,
+    edges_of,
+    smooth_points,
+)
 
 SOLID = Material(1.0, 1.0, 0.25)
 KINDS = list(SCENES)
 FEW = ("slip from the slot", "slip and opening", "film")
+INTERFACE_FIELDS = ("slip_rate", "gap_rate", "slip", "gap", "shear_traction", "pressure")
+CASES = [
+    ("film", "viscosity"),
+    ("slip from the slot", "friction"),
+    ("slip and opening", "load_shear"),
+    ("slip from the slot", "lower_shear_modulus"),
+    ("film", "base_shear"),
+    ("slip and opening", "lower_density"),
+]
 
 
 @lru_cache
@@ -30,7 +45,7 @@ def speeds(pair):
 
 def places(answer, count=200):
     """Positions along the interface at t = 1, away from zone edges."""
-    edges = [v for zone in (*answer.zones, *answer.openings) for v in (zone.inner, zone.outer)]
+    edges = edges_of(answer)
     x = np.random.default_rng(2).uniform(0.01, 1.2 * max(speeds(answer.pair)), 4 * count)
     apart = np.min(np.abs(np.subtract.outer([*edges, 0.0], x)), axis=0)
     return x[apart > 0.03 * min(speeds(answer.pair))][:count]
@@ -41,19 +56,7 @@ def places(answer, count=200):
 )
 def test_faces_move_and_carry_what_the_interface_does(name):
     answer = answer_of(name)
-    x, within = places(answer), 3 * answer.error_estimate
-    above, below = (answer.velocity(x, face, 1.0) for face in (0.0, -0.0))
-    np.testing.assert_allclose(above[0] - below[0], answer.slip_rate(x, 1.0), atol=within)
-    np.testing.assert_allclose(above[1] - below[1], answer.gap_rate(x, 1.0), atol=within)
-    above, below = (answer.displacement(x, face, 1.0) for face in (0.0, -0.0))
-    np.testing.assert_allclose(above[0] - below[0], answer.slip(x, 1.0), atol=within)
-    np.testing.assert_allclose(above[1] - below[1], answer.gap(x, 1.0), atol=within)
-    for face in (0.0, -0.0):
-        stress = answer.stress(x, face, 1.0)
-        np.testing.assert_allclose(
-            stress[2], answer.shear_traction(x, 1.0), rtol=within, atol=within
-        )
-        np.testing.assert_allclose(-stress[1], answer.pressure(x, 1.0), rtol=within, atol=within)
+    check_faces(answer, places(answer), 1.0, 3 * answer.error_estimate)
 
 
 @pytest.mark.parametrize("name", FEW)
@@ -66,93 +69,51 @@ def test_slot_faces_carry_the_load_alone(name):
         np.testing.assert_allclose(-stress[1], held.pressure - load.pressure, atol=1e-10)
 
 
+@lru_cache
+def of_identical_bodies(friction=0.5, base=(2.4, 0.0), load=(-0.2, 1.0)):
+    """The answers of both solvers; to a scene that opens unless told otherwise."""
+    base, load = Tractions(*base), Tractions(*load)
+    one = solve(Scene(SOLID, friction, base, load), rtol=1e-10)
+    return one, solve_pair(Pair(SOLID, SOLID, friction, base, load), rtol=1e-9)
+
+
 @pytest.mark.thinned(4)
 @pytest.mark.parametrize(
-    ("friction", "base", "load"),
+    "given",
     [
+        (),
         (0.5, (1.6, 0.0), (0.0, 1.0)),
-        (0.5, (2.4, 0.0), (-0.2, 1.0)),
         (0.5, (1.0, 0.0), (-1.5, 0.3)),
         (9.0, (3.0, 0.1), (1.0, -0.4)),
     ],
 )
-def test_identical_bodies_have_the_fields_of_the_other_solver(friction, base, load):
-    base, load = Tractions(*base), Tractions(*load)
-    one = solve(Scene(SOLID, friction, base, load), rtol=1e-10)
-    two = solve_pair(Pair(SOLID, SOLID, friction, base, load), rtol=1e-9)
+def test_identical_bodies_have_the_fields_of_the_other_solver(given):
+    one, two = of_identical_bodies(*given)
     at = *np.random.default_rng(1).uniform(-2, 2, (2, 300)), 1.0
     for field in ("velocity", "stress", "displacement"):
-        np.testing.assert_allclose(
-            getattr(two, field)(*at), getattr(one, field)(*at), rtol=1e-9, atol=1e-9
-        )
+        known = getattr(one, field)(*at)
+        np.testing.assert_allclose(getattr(two, field)(*at), known, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize("name", ["slip and opening, reversed", "two zones"])
+@pytest.mark.parametrize("name", ["two zones", "slip and opening, reversed"])
 def test_exchanged_bodies_have_mirrored_fields(name):
     answer = answer_of(name)
     pair, far = answer.pair, max(speeds(answer.pair))
-    base, load = (Tractions(one.pressure, -one.shear) for one in (pair.base, pair.load))
-    other = solve_pair(replace(pair, upper=pair.lower, lower=pair.upper, base=base, load=load))
+    other = solve_pair(pair.exchanged)
     x, y = np.random.default_rng(3).uniform(-far, far, (2, 100))
     for field, signs in (("velocity", (1, -1)), ("stress", (1, 1, -1)), ("displacement", (1, -1))):
         mirrored = np.array(signs)[:, None] * getattr(other, field)(x, -y, 1.0)
         np.testing.assert_allclose(getattr(answer, field)(x, y, 1.0), mirrored, atol=1e-11)
 
 
-CENTRAL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
-"""Eighth-order differences."""
-
-
-def differentiated(field, at, axis, step):
-    total = 0.0
-    for weight, shift in zip(CENTRAL, range(-4, 5), strict=True):
-        moved = list(at)
-        moved[axis] = moved[axis] + shift * step
-        total = total + weight * field(*moved)
-    return total / step
-
-
-def smooth_points(answer, body, side, count=40):
-    """Points of one body at t = 1 with no front nearby, head waves of both bodies included."""
-    far, rng = max(speeds(answer.pair)), np.random.default_rng(4)
-    x, y = rng.uniform(-far, far, 8000), rng.uniform(0.2, 1.0, 8000) * far
-    edges = [v for zone in (*answer.zones, *answer.openings) for v in (zone.inner, zone.outer)]
-    apart = []
-    for speed in (body.longitudinal_speed, body.shear_speed):
-        apart += [np.hypot(x, y) / speed - 1, y / speed - 1]
-        for along in (*speeds(answer.pair), *edges):
-            if along > speed:
-                rise = np.sqrt(1 / speed**2 - 1 / along**2)
-                apart += [x / along + y * rise - 1, -x / along + y * rise - 1]
-    clear = np.min(np.abs(apart), axis=0) > 0.03
-    assert np.count_nonzero(clear) >= count
-    return x[clear][:count], side * y[clear][:count], np.ones(count)
-
-
 def faults(answer, upper, lower):
-    """Largest departures from Hooke's law, from motion and from u' = v, of supposed materials."""
+    """Departures from six laws in the upper body, and in the lower one, of supposed materials."""
     worst = []
     for body, side in ((upper, 1), (lower, -1)):
-        at = smooth_points(answer, body, side)
-        step, mu = 0.002 * body.shear_speed, body.shear_modulus
-        bulk = body.density * body.longitudinal_speed**2
-        change = answer.stress(*at) - answer.stress(at[0], at[1], 0.0)
-        rate = differentiated(answer.velocity, at, 2, 0.002)
-        stress_x, stress_y = (differentiated(answer.stress, at, axis, step) for axis in (0, 1))
-        moved_x, moved_y = (differentiated(answer.displacement, at, axis, step) for axis in (0, 1))
-        moved = differentiated(answer.displacement, at, 2, 0.002)
-        speed = body.shear_speed
-        pairs = [
-            (body.density * speed * rate[0], speed * (stress_x[0] + stress_y[2])),
-            (body.density * speed * rate[1], speed * (stress_x[2] + stress_y[1])),
-            (change[0], bulk * moved_x[0] + (bulk - 2 * mu) * moved_y[1]),
-            (change[1], bulk * moved_y[1] + (bulk - 2 * mu) * moved_x[0]),
-            (change[2], mu * (moved_y[0] + moved_x[1])),
-            (body.shear_impedance * answer.velocity(*at), body.shear_impedance * moved),
-        ]
-        worst += [float(np.abs(np.subtract(*pair)).max()) for pair in pairs]
-    return np.array(worst)
+        at = smooth_points(answer, body, speeds(answer.pair), side=side)
+        worst.append(departures_from_laws(answer, at, body, 0.002 * body.shear_speed))
+    return np.concatenate(worst)
 
 
 @pytest.mark.parametrize("name", ["two zones", "slip and opening"])
@@ -245,3 +206,122 @@ def test_what_is_infinite_says_so():
     assert np.isfinite(answer.displacement(0.0, 0.0, 1.0)).all()
     with pytest.raises(SceneError, match="finite"):
         answer.stress(np.nan, 0.0, 1.0)
+
+
+@lru_cache
+def derivative_of(name, parameter):
+    return answer_of(name, 1e-9).derivative(parameter)
+
+
+def positions(answer, count=60):
+    """Positions at t = 1 away from edges and fronts."""
+    marks = [*edges_of(answer), *speeds(answer.pair)]
+    x = np.linspace(0.01, 1.2 * max(marks), 4 * count)
+    apart = np.min(np.abs(np.subtract.outer(marks, x)), axis=0)
+    return x[apart > 0.05 * min(speeds(answer.pair))][::4]
+
+
+@pytest.mark.thinned(6)
+@pytest.mark.parametrize(("name", "parameter"), CASES)
+def test_differences_of_solutions_agree(name, parameter):
+    answer, derivative = answer_of(name, 1e-9), derivative_of(name, parameter)
+    pair, x = answer.pair, positions(answer)
+    value = parameter_of(pair, parameter)
+    step = 2e-4 * max(abs(value), 1.0)
+    points, weights = (-2, -1, 1, 2), np.array([1.0, -8.0, 8.0, -1.0]) / (12 * step)
+    beside = [
+        solve_pair(changed(pair, parameter, value + step * point), rtol=1e-10) for point in points
+    ]
+    assert derivative.status == "converged"
+    for end in ("inner", "outer"):
+        found = [getattr(zone, end) for zone in derivative.zones]
+        edges = weights @ [[getattr(zone, end) for zone in one.zones] for one in beside]
+        np.testing.assert_allclose(found, edges, rtol=1e-5, atol=1e-7)
+    for field in INTERFACE_FIELDS:
+        expected = weights @ np.array([getattr(one, field)(x, 1.0) for one in beside])
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(
+            getattr(derivative, field)(x, 1.0), expected, atol=2e-6 * (size or 1.0)
+        )
+
+
+@pytest.mark.thinned(4)
+@pytest.mark.parametrize("name", ["slip from the slot", "slip and opening"])
+@pytest.mark.parametrize(
+    ("parameters", "degrees"),
+    [
+        # twice all moduli and densities halve slip, and leave edges and tractions
+        (
+            ("shear_modulus", "density", "lower_shear_modulus", "lower_density"),
+            (-1, -1, -1, -1, 0, 0),
+        ),
+        # twice all tractions double all fields, and leave edges
+        (("base_pressure", "base_shear", "load_pressure", "load_shear"), (1,) * 6),
+    ],
+    ids=["bodies", "tractions"],
+)
+def test_answers_are_homogeneous(name, parameters, degrees):
+    """Euler: the sum of parameters times derivatives is the field times its degree."""
+    answer = answer_of(name, 1e-9)
+    x, pair = positions(answer), answer.pair
+    parts = [(parameter_of(pair, one), derivative_of(name, one)) for one in parameters]
+    for field, degree in zip(INTERFACE_FIELDS, degrees, strict=True):
+        total = sum(value * getattr(derivative, field)(x, 1.0) for value, derivative in parts)
+        values = getattr(answer, field)(x, 1.0)
+        within = 1e-7 if degree == 1 else 1e-6
+        np.testing.assert_allclose(
+            total, degree * values, atol=within * (np.abs(values).max() or 1)
+        )
+    for index, zone in enumerate(answer.zones):
+        moved = sum(value * derivative.zones[index].outer for value, derivative in parts)
+        assert abs(moved) < 1e-7 * zone.outer
+    edge = sum(value * derivative.edge_slip_rate for value, derivative in parts)
+    assert edge == pytest.approx(degrees[0] * answer.edge_slip_rate, rel=1e-6)
+
+
+@lru_cache
+def derivatives_of_identical_bodies(parameter):
+    return [answer.derivative(parameter) for answer in of_identical_bodies()]
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize("parameter", ["base_pressure", "friction", "load_shear"])
+def test_identical_bodies_have_the_derivatives_of_the_other_solver(parameter):
+    theirs, ours = derivatives_of_identical_bodies(parameter)
+    assert ours.zones[0].outer == pytest.approx(theirs.zones[0].outer, rel=1e-7)
+    assert ours.openings[0].outer == pytest.approx(theirs.openings[0].outer, rel=1e-5, abs=1e-9)
+    x = np.array([0.05, 0.1, 0.2, 0.45, 0.6, 1.3, 1.6])
+    for field in ("slip_rate", "slip", "shear_traction", "pressure"):
+        expected = getattr(theirs, field)(x, 1.0)
+        size = np.abs(expected).max() or 1.0
+        np.testing.assert_allclose(getattr(ours, field)(x, 1.0), expected, atol=1e-6 * size)
+
+
+def test_an_estimate_bounds_the_error_and_is_small():
+    derivative = derivative_of("film", "viscosity")
+    assert 1e-9 <= derivative.error_estimate < 1e-6
+    assert "viscosity" in repr(derivative)
+
+
+def test_open_parts_carry_nothing_and_base_tractions_are_there_from_the_outset():
+    _, derivative = derivatives_of_identical_bodies("base_pressure")
+    (opening,) = of_identical_bodies()[1].openings
+    inside, outside = opening.outer / 2, 1.2 * opening.outer
+    assert derivative.pressure(inside, 1.0) == 0
+    assert derivative.shear_traction(inside, 1.0) == 0
+    assert derivative.gap(inside, 1.0) != 0
+    assert derivative.gap(outside, 1.0) == 0
+    assert derivative.pressure(0.5, -1.0) == 1
+    assert derivative.slip_rate(0.5, -1.0) == 0
+    assert derivative.pressure(9.0, 1.0) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_what_has_no_derivative_is_refused_in_one_sentence():
+    answer = answer_of("slip from the slot", 1e-9)
+    with pytest.raises(SceneError, match="name must be one of friction, viscosity, base_pressure"):
+        answer.derivative("weight")
+    with pytest.raises(SceneError, match="needs ViscousFriction of a positive viscosity"):
+        answer.derivative("viscosity")
+    with pytest.raises(SceneError, match="positive positions"):
+        derivative_of("film", "viscosity").slip_rate(-1.0, 1.0)
+    assert len(PARAMETERS) == 12

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from compare.interfaces.lines import line_of
 from semianalytic.engine.steps import Stepper
-from semianalytic.interface.parameters import interface_parameters
 
 ROCK = sf.Material(1.0, 1.0, 0.25)
 
@@ -153,68 +151,6 @@ def test_slots_grow_under_the_tension_of_griffith():
     assert griffith(3.0, 256) == pytest.approx(0.97, abs=0.02)
 
 
-def test_an_interrupted_run_goes_on_with_the_same_digits():
-    def pulled_at_once(strength):
-        load = sf.InterfaceLoad(pressure=lambda x: -2.5 * np.exp(-(x**2)))
-        bonds = sf.Adhesion(strength, 0.3)
-        return sf.Interface(ROCK, sf.Coulomb(0.3), 8.0, 0.5, loads=[load], adhesion=bonds)
-
-    face = pulled_at_once(1.0)
-    whole = sf.run(face, 1.0, 64, estimate=False)
-    half = sf.run(face, 1.0, 64, estimate=False, progress=lambda t, end: t > 0.4)
-    assert half.status.startswith("interrupted")
-    assert half.checkpoint["opened"].max() > 0.3
-    done = sf.run(face, 1.0, 64, estimate=False, go_on=half)
-    assert np.array_equal(done.gap[-1], whole.gap[-1])
-    with pytest.raises(sf.DataFileError, match="another interface"):
-        sf.run(pulled_at_once(1.1), 1.0, 64, estimate=False, go_on=half)
-
-
-FILE = """
-length = 8.0
-pressure = 0.5
-load = {pressure = "-3.0 * exp(-x**2)"}
-[material]
-shear_modulus = 1.0
-density = 1.0
-poisson_ratio = 0.25
-[law]
-kind = "coulomb"
-friction = 0.3
-[adhesion]
-strength = "1 + 0.1 * (x > 0)"
-length = 0.5
-[run]
-end_time = 1.0
-"""
-
-
-def test_files_and_surveys_know_it(tmp_path):
-    (tmp_path / "a.toml").write_text(FILE)
-    face = sf.find_interface(tmp_path / "a.toml").interface
-    named = interface_parameters(face)
-    assert named["adhesion_length"].value == 0.5
-    assert named["adhesion_strength_factor"].value == 1.0
-    done = sf.run(face, 0.2, 64, estimate=False)
-    assert done.pressure.min() < -1.0
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (("length = 0.5", "length = 0.0"), "adhesion: length must be positive"),
-        (('"1 + 0.1 * (x > 0)"', "-1.0"), "adhesion: strength must be 0 or more"),
-        (("length = 0.5", ""), "adhesion.length is missing"),
-        (("length = 0.5", "length = 0.5\nreach = 1.0"), "unknown key adhesion.reach"),
-        (("load =", "#"), "nothing opens without a load"),
-    ],
-)
-def test_adhesion_that_means_nothing_is_refused(tmp_path, change, message):
-    (tmp_path / "a.toml").write_text(FILE.replace(*change))
-    with pytest.raises(sf.SceneError, match=message):
-        sf.find_interface(tmp_path / "a.toml")
-
-
 def test_grids_that_cannot_follow_it_are_told():
     with pytest.raises(sf.SceneError, match=r"cannot follow; take \d+ nodes or more"):
         sf.run(pulled(3.0, sf.Adhesion(1.0, 1e-3)), 0.5, 16, estimate=False)
@@ -229,8 +165,3 @@ def test_grids_that_cannot_follow_it_are_told():
     # tension that falls within two node distances: mu / (strength / length) is 2 h
     coarse = sf.run(pulled(3.0, sf.Adhesion(1.0, 0.25)), 0.1, 8, estimate=False)
     assert "falls over 2 node distances" in coarse.status
-
-
-def test_finite_elements_refuse_it():
-    with pytest.raises(sf.SceneError, match="finite elements have no adhesion"):
-        line_of(pulled(3.0, sf.Adhesion(1.0, 0.5)), 16)

@@ -12,22 +12,20 @@ PRESSURE = 1e4
 """So large that nothing slips or opens: the bodies are glued."""
 
 
-def held(pair, load, nodes, side=1, friction=0.005, **changes):
-    """Two bodies glued on x > 0 (side 1) or x < 0, load (P_0, Q_0) on the slot: a run to t = 1."""
+def slotted(upper, friction, length, parts, nodes, load=(0.0, 1.0), **given):
+    """A run to t = 1 of contacts beside slots that carry a load (P_0, Q_0)."""
+    loads = [sf.InterfaceLoad(load[1], on="slot", **({"pressure": load[0]} if load[0] else {}))]
+    given = {"pressure": PRESSURE, "contact": sf.Contact(parts), "loads": loads, **given}
+    face = sf.Interface(upper, sf.Coulomb(friction), length, **given)
+    return sf.run(face, 1.0, nodes, estimate=False, times=[1.0])
+
+
+def held(pair, load, nodes, side=1, friction=0.005):
+    """Two bodies glued on x > 0 (side 1) or x < 0, load (P_0, Q_0) on the slot."""
     upper, lower = pair
-    fastest = max(one.longitudinal_speed for one in pair)
+    length = 2 * max(one.longitudinal_speed for one in pair) + 4
     parts = [(0.0, math.inf)] if side > 0 else [(-math.inf, 0.0)]
-    given = sf.Interface(
-        upper,
-        sf.Coulomb(friction),
-        2 * fastest + 4,
-        pressure=PRESSURE,
-        contact=sf.Contact(parts),
-        loads=[sf.InterfaceLoad(load[1], on="slot", pressure=load[0])],
-        lower_material=lower,
-        **changes,
-    )
-    return sf.run(given, 1.0, nodes, estimate=False, times=[1.0])
+    return slotted(upper, friction, length, parts, nodes, load, lower_material=lower)
 
 
 def exact(pair, load, distance, friction=0.005):
@@ -89,16 +87,7 @@ def test_bodies_that_change_places(side):
 
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 def test_identical_bodies_are_read_as_well(mode):
-    given = sf.Interface(
-        ROCK,
-        sf.Coulomb(0.5),
-        8.0,
-        pressure=PRESSURE,
-        contact=sf.Contact.half_line(),
-        loads=[sf.InterfaceLoad(1.0, on="slot")],
-        mode=mode,
-    )
-    reading = sf.run(given, 1.0, 256, estimate=False, times=[1.0]).beside_edge(0.0)
+    reading = slotted(ROCK, 0.5, 8.0, [(0.0, math.inf)], 256, mode=mode).beside_edge(0.0)
     scene = sf.Scene(ROCK, 0.5, sf.Tractions(PRESSURE, 0.0), sf.Tractions(0.0, 1.0), mode=mode)
     place = reading.distance[:12]
     known = sf.solve(scene).shear_traction(place, 1.0)
@@ -120,15 +109,7 @@ def test_what_cannot_be_read_is_refused():
     done = held(PAIRS["0"], (0.0, 1.0), 64, friction=0.3)
     with pytest.raises(sf.SceneError, match="begins or ends at x = 1; ends are 0"):
         done.beside_edge(1.0)
-    given = sf.Interface(
-        ROCK,
-        sf.Coulomb(0.5),
-        8.0,
-        pressure=1.0,
-        contact=sf.Contact([(-3.9, -3.1), (0.0, 3.0)]),
-        loads=[sf.InterfaceLoad(1.0, on="slot")],
-    )
-    slipping = sf.run(given, 1.0, 64, estimate=False)
+    slipping = slotted(ROCK, 0.5, 8.0, [(-3.9, -3.1), (0.0, 3.0)], 64, pressure=1.0)
     with pytest.raises(sf.SceneError, match="slips beside x = 0 at t = 1"):
         slipping.beside_edge(0.0)
     with pytest.raises(sf.SceneError, match=r"fewer than 8 nodes lie between x = -3.1 .* more"):

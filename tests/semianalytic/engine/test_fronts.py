@@ -1,12 +1,22 @@
-"""Waves at an angle and moving loads on interfaces, against the exact solver and one another."""
+"""Waves at an angle and moving loads on interfaces, between like and different bodies."""
 
 import numpy as np
 import pytest
 
 import semianalytic as sf
+from semianalytic.dissimilar.bonded import bonded_tractions
+from semianalytic.dissimilar.compliance import compliance_of
+from semianalytic.interface.hilbert import comes_back, transformed
 
 THIRD = sf.Material(1.0, 1.0, 1 / 3)
 HALF = sf.Contact.half_line()
+HARD, SOFT = sf.Material(4.0, 1.3, 0.25), sf.Material(1.0, 0.9, 0.3)
+WAVES = [
+    sf.IncidentWave(kind, angle, stress=1.0, from_=side)
+    for kind in ("P", "SV")
+    for side in ("below", "above")
+    for angle in (0.0, 10.0, -25.0, 50.0, -80.0)
+]
 
 
 def beside_slot(load, mode="in-plane", nodes=512, at=0.0, length=12.0):
@@ -65,64 +75,129 @@ def test_a_front_is_the_mean_of_its_load_over_a_node_distance():
     assert comes.traction([-1.5, 0.5, 1.5], 1.0).tolist() == [1.0, 1.0, 0.0]
 
 
-FILE = """
-length = 8.0
-contact = {intervals = [[0.0, inf]]}
-[material]
-shear_modulus = 1.0
-density = 1.0
-poisson_ratio = 0.25
-[law]
-kind = "coulomb"
-friction = 0.3
-[load]
-kind = "incident-wave"
-wave = "SV"
-angle = -20.0
-stress = 0.3
-at = 4.0
-history = {kind = "pulse", duration = 0.5, shape = "half-sine"}
-[run]
-end_time = 1.0
-nodes = 32
-"""
+def name(wave):
+    return f"{wave.kind} {wave.from_} {wave.angle:g}"
 
 
-def test_files_describe_fronts_and_surveys_vary_them(tmp_path):
-    (tmp_path / "a.toml").write_text(FILE)
-    found = sf.find_interface(tmp_path / "a.toml")
-    load = found.interface.loads[0]
-    assert load.front == sf.IncidentWave("SV", angle=-20.0, stress=0.3)
-    assert (load.at, load.history) == (4.0, sf.Pulse(0.5, "half-sine"))
-    from semianalytic.interface.parameters import interface_at, interface_parameters
-
-    known = interface_parameters(found.interface)
-    assert {"load_angle", "load_stress", "load_at", "load_history_duration"} <= set(known)
-    other = interface_at(found.interface, {"load_angle": -30.0, "shear_modulus": 4.0})
-    assert other.loads[0].front.angle == -30.0
-    assert other.loads[0].material.shear_modulus == 4.0
-    sf.run(other, 0.5, 32)
+def faces(body, k):
+    """A, B and k D of one body at a slowness k, as in `dissimilar.compliance`, without its code."""
+    mu, a, b = body.shear_modulus, 1 / body.longitudinal_speed, 1 / body.shear_speed
+    alpha, beta, q = np.sqrt(a**2 - k**2), np.sqrt(b**2 - k**2), b**2 - 2 * k**2
+    rayleigh = mu * (q**2 + 4 * k**2 * alpha * beta)
+    return alpha * b**2 / rayleigh, beta * b**2 / rayleigh, k * (2 * alpha * beta - q) / rayleigh
 
 
+@pytest.mark.parametrize("wave", WAVES, ids=name)
+def test_bonded_tractions_close_the_jump_that_free_faces_would_have(wave):
+    """The compliance of both bodies times the tractions is the motion of the struck face alone.
+
+    The struck body moves as the wave does, and by its compliance under the tractions that exceed
+    those of the wave.
+    """
+    below = wave.from_ == "below"
+    source = SOFT if below else HARD
+    k = -wave.slowness(source) * (1 - 1e-14j) + 0j
+    a, b, kd = faces(source, k)
+    own, sign = wave.tractions(source), 1 if below else -1  # D has the sign of the side
+    tau, sigma = own.shear, -own.pressure
+    motion = wave.particle_velocity(source) * np.array(wave.polarisation()[:2])
+    response = np.array([b * tau - sign * kd * sigma, sign * kd * tau + a * sigma])
+    entries = compliance_of(HARD, SOFT).at(np.array([k * HARD.shear_speed]))
+    both = np.array(
+        [[entries.tangential[0], entries.coupling[0]], [-entries.coupling[0], entries.normal[0]]]
+    ) / (entries.rayleigh[0] * HARD.shear_impedance)
+    pressure, shear = bonded_tractions(wave, HARD, SOFT)
+    found = both @ np.array([shear, -pressure])
+    assert found == pytest.approx(response - sign * motion, abs=1e-12)
+    critical = abs(wave.slowness(source)) > 1 / HARD.longitudinal_speed
+    assert (abs(pressure.imag) > 1e-3) == critical
+
+
+@pytest.mark.parametrize("wave", WAVES, ids=name)
+def test_identical_bodies_reflect_nothing(wave):
+    pressure, shear = bonded_tractions(wave, SOFT, SOFT)
+    wanted = wave.tractions(SOFT)
+    assert pressure == pytest.approx(wanted.pressure, abs=1e-13)
+    assert shear == pytest.approx(wanted.shear, abs=1e-13)
+
+
+def test_the_transform_of_a_history_is_its_hilbert_transform():
+    """Held against a sum over frequencies: sin for cos, on a line on which the pulse is short."""
+    step, count = 1 / 512, 2**18
+    t = step * (np.arange(count) + 0.5)
+    for pulse in (sf.Pulse(1.0), sf.Pulse(1.0, "triangle")):
+        lines = np.fft.rfft(pulse.value(t - 200))
+        known = np.fft.irfft(-1j * lines, n=count)
+        for at in (198.0, 199.9, 200.3, 201.2, 203.0):
+            near = slice(round(at / step) - 26, round(at / step) + 26)
+            ends = np.array([t[near][0] - step / 2, t[near][-1] + step / 2]) - 200
+            found = transformed(pulse, ends[:1], ends[1:])[0]
+            assert found == pytest.approx(known[near].mean(), abs=2e-3)
+    assert transformed(sf.Pulse(1.0), np.array([2.0]), np.array([2.0]))[0] == pytest.approx(
+        np.log(2.0) / np.pi
+    )
+    assert not comes_back(sf.Step())
+    assert not comes_back(sf.Pulse(1.0, "half-sine"))
+
+
+def slipping(wave, upper, lower):
+    """Slip rate and pressure per unit of history where nothing resists slip, from both faces."""
+    below = wave.from_ == "below"
+    source = lower if below else upper
+    k = -wave.slowness(source) * (1 - 1e-14j) + 0j
+    entries = compliance_of(upper, lower).at(np.array([k * upper.shear_speed]))
+    scale = entries.rayleigh[0] * upper.shear_impedance
+    b, kd, a = (one[0] / scale for one in (entries.tangential, entries.coupling, entries.normal))
+    pressure, shear = bonded_tractions(wave, upper, lower)
+    # [V, U] = C ([tau, sigma] of the bonded line less [0, sigma]) with U = 0
+    sigma = -pressure - kd / a * shear
+    return b * shear + kd * (-pressure - sigma), -sigma
+
+
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (('wave = "SV"', 'wave = "SH"'), "must be of kind P or SV, got SH"),
-        (("angle = -20.0", "angle = 95.0"), "angle must"),
-        (("at = 4.0", "on = 4.0"), "has no 'on'"),
-        (('"incident-wave"', '"wave"'), "kind must be one of"),
-        (("length = 8.0", "length = 8.0\neven = true"), "not even in x"),
-        (("at = 4.0", 'at = "end"'), "load: at must"),
-        (
-            (
-                "[law]",
-                "[lower_material]\nshear_modulus = 0.3\ndensity = 1.0\npoisson_ratio = 0.3\n[law]",
-            ),
-            "beyond a critical angle",
-        ),
-    ],
+    "wave",
+    [sf.IncidentWave("P", -20.0, stress=0.2), sf.IncidentWave("SV", -12.0, stress=0.2)],
+    ids=name,
 )
-def test_fronts_that_mean_nothing_are_refused(tmp_path, change, message):
-    (tmp_path / "a.toml").write_text(FILE.replace(*change))
-    with pytest.raises(sf.SceneError, match=message):
-        sf.find_interface(tmp_path / "a.toml")
+def test_a_wave_meets_faces_that_slide_freely(wave):
+    """Ahead of all that runs from where it began, slip rate and pressure are those of plane waves.
+
+    Beyond critical angles fronts are slower than the fastest wave, and there is no such place.
+    """
+    at, length, end, nodes = 6.0, 16.0, 1.2, 1024
+    load = sf.FrontLoad(wave, at=at)
+    face = sf.Interface(HARD, sf.Coulomb(0.0), length, loads=[load], lower_material=SOFT)
+    done = sf.run(face, end, nodes, times=[end], estimate=False)
+    assert done.gap.max() == 0.0
+    slow, width = wave.slowness(SOFT), length / nodes
+    near = np.abs(done.x - at - end / slow) < 1.0
+    share = np.clip(0.5 + (done.x[near] - at - end / slow) / width, 0, 1)
+    rate, pressure = slipping(wave, HARD, SOFT)
+    found = done.slip_rate[0][near], done.pressure[0][near] - 1.0
+    for one, size in zip(found, (rate.real, pressure.real), strict=True):
+        assert np.abs(one - size * share).sum() < 0.011 * np.abs(size * share).sum()
+
+
+def test_a_wave_beyond_a_critical_angle_shows_before_its_front():
+    """Where nothing slips, the shear is that of a sum over frequencies, each with its phase."""
+    wave, at, end = sf.IncidentWave("P", 50.0, stress=0.2), -3.0, 2.0
+    load = sf.FrontLoad(wave, sf.Pulse(0.6, "triangle"), at=at)
+    stuck = sf.Coulomb(0.1, cohesion=9.0)
+    face = sf.Interface(HARD, stuck, 16.0, loads=[load], lower_material=SOFT)
+    done = sf.run(face, end, 256, times=[end], estimate=False)
+    assert np.abs(done.slip).max() == 0.0
+    t = (np.arange(2**16) - 2**15) / 256
+    lines = np.fft.fft(sf.Pulse(0.6, "triangle").value(t))
+    shear = bonded_tractions(wave, HARD, SOFT)[1]
+    # exp(-i w t) with w > 0 stands at the negative frequencies of the transform
+    phases = np.where(np.fft.fftfreq(len(t)) < 0, shear, np.conj(shear))
+    history = np.fft.ifft(phases * lines).real
+    since = end - wave.slowness(SOFT) * (done.x - at)
+    wanted = np.interp(since, t, history)
+    size = np.abs(wanted).sum()
+    assert np.abs(done.shear_traction[0] - wanted).sum() < 0.01 * size
+    plain = shear.real * sf.Pulse(0.6, "triangle").value(since)
+    assert np.abs(plain - wanted).sum() > 0.5 * size
+    ahead = np.abs(wanted[since < 0]).sum()
+    assert ahead > 0.1 * size

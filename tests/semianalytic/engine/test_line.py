@@ -83,31 +83,6 @@ def test_a_step_much_longer_than_waves_is_static():
     assert memory.table(1e5).feedback[0, 0] == pytest.approx(fit.static * 1e5 / 2 - 1, abs=1e-4)
 
 
-def patch(nodes, mode, end=1.0):
-    """Slip of an over-stressed patch |x| < 0.3 t, whose edges the theory gives."""
-    width = 2.5 / nodes
-
-    def shear(x, t):
-        return np.clip((0.3 * t - np.abs(x)) / width + 0.5, 0, 1)
-
-    load = sf.InterfaceLoad(shear, history=None)
-    scene = sf.Interface(UNIT, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
-    return sf.run(scene, end, nodes, times=[end], estimate=False)
-
-
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize(("mode", "edge"), [("in-plane", 0.395154), ("antiplane", 0.384265)])
-def test_edge_of_an_over_stressed_patch(mode, edge):
-    """theory: (C/pi) int M(i n) dn / ((e_p^2 + n^2) sqrt(e_s^2 + n^2)) = S - d; three grids."""
-    off = []
-    for nodes in (128, 256, 512):
-        done = patch(nodes, mode)
-        slips = done.slip_rate[-1] > 1e-9
-        off.append(abs(done.x[slips].max() - edge) / (2.5 / nodes))
-    # within two nodes on every grid, so the edge converges to the exact one at first order
-    assert max(off) < 2.0
-
-
 def test_second_order_with_state():
     """Rate-and-state, ageing, in plane: slip of a pushed fault on four step lengths."""
     law = sf.RateAndState(a=0.01, b=0.014, f0=0.6, v0=1e-3, distance=0.02)

@@ -6,11 +6,11 @@ import pytest
 import semianalytic as sf
 from semianalytic.engine.pace import LoadPace, nodes_for_histories
 from semianalytic.interface.fields import Expression
-from semianalytic.scene.errors import SceneError
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
 ROCK = sf.Material(30e9, 2700.0, 0.25)
 STRENGTHENING = sf.RateAndState(a=0.01, b=0.006, f0=0.6, v0=1e-6, distance=1e-4)
+ON_PATCH = lambda x: 2e6 * (abs(x) < 1)  # noqa: E731
 SPIKE = sf.Tabulated([0, 0.6, 0.62, 0.64, 1], [0, 0, 30, 0, 0])
 
 
@@ -19,10 +19,16 @@ def struck(history, **given):
     return sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=[patch], **given)
 
 
-def slow(history, law=STRENGTHENING, size=2e6, **given):
-    patch = sf.InterfaceLoad(lambda x: size * (abs(x) < 1), history=history)
+def slow(load, law=STRENGTHENING, **given):
     creeping = {"pressure": 5e6, "shear": 3e6, "rate": 1e-9, "held": 16.0, **given}
-    return sf.Interface(ROCK, law, 16.0, loads=[patch], **creeping)
+    return sf.Interface(ROCK, law, 16.0, loads=[load], **creeping)
+
+
+def with_short_steps(face, end, nodes, longest):
+    """A run as long as it likes its steps, and one of short steps alone."""
+    return (
+        sf.run(face, end, nodes, estimate=False, **given) for given in ({}, {"longest": longest})
+    )
 
 
 @pytest.mark.parametrize(
@@ -34,7 +40,7 @@ def slow(history, law=STRENGTHENING, size=2e6, **given):
 )
 def test_a_history_that_turns_within_a_step_is_unresolved(history):
     face = struck(history)
-    coarse = sf.run(face, 1.0, 128)
+    coarse = sf.run(face, 1.0, 128, estimate=False)
     assert coarse.status.startswith("unresolved: the history of a load turns faster than 128 nodes")
     needed = int(coarse.status.split("use ")[1].split()[0])
     assert needed == pytest.approx(nodes_for_histories(face, 1.0), abs=4)
@@ -51,48 +57,32 @@ def test_a_run_takes_the_nodes_that_its_loads_need():
     assert sf.run(face, 0.5, 128, rtol=0.5).nodes >= done.nodes
 
 
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize(
-    ("history", "end"),
-    [
-        (sf.Tabulated([0, 40, 40.5, 41, 1000], [0, 0, 1, 0, 0]), 60.0),
-        (sf.Pulse(0.5, "haversine"), 30.0),
-    ],
-)
-def test_long_steps_do_not_pass_over_a_load(history, end):
-    """A patch is struck within a quiet phase, in which steps last as long as the whole blow."""
-    found, fine = (
-        sf.run(slow(history), end, 32, estimate=False, **given) for given in ({}, {"longest": 0.05})
-    )
-    assert found.steps < fine.steps / 3
-    assert np.diff(found.step_times).max() > 2
-    assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-3, abs=1e-4 * fine.slip.max())
-    assert fine.slip[-1].max() > 20 * np.median(fine.slip[-1])
-
-
 def blow(t):
-    return np.maximum(1 - abs(t - 10) / 0.5, 0.0)
+    return np.maximum(1 - abs(t - 5) / 0.5, 0.0)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "load",
     [
-        sf.InterfaceLoad(lambda x: 2e6 * (abs(x) < 1), history=blow),
-        sf.InterfaceLoad(lambda x, t: 2e6 * (abs(x) < 1) * blow(t), history=None),
+        sf.InterfaceLoad(ON_PATCH, history=sf.Tabulated([0, 4.5, 5, 5.5, 1000], [0, 0, 1, 0, 0])),
+        sf.InterfaceLoad(ON_PATCH, history=blow),
+        sf.InterfaceLoad(ON_PATCH, history=sf.Pulse(0.5, "haversine")),
+        sf.InterfaceLoad(lambda x, t: ON_PATCH(x) * blow(t), history=None),
         sf.InterfaceLoad(lambda x, t: 1e6 * blow(t - x / 4), history=None),
     ],
+    ids=["table", "function of t", "pulse", "function of x and t", "wave"],
 )
-def test_long_steps_do_not_pass_over_functions(load):
-    """Without the samples of a function of time its blow is missed whole, with error 0."""
-    creeping = {"pressure": 5e6, "shear": 3e6, "rate": 1e-9, "held": 16.0}
-    face = sf.Interface(ROCK, STRENGTHENING, 16.0, loads=[load], **creeping)
-    found, fine = (
-        sf.run(face, 14.0, 32, estimate=False, **given) for given in ({}, {"longest": 0.05})
-    )
+def test_long_steps_do_not_pass_over_a_load(load):
+    """The line is struck within a quiet phase, in which steps last as long as the whole blow.
+
+    Without the samples of a function of time its blow is missed whole, with error 0.
+    """
+    found, fine = with_short_steps(slow(load), 7.0, 32, 0.05)
     assert found.steps < fine.steps
-    assert np.diff(found.step_times).max() > 1
-    assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=2e-3, abs=1e-4 * fine.slip.max())
-    assert fine.slip[-1].max() > 20 * creeping["rate"] * 14
+    assert np.diff(found.step_times).max() > 0.9
+    assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-3, abs=1e-4 * fine.slip.max())
+    assert fine.slip[-1].max() > 1000 * 1e-9 * 7
 
 
 def test_a_pace_counts_all_that_a_function_does():
@@ -109,45 +99,36 @@ def test_a_pace_counts_all_that_a_function_does():
     assert LoadPace(face, np.linspace(-8, 7.75, 64), 10.0).longest(0.0) == np.inf
 
 
-@pytest.mark.parametrize("rate", [-1e-9, lambda x: 1e-9 * np.sign(x - 3)])
-def test_slip_at_the_start_has_the_sense_of_the_base_shear(rate):
-    words = "rate must have the sense of `shear`, for friction opposes slip, got -1e-09 at x = -8"
-    with pytest.raises(SceneError, match=words):
-        sf.run(slow(sf.Step(), rate=rate), 1.0, 32)
-
-
 def test_a_wave_that_passes_is_followed_from_node_to_node():
-    blow = sf.Tabulated([0, 400, 400.5, 401, 1000], [0, 0, 1, 0, 0])
-    wave = sf.FrontLoad(sf.IncidentWave("SV", -20.0, stress=2e6), history=blow)
-    law = {"pressure": 5e6, "shear": 3e6, "rate": 1e-9, "held": 16.0}
-    face = sf.Interface(ROCK, STRENGTHENING, 16.0, loads=[wave], **law)
-    pace = LoadPace(face, np.linspace(-8, 7.75, 64), 1000.0)
+    late = sf.Tabulated([0, 400, 400.5, 401, 1000], [0, 0, 1, 0, 0])
+    wave = sf.FrontLoad(sf.IncidentWave("SV", -20.0, stress=2e6), history=late)
+    pace = LoadPace(slow(wave), np.linspace(-8, 7.75, 64), 1000.0)
     crossing = abs(np.sin(np.radians(20)) / ROCK.shear_speed)
     assert pace.longest(400.2) == pytest.approx(0.25 * crossing, rel=1e-12)
     assert pace.longest(1100.0) == np.inf
 
 
 def test_a_wave_that_arrives_in_a_quiet_phase_sets_off_its_rupture():
-    """The front is at the line from 40 to 43 s, when steps last seconds."""
+    """The front is at the line from 10 to 13 s, when steps last seconds."""
     law = sf.RateAndState(a=0.012, b=0.006, f0=0.6, v0=1e-6, distance=1e-3)
     wave = sf.FrontLoad(
-        sf.IncidentWave("SV", -20.0, stress=-1e6), history=sf.Pulse(1.0, "rectangle"), at=4e5
+        sf.IncidentWave("SV", -20.0, stress=-1e6), history=sf.Pulse(1.0, "rectangle"), at=1e5
     )
     held = {"pressure": 5e6, "shear": 2.9e6, "rate": 1e-9, "held": 16e3}
     face = sf.Interface(ROCK, law, 16e3, loads=[wave], **held)
-    found, fine = (
-        sf.run(face, 50.0, 64, estimate=False, **given) for given in ({}, {"longest": 0.1})
-    )
-    assert found.steps < fine.steps / 1.5
+    found, fine = with_short_steps(face, 20.0, 64, 0.1)
+    assert found.steps < fine.steps / 1.2
     assert np.abs(fine.slip).max() > 0.1
     assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-4)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("period", "size"), [(20.0, 2e6), (5.0, 2e6), (100.0, 1e6)])
 def test_friction_that_damps_less_as_it_speeds_up_does_not_let_short_waves_grow(period, size):
     """Steps chosen by slow slip at their beginning were too long for the fast slip at their end."""
-    face = slow(lambda t: np.sin(2 * np.pi * t / period), size=size)
+    face = slow(
+        sf.InterfaceLoad(lambda x: size * (abs(x) < 1), lambda t: np.sin(2 * np.pi * t / period))
+    )
     steps = []
 
     def gives_up(time, end):
@@ -161,27 +142,14 @@ def test_friction_that_damps_less_as_it_speeds_up_does_not_let_short_waves_grow(
     assert done.slip[-1] == pytest.approx(fine.slip[-1], rel=0.02, abs=2e-3 * fine.slip.max())
 
 
-def test_a_run_continues_at_a_jump_and_says_how_far_its_memory_reaches():
-    face = struck(sf.Pulse(2.0, "rectangle"))
-    begun = sf.run(face, 2.0, 128, latest=4.0, estimate=False)
-    whole, resumed = (
-        sf.run(face, 4.0, 128, estimate=False, **given) for given in ({}, {"go_on": begun})
-    )
-    assert np.array_equal(whole.slip, resumed.slip)
-    assert np.array_equal(whole.slip_rate, resumed.slip_rate)
-    with pytest.raises(SceneError, match=r"reaches t = 4; compute it again with `latest` = 200"):
-        sf.run(face, 200.0, 128, go_on=begun)
-
-
 @pytest.mark.parametrize("held", [1.0, 0.3])
 def test_a_stiffness_of_a_wave_shorter_than_the_grid_bounds_steps_too(held):
     """A uniform slider on a spring is the same on 16 nodes as on 64 or 256."""
     law = sf.RateAndState(a=0.010, b=0.014, f0=0.6, v0=1e-6, distance=1e-5)
     push = sf.InterfaceLoad(2e4, history=sf.Tabulated([0, 5.0, 6.0, 1000], [0, 0, 1, 1]))
     face = sf.Interface(
-        *(ROCK, law, 16.0),
-        **{"pressure": 5e6, "shear": 3e6, "rate": 1e-6, "plate_rate": 1e-6, "held": held},
-        **{"loads": [push], "mode": "antiplane"},
+        *(ROCK, law, 16.0, 5e6, 3e6, [push]),
+        **{"rate": 1e-6, "plate_rate": 1e-6, "held": held, "mode": "antiplane"},
     )
     few, many = (
         sf.run(face, 10.0, count, estimate=False, times=[10.0])
@@ -204,44 +172,3 @@ def test_slots_take_no_work_of_adhesion():
         works.append(done.work["closing"])
     assert works[0] == pytest.approx(works[1], rel=0.01)
     assert works[0] > 0.1
-
-
-@pytest.mark.parametrize(
-    ("contact", "words"),
-    [
-        ((9, 12), "the contact 9 to 12 leaves the period, -8 to 8; raise `length`"),
-        ((6, 10), "the contact 6 to 10 leaves the period"),
-        ((0.01, 0.02), "no node lies on the contact; use 12800 nodes or more"),
-    ],
-)
-def test_contacts_without_a_node_are_refused(contact, words):
-    with pytest.raises(SceneError, match=words):
-        sf.run(struck(sf.Step(), contact=sf.Contact([contact])), 1.0, 128)
-
-
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ({"longest": 0.001}, "`longest` must be 0.05 or more on this grid, got 0.001"),
-        ({"longest": 0.0}, "longest must be positive"),
-        ({"sweeps": 0}, "sweeps must be a whole number of at least 1"),
-        ({"foo": 1}, "unknown argument foo; settings are sweeps"),
-    ],
-)
-def test_settings_of_steps_are_checked(settings, words):
-    with pytest.raises(SceneError, match=words):
-        sf.run(struck(sf.Step()), 0.1, 128, **settings)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("text", ["1/0", "10**400", "(-8)**(1/3)", "sqrt(-1)", "log(x)", "1/0*x"])
-def test_expressions_without_a_finite_value_end_in_one_sentence(text):
-    with pytest.raises(SceneError, match="shear has no finite value"):
-        sf.run(sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=Expression(text, ("x",))), 0.1, 16)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("text", ["1/t", "log(t-1)", "(t-1)**0.5"])
-def test_histories_have_a_finite_value_at_all_times(text):
-    with pytest.raises(SceneError, match="history must always be finite, got"):
-        sf.run(struck(Expression(text, ("t",))), 0.5, 16)

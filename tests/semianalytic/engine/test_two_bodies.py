@@ -1,41 +1,28 @@
 """Two different bodies: kernels, growing waves, exact half-lines and slots, delayed friction."""
 
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 import pytest
 from dissimilar_pairs import GOUGE_ON_ROCK, PAIRS, ROCK, RUBBER_ON_STEEL
 from two_body_march import kernels
 
-from semianalytic import (
-    Contact,
-    Coulomb,
-    Interface,
-    InterfaceLoad,
-    Material,
-    Pair,
-    RateAndState,
-    SceneError,
-    SlipDependent,
-    Tractions,
-    find_interface,
-    run,
-    solve_pair,
-)
+import semianalytic as sf
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.growth import growing_waves
-from semianalytic.dissimilar.kernels import BodyPair, PairImpedance
+from semianalytic.dissimilar.kernels import PairImpedance
 from semianalytic.dissimilar.whole_line import (
     half_line_slip_rate,
-    half_line_speed,
     patch_speeds,
 )
 from semianalytic.engine.steps import Stepper
-from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.memory.exponentials import fit_shared
 from semianalytic.memory.impedance import InPlane, Opening
 
-FASTER = Material(2.25, 1.0, 0.25)
+FASTER = sf.Material(2.25, 1.0, 0.25)
 """A body of 1.5 times the wave speeds of `ROCK`."""
-WITH_STONELEY_WAVE = (ROCK, Material(9.0, 9.0, 0.25))
+WITH_STONELEY_WAVE = (ROCK, sf.Material(9.0, 9.0, 0.25))
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
 
 
@@ -91,35 +78,39 @@ def test_a_shared_fit_has_the_transforms_and_the_static_limits(pair):
 def patch(upper, lower, **changes):
     """A line at rest below friction 0.2, stressed beyond it on 5 of its 10 units of length."""
     given = {
-        "law": Coulomb(0.2),
+        "law": sf.Coulomb(0.2),
         "pressure": 1.0,
         "shear": 0.16,
-        "loads": [InterfaceLoad(lambda x: 0.08 * (abs(x) < 2.5))],
+        "loads": [sf.InterfaceLoad(lambda x: 0.08 * (abs(x) < 2.5))],
         "lower_material": lower,
     }
-    return Interface(upper, length=10.0, **{**given, **changes})
+    return sf.Interface(upper, length=10.0, **{**given, **changes})
+
+
+@cache
+def slipping_half_line(ratio, nodes):
+    """A run to t = 1 of a patch with ends like a half-line's; ratio is missing over excess."""
+    load = sf.InterfaceLoad(lambda x: 0.04 * (1 + ratio) * (abs(x) < 2.5))
+    face = patch(ROCK, FASTER, loads=[load], shear=0.2 - 0.04 * ratio)
+    return sf.run(face, 1.0, nodes, estimate=False, times=[1.0])
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize(("ratio", "nodes"), [(1.0, 512), (2.0, 512)])
-def test_an_over_stressed_half_line_slips_as_far_as_the_exact_answer(ratio, nodes):
-    """Contrast 1.5, friction 0.2: .394936752 and .387292149 of c_t at chi = 1."""
-    load = InterfaceLoad(lambda x: 0.04 * (1 + ratio) * (abs(x) < 2.5))
-    base = 0.2 - 0.04 * ratio
-    done = run(patch(ROCK, FASTER, loads=[load], shear=base), 1.0, nodes, estimate=False)
-    pair, spacing = compliance_of(ROCK, FASTER), 10.0 / nodes
+@pytest.mark.parametrize(
+    ("ratio", "known"), [(1.0, (0.394936752, 0.387292149)), (2.0, (0.178058450, 0.169609086))]
+)
+def test_an_over_stressed_half_line_slips_as_far_as_the_exact_answer(ratio, known):
+    """Contrast 1.5, friction 0.2: speeds of the edges over c_t."""
+    done, spacing = slipping_half_line(ratio, 512), 10.0 / 512
     slips = done.x[done.slip_rate[-1] > 1e-9]
     ends = slips.max() + spacing / 2 - 2.5, -slips.min() + spacing / 2 - 2.5
-    expected = half_line_speed(pair, 0.2, ratio), half_line_speed(pair.mirrored, 0.2, ratio)
-    np.testing.assert_allclose(ends, expected, atol=spacing)
-    if ratio == 1:
-        np.testing.assert_allclose(expected, [0.394936752, 0.387292149], atol=1e-8)
+    np.testing.assert_allclose(ends, known, atol=spacing)
 
 
 def test_slip_rate_of_a_half_line_converges_to_the_exact_profile():
     pair, errors = compliance_of(ROCK, FASTER), []
     for nodes in (128, 256, 512):
-        done = run(patch(ROCK, FASTER), 1.0, nodes, estimate=False, times=[1.0])
+        done = slipping_half_line(1.0, nodes)
         v = done.x - 2.5
         seen = (v > 0.02) & (v < 0.6)
         exact = 0.08 * half_line_slip_rate(pair, 0.2, 1.0, v[seen])
@@ -130,7 +121,7 @@ def test_slip_rate_of_a_half_line_converges_to_the_exact_profile():
 
 def test_bodies_that_change_places_give_the_mirrored_answer():
     one, other = (
-        run(patch(*pair), 1.0, 256, estimate=False) for pair in ((ROCK, FASTER), (FASTER, ROCK))
+        sf.run(patch(*pair), 1.0, 256, estimate=False) for pair in ((ROCK, FASTER), (FASTER, ROCK))
     )
     for name in FIELDS:
         mirrored = np.roll(getattr(other, name)[:, ::-1], 1, axis=1)
@@ -141,13 +132,13 @@ def test_bodies_that_change_places_give_the_mirrored_answer():
 
 
 def test_nearly_identical_bodies_give_the_answer_of_identical_ones():
-    contact = Contact([(-2.5, 2.5)])
+    contact = sf.Contact([(-2.5, 2.5)])
     loads = [
-        InterfaceLoad(lambda x: 0.2 * (abs(x) < 1)),
-        InterfaceLoad(0.1, on="slot", pressure=0.2),
+        sf.InterfaceLoad(lambda x: 0.2 * (abs(x) < 1)),
+        sf.InterfaceLoad(0.1, on="slot", pressure=0.2),
     ]
     ends = []
-    for lower in (ROCK, Material(1.0 + 1e-12, 1.0, 0.25)):
+    for lower in (ROCK, sf.Material(1.0 + 1e-12, 1.0, 0.25)):
         given = patch(ROCK, lower, contact=contact, loads=loads)
         stepper = Stepper(given, 128, 0.4, end_time=2.0)
         now = stepper.begin()
@@ -167,18 +158,18 @@ def test_nearly_identical_bodies_give_the_answer_of_identical_ones():
 def test_a_slot_is_met_by_the_exact_answer(load, pressure, friction):
     """Slip against a rising pressure; and an opening beside the slot with slip ahead of it."""
     upper, lower = PAIRS["0"]
-    sides = Tractions(pressure, 0.0), Tractions(*load)
-    exact = solve_pair(Pair(upper, lower, friction, *sides), rtol=1e-6)
-    given = Interface(
+    sides = sf.Tractions(pressure, 0.0), sf.Tractions(*load)
+    exact = sf.solve_pair(sf.Pair(upper, lower, friction, *sides), rtol=1e-6)
+    given = sf.Interface(
         upper,
-        Coulomb(friction),
+        sf.Coulomb(friction),
         12.0,
         pressure=pressure,
-        contact=Contact.half_line(),
-        loads=[InterfaceLoad(load[1], on="slot", pressure=load[0])],
+        contact=sf.Contact.half_line(),
+        loads=[sf.InterfaceLoad(load[1], on="slot", pressure=load[0])],
         lower_material=lower,
     )
-    done = run(given, 1.0, 768, estimate=False, times=[1.0])
+    done = sf.run(given, 1.0, 768, estimate=False, times=[1.0])
     seen = (done.x > 0.1) & (done.x < 3.0)
     for name, limit in (("slip_rate", 0.03), ("pressure", 0.03), ("shear_traction", 0.03)):
         field = getattr(done, name)[-1]
@@ -203,7 +194,7 @@ def growth_rate(pair, law, friction, periods):
     def kick(x, t):
         return 1e-6 * np.cos(q * x) * np.exp(-(((t * unit - 0.5) / 0.15) ** 2))
 
-    given = Interface(
+    given = sf.Interface(
         upper,
         law,
         1.0,
@@ -211,7 +202,7 @@ def growth_rate(pair, law, friction, periods):
         shear=friction,
         rate=1.0,
         plate_rate=1.0,
-        loads=[InterfaceLoad(kick, history=None)],
+        loads=[sf.InterfaceLoad(kick, history=None)],
         lower_material=lower,
     )
     for ratio in (0.2, 0.1):
@@ -232,17 +223,11 @@ def growth_rate(pair, law, friction, periods):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("pair", "friction", "delay", "periods"),
-    [
-        (GOUGE_ON_ROCK, 1.0, 0.0, 11.0),
-        (GOUGE_ON_ROCK, 1.0, 0.3, 10.0),
-    ],
-)
-def test_one_wave_grows_as_the_dispersion_relation_says(pair, friction, delay, periods):
-    law = Coulomb(friction, delay=delay / (2 * np.pi * pair[0].shear_speed))
-    wave = growing_waves(compliance_of(*pair), friction, delay)[0]
-    found = growth_rate(pair, law, friction, periods)
+@pytest.mark.parametrize(("delay", "periods"), [(0.0, 11.0), (0.3, 10.0)])
+def test_one_wave_grows_as_the_dispersion_relation_says(delay, periods):
+    law = sf.Coulomb(1.0, delay=delay / (2 * np.pi * GOUGE_ON_ROCK[0].shear_speed))
+    wave = growing_waves(compliance_of(*GOUGE_ON_ROCK), 1.0, delay)[0]
+    found = growth_rate(GOUGE_ON_ROCK, law, 1.0, periods)
     assert found == pytest.approx(wave.growth, rel=1e-3)
 
 
@@ -250,7 +235,7 @@ def test_one_wave_grows_as_the_dispersion_relation_says(pair, friction, delay, p
     "law", [{"delay": 0.5}, {"delay_slip": 1.0}, {"delay": 1, "delay_slip": 2}]
 )
 def test_delayed_friction_follows_a_pressure_exactly_over_steps_of_any_length(law):
-    law, speed = SlipDependent(0.3, 0.1, 1.0, **law), np.array([2.0])
+    law, speed = sf.SlipDependent(0.3, 0.1, 1.0, **law), np.array([2.0])
     steps = []
     for count in (1, 50):
         felt, dt = np.array([1.0]), 1.5 / count
@@ -266,8 +251,8 @@ def test_delayed_friction_follows_a_pressure_exactly_over_steps_of_any_length(la
 def test_a_short_delay_is_none_and_a_long_one_lets_friction_feel_less_of_a_change():
     """Within the window a delay far below the step gives the answer without one."""
     plain, short, long = (
-        run(patch(ROCK, FASTER, **given), 1.0, 256, estimate=False)
-        for given in ({}, {"law": Coulomb(0.2, delay=1e-9)}, {"law": Coulomb(0.2, delay=3.0)})
+        sf.run(patch(ROCK, FASTER, **given), 1.0, 256, estimate=False)
+        for given in ({}, {"law": sf.Coulomb(0.2, delay=1e-9)}, {"law": sf.Coulomb(0.2, delay=3.0)})
     )
     np.testing.assert_allclose(short.slip, plain.slip, rtol=0, atol=1e-9 * plain.slip.max())
     np.testing.assert_allclose(short.felt_pressure[1:], short.pressure[1:], atol=1e-6)
@@ -278,7 +263,7 @@ def test_a_short_delay_is_none_and_a_long_one_lets_friction_feel_less_of_a_chang
 
 def patch_of(law):
     """Gouge on rock, on which waves grow under friction above 0.531."""
-    load = InterfaceLoad(lambda x: 0.5 * (abs(x) < 1))
+    load = sf.InterfaceLoad(lambda x: 0.5 * (abs(x) < 1))
     rate = 0.0 if law.has_threshold else 1e-6
     return patch(*GOUGE_ON_ROCK, law=law, shear=0.4, loads=[load], rate=rate)
 
@@ -287,69 +272,45 @@ def patch_of(law):
     ("law", "words"),
     [
         (
-            Coulomb(0.6),
+            sf.Coulomb(0.6),
             "ill-posed: waves that run with .* grow by 5.33 % .* must be 0.0654 or more",
         ),
         pytest.param(
-            SlipDependent(0.7, 0.3, 0.5),
+            sf.SlipDependent(0.7, 0.3, 0.5),
             "friction 0.7 between these bodies is ill-posed",
             marks=pytest.mark.slow,
         ),
-        pytest.param(Coulomb(0.6, viscosity=0.1), "ill-posed", marks=pytest.mark.slow),
-        (Coulomb(0.6, delay=1e-3), "delay of 0.001, which the grid cannot resolve; raise it to"),
+        pytest.param(sf.Coulomb(0.6, viscosity=0.1), "ill-posed", marks=pytest.mark.slow),
+        (sf.Coulomb(0.6, delay=1e-3), "delay of 0.001, which the grid cannot resolve; raise it to"),
     ],
 )
 def test_friction_that_no_grid_follows_is_refused_with_what_would_do(law, words):
-    with pytest.raises(SceneError, match=words):
-        run(patch_of(law), 1.0, 64)
+    with pytest.raises(sf.SceneError, match=words):
+        sf.run(patch_of(law), 1.0, 64)
 
 
 def test_what_would_do_does():
-    for law in (Coulomb(0.6, delay=0.0654), Coulomb(0.6, viscosity=3.0)):
-        done = run(patch_of(law), 1.0, 64, estimate=False)
+    for law in (sf.Coulomb(0.6, delay=0.0654), sf.Coulomb(0.6, viscosity=3.0)):
+        done = sf.run(patch_of(law), 1.0, 64, estimate=False)
         assert done.status == "done"
         assert done.slip.max() > 0
 
 
 def test_runs_in_which_the_grid_let_waves_grow_say_so():
-    quick = run(patch_of(Coulomb(0.6, delay_slip=1e-4)), 1.0, 64, estimate=False)
+    quick = sf.run(patch_of(sf.Coulomb(0.6, delay_slip=1e-4)), 1.0, 64, estimate=False)
     assert "friction follows pressure within" in quick.status
-    law = RateAndState(a=0.01, b=0.015, f0=0.6, v0=1e-6, distance=1e-2)
-    fast = run(patch_of(law), 1.0, 64, estimate=False)
+    law = sf.RateAndState(a=0.01, b=0.015, f0=0.6, v0=1e-6, distance=1e-2)
+    fast = sf.run(patch_of(law), 1.0, 64, estimate=False)
     assert "friction rises too little with slip rate" in fast.status
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"lower_material": 3}, "lower_material must be a Material"),
-        ({"lower_material": Material(1e6, 1.0, 0.25)}, "must not differ by more than a factor"),
-        ({"mode": "antiplane"}, "between different bodies mode must be"),
-        ({"even": True}, "set even = false"),
-    ],
-)
-def test_wrong_descriptions_of_two_bodies_are_refused(changes, words):
-    with pytest.raises(SceneError, match=words):
-        patch(ROCK, FASTER, **changes)
-
-
-def test_a_run_of_two_bodies_goes_on_bit_for_bit(tmp_path):
-    given = patch(ROCK, FASTER, contact=Contact([(-4.0, 4.0)]))
-    whole = run(given, 1.0, 64, estimate=False)
-    part = run(given, 1.0, 64, estimate=False, progress=lambda now, end: now > 0.5)
-    part.save(tmp_path / "part.npz")
-    rest = run(given, 1.0, go_on=type(part).load(tmp_path / "part.npz", given), estimate=False)
-    for name in FIELDS:
-        np.testing.assert_array_equal(getattr(rest, name), getattr(whole, name))
 
 
 def test_rate_and_state_between_two_bodies_needs_no_short_steps():
     """The ladder against steps of one length, half of its shortest."""
-    law = RateAndState(a=0.02, b=0.012, f0=0.4, v0=1e-3, distance=0.05)
-    push = InterfaceLoad(lambda x: 0.05 * np.exp(-(x**2)), history=lambda t: min(t / 5, 1.0))
+    law = sf.RateAndState(a=0.02, b=0.012, f0=0.4, v0=1e-3, distance=0.05)
+    push = sf.InterfaceLoad(lambda x: 0.05 * np.exp(-(x**2)), history=lambda t: min(t / 5, 1.0))
     given = patch(ROCK, FASTER, law=law, shear=0.4, rate=1e-3, plate_rate=1e-3, loads=[push])
-    done = run(given, 6.0, 32, estimate=False, times=[6.0])
-    fine = run(given, 6.0, 32, estimate=False, times=[6.0], step_ratio=0.2, longest=0.0521)
+    done = sf.run(given, 6.0, 32, estimate=False, times=[6.0])
+    fine = sf.run(given, 6.0, 32, estimate=False, times=[6.0], step_ratio=0.2, longest=0.0521)
     assert done.steps < fine.steps / 4
     size = (fine.slip - 6e-3).max()
     np.testing.assert_allclose(done.slip, fine.slip, rtol=0, atol=5e-3 * size)
@@ -358,9 +319,9 @@ def test_rate_and_state_between_two_bodies_needs_no_short_steps():
 
 @pytest.mark.slow
 def test_the_patch_of_rock_on_gouge_spreads_as_the_exact_one():
-    found = find_interface("rock-on-gouge")
+    found = sf.find_interface("rock-on-gouge")
     given = found.interface
-    done = run(given, found.end_time, 512, estimate=False, times=[found.end_time])
+    done = sf.run(given, found.end_time, 512, estimate=False, times=[found.end_time])
     assert done.status == "done"
     speed = given.material.shear_speed
     exact = patch_speeds(compliance_of(given.material, given.lower_material), 0.4, 0.5, 600 / speed)
@@ -375,31 +336,10 @@ def test_the_patch_of_rock_on_gouge_spreads_as_the_exact_one():
 
 @pytest.mark.slow
 def test_steel_on_rubber_is_resolved_under_its_delay_and_refused_without():
-    found = find_interface("steel-on-rubber")
-    done = run(found.interface, found.end_time, 256)
+    found = sf.find_interface("steel-on-rubber")
+    done = sf.run(found.interface, found.end_time, 256)
     assert done.status == "done"
     assert done.error_estimates["slip"] < 0.2
-    given = found.interface
-    sudden = Interface(
-        given.material,
-        Coulomb(0.5),
-        given.length,
-        pressure=given.pressure,
-        lower_material=given.lower_material,
-    )
-    with pytest.raises(SceneError, match="no friction is too low"):
-        run(sudden, found.end_time, 256)
-
-
-def test_the_unit_of_a_pair_does_not_depend_on_which_body_is_above():
-    one, other = BodyPair(ROCK, FASTER), BodyPair(FASTER, ROCK)
-    assert one.impedances == other.impedances
-    assert one.kernels == other.kernels
-    assert one.sense == -other.sense
-
-
-def test_a_file_names_the_body_that_is_wrong(tmp_path):
-    text = NAMED_INTERFACES["rock-on-gouge"].replace("12e9", "0")
-    (tmp_path / "wrong.toml").write_text(text)
-    with pytest.raises(SceneError, match="lower_material: shear_modulus must be positive"):
-        find_interface(tmp_path / "wrong.toml")
+    sudden = replace(found.interface, law=sf.Coulomb(0.5))
+    with pytest.raises(sf.SceneError, match="no friction is too low"):
+        sf.run(sudden, found.end_time, 256)

@@ -1,12 +1,17 @@
-"""Fields in the bodies at points close to an edge, far away, out of range, and many at once."""
+"""Fields in the bodies at points close to an edge, on fronts, far away, and many at once."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from catalogue import PRELOADED, REMOTE, UNIT, unit_scene
 
-from semianalytic import SceneError, ViscousFriction, solve
+from semianalytic import RateWeakening, SceneError, ViscousFriction, solve
 from semianalytic.field import body, tuning
 from semianalytic.scene.given.named import NAMED_SCENES
+from tests.semianalytic.field.body_fields import check_faces, edges_of
+
+WEAKENED = unit_scene(1.0, load=(0.0, 1.2), friction_law=RateWeakening(0.4, 1.0))
 
 
 def test_what_is_infinite_says_so_with_its_sign():
@@ -85,16 +90,6 @@ def test_fields_are_formed_in_parts(monkeypatch):
     assert sum(sizes) == np.count_nonzero(t > 0)
 
 
-@pytest.mark.parametrize("distance", [1e-2, 1e-5, 1e-8])
-def test_stresses_close_to_a_stuck_antiplane_edge_lose_no_digits(distance):
-    solution = solve(unit_scene(5.0, **REMOTE, mode="antiplane"))
-    angle = np.linspace(0.1, 3.0, 9)
-    x, y = distance * np.cos(angle), distance * np.sin(angle)
-    root = np.sqrt(1 + (-x + 1j * y * np.sqrt(1 - distance**2)) / distance**2)
-    shear = 2 / np.pi * (root - np.arctanh(1 / root)).imag
-    np.testing.assert_allclose(solution.stress(x, y, 1.0)[4], shear, rtol=2e-8)
-
-
 def test_far_nodes_are_summed_up_to_what_they_are_one_by_one(monkeypatch):
     """Stresses beside a stuck edge lose no digits either way."""
     scene, rng = unit_scene(2.0, **REMOTE), np.random.default_rng(5)
@@ -106,3 +101,45 @@ def test_far_nodes_are_summed_up_to_what_they_are_one_by_one(monkeypatch):
     every = solve(scene, rtol=1e-10).stress(*at)
     assert np.any(few != every)
     assert (np.abs(few - every).max(axis=0) / np.abs(every).max(axis=0)).max() < 2e-11
+
+
+def on_fronts(solution):
+    """Positions at t = 1 exactly on the wave fronts, and on the edges of slip."""
+    material = solution.scene.material
+    speeds = [material.longitudinal_speed, material.shear_speed, material.rayleigh_speed]
+    return [speed for speed in (*speeds, *edges_of(solution)) if 0 < speed < np.inf]
+
+
+@pytest.mark.thinned(5)
+@pytest.mark.parametrize(
+    "scene",
+    [
+        PRELOADED,
+        unit_scene(1.0, load=(0.0, 1.2)),
+        unit_scene(1.25, **REMOTE),
+        unit_scene(0.3, (0.02, 0.0), (1.0, 0.5)),
+        unit_scene(0.3, (1.0, 0.1), (0.4, 1.0), mode="antiplane"),
+    ],
+)
+def test_a_point_on_a_front_changes_nothing_elsewhere(scene):
+    """Beside the shear front T is infinite: what counts there alone may not be all that counts."""
+    x = np.linspace(0.07, 1.9, 12)
+    alone, together = solve(scene), solve(scene)
+    with_fronts = np.append(x, on_fronts(together))
+    for name in ("velocity", "stress", "displacement"):
+        expected = getattr(alone, name)(x, 0.1, 1.0)
+        for height in (0.0, 0.1):
+            found = getattr(together, name)(with_fronts, height, 1.0)
+        np.testing.assert_allclose(found[:, : len(x)], expected, rtol=3e-9, atol=3e-9)
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+def test_faces_under_friction_that_falls_with_slip_rate(mode):
+    """They move and carry what the interface does, also at the wave fronts."""
+    solution = solve(replace(WEAKENED, mode=mode), rtol=1e-5)
+    x = np.append(np.linspace(0.0137, 2.1, 20), solution.scene.material.shear_speed)
+    edges = np.array([zone.outer for zone in solution.zones])
+    x = x[np.abs(x[:, None] - edges).min(axis=1) > 0.03]
+    bound = solution.field_error
+    assert bound < 1e-5
+    check_faces(solution, x, 1.0, 3 * bound, rtol=1e-7)

@@ -9,34 +9,66 @@ from semianalytic import Material
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.reference.closed_forms import (
-    edge_speed_under_shear_step,
-    slip_rate_under_remote_shock,
-    slip_rate_under_shear_step,
+from semianalytic.reference import closed_forms
+
+THEORY, ARTICLE, SCENES = "docs/theory.md", "docs/article.md", "docs/scenes.md"
+THIRD, AUXETIC = Material(1.0, 1.0, 1 / 3), Material(1.0, 1.0, -0.5)
+
+
+def stuck(mode, slowness):
+    return np.atleast_1d(stuck_traction(1 / 3, mode)(slowness))
+
+
+def place_without_pressure():
+    return [1 / brentq(lambda u: float(stuck("I", u)[0]), 1.1, 5.0)]
+
+
+def slip_everywhere():
+    # with f P_0 = Q_0 = 1 only f P_0 Lambda is left of V
+    return closed_forms.slip_rate_under_remote_shock(THIRD, 1.0, 1.0, 1.0, np.array([0.5, 1.6])) / 2
+
+
+def one_zone():
+    values = []
+    for chi in (1.0, 0.5):
+        rate = closed_forms.slip_rate_under_shear_step(THIRD, 1.0, chi, np.array([0.0]))[0]
+        values += [closed_forms.edge_speed_under_shear_step(THIRD, chi), rate / 2]
+    return values
+
+
+@pytest.mark.parametrize(
+    ("page", "sentence", "values"),
+    [
+        (THEORY, r"| p\* | {} | {} | {} | {} |", lambda: stuck("I", [0.7, 1.0, 2.0, 10.0])),
+        (THEORY, r"| q\* | {} | {} | {} | {} |", lambda: stuck("II", [0.7, 1.0, 2.0, 10.0])),
+        # shear traction ahead of the shear wave
+        (THEORY, "rises to {} $Q_0$ at $c_t t$", lambda: stuck("II", 1.0)),
+        (ARTICLE, r"q\* reaches {} Q_0 at c_t t", lambda: stuck("II", 1.0)),
+        # where the bound of friction is negative without a base
+        (THEORY, "negative on {} $c_t t$", place_without_pressure),
+        (ARTICLE, "negative on {} c_t t", place_without_pressure),
+        (SCENES, "ν = 1/3 (c_R = {}, c_l", lambda: [THIRD.rayleigh_speed]),
+        (
+            SCENES,
+            "ν = −0.5 (c_R = {}, c_l = {})",
+            lambda: [AUXETIC.rayleigh_speed, AUXETIC.longitudinal_speed],
+        ),
+        (
+            THEORY,
+            r"$\chi_b = 1$: $\xi_s$ = {} and V(0+) = {}; $\chi_b = 0.5$: {} and {}.",
+            one_zone,
+        ),
+        (THEORY, "Λ = {} there at ν = 1/3, and {} at 1.6 $c_t$", slip_everywhere),
+        (THEORY, "with δ = {}, where", lambda: edge_offset_and_factors()[:1]),
+        (
+            "docs/spacetime.md",
+            "as if the first node were {} spacings",
+            lambda: edge_offset_and_factors()[:1],
+        ),
+    ],
 )
-
-THEORY, ARTICLE = "docs/theory.md", "docs/article.md"
-THIRD = Material(1.0, 1.0, 1 / 3)
-
-
-def test_stuck_tractions():
-    slowness = np.array([0.7, 1.0, 2.0, 10.0])
-    for name, mode in (("p", "I"), ("q", "II")):
-        values = stuck_traction(1 / 3, mode)(slowness)
-        assert_page_says(THEORY, rf"| {name}\* | {{}} | {{}} | {{}} | {{}} |", *values)
-
-
-def test_shear_traction_ahead_of_the_shear_wave():
-    front = float(stuck_traction(1 / 3, "II")(1.0))
-    assert_page_says(THEORY, "rises to {} $Q_0$ at $c_t t$", front)
-    assert_page_says(ARTICLE, r"q\* reaches {} Q_0 at c_t t", front)
-
-
-def test_where_the_friction_bound_is_negative_without_a_base():
-    pressure = stuck_traction(1 / 3, "I")
-    place = 1 / brentq(lambda u: float(pressure(u)), 1.1, 5.0)
-    assert_page_says(THEORY, "negative on {} $c_t t$", place)
-    assert_page_says(ARTICLE, "negative on {} c_t t", place)
+def test_pages_say_what_is_computed(page, sentence, values):
+    assert_page_says(page, sentence, *values())
 
 
 @pytest.mark.parametrize(
@@ -51,39 +83,3 @@ def test_hidden_root(page, sentence):
     [(ratio, unit)] = quoted_numbers(page, sentence)
     assert rayleigh_factors(ratio - unit).hidden_root.imag == 0
     assert rayleigh_factors(ratio + unit).hidden_root.imag != 0
-
-
-def test_rayleigh_speeds():
-    auxetic = Material(1.0, 1.0, -0.5)
-    assert_page_says("docs/scenes.md", "ν = 1/3 (c_R = {}, c_l", THIRD.rayleigh_speed)
-    assert_page_says(
-        "docs/scenes.md",
-        "ν = −0.5 (c_R = {}, c_l = {})",
-        auxetic.rayleigh_speed,
-        auxetic.longitudinal_speed,
-    )
-
-
-def test_one_zone_under_a_shear_step():
-    values = []
-    for chi in (1.0, 0.5):
-        rate = slip_rate_under_shear_step(THIRD, 1.0, chi, np.array([0.0]))[0]
-        values += [edge_speed_under_shear_step(THIRD, chi), rate / 2]
-    assert_page_says(
-        THEORY,
-        r"$\chi_b = 1$: $\xi_s$ = {} and V(0+) = {}; $\chi_b = 0.5$: {} and {}.",
-        *values,
-    )
-
-
-def test_slip_everywhere():
-    velocity = np.array([0.5, 1.6])
-    # with f P_0 = Q_0 = 1 only f P_0 Lambda is left of V
-    share = slip_rate_under_remote_shock(THIRD, 1.0, 1.0, 1.0, velocity) / 2
-    assert_page_says(THEORY, "Λ = {} there at ν = 1/3, and {} at 1.6 $c_t$", *share)
-
-
-def test_edge_of_the_grid():
-    offset = edge_offset_and_factors()[0]
-    assert_page_says(THEORY, "with δ = {}, where", offset)
-    assert_page_says("docs/spacetime.md", "as if the first node were {} spacings", offset)

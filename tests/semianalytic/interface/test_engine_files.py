@@ -6,16 +6,17 @@ import pytest
 import semianalytic as sf
 from semianalytic.interface.fields import Expression
 from semianalytic.interface.named import NAMED_INTERFACES
+from semianalytic.interface.parameters import interface_at, interface_parameters
 from slipfront.cli.commands import main
 
-GOOD = """
-length = 8.0
-pressure = {file = "p.csv", column = "pressure"}
-shear = {x = [-4.0, 0.0, 4.0], values = [0.0, 0.2, 0.0]}
-[material]
-shear_modulus = 1.0
-density = 1.0
-poisson_ratio = 0.25
+MATERIAL = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
+SOFTER_BELOW = "lower_" + MATERIAL.replace("shear_modulus = 1.0", "shear_modulus = 0.3")
+NONE_BELOW = SOFTER_BELOW.replace("0.3", "0.0")
+COULOMB = 'law = {kind = "coulomb", friction = 0.3}\n'
+GOOD = f"""length = 8.0
+pressure = {{file = "p.csv", column = "pressure"}}
+shear = {{x = [-4.0, 0.0, 4.0], values = [0.0, 0.2, 0.0]}}
+{MATERIAL}
 [law]
 kind = "slip-dependent"
 static = "0.5 + 0.1 * cos(pi * x / 4)"
@@ -23,10 +24,34 @@ dynamic = 0.2
 distance = 4.0
 [[load]]
 shear = "exp(-x**2)"
-history = {kind = "ramp", rise_time = 0.5}
+history = {{kind = "ramp", rise_time = 0.5}}
 [run]
 end_time = 1.0
 nodes = 64
+"""
+GLUED = f"""length = 8.0
+pressure = 0.5
+load = {{pressure = "-3.0 * exp(-x**2)"}}
+{MATERIAL}{COULOMB}
+[adhesion]
+strength = "1 + 0.1 * (x > 0)"
+length = 0.5
+[run]
+end_time = 1.0
+"""
+WAVE = f"""length = 8.0
+contact = {{intervals = [[0.0, inf]]}}
+{MATERIAL}{COULOMB}
+[load]
+kind = "incident-wave"
+wave = "SV"
+angle = -20.0
+stress = 0.3
+at = 4.0
+history = {{kind = "pulse", duration = 0.5, shape = "half-sine"}}
+[run]
+end_time = 1.0
+nodes = 32
 """
 TABLE = "# measured\nx [mm], gap [um], pressure [kPa]\n-4000, 0, 1e-3\n4000, 0, 1e-3\n"
 
@@ -80,6 +105,30 @@ pressure = "-2 * exp(-x**2) * min(2 * t, 1)"
     assert not (folder / "b.npz").exists()
 
 
+def test_files_and_surveys_know_adhesion(folder):
+    (folder / "a.toml").write_text(GLUED)
+    face = sf.find_interface("a.toml").interface
+    named = interface_parameters(face)
+    assert named["adhesion_length"].value == 0.5
+    assert named["adhesion_strength_factor"].value == 1.0
+    done = sf.run(face, 0.2, 64, estimate=False)
+    assert done.pressure.min() < -1.0
+
+
+def test_files_describe_fronts_and_surveys_vary_them(folder):
+    (folder / "a.toml").write_text(WAVE)
+    face = sf.find_interface("a.toml").interface
+    (load,) = face.loads
+    assert load.front == sf.IncidentWave("SV", angle=-20.0, stress=0.3)
+    assert (load.at, load.history) == (4.0, sf.Pulse(0.5, "half-sine"))
+    known = interface_parameters(face)
+    assert {"load_angle", "load_stress", "load_at", "load_history_duration"} <= set(known)
+    other = interface_at(face, {"load_angle": -30.0, "shear_modulus": 4.0})
+    assert other.loads[0].front.angle == -30.0
+    assert other.loads[0].material.shear_modulus == 4.0
+    sf.run(other, 0.5, 32)
+
+
 @pytest.mark.parametrize("name", NAMED_INTERFACES)
 def test_named_interfaces_begin(name):
     found = sf.find_interface(name)
@@ -89,29 +138,42 @@ def test_named_interfaces_begin(name):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("text", "old", "new", "said"),
     [
-        ("dynamic = 0.2\n", "", "takes static, dynamic"),
-        ("static =", "statik =", "did you mean static"),
-        ("slip-dependent", "coulombe", "kind must be one of"),
-        ('"exp(-x**2)"', '"__import__(1)"', "is not known here"),
-        ('"exp(-x**2)"', '"exp(-x**2"', "not an expression"),
-        ("length = 8.0\n", "", "length is missing"),
-        ("length = 8.0", "length = 80.0", "must cover the contact"),
-        ('column = "pressure"', 'column = "preasure"', "there is no column"),
-        ('"p.csv"', '"q.csv"', "Cannot read the table"),
-        ("nodes = 64", "nodes = 65", "multiple of 4"),
-        ("poisson_ratio = 0.25", "poisson_ratio = 0.7", "poisson_ratio must"),
-        ("[run]", "[[contact]]\n[run]", "contact must be a table"),
-        ("[run]", "[contact]\nintervals = [[0, 2], [1, 3]]\n[run]", "overlap"),
-        ('shear = "exp(-x**2)"\n', "", "load: shear or pressure is missing"),
-        ('shear = "exp(-x**2)"\n', "presure = 1.0\n", "did you mean pressure"),
-        ('shear = "exp(-x**2)"\n', "pressure = [1.0]\n", "load.pressure must be a number"),
+        (GOOD, "dynamic = 0.2\n", "", "takes static, dynamic"),
+        (GOOD, "static =", "statik =", "did you mean static"),
+        (GOOD, "slip-dependent", "coulombe", "kind must be one of"),
+        (GOOD, '"exp(-x**2)"', '"__import__(1)"', "is not known here"),
+        (GOOD, '"exp(-x**2)"', '"exp(-x**2"', "not an expression"),
+        (GOOD, "length = 8.0\n", "", "length is missing"),
+        (GOOD, "length = 8.0", "length = 80.0", "must cover the contact"),
+        (GOOD, 'column = "pressure"', 'column = "preasure"', "there is no column"),
+        (GOOD, '"p.csv"', '"q.csv"', "Cannot read the table"),
+        (GOOD, "nodes = 64", "nodes = 65", "multiple of 4"),
+        (GOOD, "poisson_ratio = 0.25", "poisson_ratio = 0.7", "poisson_ratio must"),
+        (GOOD, "[run]", "[[contact]]\n[run]", "contact must be a table"),
+        (GOOD, "[run]", "[contact]\nintervals = [[0, 2], [1, 3]]\n[run]", "overlap"),
+        (GOOD, 'shear = "exp(-x**2)"\n', "", "load: shear or pressure is missing"),
+        (GOOD, 'shear = "exp(-x**2)"\n', "presure = 1.0\n", "did you mean pressure"),
+        (GOOD, 'shear = "exp(-x**2)"\n', "pressure = [1.0]\n", "load.pressure must be a number"),
+        (GLUED, "length = 0.5", "length = 0.0", "adhesion: length must be positive"),
+        (GLUED, '"1 + 0.1 * (x > 0)"', "-1.0", "adhesion: strength must be 0 or more"),
+        (GLUED, "length = 0.5", "", "adhesion.length is missing"),
+        (GLUED, "length = 0.5", "length = 0.5\nreach = 1.0", "unknown key adhesion.reach"),
+        (GLUED, "load =", "#", "nothing opens without a load"),
+        (WAVE, 'wave = "SV"', 'wave = "SH"', "must be of kind P or SV, got SH"),
+        (WAVE, "angle = -20.0", "angle = 95.0", "angle must"),
+        (WAVE, "at = 4.0", "on = 4.0", "has no 'on'"),
+        (WAVE, '"incident-wave"', '"wave"', "kind must be one of"),
+        (WAVE, "length = 8.0", "length = 8.0\neven = true", "not even in x"),
+        (WAVE, "at = 4.0", 'at = "end"', "load: at must"),
+        (WAVE, "material", f"{SOFTER_BELOW}material", "beyond a critical angle"),
+        (WAVE, "material", f"{NONE_BELOW}material", "lower_material: shear_modulus must be"),
     ],
 )
-def test_mistakes_in_files_end_in_one_sentence(folder, capsys, old, new, said):
-    assert old in GOOD
-    (folder / "a.toml").write_text(GOOD.replace(old, new))
+def test_mistakes_in_files_end_in_one_sentence(folder, capsys, text, old, new, said):
+    assert old in text
+    (folder / "a.toml").write_text(text.replace(old, new))
     assert main(["run", "a.toml", "--save", "b.npz"]) == 2
     shown = capsys.readouterr()
     assert said in " ".join(shown.err.split())

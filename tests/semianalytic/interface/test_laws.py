@@ -103,17 +103,6 @@ def test_start_carries_the_base_shear_at_the_slip_rate():
     assert law.strength(pressure, speed, theta) == pytest.approx(shear)
 
 
-def test_flash_heating_tends_to_weakened_friction():
-    law = sf.RateAndState(0.01, 0.014, 0.7, 1e-6, 1e-4, "slip", weakened=0.2, weakening_rate=0.1)
-    one, fast, slow = np.array([1.0]), np.array([10.0]), np.array([1e-4])
-    for speed, friction in (
-        (fast, 0.2 + (0.7 - 0.004 * np.log(1e7) - 0.2) / 100),
-        (slow, 0.7 - 0.004 * np.log(1e2)),
-    ):
-        state = law.evolved(np.array([1.0]), speed, 1e6)
-        assert law.strength(one, speed, state) == pytest.approx(friction, rel=1e-3)
-
-
 def test_a_law_of_the_user_is_a_small_class():
     @dataclass(frozen=True)
     class Healing(sf.InterfaceLaw):

@@ -12,14 +12,15 @@ from semianalytic.whole_line.named import (
     override_line,
 )
 
-PATCH = """
-contact = "whole line"
-friction = 0.5
-[material]
+SOLID = """[material]
 shear_modulus = 1.0
 density = 1.0
 poisson_ratio = 0.3333333333333333
-[base]
+"""
+PATCH = f"""
+contact = "whole line"
+friction = 0.5
+{SOLID}[base]
 pressure = 1.0
 shear = 0.0
 [load]
@@ -27,14 +28,10 @@ kind = "patch"
 speed = 0.3
 shear = 1.0
 """
-GROWING = """
+GROWING = f"""
 growth = 1
 friction = 0.5
-[material]
-shear_modulus = 1.0
-density = 1.0
-poisson_ratio = 0.3333333333333333
-[load]
+{SOLID}[load]
 pressure = 1.0
 shear = 1.0
 """

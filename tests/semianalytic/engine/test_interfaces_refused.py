@@ -1,0 +1,122 @@
+"""Interfaces, loads and settings of runs that cannot be: each is refused in one sentence."""
+
+import math
+
+import numpy as np
+import pytest
+
+import semianalytic as sf
+from compare.interfaces.lines import line_of
+from semianalytic.interface.fields import Expression
+
+UNIT = sf.Material(1.0, 1.0, 0.25)
+CREEPING = {
+    "material": sf.Material(30e9, 2700.0, 0.25),
+    "law": sf.RateAndState(a=0.01, b=0.006, f0=0.6, v0=1e-6, distance=1e-4),
+    "pressure": 5e6,
+    "shear": 3e6,
+}
+PULL = sf.InterfaceLoad(pressure=-3.0)
+
+
+def face(**changes):
+    """A sound interface of unit material but for what is changed."""
+    return sf.Interface(**{"material": UNIT, "law": sf.Coulomb(0.3), "length": 16.0} | changes)
+
+
+def under_history(text):
+    return [sf.InterfaceLoad(1.0, history=Expression(text, ("t",)))]
+
+
+def wave_beyond_a_critical_angle(history):
+    load = sf.FrontLoad(sf.IncidentWave("SV", -50.0, stress=0.2), history, at=4.0)
+    return {"material": sf.Material(4.0, 1.3, 0.25), "lower_material": UNIT, "loads": [load]}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"pressure": -1.0}, "not be negative"),
+        ({"pressure": sf.Table([-1.0, 1.0], [1.0, 1.0])}, "must cover the contact"),
+        ({"shear": lambda x: np.full(3, 1.0)}, "must return 128 numbers"),
+        ({"law": sf.RateAndState(0.01, 0.01, 0.6, 1e-6, 1.0)}, "give `theta`"),
+        ({"mode": "III"}, "in-plane or antiplane"),
+        ({"length": 0.0}, "length must be positive"),
+        ({"contact": sf.Contact([(9, 12)])}, "9 to 12 leaves the period, -8 to 8; raise `length`"),
+        ({"contact": sf.Contact([(6, 10)])}, "the contact 6 to 10 leaves the period"),
+        ({"contact": sf.Contact([(0.01, 0.02)])}, "no node lies on .*; use 12800 nodes or more"),
+        # friction opposes slip: it begins in the sense of the base shear
+        ({**CREEPING, "rate": -1e-9}, "must have the sense of `shear`, .*, got -1e-09 at x = -8"),
+        ({**CREEPING, "rate": lambda x: 1e-9 * np.sign(x - 3)}, "got -1e-09 at x = -8"),
+        # expressions and histories have a finite value everywhere and at all times
+        *(
+            ({"shear": Expression(text, ("x",))}, "shear has no finite value")
+            for text in ("1/0", "10**400", "(-8)**(1/3)", "sqrt(-1)", "log(x)", "1/0*x")
+        ),
+        *(
+            ({"loads": under_history(text)}, "history must always be finite, got")
+            for text in ("1/t", "log(t-1)", "(t-1)**0.5")
+        ),
+        # what is called even has to be
+        (
+            {"loads": [sf.InterfaceLoad(lambda x: 0.5 * (x > 1))], "even": True},
+            "the shear of a load is not even in x",
+        ),
+        ({"contact": sf.Contact([(1, 3)]), "even": True}, "the contact is not even in x"),
+        ({"shear": lambda x: 0.1 * x, "even": True}, "the shear is not even in x"),
+        # loads of pressure
+        ({"mode": "antiplane", "loads": [PULL]}, "antiplane interface have no pressure"),
+        (
+            {"loads": [sf.InterfaceLoad(pressure=lambda x: x[:3])]},
+            "load: pressure: the function of x must return 128 numbers",
+        ),
+        # two bodies
+        ({"lower_material": 3}, "lower_material must be a Material"),
+        ({"lower_material": sf.Material(1e6, 1.0, 0.25)}, "must not differ by more than a factor"),
+        (
+            {"lower_material": sf.Material(2.25, 1.0, 0.25), "mode": "antiplane"},
+            "between different bodies mode must be",
+        ),
+        ({"lower_material": sf.Material(2.25, 1.0, 0.25), "even": True}, "set even = false"),
+        (wave_beyond_a_critical_angle(sf.Step()), "beyond a critical angle"),
+        (wave_beyond_a_critical_angle(sf.Pulse(0.5, "half-sine")), "beyond a critical angle"),
+    ],
+)
+def test_bad_interfaces_are_refused(changes, said):
+    with pytest.raises(sf.SceneError, match=said) as told:
+        sf.run(face(**changes), 0.5, 128)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: sf.Contact([(0, 2), (1, 3)]), "overlap"),
+        (lambda: sf.Contact([(1, 0)]), "empty"),
+        (lambda: sf.Contact([]), "pairs of begin and end"),
+        (lambda: sf.Table([0, 1], [1, math.nan]), "finite numbers"),
+        (lambda: sf.Table([1, 0], [1, 1]), "must increase"),
+        (lambda: sf.InterfaceLoad(1.0, on="contact"), "line"),
+        (lambda: sf.InterfaceLoad(pressure=1.0, history=None), "`pressure` must be a function of"),
+        (lambda: sf.InterfaceLoad(pressure="low"), "load: pressure must be a number"),
+        (lambda: sf.ForcedFront(0.6, 0.2, arrival=1.0, fall=-1.0), "fall must be 0 or more"),
+        (lambda: sf.run(face(), 1.0, 66), "multiple of 4"),
+        (lambda: sf.run(face(), -1.0), "end_time must be positive"),
+        (
+            lambda: sf.run(face(), 0.1, 128, longest=0.001),
+            "`longest` must be 0.05 or more on this grid, got 0.001",
+        ),
+        (lambda: sf.run(face(), 0.1, 128, longest=0.0), "longest must be positive"),
+        (lambda: sf.run(face(), 0.1, 128, sweeps=0), "sweeps must be a whole number of at least 1"),
+        (lambda: sf.run(face(), 0.1, 128, foo=1), "unknown argument foo; settings are sweeps"),
+        (
+            lambda: line_of(face(loads=[PULL], adhesion=sf.Adhesion(1.0, 0.5)), 16),
+            "finite elements have no adhesion",
+        ),
+    ],
+)
+def test_bad_parts_and_settings_are_refused(make, said):
+    with pytest.raises(sf.SceneError, match=said) as told:
+        make()
+    assert "\n" not in str(told.value)

@@ -1,0 +1,157 @@
+"""Runs that were interrupted go on to the last bit, with their own interface alone."""
+
+import signal
+
+import numpy as np
+import pytest
+
+import semianalytic as sf
+from semianalytic.engine.run import run
+
+UNIT = sf.Material(1.0, 1.0, 0.25)
+COULOMB = sf.Coulomb(0.5)
+FIELDS = ("t", "slip", "slip_rate", "shear_traction", "state", "pressure", "gap", "step_times")
+
+
+def weakening_fault():
+    law = sf.RateAndState(
+        0.01, lambda x: 0.004 + 0.012 * (np.abs(x) < 2), 0.6, 1e-6, 1e-6, theta=1.3
+    )
+    rock = sf.Material(20e9, 2222.2, 0.25)
+    return sf.Interface(rock, law, 16.0, 5e6, 3e6, rate=1e-6, plate_rate=1e-6, held=32.0, even=True)
+
+
+def opening_fault(size=-3.0):
+    """A burst of tension opens it, and it closes again within 3."""
+    load = sf.InterfaceLoad(
+        pressure=lambda x, t: size * np.exp(-2 * x**2 - 4 * (t - 1.5) ** 2), history=None
+    )
+    law = sf.SlipDependent(0.3, 0.1, 0.5)
+    return sf.Interface(UNIT, law, 16.0, 1.0, shear=0.15, loads=[load])
+
+
+def glued_fault(strength=1.0):
+    load = sf.InterfaceLoad(pressure=lambda x: -2.5 * np.exp(-(x**2)))
+    bonds = sf.Adhesion(strength, 0.3)
+    return sf.Interface(UNIT, sf.Coulomb(0.3), 8.0, 0.5, loads=[load], adhesion=bonds)
+
+
+def two_bodies():
+    """Rock on a faster body, over-stressed on half of a contact between slots."""
+    load = sf.InterfaceLoad(lambda x: 0.08 * (abs(x) < 2.5))
+    contact, lower = sf.Contact([(-4.0, 4.0)]), sf.Material(2.25, 1.0, 0.25)
+    given = {"pressure": 1.0, "shear": 0.16, "loads": [load], "lower_material": lower}
+    return sf.Interface(UNIT, sf.Coulomb(0.2), 10.0, contact=contact, **given)
+
+
+def forced_front():
+    law = sf.ForcedFront(0.6, 0.2, arrival=lambda x: np.abs(x), fall=0.5)
+    return sf.Interface(UNIT, law, 8.0, shear=0.4, even=True, mode="antiplane")
+
+
+def assert_same(one, other):
+    for name in FIELDS:
+        first, second = getattr(one, name), getattr(other, name)
+        assert np.array_equal(first, second, equal_nan=True), name
+    assert one.work == other.work
+
+
+@pytest.mark.parametrize("stop_at", [37, 90])
+def test_a_run_goes_on_to_the_last_bit(stop_at, tmp_path):
+    """Adaptive steps, thinned frames, through a file: as if it had not been interrupted."""
+    counted = iter(range(10**6))
+    options = {"nodes": 64, "estimate": False, "every": 3, "frames": 20}
+    whole = run(weakening_fault(), 12.0, **options)
+    part = run(weakening_fault(), 12.0, **options, progress=lambda *_: next(counted) == stop_at - 1)
+    assert part.status.startswith("interrupted")
+    assert part.steps == stop_at < whole.steps
+    part.save(tmp_path / "a.npz")
+    fault = weakening_fault()
+    saved = sf.Run.load(tmp_path / "a.npz", fault)
+    assert_same(run(fault, 12.0, go_on=saved, **options), whole)
+    assert len(whole.t) <= 22
+    assert np.diff(whole.step_times).max() > 100 * np.diff(whole.step_times).min()
+
+
+@pytest.mark.parametrize(
+    ("fault", "end", "stop", "under_way"),
+    [
+        (
+            opening_fault(),
+            3.0,
+            1.7,
+            lambda part, whole: part.gap[-1].max() > 0 == whole.gap[-1].max(),
+        ),
+        (glued_fault(), 1.0, 0.4, lambda part, whole: part.checkpoint["opened"].max() > 0.3),
+        (two_bodies(), 1.0, 0.5, lambda part, whole: part.slip.max() > 0),
+        (forced_front(), 2.0, 0.6, lambda part, whole: part.slip.max() > 0),
+    ],
+    ids=["open", "parted", "two bodies", "forced front"],
+)
+def test_what_a_fault_has_gone_through_is_gone_on_with(fault, end, stop, under_way, tmp_path):
+    """Gaps, faces that have parted, coupled pressure and a strength that falls: to the last bit."""
+    options = {"nodes": 64, "estimate": False, "every": 2}
+    whole = run(fault, end, **options)
+    part = run(fault, end, **options, progress=lambda t, _: t > stop)
+    assert part.status.startswith("interrupted")
+    assert under_way(part, whole)
+    part.save(tmp_path / "a.npz")
+    assert_same(run(fault, end, go_on=sf.Run.load(tmp_path / "a.npz", fault), **options), whole)
+
+
+def test_a_run_continues_at_a_jump_and_says_how_far_its_memory_reaches():
+    patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1), history=sf.Pulse(2.0, "rectangle"))
+    face = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=[patch])
+    begun = run(face, 2.0, 128, latest=4.0, estimate=False)
+    whole, resumed = (
+        run(face, 4.0, 128, estimate=False, **given) for given in ({}, {"go_on": begun})
+    )
+    assert np.array_equal(whole.slip, resumed.slip)
+    assert np.array_equal(whole.slip_rate, resumed.slip_rate)
+    with pytest.raises(sf.SceneError, match=r"reaches t = 4; compute it again with `latest` = 200"):
+        run(face, 200.0, 128, go_on=begun)
+
+
+@pytest.mark.parametrize(
+    ("own", "other"),
+    [
+        (weakening_fault(), sf.Interface(UNIT, COULOMB, 16.0, even=True)),
+        (opening_fault(), opening_fault(-3.1)),
+        (glued_fault(), glued_fault(1.1)),
+    ],
+    ids=["another fault", "another load", "another strength"],
+)
+def test_another_interface_is_not_gone_on_with(own, other):
+    part = run(own, 0.01, 32, estimate=False)
+    with pytest.raises(sf.DataFileError, match="another interface"):
+        run(other, 1.0, 32, go_on=part)
+    with pytest.raises(sf.SceneError, match="beyond"):
+        run(own, 0.005, 32, go_on=part)
+
+
+def test_what_is_done_is_kept_after_ctrl_c():
+    def press(time, end):
+        if time > 0.5:
+            signal.raise_signal(signal.SIGINT)
+
+    load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
+    done = run(sf.Interface(UNIT, COULOMB, 8.0, loads=[load]), 2.0, 64, progress=press)
+    assert done.status.startswith("interrupted at t = 0.5")
+    assert done.slip[-1].max() > 0
+    assert done.t[-1] == done.end_time < 0.6
+
+
+def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
+    """Another contact, period or symmetry lies on other nodes."""
+    strip = sf.Contact([(-2.0, 2.0)])
+    own = sf.Interface(UNIT, COULOMB, 8.0, contact=strip)
+    run(own, 0.2, 32, estimate=False).save(tmp_path / "own.npz")
+    assert sf.Run.load(tmp_path / "own.npz", own).nodes == 32
+    for other in (
+        {"length": 16.0, "contact": strip},
+        {"length": 8.0},
+        {"length": 8.0, "contact": sf.Contact([(-1.0, 2.0)])},
+        {"length": 8.0, "contact": strip, "even": True},
+    ):
+        with pytest.raises(sf.DataFileError, match="is a run of another interface"):
+            sf.Run.load(tmp_path / "own.npz", sf.Interface(UNIT, COULOMB, **other))
