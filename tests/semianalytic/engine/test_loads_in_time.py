@@ -5,6 +5,7 @@ import pytest
 
 import semianalytic as sf
 from semianalytic.engine.pace import LoadPace, nodes_for_histories
+from semianalytic.engine.steps import Stepper
 from semianalytic.interface.fields import Expression
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
@@ -140,6 +141,23 @@ def test_friction_that_damps_less_as_it_speeds_up_does_not_let_short_waves_grow(
     assert done.status == "done"
     assert done.peak_rates.max() < 1e-3
     assert done.slip[-1] == pytest.approx(fine.slip[-1], rel=0.02, abs=2e-3 * fine.slip.max())
+
+
+def test_a_step_that_ends_beyond_convergence_is_repeated(monkeypatch):
+    """Steps are chosen two rungs too long; without a repeat slip is 6 % off."""
+    law = sf.RateAndState(a=0.012, b=0.006, f0=0.6, v0=1e-6, distance=1e-5)
+    load = sf.InterfaceLoad(lambda x: 1.9e6 * (abs(x) < 1), lambda t: np.sin(np.pi * t / 500))
+    face = sf.Interface(ROCK, law, 16.0, 5e6, 1e6, [load], rate=1e-9, mode="antiplane")
+    right, chosen = sf.run(face, 500.0, 64, estimate=False), Stepper.length
+
+    def too_long(stepper, now):
+        rung = chosen(stepper, now)[1] + 2
+        return stepper.ladder.length(rung), rung
+
+    monkeypatch.setattr(Stepper, "length", too_long)
+    done = sf.run(face, 500.0, 64, estimate=False)
+    assert done.steps < right.steps / 3
+    assert done.slip[-1] == pytest.approx(right.slip[-1], abs=0.01 * right.slip[-1].max())
 
 
 @pytest.mark.parametrize("held", [1.0, 0.3])
