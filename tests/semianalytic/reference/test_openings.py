@@ -5,11 +5,7 @@ import pytest
 
 from semianalytic import Material, SceneError
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.reference import (
-    detached_opening,
-    edge_speed_of_opening,
-    gap_rate_of_opening,
-)
+from semianalytic.reference import detached_opening, edge_speed_of_opening, gap_rate_of_opening
 
 MATERIAL = Material(1.0, 1.0, 1 / 3)
 

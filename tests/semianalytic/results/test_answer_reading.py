@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import unit_scene
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -105,7 +106,7 @@ def test_slip_begins_when_it_arrives():
 
 
 def test_senses_arrive_with_zones_of_their_sense():
-    scene = Scene(Material(1.0, 1.0, 1 / 3), 0.01, Tractions(1.0, 0.0), Tractions(0.2, 1.0))
+    scene = unit_scene(0.01, load=(0.2, 1.0))
     solution = solve(scene)
     for sense, of in ((1, "forward"), (-1, "reverse")):
         speeds = [zone.outer for zone in solution.zones if zone.sense == sense]
@@ -177,15 +178,8 @@ def test_bars_of_a_march_hold(name):
 
 def test_bars_of_marches_hold_on_fronts_and_beside_edges():
     """The cusp of the traction at x = c_t t was up to four bars off on either grid."""
-    fronts = Scene(
-        Material(1.0, 1.0, -0.1668), 0.4861, Tractions(1, 0.3227), Tractions(0.17, -1.8458)
-    )
-    edge = Scene(
-        Material(1.0, 1.0, 0.048208),
-        0.633619,
-        Tractions(1, 0.385934),
-        Tractions(-0.048355, 1.511743),
-    )
+    fronts = unit_scene(0.4861, (1, 0.3227), (0.17, -1.8458), nu=-0.1668)
+    edge = unit_scene(0.633619, (1, 0.385934), (-0.048355, 1.511743), nu=0.048208)
     for scene, x in ((fronts, 1.0), (fronts, 0.999), (edge, 1.0), (edge, 1.05)):
         exact = solve(scene, rtol=1e-10)
         for nodes in (100, 300):

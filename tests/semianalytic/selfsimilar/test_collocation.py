@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-from catalogue import UNIT
+from catalogue import UNIT, unit_scene
 
-from semianalytic import Scene, Tractions, solve
+from semianalytic import solve
 from semianalytic.cut.load import Load
-from semianalytic.reference import (
-    edge_speed_under_shear_step,
-    slip_rate_under_shear_step,
-)
+from semianalytic.reference import edge_speed_under_shear_step, slip_rate_under_shear_step
 from semianalytic.selfsimilar.zones.collocation import slip_grid, slip_on_grid
 
 
@@ -25,7 +22,7 @@ def test_shear_step_on_constant_strength(strength):
 
 def test_slip_rate_converges_to_the_exact_zones():
     """Second zone ahead of the shear wave: the error falls with the cell, edges snap to nodes."""
-    exact = solve(Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0)))
+    exact = solve(unit_scene(0.3))
     errors = []
     for size in (48, 96, 192):
         grid = slip_on_grid(1 / 3, Load(0.3, 1.0, 0.0, 0.0, 1.0, 0.0), size)
@@ -38,7 +35,7 @@ def test_slip_rate_converges_to_the_exact_zones():
 
 def test_operator_balances_the_exact_solution():
     """The independent operator of section 4, applied to the exact slip rate, gives f p there."""
-    scene = Scene(UNIT, 1.25, Tractions(1.0, 1.0), Tractions(1.0, 1.0))
+    scene = unit_scene(1.25, (1.0, 1.0), (1.0, 1.0))
     exact = solve(scene)
     grid = slip_grid(1 / 3, 400)
     rate = np.zeros(len(grid.xi) - 1)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import unit_scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from laws import check_invariants, opening_scene
@@ -20,12 +21,12 @@ STEEL = Material(1.0, 1.0, 1 / 3)
 
 def tapped(friction=0.3, shear=1.0, base=0.02, held=0.0, **rest):
     """A sudden pressure of 1, and shear, on a small base."""
-    return Scene(STEEL, friction, Tractions(base, held), Tractions(1.0, shear), **rest)
+    return unit_scene(friction, (base, held), (1.0, shear), **rest)
 
 
 def lifted(friction=0.3, shear=1.0, held=0.0, **rest):
     """A pressure put on the slot faces."""
-    return Scene(STEEL, friction, Tractions(1.0, held), Tractions(-1.0, shear), **rest)
+    return unit_scene(friction, (1.0, held), (-1.0, shear), **rest)
 
 
 @pytest.mark.slow
@@ -61,10 +62,10 @@ def test_laws_hold_where_a_zone_opens_between_the_shear_front_and_an_opening(
 def test_a_contact_that_nothing_holds_together_is_refused(base, step):
     if base < 0:
         with pytest.raises(Exception, match="base pressure"):
-            Scene(STEEL, 0.3, Tractions(base, 0.0), Tractions(step, 1.0))
+            unit_scene(0.3, (base, 0.0), (step, 1.0))
         return
     with pytest.raises(TensionError, match=r"nothing holds the contact .*\(docs/limits"):
-        solve(Scene(STEEL, 0.3, Tractions(base, 0.0), Tractions(step, 1.0)))
+        solve(unit_scene(0.3, (base, 0.0), (step, 1.0)))
 
 
 @pytest.mark.parametrize("scene", [tapped(shear=0.0), lifted(shear=0.0)])
@@ -122,7 +123,7 @@ def test_slip_that_begins_where_an_opening_closes_is_soon_one_with_it(
     nu, friction, base, load_shear
 ):
     """It is no zone of its own, as grids and nodes of loose rules show it."""
-    scene = Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(1.0, load_shear))
+    scene = unit_scene(friction, base, (1.0, load_shear), nu=nu)
     solution = solve(scene, rtol=1e-6)
     check_invariants(scene)
     (opening,) = solution.openings
@@ -176,12 +177,7 @@ def test_motion_while_open_counts_as_slip_and_takes_no_work(scene):
 def test_a_base_at_friction_that_hardly_slips_the_wrong_way_at_the_front_is_seen_at_once():
     """The loose rule lets the first zone begin at the longitudinal front, 1e-4 too early."""
     friction, base = 0.0144115, 1.0
-    scene = Scene(
-        Material(1.0, 1.0, 0.1358),
-        friction,
-        Tractions(base, friction * base),
-        Tractions(-53624.4, -8136.1),
-    )
+    scene = unit_scene(friction, (base, friction * base), (-53624.4, -8136.1), nu=0.1358)
     solution = solve(scene, rtol=1e-5)
     assert solution.status == "converged"
     assert solution.zones[-1].outer < scene.material.longitudinal_speed - 1e-4
@@ -191,12 +187,7 @@ def test_a_base_at_friction_that_hardly_slips_the_wrong_way_at_the_front_is_seen
 def test_slip_at_the_front_is_mended_at_a_strict_tolerance_too():
     """The strip is 2e-5 wide, and beside the front slip rate is below rounding of the rule."""
     friction, base = 0.0021214, 0.0270694
-    scene = Scene(
-        Material(1.0, 1.0, -0.212977),
-        friction,
-        Tractions(base, friction * base),
-        Tractions(-1.0, 0.114371),
-    )
+    scene = unit_scene(friction, (base, friction * base), (-1.0, 0.114371), nu=-0.212977)
     solution = solve(scene, rtol=1e-11)
     assert solution.status == "converged"
     assert [zone.sense for zone in solution.zones] == [1, -1, 1]
@@ -285,7 +276,7 @@ def test_estimates_bound_errors():
 def test_estimates_cover_the_gap_of_narrow_openings(nu, below):
     """Just below the threshold, where the gap follows the width of the opening."""
     base = opening_threshold(nu) * (1 - below)
-    scene = Scene(Material(1.0, 1.0, nu), 0.3, Tractions(base, 0.0), Tractions(1.0, 0.0))
+    scene = unit_scene(0.3, (base, 0.0), (1.0, 0.0), nu=nu)
     exact = solve(scene, rtol=1e-9)
     (opening,) = exact.openings
     angle = np.linspace(0, np.pi, 200)[1:-1]
@@ -300,13 +291,7 @@ def test_estimates_cover_the_gap_of_narrow_openings(nu, below):
 @pytest.mark.parametrize("lift", [1e-6, 1e-9, 5e-10, 1e-12])
 def test_openings_of_no_width_change_nothing(lift):
     """A wave that hardly lifts the contact opens (lift)^2 of it; slip is as without the lift."""
-    scene = Scene(
-        Material(1.0, 1.0, 0.25),
-        0.3,
-        Tractions(1.0, 0.1),
-        Tractions(-lift, 0.15),
-        load_on="remote",
-    )
+    scene = unit_scene(0.3, (1.0, 0.1), (-lift, 0.15), nu=0.25, load_on="remote")
     solution = solve(scene)
     assert solution.status == "converged"
     assert 0 < solution.openings[0].outer < 2 * lift**2

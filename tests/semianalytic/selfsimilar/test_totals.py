@@ -8,7 +8,7 @@ from catalogue import REMOTE, unit_scene
 from laws import random_scenes
 from scipy.integrate import quad
 
-from semianalytic import Material, Scene, SceneError, Tractions, solve
+from semianalytic import SceneError, solve
 from semianalytic.scene.given.named import NAMED_SCENES
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
@@ -209,7 +209,7 @@ def test_nothing_is_taken_before_the_load_or_without_friction():
         assert np.all(taken(np.array([-1.0, 0.0]), 0.1) == 0)
     assert np.all(solution.path(0.3, np.array([-1.0, 0.0])) == 0)
     assert np.all(solution.work_density(0.3, np.array([-1.0, 0.0])) == 0)
-    free = solve(Scene(Material(1.0, 1.0, -0.5), 0.0, Tractions(1.0, 0.0), Tractions(0.0, 1.0)))
+    free = solve(unit_scene(0.0, nu=-0.5))
     assert (
         free.frictional_power(1.0)
         == free.frictional_work(1.0, 0.1)
@@ -222,7 +222,7 @@ def test_nothing_is_taken_before_the_load_or_without_friction():
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("shear", [1.0, -0.7])
 def test_slip_accumulates_without_friction_whichever_way_it_goes(shear):
-    scene = Scene(Material(1.0, 1.0, -0.5), 0.0, Tractions(1.0, 0.0), Tractions(0.0, shear))
+    scene = unit_scene(0.0, load=(0.0, shear), nu=-0.5)
     free = solve(scene, rtol=1e-10)
     speeds = singular_speeds(free)
     slipped = integral(lambda x: free.path(x, 1.0), 0.0, max(speeds), speeds, 12)

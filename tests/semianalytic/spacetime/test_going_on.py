@@ -4,7 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from catalogue import UNIT
+from catalogue import unit_scene
 
 from semianalytic import (
     DataFileError,
@@ -13,14 +13,12 @@ from semianalytic import (
     Pulse,
     Ramp,
     RateWeakening,
-    Scene,
     SceneError,
     SlipWeakening,
     Solution,
     Step,
     Tabulated,
     TensionError,
-    Tractions,
     march,
     march_on,
     predict,
@@ -170,7 +168,7 @@ def test_bad_options(options, message):
 
 
 def test_tension_is_refused():
-    scene = Scene(UNIT, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.0), Pulse(0.5))
+    scene = unit_scene(0.3, (0.02, 0.0), (1.0, 0.0), pressure_history=Pulse(0.5))
     with pytest.raises(TensionError, match=r"turn tensile at x.*docs/limits"):
         march(scene, nodes=100)
 
@@ -184,7 +182,7 @@ def test_tension_is_refused():
     ],
 )
 def test_tension_sends_nobody_to_a_solver_that_refuses(options, solved):
-    scene = Scene(UNIT, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.0), **options)
+    scene = unit_scene(0.3, (0.02, 0.0), (1.0, 0.0), **options)
     with pytest.raises(TensionError) as refusal:
         march(scene, nodes=100)
     assert ("use `solve`" in str(refusal.value)) == solved

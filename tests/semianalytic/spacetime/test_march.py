@@ -237,13 +237,7 @@ def in_excess(marched, strength):
 @given(HISTORIES, st.floats(0.0, 0.8), st.floats(-0.9, 0.9), st.floats(-0.4, 0.45))
 def test_invariants(history, friction, share, nu):
     """Coulomb's inequality, dissipation, causality, for shear from rest under any history."""
-    scene = Scene(
-        Material(1.0, 1.0, nu),
-        friction,
-        Tractions(1.0, share * friction),
-        Tractions(0.0, 1.0),
-        shear_history=history,
-    )
+    scene = unit_scene(friction, (1.0, share * friction), nu=nu, shear_history=history)
     marched = march(scene, nodes=240, length=2.5)
     fields = marched.interface
     strength = friction * fields.pressure
@@ -339,7 +333,7 @@ def test_too_steep_rate_weakening_is_refused():
         preloaded(friction_law=RateWeakening(1.0, 0.5))
     # the pressure that rises behind the front makes a law ill posed that was not at the start
     law = RateWeakening(0.5, 0.5)
-    scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(1.0, 1.0), friction_law=law)
+    scene = unit_scene(0.3, load=(1.0, 1.0), friction_law=law)
     with pytest.raises(SceneError, match="faster than radiation can balance"):
         march(scene, nodes=400)
 

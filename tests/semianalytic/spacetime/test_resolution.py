@@ -6,7 +6,7 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from catalogue import UNIT
+from catalogue import UNIT, unit_scene
 
 from compare.comparison.documents import march_document
 from semianalytic import (
@@ -121,7 +121,7 @@ def test_what_turns_too_fast_is_refused(history, load):
     """Sampled at levels, 1003 cycles gave the answer of 3, and a short pulse none at all."""
     scene = sheared(history)
     if load == "pressure":
-        scene = Scene(UNIT, 0.1, Tractions(2.0, 0.0), Tractions(0.5, 1.0), history)
+        scene = unit_scene(0.1, (2.0, 0.0), (0.5, 1.0), pressure_history=history)
     with pytest.raises(
         SceneError, match=rf"the {load} history turns faster .* raise `nodes` to [0-9.e+]+,"
     ):
