@@ -1,5 +1,7 @@
-"""What a friction law has to say, that it agrees with itself, and that none is ignored."""
+"""What a friction law has to say, that it agrees with itself, and that none is ignored; and the
+length that slip weakening gives a front."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +19,9 @@ from semianalytic import (
     march,
 )
 from semianalytic.scene import kinds
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.scene import Material, Scene, Tractions
 
 SCENE = NAMED_SCENES["preloaded"].scene
 LAWS = (
@@ -107,3 +111,31 @@ def test_a_new_law_is_refused_where_it_is_ill_posed_or_too_sharp(monkeypatch):
         replace(SCENE, friction_law=steep())
     with pytest.raises(SceneError, match="weakens within about"):
         march(replace(SCENE, friction_law=sharp()), nodes=64)
+
+
+# --- the length that slip weakening gives a front -------------------------------------------------
+
+
+def weakening(friction_law, pressure=1.0, units=1.0):
+    material = Material(2.0 * units, 1.0, 0.25)
+    base = Tractions(pressure * units, 0.2 * units)
+    return Scene(material, 0.6, base, Tractions(0.0, 0.4 * units), friction_law=friction_law)
+
+
+def test_process_zone_is_the_stiffness_over_the_fall_of_strength_per_slip():
+    law = SlipWeakening(2 / 3, 0.05)  # friction .6 to .2: a fall of .4 within .05
+    assert process_zone(weakening(law)) == pytest.approx(2.0 / (0.75 * 0.4 / 0.05))
+    assert process_zone(weakening(law, pressure=2.0)) == pytest.approx(1.0 / (0.75 * 0.4 / 0.05))
+    assert process_zone(weakening(law, units=1e6)) == pytest.approx(2.0 / (0.75 * 0.4 / 0.05))
+
+
+def test_process_zone_is_that_under_the_pressure_of_a_remote_load():
+    law, load = SlipWeakening(2 / 3, 0.05), Tractions(1.0, 0.4)
+    remote = replace(weakening(law), base=Tractions(0.0, 0.0), load=load, load_on="remote")
+    assert process_zone(remote) == process_zone(weakening(law))
+
+
+def test_process_zone_is_infinite_where_slip_does_not_weaken():
+    assert process_zone(weakening(RateWeakening(0.1, 1.0))) == math.inf
+    assert process_zone(weakening(SlipWeakening(0.0, 0.05))) == math.inf
+    assert process_zone(weakening(SlipWeakening(0.5, 0.05), pressure=0.5)) < math.inf

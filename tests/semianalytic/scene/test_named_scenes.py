@@ -15,14 +15,16 @@ from semianalytic import (
     Ramp,
     RateWeakening,
     Scene,
+    SceneError,
     SlipWeakening,
+    Tabulated,
     Tractions,
     ViscousFriction,
+    find_scene,
 )
-from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.files import read_scene
-from semianalytic.scene.given.finding import find_scene, scene_label
+from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
 from semianalytic.scene.given.overriding import override_scene
 
@@ -43,16 +45,15 @@ shear = 5e5
 
 @pytest.fixture
 def steel(tmp_path):
-    """Path of a valid scene file, and a function that rewrites part of it."""
-    path = tmp_path / "steel.toml"
-    path.write_text(STEEL)
+    """Write a valid scene file, part of it in other words, and return its path."""
 
-    def rewrite(old, new):
+    def write(old="", new=""):
         assert old in STEEL
-        path.write_text(STEEL.replace(old, new))
+        path = tmp_path / "steel.toml"
+        path.write_text(STEEL.replace(old, new) if old else STEEL)
         return path
 
-    return path, rewrite
+    return write
 
 
 def test_default_scene_is_constant_pressure_and_sudden_shear():
@@ -78,22 +79,15 @@ def test_every_named_scene_has_a_one_line_summary():
 
 
 def test_file_gives_the_scene_it_describes(steel):
-    path, _ = steel
+    path = steel()
     expected = Scene(Material(80e9, 7800, 0.29), 0.4, Tractions(1e6, 0), Tractions(0, 5e5))
     assert read_scene(path) == expected
     assert find_scene(str(path)) == expected
     assert scene_label(str(path)) == "steel"
 
 
-def test_a_file_may_turn_shear_along_z(steel):
-    _, rewrite = steel
-    path = rewrite("friction = 0.4", "friction = 0.4\nmode = 'antiplane'")
-    assert read_scene(path).mode == "antiplane"
-
-
 def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
-    path, _ = steel
-    plain = path.rename(tmp_path / "steel")
+    plain = steel().rename(tmp_path / "steel")
     assert find_scene(str(plain)).friction == 0.4
 
 
@@ -142,20 +136,20 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
     ],
 )
 def test_a_faulty_file_is_named_with_the_key(steel, old, new, named):
-    _, rewrite = steel
-    path = rewrite(old, new)
+    path = steel(old, new)
     with pytest.raises(SceneError, match=named) as caught:
         read_scene(path)
     assert str(path) in str(caught.value)
 
 
-def test_histories_and_laws_are_tables_of_a_file(steel):
-    _, rewrite = steel
+def test_histories_and_laws_are_tables_of_a_file_and_a_mode_turns_shear_along_z(steel):
     tables = """friction = 0.4
+mode = 'antiplane'
 shear_history = {kind = "tabulated", t = [0, 1, 2], value_at_t = [0, 1, 0]}
 friction_law = {kind = "slip-weakening", reduction = 0.5, distance = 0.2}
 """
-    scene = read_scene(rewrite("friction = 0.4", tables))
+    scene = read_scene(steel("friction = 0.4", tables))
+    assert scene.mode == "antiplane"
     assert scene.shear_history.value(0.5) == 0.5
     assert scene.friction_law == SlipWeakening(0.5, 0.2)
     assert scene_from_document(scene_document(scene)) == scene
@@ -228,8 +222,7 @@ def test_an_override_out_of_range_is_refused():
 
 
 def test_functions_of_a_scene_take_its_name_or_file(steel):
-    path, _ = steel
-    path.write_text('units = "SI"\n' + STEEL)
+    path = steel("friction = 0.4", 'units = "SI"\nfriction = 0.4')
     given = str(path)
     end, units = 2e-4, UnitRegistry()
     record = sf.Gauge(0.05, np.array([1e-4, 2e-4]), np.array([0.0, 1e-7]), 1e-8)
@@ -256,3 +249,72 @@ def test_named_scenes_are_solved_by_name():
     assert sf.march("ramp", 0.5, 32).error_estimate > 0
     with pytest.raises(SceneError, match="whole-line-patch has no slot"):
         sf.solve("whole-line-patch")
+
+
+# --- tables of loads that a file names ------------------------------------------------------------
+
+
+SCENE = """
+friction = 0.3
+{units}
+material = {{shear_modulus = 80e9, density = 7800.0, poisson_ratio = 0.29}}
+base = {{pressure = 5e6, shear = 0.0}}
+load = {{pressure = 0.0, shear = {shear}}}
+[shear_history]
+kind = "tabulated"
+file = "{file}"
+"""
+
+
+def scene_of(folder, table, units='units = "SI"', shear="4e6", file="pulse.csv"):
+    folder.mkdir(exist_ok=True)
+    (folder / "pulse.csv").write_text(table, encoding="utf-8")
+    path = folder / "scene.toml"
+    path.write_text(SCENE.format(units=units, shear=shear, file=file), encoding="utf-8")
+    return find_scene(str(path))
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "t [us],shear [MPa]\n0,0\n10,4\n40,1\n",
+        "# from the scope\n\nshear (kPa);Time (ms)\n0;0\n4000;0,01\n1000;0,04\n",
+        "t,value\n0,0\n1e-5,1\n4e-5,0.25\n",
+        "t [us]\tvalue [%]\n0\t0\n10\t100\n40\t25\n",
+    ],
+)
+def test_tables_are_read_in_the_units_of_their_header(tmp_path, table):
+    history = scene_of(tmp_path / "deeper", table).shear_history
+    assert isinstance(history, Tabulated)
+    assert history.t == pytest.approx((0.0, 1e-5, 4e-5), rel=1e-14)
+    assert history.value_at_t == pytest.approx((0.0, 1.0, 0.25), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("table", "given", "said"),
+    [
+        ("t [us],V [mm]\n0,0\n", {}, "two columns, t and value, or t and shear; it has t, V"),
+        ("t,value,more\n0,0,0\n", {}, "it has t, value, more"),
+        ("0,0\n1,1\n", {}, "no header"),
+        ("t [min],value\n0,0\n", {}, "t must be in s, ms, us or ns, or have no unit, got 'min'"),
+        ("t,shear [m]\n0,0\n", {}, "shear must be in Pa, kPa, MPa or GPa"),
+        ("t,value\n0,a\n", {}, "line 2: there must be 2 numbers"),
+        ("t,value\n0\n", {}, "line 2: there must be 2 numbers"),
+        ("", {}, "is empty"),
+        ("t [us],value\n0,0\n", {"units": ""}, 'write units = "SI"'),
+        ("t,shear\n0,0\n1,1\n", {"shear": "0.0"}, "divided by that of"),
+        ("t,value\n1,0\n0,1\n", {}, "not decrease"),
+        ("t,value\n0,0\n", {"file": "absent.csv"}, "Cannot read the table .*absent.csv"),
+    ],
+)
+def test_wrong_tables_are_refused_in_a_sentence(tmp_path, table, given, said):
+    with pytest.raises(SceneError, match=said):
+        scene_of(tmp_path, table, **given)
+
+
+def test_numbers_and_a_table_together_are_refused(tmp_path):
+    scene_of(tmp_path, "t,value\n0,1\n")
+    path = tmp_path / "scene.toml"
+    path.write_text(path.read_text() + "t = [0.0]\n")
+    with pytest.raises(SceneError, match="in place of t and value_at_t"):
+        find_scene(str(path))

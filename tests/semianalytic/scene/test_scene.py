@@ -1,12 +1,24 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from catalogue import REMOTE, unit_scene
 
-from semianalytic import Material, Ramp, RateWeakening, SceneError, Tractions
+import semianalytic
+from semianalytic import (
+    Harmonic,
+    Material,
+    Ramp,
+    RateWeakening,
+    SceneError,
+    SlipWeakening,
+    Tabulated,
+    Tractions,
+)
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NAMED_SCENES
 
 
 def test_wave_speeds_of_steel():
@@ -138,3 +150,34 @@ def test_static_modulus_knows_poisson_ratio_in_plane_only():
     assert scene.static_modulus == scene.material.shear_modulus
     in_plane = replace(scene, mode="in-plane").static_modulus
     assert in_plane == pytest.approx(scene.material.shear_modulus / (1 - 1 / 3))
+
+
+# --- how a scene is shown -------------------------------------------------------------------------
+
+
+SCENE = NAMED_SCENES["preloaded"].scene
+SHORT = {
+    "plain": SCENE,
+    "harmonic": replace(SCENE, shear_history=Harmonic(2.0), friction_law=SlipWeakening(0.5, 0.1)),
+    "antiplane": replace(SCENE, mode="antiplane"),
+    "table": replace(SCENE, shear_history=Tabulated((0.0, 1.0), (0.0, 2.0))),
+}
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_a_short_scene_is_made_again_by_what_it_shows(name):
+    scene = SHORT[name]
+    assert eval(repr(scene), vars(semianalytic)) == scene
+    assert "Step()" not in repr(scene)
+    assert "CoulombFriction" not in repr(scene)
+    assert ("mode" in repr(scene)) == (name == "antiplane")
+    assert "units" not in repr(scene)
+    assert "units='SI'" in repr(replace(scene, units="SI"))
+
+
+def test_a_long_table_does_not_fill_the_screen():
+    t = np.linspace(0, 2, 10_000)
+    text = repr(replace(SCENE, shear_history=Tabulated(t, np.sin(t))))
+    assert "Tabulated(10000 samples, t = 0 ... 2)" in text
+    assert len(text) < 300
+    assert "\n" not in text

@@ -9,14 +9,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from laws import check_invariants, opening_scene
 
-from semianalytic import Material, Scene, TensionError, Tractions, solve
+from semianalytic import TensionError, ViscousFriction, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.regimes import opening_threshold
 from semianalytic.selfsimilar.zones.collocation import slip_on_grid
 from semianalytic.separation.normal import with_opening
-
-STEEL = Material(1.0, 1.0, 1 / 3)
 
 
 def tapped(friction=0.3, shear=1.0, base=0.02, held=0.0, **rest):
@@ -50,8 +48,7 @@ def test_laws_hold_where_a_zone_opens_between_the_shear_front_and_an_opening(
     nu, friction, base, shear
 ):
     """From the guess, that it opens ahead of that front, its edge runs into it."""
-    load = Tractions(1.0, shear)
-    scene = Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), load, mode="antiplane")
+    scene = unit_scene(friction, base, (1.0, shear), nu=nu, mode="antiplane")
     solution = solve(scene)
     assert solution.openings[0].outer < 0.97 < solution.zones[-1].outer < 1
     check_invariants(scene)
@@ -140,22 +137,34 @@ def test_slip_may_change_sense_across_an_opening():
     assert (behind.sense, ahead.sense) == (-1, 1)
 
 
-@pytest.mark.thinned(3)
+FILM = {"friction_law": ViscousFriction(0.25)}
+
+
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     "scene",
-    [tapped(), tapped(3.0), tapped(1.0, -1.0, held=0.018), lifted(), tapped(mode="antiplane")],
+    [
+        tapped(),
+        tapped(3.0),
+        tapped(1.0, -1.0, held=0.018),
+        lifted(),
+        lifted(**FILM),
+        tapped(mode="antiplane"),
+        tapped(shear=0.5, mode="antiplane", **FILM),
+        tapped(shear=0.5, friction_law=ViscousFriction(0.5)),
+        tapped(shear=0.5, **FILM),
+    ],
 )
 def test_slip_agrees_with_complementarity_on_a_grid(scene):
-    solution, nu = solve(scene), scene.material.poisson_ratio
+    solution, nu = solve(scene, rtol=1e-6), scene.material.poisson_ratio
     load, stress = scaled_load(scene)
     load, _ = with_opening(load, rayleigh_factors(nu, scene.shear_mode), 1e-6)
     grid = slip_on_grid(nu, load, 300, scene.shear_mode)
-    middle = (grid.xi[1:] + grid.xi[:-1]) / 2
+    inside = np.linspace(grid.xi[:-1], grid.xi[1:], 6)[1:-1]
+    rate = solution.slip_rate(inside.ravel(), 1.0).reshape(inside.shape).mean(axis=0)
     seen = stress * (grid.slip_rate[1:] + grid.slip_rate[:-1])  # relative, averaged
-    rate = solution.slip_rate(middle, 1.0)
-    clear = np.abs(middle - scene.material.rayleigh_speed) > 0.03
-    error = np.abs(rate - seen)[clear] @ np.diff(grid.xi)[clear]
-    assert error < 0.02 * np.abs(rate)[clear] @ np.diff(grid.xi)[clear]
+    error = np.abs(rate - seen) @ np.diff(grid.xi)
+    assert error < 0.01 * np.abs(rate) @ np.diff(grid.xi)
 
 
 @pytest.mark.slow

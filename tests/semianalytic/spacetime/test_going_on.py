@@ -110,17 +110,6 @@ def test_march_does_without_the_private_transform(monkeypatch):
     np.testing.assert_allclose(public, direct, atol=1e-12)
 
 
-def test_interrupted_march_keeps_what_it_has():
-    scene = preloaded(shear_history=Harmonic(1.3))
-    whole = march(scene, 1.0, 100)
-    part = march(scene, 1.0, 100, progress=lambda done, steps: done == 30)
-    assert part.end_time == part.interface.t[-1] == whole.interface.t[30]
-    np.testing.assert_array_equal(part.interface.slip[:31], whole.interface.slip[:31])
-    np.testing.assert_allclose(
-        march_on(part, 1.0).interface.slip[-1], whole.interface.slip[-1], atol=1e-12
-    )
-
-
 def test_damaged_file_is_refused(tmp_path):
     path = tmp_path / "march.h5"
     march(preloaded(), 0.5, 50).save(path)
@@ -160,6 +149,11 @@ def test_solver_is_chosen_by_the_scene():
         ({"length": float("nan")}, "length must be above 0"),
         ({"every": 0}, "whole number from 1"),
         ({"tolerance": 1.0}, "at most 0.01"),
+        ({"nodes": 100, "rtol": 1e-2}, "leave out `nodes`, or `rtol`"),
+        ({"rtol": 1e-2, "companion": False}, "`rtol` needs the companion"),
+        ({"rtol": 0.0}, "rtol must be above 0"),
+        ({"rtol": 2.0}, "rtol must be above 0 and at most 1"),
+        ({"rtol": float("nan")}, "rtol must be"),
     ],
 )
 def test_bad_options(options, message):

@@ -1,12 +1,15 @@
-"""The space-time solver: against the self-similar solver and closed forms, and its invariants."""
+"""The space-time solver in plane and under antiplane shear: against the self-similar solver and
+closed forms, and its invariants."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import UNIT, unit_scene
+from catalogue import UNIT, problems, unit_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.special import j1
 
 from semianalytic import (
     CoulombFriction,
@@ -29,8 +32,11 @@ from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.memory.exponentials import fit_memory
-from semianalytic.memory.impedance import InPlane
+from semianalytic.memory.impedance import Antiplane, InPlane
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.scene import MODES
+from semianalytic.spacetime.grid.nodes import causal_grid
 
 
 def preloaded(friction=0.3, shear=1.0, **parts):
@@ -41,8 +47,8 @@ def relative_l1(found, wanted):
     return np.abs(found - wanted).sum() / np.abs(wanted).sum()
 
 
-def error_of_step(scene, nodes):
-    marched = march(scene, nodes=nodes, every=10**6)
+def error_of_step(scene, nodes, **options):
+    marched = march(scene, nodes=nodes, every=10**6, **options)
     x = marched.grid.x
     seen = (x > 0.02) & (x < 1.9)
     return relative_l1(marched.interface.slip_rate[-1, seen], solve(scene).slip_rate(x[seen], 1.0))
@@ -99,10 +105,12 @@ def test_edge_of_the_grid():
 
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
-    ("name", "finest", "order"), [("preloaded", 2e-4, 1.2), ("remote-shock", 1e-3, 0.8)]
+    ("name", "finest", "order"),
+    [("preloaded", 2e-4, 1.2), ("antiplane", 4e-4, 1.0), ("remote-shock", 1e-3, 0.8)],
 )
 def test_step_converges_to_the_self_similar_solution(name, finest, order):
-    """Measured 0.071, 0.027, 0.0098 % and 0.33, 0.12, 0.066 % at 256, 512, 1024 nodes."""
+    """Measured 0.071, 0.027, 0.0098 %, 0.14, 0.061, 0.026 % and 0.33, 0.12, 0.066 % at 256, 512,
+    1024 nodes."""
     errors = [error_of_step(find_scene(name), nodes) for nodes in (256, 512, 1024)]
     assert errors[-1] < finest
     assert total_error_of_order(errors) > order
@@ -123,14 +131,10 @@ def test_step_at_other_poisson_ratios(nu, error):
 @pytest.mark.parametrize("step_ratio", [0.1, 0.5])
 def test_short_waves_are_damped(step_ratio):
     """Undamped, odd-even waves stay: the smaller the step, the more (0.24 % against 0.027 %)."""
-    scene = preloaded()
-    errors = []
-    for damping in (0.0, 0.7):
-        marched = march(scene, nodes=512, step_ratio=step_ratio, damping=damping, every=10**6)
-        x = marched.grid.x
-        seen = (x > 0.02) & (x < 1.9)
-        wanted = solve(scene).slip_rate(x[seen], 1.0)
-        errors.append(relative_l1(marched.interface.slip_rate[-1, seen], wanted))
+    errors = [
+        error_of_step(preloaded(), 512, step_ratio=step_ratio, damping=damping)
+        for damping in (0.0, 0.7)
+    ]
     assert errors[1] < 4e-4
     assert errors[1] < (0.3 if step_ratio < 0.5 else 1.1) * errors[0]
 
@@ -343,7 +347,67 @@ def test_slip_weakening_below_the_grid_is_refused():
         march(preloaded(friction_law=SlipWeakening(0.9, 1e-4)), nodes=100)
 
 
-# --- going on, saving -----------------------------------------------------------------------
+# --- antiplane shear ------------------------------------------------------------------------------
 
 
-# --- choice and errors ----------------------------------------------------------------------
+def antiplane(friction, base=(1.0, 0.0), load=(0.0, 1.0), **parts):
+    return unit_scene(friction, base, load, mode="antiplane", **parts)
+
+
+def test_transform_is_the_mode_three_impedance():
+    """G(s) = sqrt(b^2 - k^2) / b at slowness k = i b / s."""
+    s = np.array([0.01 + 0.3j, 0.2 + 1.4j, 3.0 + 0j, 0.5 + 9j])
+    np.testing.assert_allclose(Antiplane()(s), np.sqrt(1 - (1j / s) ** 2), rtol=1e-13)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_memory_is_the_integral_of_a_bessel_function(tolerance):
+    """h(x) = int_0^x J_1(y)/y dy, which tends to 1: what lasting slip exerts over mu q / 2."""
+    memory = fit_memory(Antiplane(), 200.0, tolerance)
+    assert memory.poles.real.max() < 0
+    assert memory.static == 1
+    x = np.array([0.0, 0.3, 1.0, 3.0, 10.0, 40.0])
+    exact = [quad(lambda y: j1(y) / y if y else 0.5, 0, end, limit=200)[0] for end in x]
+    np.testing.assert_allclose(memory(x), exact, atol=500 * tolerance + 1e-9)
+
+
+def test_grid_is_as_large_as_shear_waves_reach():
+    shear, pressed = antiplane(0.5), antiplane(0.5, load=(0.5, 1.0))
+    sizes = [causal_grid(scene, 1.0, 1.0, 200).size for scene in (shear, pressed)]
+    assert sizes[1] > 1.3 * sizes[0]
+    assert march(shear, nodes=100).grid.x[-1] < UNIT.shear_speed
+    assert march(pressed, nodes=100).grid.x[-1] > 1.9 * UNIT.shear_speed
+
+
+@pytest.mark.thinned(6)
+@pytest.mark.parametrize(
+    "problem", [one for one in problems("exact") if one.scene.antiplane], ids=lambda one: one.name
+)
+def test_marches_converge_to_exact_solutions(problem):
+    """Pressure that changes, viscosity, slip everywhere and ahead of the shear wave."""
+    exact, errors = solve(problem.scene), []
+    for nodes in (250, 500):
+        marched = march(problem.scene, nodes=nodes, companion=False, every=10**6)
+        x = marched.interface.x
+        wanted = exact.slip_rate(x, marched.end_time)
+        found = marched.interface.slip_rate[-1]
+        errors.append(np.abs(found - wanted).sum() / max(np.abs(wanted).sum(), 1e-12))
+    assert errors[-1] < 6e-3
+    assert errors[-1] <= 0.75 * errors[0]
+
+
+def test_march_of_a_stuck_interface_follows_the_stuck_traction():
+    """Seen from the grid's own edge, as pressure is."""
+    marched = march(antiplane(50.0, load=(0.0, 0.01)), nodes=400, companion=False, every=10**6)
+    offset, factors = edge_offset_and_factors()
+    x = marched.interface.x + (offset - 0.5) * marched.grid.spacing
+    exact = stuck_shear(Step(), 0.01, UNIT, x, 1.0, "III").value + 0.01
+    found = marched.interface.shear_traction[-1] + 0.01
+    assert not marched.interface.slip_rate.any()
+    assert relative_l1(found, exact * factors[:400]) < 1e-3
+
+
+def test_laws_that_weaken_have_the_process_zone_of_mode_three():
+    law = SlipWeakening(0.5, 0.1)
+    in_plane, out = (unit_scene(0.5, friction_law=law, mode=mode) for mode in MODES)
+    assert process_zone(out) == pytest.approx((1 - UNIT.poisson_ratio) * process_zone(in_plane))

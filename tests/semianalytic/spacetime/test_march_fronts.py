@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import UNIT
 from line_march import march as line_march
 
 from semianalytic import (
     IncidentWave,
     Marched,
-    Material,
     MovingLoad,
     Pulse,
     Ramp,
@@ -23,7 +23,6 @@ from semianalytic import (
     solve,
 )
 
-UNIT = Material(1.0, 1.0, 1 / 3)
 PRESSED = Tractions(1.0, 0.0)
 SCENES = {
     "SV from ahead": find_scene("incident-sv"),
@@ -89,47 +88,52 @@ def front(t, x, slowness, spacing, entry):
     return np.clip(lag + 0.5, 0, 1) * (x > -entry)
 
 
-@pytest.mark.slow
-def test_a_load_slower_than_its_waves_is_marched_from_where_it_enters_the_slot():
-    entry, end, nodes, length = 0.7, 0.5, 100, 8.0
-    load, scene = 0.6, Scene(UNIT, 0.5, Tractions(1.0, 0.1), MovingLoad(-0.8, 0.0, 0.6))
-    p, h = scene.front_slowness, 1 / nodes
+def march_and_witness(scene, nodes, mode, held, strength):
+    """A march to t = 0.5 whose front enters the slot 0.7 behind the tip, and `line_march` of it.
+
+    `held(come, x)` is the traction of a glued line over which so much of the front has come.
+    """
+    p, entry, end, length = scene.front_slowness, 0.7, 0.5, 8.0
     marched = march(scene, end, nodes, length=1.0, entry=entry, companion=False)
     assert marched.interface.t[0] == marched.begins == -p * entry
-    assert marched.zones_at(-0.1)
-    assert not marched.zones_at(-0.6)
-    witness = line_march(
+
+    def glued(x, t):
+        return held(front(t, x, p, 1 / nodes, entry), x)
+
+    witness = line_march(mode, 1 / 3, int(length * nodes), length, end + p * entry, glued, strength)
+    return marched, witness
+
+
+@pytest.mark.slow
+def test_a_load_slower_than_its_waves_is_marched_from_where_it_enters_the_slot():
+    marched, witness = march_and_witness(
+        Scene(UNIT, 0.5, Tractions(1.0, 0.1), MovingLoad(-0.8, 0.0, 0.6)),
+        100,
         "II",
-        1 / 3,
-        int(length * nodes),
-        length,
-        end + p * entry,
-        lambda x, t: np.where(x < 0, load * front(t, x, p, h, entry), 0.1),
+        lambda come, x: np.where(x < 0, 0.6 * come, 0.1),
         lambda x, t: np.where(x < -2.5, 1e9, np.where(x < 0, -1.0, 0.5)),
     )
+    assert marched.zones_at(-0.1)
+    assert not marched.zones_at(-0.6)
     on = (witness.x > 0.03) & (witness.x < 1)
     for name, right in (("slip", 2 * witness.slip[on]), ("shear_traction", witness.traction[on])):
-        mine = getattr(marched, name)(witness.x[on], end)
+        mine = getattr(marched, name)(witness.x[on], 0.5)
         assert np.abs(mine - right).sum() < 0.012 * np.abs(right).sum()
 
 
 @pytest.mark.slow
 def test_pressure_under_a_wave_beyond_critical_is_that_of_a_witness():
-    entry, end, nodes, length = 0.7, 0.5, 60, 8.0
     scene = Scene(UNIT, 9.0, PRESSED, IncidentWave("SV", 45.0, stress=-0.3))
-    p, h, load = scene.front_slowness, 1 / nodes, scene.superposition.taken_off.pressure
-    marched = march(scene, end, nodes, length=1.0, entry=entry, companion=False)
-    witness = line_march(
+    load = scene.superposition.taken_off.pressure
+    marched, witness = march_and_witness(
+        scene,
+        60,
         "I",
-        1 / 3,
-        int(length * nodes),
-        length,
-        end + p * entry,
-        lambda x, t: load * front(t, x, p, h, entry),
+        lambda come, x: load * come,
         lambda x, t: np.where((x < -2.5) | (x > 0), 1e9, -1.0),
     )
     on = (witness.x > 0) & (witness.x < 1)
-    off = marched.pressure(witness.x[on], end) - 1 - witness.traction[on]
+    off = marched.pressure(witness.x[on], 0.5) - 1 - witness.traction[on]
     assert np.abs(off).sum() < 2e-3 * np.abs(witness.traction[on]).sum()
 
 

@@ -5,7 +5,7 @@ from functools import cache, partial
 import meshio
 import numpy as np
 import pytest
-from catalogue import UNIT, unit_scene
+from catalogue import STEEL, unit_scene
 
 from fem import simulate
 from semianalytic import (
@@ -312,17 +312,11 @@ def test_a_short_contact_determines_what_waves_from_beyond_have_not_reached():
 
 
 def test_any_units_will_do():
-    scene = unit_scene(0.3, load=(0.2, 1.0), shear_history=Ramp(0.5))
-    solid = type(UNIT)(80e9, 7800.0, UNIT.poisson_ratio)
+    scene, solid = unit_scene(0.3, load=(0.2, 1.0), shear_history=Ramp(0.5)), STEEL
     length, stress = 0.25, 5e6
     time = length / solid.shear_speed
-    large = Scene(
-        solid,
-        0.3,
-        Tractions(stress, 0.0),
-        Tractions(0.2 * stress, stress),
-        shear_history=Ramp(0.5 * time),
-    )
+    base, load = Tractions(stress, 0.0), Tractions(0.2 * stress, stress)
+    large = Scene(solid, 0.3, base, load, shear_history=Ramp(0.5 * time))
     one, other = march(scene, 1.0, 64), march(large, time, 64)
     x, y = points(scene, 20)
     units = {"velocity": stress / solid.shear_impedance, "stress": stress}
