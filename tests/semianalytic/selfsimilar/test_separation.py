@@ -218,10 +218,15 @@ def errors(solution, exact):
             np.array([(part.inner, part.outer) for part in (*one.zones, *one.openings)]).ravel()
             for one in (solution, exact)
         )
-        result["edges"] = np.abs(ends - known).max()
+        result["edges"] = np.abs(ends - known).max(initial=0.0)
         marks += known.tolist()
-    x = np.linspace(0.004, 0.999, 1500) * speed
-    far = np.abs(x[:, None] - np.array(marks)).min(axis=1) > CLEAR
+    marks = np.array(marks)
+    steps = CLEAR * np.array([1.0, 1.1, 1.5, 3.0])
+    x = np.concatenate(
+        [np.linspace(0.002, 1.1, 1500) * speed, np.add.outer(marks, [*steps, *-steps]).ravel()]
+    )
+    x = x[x > 0]
+    far = np.abs(x[:, None] - marks).min(axis=1) >= 0.999 * CLEAR
     for name in ("slip_rate", "gap_rate"):
         found, known = (getattr(one, name)(x, 1.0)[far] for one in (solution, exact))
         result[name] = np.abs(found - known).max() / max(np.abs(known).max(), 1e-300)
@@ -229,7 +234,7 @@ def errors(solution, exact):
     result["shear"] = (np.abs(found - known) / (exact.stress_unit + np.abs(known))).max()
     found, known = (one.pressure(x, 1.0)[far] for one in (solution, exact))
     size = scene.base.pressure + abs(scene.load.pressure)
-    result["pressure"] = (np.abs(found - known) / (size + known)).max()
+    result["pressure"] = (np.abs(found - known) / np.maximum(size + known, 1e-300)).max()
     parts = (*exact.zones, *exact.openings)  # they may lie between two positions
     x = np.concatenate([x, *(np.linspace(part.inner, part.outer, 42)[1:-1] for part in parts)])
     for name in FIELDS:
@@ -238,6 +243,12 @@ def errors(solution, exact):
     for name in TOTALS:
         found, known = (float(getattr(one, name)(1.0)) for one in (solution, exact))
         result[name] = abs(found - known) / max(known, 1e-300)
+    found, known = (one.frictional_power(1.0, x[x < 2.2]) for one in (solution, exact))
+    result["power of a part"] = np.abs(found - known).max() / max(
+        float(exact.frictional_power(1.0)), 1e-300
+    )
+    found, known = solution.edge_slip_rate, exact.edge_slip_rate
+    result["edge slip rate"] = abs(found - known) / max(abs(known), 1e-300)
     for mode, (found, known) in enumerate(
         zip(solution.stress_intensity(1.0), exact.stress_intensity(1.0), strict=True)
     ):

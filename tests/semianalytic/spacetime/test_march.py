@@ -165,26 +165,30 @@ def test_everything_slips_below_unit_strength():
 # --- the edge -------------------------------------------------------------------------------
 
 
-def stuck_error(history, where):
+def stuck_error(history, where, mode):
     """Shear traction of a stuck interface by the grid against (3.20), x = where(n) h."""
-    scene = preloaded(1e6, shear_history=history)
-    marched = march(scene, nodes=300, every=10**6)
+    scene = preloaded(1e6, shear_history=history, mode=mode)
+    marched = march(scene, nodes=300, every=10**6, companion=False)
+    assert not marched.interface.slip_rate.any()
     offset, factors = edge_offset_and_factors()
     x = (np.arange(60) + (offset if where is None else where)) * marched.grid.spacing
     load = float(history.value(1.0))
-    exact = stuck_shear(history, 1.0, UNIT, x, 1.0).value + load
+    exact = stuck_shear(history, 1.0, UNIT, x, 1.0, scene.shear_mode).value + load
     found = marched.interface.shear_traction[-1, :60] + load
     return relative_l1(found / (factors[:60] if where is None else 1.0), exact)
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize("history", [Step(), Ramp(0.5)])
-def test_edge_of_the_grid_is_where_the_stuck_traction_says(history):
+@pytest.mark.parametrize(
+    ("history", "mode", "most"),
+    [(Step(), "in-plane", 2e-3), (Ramp(0.5), "in-plane", 2e-3), (Step(), "antiplane", 1e-3)],
+)
+def test_edge_of_the_grid_is_where_the_stuck_traction_says(history, mode, most):
     """With the grid's own edge 0.1 %; with the nodes taken at face value 30 times worse."""
-    right = stuck_error(history, None)
-    assert right < 2e-3
-    assert stuck_error(history, 0.5) > 10 * right
-    assert stuck_error(history, 0.1) > 10 * right
+    right = stuck_error(history, None, mode)
+    assert right < most
+    assert stuck_error(history, 0.5, mode) > 10 * right
+    assert stuck_error(history, 0.1, mode) > 10 * right
 
 
 # --- other histories: superposition and invariants -------------------------------------------
@@ -394,17 +398,6 @@ def test_marches_converge_to_exact_solutions(problem):
         errors.append(np.abs(found - wanted).sum() / max(np.abs(wanted).sum(), 1e-12))
     assert errors[-1] < 6e-3
     assert errors[-1] <= 0.75 * errors[0]
-
-
-def test_march_of_a_stuck_interface_follows_the_stuck_traction():
-    """Seen from the grid's own edge, as pressure is."""
-    marched = march(antiplane(50.0, load=(0.0, 0.01)), nodes=400, companion=False, every=10**6)
-    offset, factors = edge_offset_and_factors()
-    x = marched.interface.x + (offset - 0.5) * marched.grid.spacing
-    exact = stuck_shear(Step(), 0.01, UNIT, x, 1.0, "III").value + 0.01
-    found = marched.interface.shear_traction[-1] + 0.01
-    assert not marched.interface.slip_rate.any()
-    assert relative_l1(found, exact * factors[:400]) < 1e-3
 
 
 def test_laws_that_weaken_have_the_process_zone_of_mode_three():
