@@ -1,4 +1,5 @@
-"""Derivatives of misfits with respect to all that can be fitted, and what priors add."""
+"""Derivatives of misfits with respect to all that can be fitted, what priors add, and fits of
+interfaces."""
 
 from dataclasses import replace
 

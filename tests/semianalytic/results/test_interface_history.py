@@ -1,3 +1,5 @@
+"""Histories of interfaces as files, and how much memory a computation may take."""
+
 from dataclasses import replace
 
 import h5py

@@ -1,4 +1,5 @@
-"""Loads of scenes, and which zones are tried next where Newton's method or Coulomb's law fails."""
+"""Loads of scenes, the piecewise-linear first stage, and which zones are tried next where Newton's
+method or Coulomb's law fails."""
 
 from dataclasses import replace
 

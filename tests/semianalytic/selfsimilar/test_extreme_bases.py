@@ -15,6 +15,7 @@ from semianalytic.halfplane.rules import rule_for
 from semianalytic.selfsimilar.zones import guesses
 from semianalytic.selfsimilar.zones.collocation import slip_on_grid
 from semianalytic.selfsimilar.zones.weak_friction import frictionless_profile, slip_senses
+from tests.semianalytic.selfsimilar.test_separation import errors
 
 # nu, friction, base pressure, load, and what else a scene says
 AT_FRICTION = [
@@ -29,23 +30,10 @@ AT_FRICTION = [
 X = np.array([0.02, 0.1, 0.3, 0.5, 0.7, 1.3, 1.45])
 
 
-def readings(solution):
-    """What is held against another answer, each relative to its largest."""
-    read = {
-        "power": np.array([solution.frictional_power(1.0)]),
-        "intensity": np.array(solution.stress_intensity(1.0)),
-        "slip": solution.slip(X, 1.0),
-        "traction": solution.shear_traction(X, 1.0),
-    }
-    return {name: value / (np.abs(value).max() or 1.0) for name, value in read.items()}
-
-
 def beyond(solution, truth):
-    """Errors over what either answer says that they may be, of those beyond it."""
-    own, exact = readings(solution), readings(truth)
+    """Errors beyond what the two answers say that they may be, by name."""
     bound = solution.error_estimate + truth.error_estimate
-    ratios = {name: float(np.abs(own[name] - exact[name]).max()) / bound for name in own}
-    return {name: ratio for name, ratio in ratios.items() if not ratio <= 1}
+    return {name: off for name, off in errors(solution, truth).items() if not off <= bound}
 
 
 @pytest.mark.thinned(28)

@@ -243,7 +243,7 @@ def errors(solution, exact):
     for name in TOTALS:
         found, known = (float(getattr(one, name)(1.0)) for one in (solution, exact))
         result[name] = abs(found - known) / max(known, 1e-300)
-    found, known = (one.frictional_power(1.0, x[x < 2.2]) for one in (solution, exact))
+    found, known = (one.frictional_power(1.0, x[x < 2.2][::20]) for one in (solution, exact))
     result["power of a part"] = np.abs(found - known).max() / max(
         float(exact.frictional_power(1.0)), 1e-300
     )

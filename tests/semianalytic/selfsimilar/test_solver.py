@@ -16,7 +16,6 @@ from semianalytic import (
     Tractions,
     ViscousFriction,
     solve,
-    sweep,
 )
 from semianalytic.reference import (
     antiplane_edge_speed,
@@ -291,15 +290,6 @@ def random_scene(random):
 def test_error_estimates_are_honest_under_any_load(seed):
     scene = random_scene(np.random.default_rng(seed))
     assert check_honest(solve(scene, rtol=1e-10), 1e-5)
-
-
-def test_sweeps_follow_the_zone():
-    frictions = np.linspace(0.2, 1.0, 9)
-    swept = sweep(antiplane(0.5), frictions, rtol=1e-8)
-    edges = [swept[i].zones[0].outer for i in range(len(frictions))]
-    np.testing.assert_allclose(
-        edges, antiplane_edge_speed(UNIT, 0.0) / (1 + frictions) ** 2, rtol=1e-8
-    )
 
 
 def test_slot_face_moves_as_the_transform_says():

@@ -64,32 +64,16 @@ def test_sweep_agrees_with_single_solutions_across_thresholds(start, low, high):
     check_against_single(swept, 1e-7)
 
 
+@pytest.mark.parametrize("name", ["viscous", "antiplane"])
+def test_sweeps_of_films_and_of_antiplane_shear_agree_with_single_solutions(name):
+    check_against_single(sweep(find_scene(name), np.linspace(0.15, 1.0, 9), 1e-8), 1e-8)
+
+
 def start_of(nu, remote, low):
     """A shear step or a remote load, and where a sweep over friction may start: under the second
     above 1, its base being at friction there."""
     start = unit_scene(2.0, **REMOTE if remote else {}, nu=nu)
     return start, 1.001 + low / 4 if remote else low
-
-
-@pytest.mark.slow
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
-@given(
-    nu=st.floats(-0.8, 0.48).map(lambda value: round(value, 3)),
-    remote=st.booleans(),
-    low=st.floats(0.02, 0.9),
-    width=st.floats(0.05, 1.5),
-)
-def test_sweeps_of_any_material(nu, remote, low, width):
-    start, low = start_of(nu, remote, low)
-    swept = sweep(start, low + width * np.linspace(0, 1, 12), 1e-6)
-    for one in swept.solutions:
-        other = solve(one.scene, rtol=1e-6)
-        assert one.status == other.status
-        difference = edge_difference(one, other)
-        if difference is None:  # a zone that only just exists may be below what is resolved
-            assert abs(len(one.zones) - len(other.zones)) == 1
-        elif one.status == "converged":
-            assert difference <= one.error_estimate + other.error_estimate
 
 
 def test_fields_are_those_of_single_solutions():
@@ -146,18 +130,19 @@ def test_changes_of_zones_are_not_smeared(start, low, high):
 
 
 @pytest.mark.slow
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     nu=st.floats(-0.8, 0.48).map(lambda value: round(value, 3)),
     remote=st.booleans(),
     low=st.floats(0.02, 0.9),
-    width=st.floats(0.02, 0.6),
+    width=st.floats(0.02, 1.5),
+    count=st.sampled_from([12, 60, 120]),
     rtol=st.sampled_from([1e-3, 1e-4, 1e-5, 1e-6, 1e-8]),
 )
-def test_error_estimates_hold_for_every_origin(nu, remote, low, width, rtol):
+def test_error_estimates_hold_for_every_origin(nu, remote, low, width, count, rtol):
     """Also where the rule of a batch is longer than one friction needs: beside narrow gaps."""
     start, low = start_of(nu, remote, low)
-    swept = sweep(start, low + width * np.linspace(0, 1, 120), rtol)
+    swept = sweep(start, low + width * np.linspace(0, 1, count), rtol)
     assert set(swept.origin) <= {FROM_SCRATCH, COMPUTED, INTERPOLATED}
     for origin in (COMPUTED, INTERPOLATED):
         some = [i for i, one in enumerate(swept.origin) if one == origin]
@@ -165,6 +150,7 @@ def test_error_estimates_hold_for_every_origin(nu, remote, low, width, rtol):
             one, exact = swept[i], solve(swept[i].scene, rtol=1e-10)
             difference = edge_difference(one, exact)
             if difference is None and origin == COMPUTED:  # a zone that only just exists
+                assert abs(len(one.zones) - len(exact.zones)) == 1
                 continue
             assert one.status == exact.status == "converged"
             assert difference is not None, (i, one.zones, exact.zones)

@@ -8,7 +8,7 @@ import pytest
 from catalogue import REMOTE, unit_scene
 from laws import check_invariants, check_march_converges, viscous_scene
 
-from semianalytic import CoulombFriction, SceneError, ViscousFriction, solve, sweep
+from semianalytic import CoulombFriction, SceneError, ViscousFriction, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -90,13 +90,6 @@ def test_slip_everywhere_is_balanced_by_viscosity_far_ahead():
     assert scene.far_slip_rate == pytest.approx(0.5 / 0.75)
     ahead = solve(scene).shear_traction(3.0, 1.0)
     assert float(ahead) == pytest.approx(0.5 + 0.25 * scene.far_slip_rate)
-
-
-def test_sweep_is_solve():
-    frictions = [0.15, 0.2, 0.25]
-    for one in sweep(VISCOUS, frictions).solutions:
-        alone = solve(one.scene)
-        np.testing.assert_allclose(one.edge_speeds, alone.edge_speeds, atol=2e-8)
 
 
 @pytest.mark.slow

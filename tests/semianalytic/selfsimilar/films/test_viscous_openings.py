@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from catalogue import unit_scene
-from laws import check_invariants, opening_scene
+from laws import check_invariants
 
 from semianalytic import RateWeakening, SceneError, ViscousFriction, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -33,15 +33,6 @@ EVERY = [LIFTED, TAPPED, STRONG, HELD, film(2.0, (0.1, 0.02), (-3.0, -1.0))]
 @pytest.mark.parametrize("scene", EVERY)
 def test_laws_hold(scene, mode):
     check_invariants(replace(scene, mode=mode))
-
-
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("seed", range(10))
-def test_laws_hold_in_scenes_that_open(seed):
-    random = np.random.default_rng(seed)
-    scene = opening_scene(random)
-    law = ViscousFriction(10 ** random.uniform(-3, 1))
-    check_invariants(replace(scene, friction_law=law, mode=("in-plane", "antiplane")[seed % 2]))
 
 
 def test_laws_hold_where_slip_turns_right_ahead_of_an_opening():
