@@ -122,8 +122,8 @@ def test_what_the_data_leave_free_is_named(truth):
     assert found.unconstrained == ("friction",)
 
 
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("seed", [104, 107, 110, 112])
+@pytest.mark.thinned(4)
+@pytest.mark.parametrize("seed", [110, 104, 107, 112])
 def test_what_is_bounded_from_one_side_alone_is_told(seed):
     """Records at friction 4 see no slip; noise makes shallow minima at 2.2, where slip begins."""
     noise, t = np.random.default_rng(seed), np.linspace(0.02, 1.5, 60)
@@ -249,8 +249,8 @@ def test_bad_records_are_refused(truth):
 def test_progress_counts_up_to_what_it_foretells():
     """With a gauge in a body, the computation of which takes nearly all of the time."""
     scene = find_scene("antiplane")
-    t = np.linspace(0.2, 1.5, 12)
-    record = Gauge(0.4, t, np.zeros(12), 0.02, "vz", y=0.1)
+    t = np.linspace(0.2, 1.5, 6)
+    record = Gauge(0.4, t, np.zeros(6), 0.02, "vz", y=0.1)
     exact = Samples((record,)).of(solve(scene), Setup())
     told = []
     found = fit(

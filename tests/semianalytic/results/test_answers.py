@@ -224,7 +224,7 @@ class Recorded(SampledAnswer):
 numbers = st.floats(-3, 3).map(lambda value: round(value, 3))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     st.lists(st.floats(0.01, 1.0), min_size=1, max_size=6),
     st.lists(st.floats(0.01, 1.0), min_size=1, max_size=6),

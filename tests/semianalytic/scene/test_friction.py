@@ -37,7 +37,7 @@ sizes = st.floats(0.0, 10.0).map(lambda value: round(value, 4))
 
 @pytest.mark.thinned(3)
 @any_law
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(stopping=sizes, frictional=sizes, path=sizes, excess=st.floats(0.01, 3.0))
 def test_slip_speed_balances_friction_and_radiation(law, stopping, frictional, path, excess):
     """impedance V = stopping - strength(V, path), or V = 0 below the strength at rest."""

@@ -163,6 +163,7 @@ def test_a_threshold_scene_has_a_status_not_a_wrong_curve():
     assert solution.status == "converged" or "no set of slip zones" in solution.status
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("nu", [-0.2, 0.0, 0.1])
 def test_reversed_strip_just_below_its_threshold_is_not_missed(nu):
     """In the stick gap around c_R the traction misses -f p by little of the load, not of f p."""

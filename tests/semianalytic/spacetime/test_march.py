@@ -103,7 +103,7 @@ def test_edge_of_the_grid():
 # --- step loads: the self-similar solver ----------------------------------------------------
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("name", "finest", "order"),
     [("preloaded", 2e-4, 1.2), ("antiplane", 4e-4, 1.0), ("remote-shock", 1e-3, 0.8)],

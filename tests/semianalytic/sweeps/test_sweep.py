@@ -58,7 +58,7 @@ def check_one(one, rtol, strict=1e-10):
     ],
 )
 def test_sweep_agrees_with_single_solutions_across_thresholds(start, low, high):
-    swept = sweep(start, np.linspace(low, high, 30), 1e-7)
+    swept = sweep(start, np.linspace(low, high, 20), 1e-7)
     assert set(swept.status) == {"converged"}
     assert len({tuple(z.sense for z in s.zones) for s in swept.solutions}) > 1
     check_against_single(swept, 1e-7)
@@ -290,9 +290,9 @@ def test_points_anywhere_agree_with_single_solutions():
 
 
 def test_few_points_and_few_ratios_take_the_way_over_friction():
-    ratio, friction = np.array([0.1, 0.3]), np.linspace(0.2, 0.9, 12)
+    ratio, friction = np.array([0.1, 0.3]), np.linspace(0.2, 0.9, 6)
     swept = sweep(PRELOADED, friction, RTOL, poisson_ratio=ratio[:, None])
-    for nu, part in zip(ratio, (swept[:12], swept[12:]), strict=True):
+    for nu, part in zip(ratio, (swept[:6], swept[6:]), strict=True):
         material = replace(PRELOADED.material, poisson_ratio=nu)
         alone = sweep(replace(PRELOADED, material=material), friction, RTOL)
         assert part.origin == alone.origin
