@@ -87,13 +87,8 @@ def test_without_viscosity_it_is_the_closed_form():
 def test_solver_agrees_with_the_quadrature(ratio, viscosity):
     material, load = Material(2.0, 0.5, 1 / 3), 3.0
     viscosity *= material.shear_impedance
-    scene = Scene(
-        material,
-        ratio,
-        Tractions(load, 0.0),
-        Tractions(0.0, load),
-        friction_law=ViscousFriction(viscosity),
-    )
+    law, base, step = ViscousFriction(viscosity), Tractions(load, 0.0), Tractions(0.0, load)
+    scene = Scene(material, ratio, base, step, friction_law=law)
     solution = solve(scene, rtol=1e-12)
     (zone,) = solution.zones
     edge = viscous_edge_speed(material, ratio, viscosity)

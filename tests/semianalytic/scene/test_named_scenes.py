@@ -8,20 +8,6 @@ import pytest
 from pint import UnitRegistry
 
 import slipfront as sf
-from semianalytic import (
-    CoulombFriction,
-    Harmonic,
-    Material,
-    Ramp,
-    RateWeakening,
-    Scene,
-    SceneError,
-    SlipWeakening,
-    Tabulated,
-    Tractions,
-    ViscousFriction,
-    find_scene,
-)
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.files import read_scene
 from semianalytic.scene.given.finding import scene_label
@@ -57,18 +43,18 @@ def steel(tmp_path):
 
 
 def test_default_scene_is_constant_pressure_and_sudden_shear():
-    scene = find_scene(DEFAULT_SCENE)
+    scene = sf.find_scene(DEFAULT_SCENE)
     assert scene.friction * scene.base.pressure / scene.load.shear == pytest.approx(0.3)
     assert scene.material.poisson_ratio == pytest.approx(1 / 3)
     assert scene.load.pressure == scene.base.shear == 0
-    assert find_scene("ramp").shear_history == Ramp(0.5)
-    assert find_scene("harmonic").shear_history == Harmonic(3.0)
+    assert sf.find_scene("ramp").shear_history == sf.Ramp(0.5)
+    assert sf.find_scene("harmonic").shear_history == sf.Harmonic(3.0)
 
 
 @pytest.mark.parametrize(("name", "ratio"), [("remote-shock", 1.25), ("stuck", 2.0)])
 def test_remote_scenes_come_onto_nothing(name, ratio):
-    scene = find_scene(name)
-    assert (scene.load_on, scene.base) == ("remote", Tractions(0.0, 0.0))
+    scene = sf.find_scene(name)
+    assert (scene.load_on, scene.base) == ("remote", sf.Tractions(0.0, 0.0))
     assert scene.friction * scene.load.pressure / scene.load.shear == ratio
 
 
@@ -80,15 +66,17 @@ def test_every_named_scene_has_a_one_line_summary():
 
 def test_file_gives_the_scene_it_describes(steel):
     path = steel()
-    expected = Scene(Material(80e9, 7800, 0.29), 0.4, Tractions(1e6, 0), Tractions(0, 5e5))
+    expected = sf.Scene(
+        sf.Material(80e9, 7800, 0.29), 0.4, sf.Tractions(1e6, 0), sf.Tractions(0, 5e5)
+    )
     assert read_scene(path) == expected
-    assert find_scene(str(path)) == expected
+    assert sf.find_scene(str(path)) == expected
     assert scene_label(str(path)) == "steel"
 
 
 def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
     plain = steel().rename(tmp_path / "steel")
-    assert find_scene(str(plain)).friction == 0.4
+    assert sf.find_scene(str(plain)).friction == 0.4
 
 
 @pytest.mark.parametrize(
@@ -137,7 +125,7 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
 )
 def test_a_faulty_file_is_named_with_the_key(steel, old, new, named):
     path = steel(old, new)
-    with pytest.raises(SceneError, match=named) as caught:
+    with pytest.raises(sf.SceneError, match=named) as caught:
         read_scene(path)
     assert str(path) in str(caught.value)
 
@@ -151,7 +139,7 @@ friction_law = {kind = "slip-weakening", reduction = 0.5, distance = 0.2}
     scene = read_scene(steel("friction = 0.4", tables))
     assert scene.mode == "antiplane"
     assert scene.shear_history.value(0.5) == 0.5
-    assert scene.friction_law == SlipWeakening(0.5, 0.2)
+    assert scene.friction_law == sf.SlipWeakening(0.5, 0.2)
     assert scene_from_document(scene_document(scene)) == scene
 
 
@@ -164,25 +152,25 @@ def test_documents_of_scenes_come_back(named):
 def test_a_value_in_place_of_a_table_is_refused(tmp_path):
     path = tmp_path / "flat.toml"
     path.write_text("friction = 0.4\nmaterial = 1\nbase = 2\nload = 3\n")
-    with pytest.raises(SceneError, match="material must be a table"):
+    with pytest.raises(sf.SceneError, match="material must be a table"):
         read_scene(path)
 
 
 def test_binary_and_missing_files_are_refused(tmp_path):
     path = tmp_path / "mesh.toml"
     path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(SceneError, match="not a valid TOML file"):
+    with pytest.raises(sf.SceneError, match="not a valid TOML file"):
         read_scene(path)
-    with pytest.raises(SceneError, match="Cannot read the scene file"):
-        find_scene(str(tmp_path / "absent.toml"))
+    with pytest.raises(sf.SceneError, match="Cannot read the scene file"):
+        sf.find_scene(str(tmp_path / "absent.toml"))
 
 
 @pytest.mark.parametrize(
     ("name", "hint"), [("preloadd", "did you mean preloaded"), ("xyz", "choose preloaded, ")]
 )
 def test_unknown_names_are_answered_with_known_ones(name, hint):
-    with pytest.raises(SceneError, match=hint):
-        find_scene(name)
+    with pytest.raises(sf.SceneError, match=hint):
+        sf.find_scene(name)
 
 
 def test_every_parameter_can_be_overridden():
@@ -196,8 +184,10 @@ def test_every_parameter_can_be_overridden():
         "load_pressure": 0.25,
         "load_shear": 6.0,
     }
-    expected = Scene(Material(2.0, 3.0, 0.1), 0.7, Tractions(4.0, 0.5), Tractions(0.25, 6.0))
-    scene = find_scene("preloaded")
+    expected = sf.Scene(
+        sf.Material(2.0, 3.0, 0.1), 0.7, sf.Tractions(4.0, 0.5), sf.Tractions(0.25, 6.0)
+    )
+    scene = sf.find_scene("preloaded")
     assert override_scene(scene, **values) == expected
     out = override_scene(scene, mode="antiplane", **values)
     assert out == replace(expected, mode="antiplane")
@@ -205,20 +195,15 @@ def test_every_parameter_can_be_overridden():
 
 
 def test_a_viscosity_overrides_that_of_constant_or_viscous_friction():
-    preloaded, viscous = find_scene("preloaded"), find_scene("viscous")
-    assert override_scene(preloaded, viscosity=0.2).friction_law == ViscousFriction(0.2)
-    assert override_scene(viscous, viscosity=0.2).friction_law == ViscousFriction(0.2)
-    assert override_scene(viscous, viscosity=0.0).friction_law == CoulombFriction()
+    preloaded, viscous = sf.find_scene("preloaded"), sf.find_scene("viscous")
+    assert override_scene(preloaded, viscosity=0.2).friction_law == sf.ViscousFriction(0.2)
+    assert override_scene(viscous, viscosity=0.2).friction_law == sf.ViscousFriction(0.2)
+    assert override_scene(viscous, viscosity=0.0).friction_law == sf.CoulombFriction()
     assert override_scene(viscous, friction=0.1).friction_law == viscous.friction_law
-    with pytest.raises(SceneError, match="0 or more, got -1"):
+    with pytest.raises(sf.SceneError, match="0 or more, got -1"):
         override_scene(preloaded, viscosity=-1.0)
-    with pytest.raises(SceneError, match="this scene's weakens; leave viscosity out"):
-        override_scene(replace(preloaded, friction_law=RateWeakening(0.1, 5.0)), viscosity=0.2)
-
-
-def test_an_override_out_of_range_is_refused():
-    with pytest.raises(SceneError, match="poisson_ratio"):
-        override_scene(find_scene("preloaded"), poisson_ratio=0.5)
+    with pytest.raises(sf.SceneError, match="this scene's weakens; leave viscosity out"):
+        override_scene(replace(preloaded, friction_law=sf.RateWeakening(0.1, 5.0)), viscosity=0.2)
 
 
 def test_functions_of_a_scene_take_its_name_or_file(steel):
@@ -244,9 +229,9 @@ def test_functions_of_a_scene_take_its_name_or_file(steel):
 
 
 def test_named_scenes_are_solved_by_name():
-    assert sf.solve("preloaded").zones == sf.solve(find_scene("preloaded")).zones
+    assert sf.solve("preloaded").zones == sf.solve(sf.find_scene("preloaded")).zones
     assert sf.march("ramp", 0.5, 32).error_estimate > 0
-    with pytest.raises(SceneError, match="whole-line-patch has no slot"):
+    with pytest.raises(sf.SceneError, match="whole-line-patch has no slot"):
         sf.solve("whole-line-patch")
 
 
@@ -270,7 +255,7 @@ def scene_of(folder, table, units='units = "SI"', shear="4e6", file="pulse.csv")
     (folder / "pulse.csv").write_text(table, encoding="utf-8")
     path = folder / "scene.toml"
     path.write_text(SCENE.format(units=units, shear=shear, file=file), encoding="utf-8")
-    return find_scene(str(path))
+    return sf.find_scene(str(path))
 
 
 @pytest.mark.parametrize(
@@ -284,7 +269,7 @@ def scene_of(folder, table, units='units = "SI"', shear="4e6", file="pulse.csv")
 )
 def test_tables_are_read_in_the_units_of_their_header(tmp_path, table):
     history = scene_of(tmp_path / "deeper", table).shear_history
-    assert isinstance(history, Tabulated)
+    assert isinstance(history, sf.Tabulated)
     assert history.t == pytest.approx((0.0, 1e-5, 4e-5), rel=1e-14)
     assert history.value_at_t == pytest.approx((0.0, 1.0, 0.25), rel=1e-14)
 
@@ -307,7 +292,7 @@ def test_tables_are_read_in_the_units_of_their_header(tmp_path, table):
     ],
 )
 def test_wrong_tables_are_refused_in_a_sentence(tmp_path, table, given, said):
-    with pytest.raises(SceneError, match=said):
+    with pytest.raises(sf.SceneError, match=said):
         scene_of(tmp_path, table, **given)
 
 
@@ -315,5 +300,5 @@ def test_numbers_and_a_table_together_are_refused(tmp_path):
     scene_of(tmp_path, "t,value\n0,1\n")
     path = tmp_path / "scene.toml"
     path.write_text(path.read_text() + "t = [0.0]\n")
-    with pytest.raises(SceneError, match="in place of t and value_at_t"):
-        find_scene(str(path))
+    with pytest.raises(sf.SceneError, match="in place of t and value_at_t"):
+        sf.find_scene(str(path))
