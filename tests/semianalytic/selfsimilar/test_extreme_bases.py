@@ -55,6 +55,7 @@ def test_a_base_just_below_friction_is_solved_as_well_as_any(case, lacking):
             assert solution.zones[-1].outer == scene.fastest_speed
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("nu", "friction", "base", "load", "mode"),
     [
@@ -157,7 +158,7 @@ NARROW_OPENINGS = [
 ]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(("nu", "friction", "share", "load", "parts"), NARROW_OPENINGS)
 def test_slip_around_openings_that_no_grid_resolves(nu, friction, share, load, parts):
     """The step opposes the base: at the edge it prevails, and a grid shows only the base.
@@ -198,6 +199,7 @@ def test_antiplane_slip_that_ends_ahead_of_the_rayleigh_front():
     assert not beyond(solution, finer)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("law", [{}, {"friction_law": ViscousFriction(0.0033154838)}])
 def test_slip_against_a_base_at_friction_does_not_begin_at_the_front(law):
     """A weak base at friction and a strong load against it: slip begins a little behind the front.

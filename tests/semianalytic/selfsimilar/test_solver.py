@@ -31,6 +31,7 @@ KNOWN = {
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("nu", [-0.9, -0.5, 0.0, 0.2, 1 / 3, 0.45, 0.499])
 @pytest.mark.parametrize("name", KNOWN)
 def test_closed_forms_are_met(name, nu):
@@ -187,6 +188,7 @@ def antiplane(friction, base=(1.0, 0.0), load=(0.0, 1.0), **parts):
     return unit_scene(friction, base, load, mode="antiplane", **parts)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("friction", [3.0, 0.5, 1e-3, 1e-8, 0.0])
 @pytest.mark.parametrize("rtol", [1e-6, 1e-11])
 def test_closed_form_at_every_strength(friction, rtol):

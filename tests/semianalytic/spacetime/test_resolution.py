@@ -48,7 +48,7 @@ def brute_turn(history, width, until):
     return highest / np.abs(values).max()
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(7)
 @pytest.mark.parametrize(
     "history",
     [
@@ -92,7 +92,7 @@ def test_integral_of_a_table_is_that_of_its_pieces():
 # --- loads that are too fast --------------------------------------------------------------------
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     "history",
     [

@@ -69,6 +69,7 @@ def test_slip_rate_is_infinite_where_the_contact_opens_slowly(scene, mode):
     np.testing.assert_allclose(powers(solution, border), expected, rtol=0, atol=1e-4)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("viscosity", [0.05, 0.25, 2.0])
 def test_slip_rate_is_nothing_where_the_contact_closes(viscosity, mode):
