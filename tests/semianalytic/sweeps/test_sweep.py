@@ -77,7 +77,7 @@ def start_of(nu, remote, low):
 
 
 def test_fields_are_those_of_single_solutions():
-    friction = np.linspace(1.15, 1.25, 5)
+    friction = np.linspace(1.15, 1.25, 9)
     swept = sweep(SHOCK, friction)
     assert not swept.from_scratch.all()
     x = np.linspace(0.05, 1.9, 50)
