@@ -19,8 +19,8 @@ from tests.semianalytic.selfsimilar.test_separation import errors
 
 # nu, friction, base pressure, load, and what else a scene says
 AT_FRICTION = [
-    (0.45, 1.3186, 1.0, (24.54, 1.2), {}),
     (1 / 3, 0.3, 1.0, (0.5, 1.0), {}),
+    (0.45, 1.3186, 1.0, (24.54, 1.2), {}),
     (1 / 3, 0.3, 1.0, (0.0, 1.0), {}),
     (0.2, 0.6, 2.0, (0.5, -0.4), {}),
     (0.2, 0.6, 2.0, (0.5, 0.4), {"mode": "antiplane"}),

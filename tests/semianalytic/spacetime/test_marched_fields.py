@@ -32,7 +32,7 @@ def off_by(values, exact, at_rest):
     return np.abs(values - exact)[:, known].sum() / change
 
 
-def errors(scene, nodes, count=60):
+def errors(scene, nodes, count=30):
     """Of all quantities after a march, against the self-similar solution."""
     end = 1 / scene.material.shear_speed
     marched, exact = marched_once(scene, end, nodes), sf.solve(scene)
@@ -181,7 +181,7 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
         friction_law=sf.SlipWeakening(0.5, 0.1),
     )
     marched = sf.march(scene, nodes=128, companion=False)
-    x, y, step = *np.array([[-0.6, -0.3, 0.4, 0.7], [0.3, -0.35, 0.4, -0.25]]), 1e-3
+    x, y, step = *np.array([[-0.6, -0.3, 0.7], [0.3, -0.35, -0.25]]), 1e-3
 
     def slope(dx, dy, dt):
         ends = (
