@@ -1,7 +1,5 @@
 """Kernels of section 4: signs, primitives, both slot conditions, exact transforms and FEM."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

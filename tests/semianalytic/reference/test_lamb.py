@@ -1,7 +1,5 @@
 """Lamb's functions against mpmath, elasticity in Fourier-Laplace space, and finite elements."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The published algorithm: its kernels' primitives, its readings, and what it cannot do."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

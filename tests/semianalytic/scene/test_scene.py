@@ -76,10 +76,13 @@ def test_far_slip_rate_follows_the_excess_of_a_remote_shock():
     assert unit_scene(0.4, **{**REMOTE, "load": (1.0, -1.0)}).far_slip_rate == -1.2
 
 
-@pytest.mark.parametrize("place", ["far", "", None, 1, ["remote"], "Slot"])
-def test_unknown_places_of_a_load_are_refused_with_both(place):
-    with pytest.raises(sf.SceneError, match="load_on must be slot or remote, got"):
-        unit_scene(load_on=place)
+@pytest.mark.parametrize("value", ["far", "III", "Slot", "Antiplane", "", None, 1, ["remote"]])
+@pytest.mark.parametrize(
+    ("name", "known"), [("load_on", "slot or remote"), ("mode", "in-plane or antiplane")]
+)
+def test_unknown_places_of_a_load_and_modes_are_refused_with_both_known(name, known, value):
+    with pytest.raises(sf.SceneError, match=f"{name} must be {known}, got"):
+        replace(find_scene("preloaded"), **{name: value})
 
 
 @pytest.mark.parametrize("share", [0.5, 0.85, 1.0, 1.15])
@@ -117,12 +120,6 @@ def test_mode_is_in_plane_unless_given_and_kept_by_documents():
     assert "mode" not in scene_document(scene)
     for one in (scene, out):
         assert scene_from_document(scene_document(one)) == one
-
-
-@pytest.mark.parametrize("mode", ["III", "Antiplane", "", None, 3, ["antiplane"]])
-def test_unknown_modes_are_refused_with_both(mode):
-    with pytest.raises(sf.SceneError, match="mode must be in-plane or antiplane, got"):
-        replace(find_scene("preloaded"), mode=mode)
 
 
 def test_first_wave_is_that_of_shear_where_it_acts_alone():

@@ -19,8 +19,7 @@ from slipfront.cli.commands import main
 
 
 def sheared(history, friction=0.1, **parts):
-    base, step = sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0)
-    return sf.Scene(UNIT, friction, base, step, shear_history=history, **parts)
+    return unit_scene(friction, shear_history=history, **parts)
 
 
 def sampled(history, count, end=1.0):
