@@ -50,6 +50,7 @@ def on_stick(chi, v, share=lambda v: 1):
     return mp.quad(density, [0, mp.asin(mp.sqrt((v - 1) / (start - 1)))])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("chi", CHIS)
 def test_slip_rate_and_slip_against_quadrature(chi):
     """Slip is t V - x int v dV, by parts; both in mpmath."""

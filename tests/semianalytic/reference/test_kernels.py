@@ -1,10 +1,9 @@
 """Kernels of section 4: signs, primitives, both slot conditions, exact transforms and FEM."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest
+from catalogue import unit_scene
 
 from compare.studies.article.cases import check_slot
 from semianalytic import Material
@@ -22,7 +21,6 @@ from semianalytic.reference.kernels import (
     self_similar_transform,
 )
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene, Tractions
 from semianalytic.scene.tabulated import Tabulated
 from semianalytic.selfsimilar.solver import solve
 
@@ -151,7 +149,7 @@ def test_exact_transform_of_decaying_slip():
 
 def test_self_similar_transform_of_a_solved_scene():
     """Slip rate and traction of the solver, transformed, satisfy the exact Wiener-Hopf relation."""
-    scene = Scene(Material(1.0, 1.0, 1 / 3), 1.0, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
+    scene = unit_scene(1.0)
     solution = solve(scene)
     edge = solution.zones[0].outer
     # rises of V between close nodes that crowd at its square-root end

@@ -1,7 +1,5 @@
 """Lamb's functions against mpmath, elasticity in Fourier-Laplace space, and finite elements."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest
@@ -106,7 +104,12 @@ def test_static_limit_is_flamants():
         assert float(functions[name].regular) * t == pytest.approx(expected, rel=1e-8)
 
 
-def _pulses():
+def test_displacement_against_fourier_laplace_inversion():
+    """(3.4), (3.5) against the equations of motion solved mode by mode.
+
+    The trapezoidal sums converge geometrically for Gaussian pulses; 1e-8 of them is left out.
+    """
+
     def in_time(t):
         return np.exp(-np.square((t - 1.0) / 0.2))
 
@@ -116,15 +119,6 @@ def _pulses():
     def shear(x, t):
         return 0.7 * np.exp(-np.square((x - 0.2) / 0.3)) * in_time(t)
 
-    return pressure, shear, in_time
-
-
-def test_displacement_against_fourier_laplace_inversion():
-    """(3.4), (3.5) against the equations of motion solved mode by mode.
-
-    The trapezoidal sums converge geometrically for Gaussian pulses; 1e-8 of them is left out.
-    """
-    pressure, shear, in_time = _pulses()
     x, time = np.array([0.0, 0.6, -1.1, 2.0]), 1.9
     found = surface_displacement(SOLID, pressure, shear, x, time, rtol=1e-8)
 

@@ -1,16 +1,16 @@
 """The published algorithm: its kernels' primitives, its readings, and what it cannot do."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest
 
+from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.reference import (
     ARTICLE_SHEAR_SLOWNESS,
     DEFAULT_READING,
     REVERSE_LIMIT,
     Reading,
+    examine_all,
     examine_reading,
     kernel_primitives,
     published_grid,
@@ -97,8 +97,6 @@ def test_slip_solves_its_own_equation():
     slip = published_slip(0.5, size=100)
     grid = published_grid(DEFAULT_READING, 100)
     assert slip.settled
-    from semianalytic.halfplane.stuck import stuck_traction
-
     shear = stuck_traction(1 / 3, "II")(grid.points) / 0.5
     bound = np.sign(slip.slip_rate) * stuck_traction(1 / 3, "I")(grid.points)
     np.testing.assert_allclose(grid.matrix @ slip.slip_rate, shear - bound, atol=1e-11)
@@ -107,8 +105,6 @@ def test_slip_solves_its_own_equation():
 
 @pytest.mark.slow
 def test_no_reading_gives_the_published_limit():
-    from semianalytic.reference import examine_all
-
     results = examine_all(60)
     limits = np.array([r.reverse_limit for r in results if r.settled])
     assert len(results) == 144

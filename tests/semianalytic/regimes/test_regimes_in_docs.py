@@ -1,17 +1,19 @@
-"""Thresholds and widths that the prose of the docs quotes."""
+"""Thresholds, widths and answers of the self-similar solver that the prose of the docs quotes."""
 
 import math
+from functools import cache
 
+import numpy as np
 import pytest
 from docs_pages import assert_page_says, quoted_numbers
 
-from semianalytic import solve
-from semianalytic.reference.published import REVERSE_LIMIT
-from semianalytic.regimes.reverse_slip import (
-    log_frictionless_half_width,
-    log_narrow_reverse_threshold,
-    reverse_threshold,
+from semianalytic import Material, solve
+from semianalytic.reference.closed_forms import (
+    edge_speed_under_shear_step,
+    slip_rate_under_shear_step,
 )
+from semianalytic.reference.published import REVERSE_LIMIT
+from semianalytic.regimes import reverse_slip
 from semianalytic.regimes.thresholds import (
     crossing_poisson_ratio,
     edge_threshold,
@@ -20,9 +22,11 @@ from semianalytic.regimes.thresholds import (
     nucleation,
     scene_of,
 )
+from semianalytic.scene.given.named import NAMED_SCENES
 
 REGIMES, THEORY, README = "docs/regimes.md", "docs/theory.md", "README.md"
 THIRD = 1 / 3
+reverse_threshold = cache(reverse_slip.reverse_threshold)
 
 
 def test_front_breaks_before_the_edge():
@@ -78,7 +82,9 @@ def test_how_far_the_published_threshold_is_off():
 
 
 def test_widths_of_reversed_strips():
-    third, half, fifth = (math.exp(log_frictionless_half_width(nu)) for nu in (THIRD, -0.5, 0.2))
+    third, half, fifth = (
+        math.exp(reverse_slip.log_frictionless_half_width(nu)) for nu in (THIRD, -0.5, 0.2)
+    )
     assert_page_says(REGIMES, "down to half-widths of {} at", third)
     assert_page_says(REGIMES, "strip that then reverses is {} c_R", third)
     assert_page_says(
@@ -92,7 +98,7 @@ def test_widths_of_reversed_strips():
 
 def test_closed_form_of_narrow_strips():
     errors = [
-        abs(math.exp(log_narrow_reverse_threshold(nu)) / reverse_threshold(nu) - 1)
+        abs(math.exp(reverse_slip.log_narrow_reverse_threshold(nu)) / reverse_threshold(nu) - 1)
         for nu in (0.2, 0.3)
     ]
     assert_page_says(
@@ -106,3 +112,56 @@ def test_reversal_before_the_second_zone():
         reverse_threshold(nu) - nucleation("preload", nu) for nu in (ratio - unit, ratio + unit)
     ]
     assert lead[0] > 0 > lead[1]
+
+
+# --- what the prose of the docs quotes of the solver ----------------------------------------------
+
+
+SCENES, SOLVER, STABILITY = "docs/scenes.md", "docs/solver.md", "docs/stability.md"
+
+
+def test_named_scenes():
+    preloaded, stuck = (
+        solve(NAMED_SCENES[name].scene, rtol=1e-8) for name in ("preloaded", "stuck")
+    )
+    assert_page_says(SCENES, "V at the edge itself is {}.", preloaded.edge_slip_rate)
+    assert_page_says(SCENES, "K_I = {} and K_II = {} at t = 1", *stuck.stress_intensity(1.0))
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("nu", [0.0, 0.1])
+def test_reversed_strip_is_seen_near_its_threshold(nu):
+    sentence = (
+        "a reversed strip is seen at {} of its threshold for `rtol` = 10⁻⁶, and at {} for 10⁻⁴."
+    )
+    threshold = reverse_threshold(nu)
+    for (share, _), rtol in zip(quoted_numbers(SOLVER, sentence), (1e-6, 1e-4), strict=True):
+        solution = solve(scene_of("preload", nu, share * threshold), rtol=rtol)
+        assert any(zone.sense < 0 for zone in solution.zones)
+
+
+@pytest.mark.parametrize(
+    ("limit", "sign", "sentence"),
+    [
+        (
+            -1.0,
+            1,
+            "* **ν → −1**: accuracy is kept. The edge is exact to {} and the slip rate to {}.",
+        ),
+        (0.0, 1, "kept on either side. The edge is exact to {} and the slip rate to {}."),
+        (0.0, -1, "kept on either side. The edge is exact to {} and the slip rate to {}."),
+        (0.5, -1, "edge of a preloaded zone is exact to {} and the slip rate to {}. Under"),
+    ],
+)
+def test_limits_of_the_poisson_ratio(limit, sign, sentence):
+    errors = []
+    for distance in (1e-2, 1e-5, 1e-9):
+        material = Material(1.0, 1.0, limit + sign * distance)
+        solution = solve(scene_of("preload", material.poisson_ratio, 1.0), rtol=1e-10)
+        edge = edge_speed_under_shear_step(material, 1.0)
+        rate = slip_rate_under_shear_step(material, 1.0, 1.0, np.array([0.0]))[0]
+        errors.append(
+            [abs(solution.zones[0].outer - edge), abs(solution.edge_slip_rate / rate - 1)]
+        )
+    bounds = [most for most, _ in quoted_numbers(STABILITY, sentence)]
+    assert (np.max(errors, axis=0) <= bounds).all(), errors

@@ -4,28 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import unit_scene
 from hypothesis import given
 from hypothesis import strategies as st
 
+import semianalytic as sf
 from fem import simulate, with_companions
-from semianalytic import (
-    IncidentWave,
-    Material,
-    MovingLoad,
-    Pair,
-    Scene,
-    SceneError,
-    Tractions,
-    ViscousFriction,
-    find_scene,
-    march,
-    solve,
-    solve_pair,
-)
 from semianalytic.results.answer import ARRIVALS, FIELDS
 from tests.laws import opening_scene, random_scenes
 
-PRELOADED = solve(find_scene("preloaded"))
+PRELOADED = sf.solve(sf.find_scene("preloaded"))
 
 
 def beside(solution, random):
@@ -63,26 +51,26 @@ def solutions_of_any_kind():
     random = np.random.default_rng(3)
     yield from random_scenes(6)
     drawn = [opening_scene(random) for _ in range(4)]
-    yield from (solve(scene, rtol=1e-11) for scene in drawn)
+    yield from (sf.solve(scene, rtol=1e-11) for scene in drawn)
     # a film so strong that slip away from the edge is a billionth of that at the edge
-    film, base = ViscousFriction(4e7), Tractions(1.0, 0.0)
-    solid = Material(1.0, 1.0, 0.25)
-    yield solve(Scene(solid, 0.5, base, Tractions(0.0, 1.0), friction_law=film))
-    for load in (IncidentWave("SV", -20.0, stress=0.3), MovingLoad(-2.0, 0.1, 0.7)):
-        yield solve(Scene(solid, 0.5, base, load), rtol=1e-11)
+    film, base = sf.ViscousFriction(4e7), sf.Tractions(1.0, 0.0)
+    solid = sf.Material(1.0, 1.0, 0.25)
+    yield sf.solve(sf.Scene(solid, 0.5, base, sf.Tractions(0.0, 1.0), friction_law=film))
+    for load in (sf.IncidentWave("SV", -20.0, stress=0.3), sf.MovingLoad(-2.0, 0.1, 0.7)):
+        yield sf.solve(sf.Scene(solid, 0.5, base, load), rtol=1e-11)
 
 
 @pytest.mark.slow
 def test_errors_of_random_scenes_are_within_their_bars():
     random = np.random.default_rng(5)
     for exact in solutions_of_any_kind():
-        solution = solve(exact.scene, rtol=1e-6)
+        solution = sf.solve(exact.scene, rtol=1e-6)
         assert over_bars(solution, exact, beside(solution, random)) < 1, exact.scene
 
 
 def test_bars_of_a_shifted_edge_do_not_hold():
-    scene = find_scene("preloaded")
-    solution = solve(scene, rtol=1e-5)
+    scene = sf.find_scene("preloaded")
+    solution = sf.solve(scene, rtol=1e-5)
     edge = PRELOADED.edge_speeds[0, 1]
     moved = replace(solution, error_estimate=1e-15)
     x = edge * (1 + np.array([-1e-6, 1e-6]))
@@ -97,7 +85,7 @@ def test_arrivals_are_proportional_to_the_distance(x, scale):
 
 def test_slip_begins_when_it_arrives():
     for name in ("preloaded", "lift-off-shear", "remote-shock"):
-        solution = solve(find_scene(name))
+        solution = sf.solve(sf.find_scene(name))
         when = solution.arrival(0.7)
         before, after = solution.slip_rate(0.7, when * np.array([1 - 1e-6, 1 + 1e-6]))
         assert before == 0
@@ -105,8 +93,8 @@ def test_slip_begins_when_it_arrives():
 
 
 def test_senses_arrive_with_zones_of_their_sense():
-    scene = Scene(Material(1.0, 1.0, 1 / 3), 0.01, Tractions(1.0, 0.0), Tractions(0.2, 1.0))
-    solution = solve(scene)
+    scene = unit_scene(0.01, load=(0.2, 1.0))
+    solution = sf.solve(scene)
     for sense, of in ((1, "forward"), (-1, "reverse")):
         speeds = [zone.outer for zone in solution.zones if zone.sense == sense]
         expected = 1 / max(speeds) if speeds else np.inf
@@ -117,13 +105,13 @@ def test_senses_arrive_with_zones_of_their_sense():
 
 def test_what_never_comes_is_infinite_and_what_is_everywhere_comes_at_once():
     assert np.isinf(PRELOADED.arrival([0.1, 3.0], "opening")).all()
-    stuck = solve(find_scene("stuck"))
+    stuck = sf.solve(sf.find_scene("stuck"))
     assert np.isinf(stuck.arrival(1.0))
     assert stuck.reading(1.0, 1.0).arrivals["slip"].error == 0
     sudden = replace(
-        find_scene("remote-shock"), friction=0.1, load=Tractions(pressure=1.0, shear=1.0)
+        sf.find_scene("remote-shock"), friction=0.1, load=sf.Tractions(pressure=1.0, shear=1.0)
     )
-    assert solve(sudden).arrival(1.0) == 0
+    assert sf.solve(sudden).arrival(1.0) == 0
 
 
 def test_a_solution_that_breaks_the_law_has_no_bars():
@@ -135,7 +123,7 @@ def test_a_solution_that_breaks_the_law_has_no_bars():
 
 
 def test_openings_arrive():
-    tap = solve(find_scene("tap"))
+    tap = sf.solve(sf.find_scene("tap"))
     (opening,) = tap.openings
     assert tap.arrival(2.0, "opening") == pytest.approx(2.0 / opening.outer)
     assert tap.gap(2.0, 1.001 * float(tap.arrival(2.0, "opening"))) > 0
@@ -143,7 +131,7 @@ def test_openings_arrive():
 
 @pytest.mark.parametrize(("x", "of"), [(0.0, "slip"), (-1.0, "slip"), (np.nan, "slip"), (1, "on")])
 def test_bad_questions_are_refused_in_a_sentence(x, of):
-    with pytest.raises(SceneError, match=r"(positive|finite|must be one of slip, forward)"):
+    with pytest.raises(sf.SceneError, match=r"(positive|finite|must be one of slip, forward)"):
         PRELOADED.arrival(x, of)
 
 
@@ -168,32 +156,26 @@ def covered(answer, exact, count=300):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["preloaded", "remote-shock"])
 def test_bars_of_a_march_hold(name):
-    exact = solve(find_scene(name))
-    marched = march(exact.scene, 1.0, nodes=200)
+    exact = sf.solve(sf.find_scene(name))
+    marched = sf.march(exact.scene, 1.0, nodes=200)
     assert min(covered(marched, exact).values()) > 0.97
-    spoilt = march(replace(exact.scene, friction=1.1 * exact.scene.friction), 1.0, nodes=200)
+    spoilt = sf.march(replace(exact.scene, friction=1.1 * exact.scene.friction), 1.0, nodes=200)
     assert min(covered(spoilt, exact).values()) < 0.9
 
 
 def test_bars_of_marches_hold_on_fronts_and_beside_edges():
     """The cusp of the traction at x = c_t t was up to four bars off on either grid."""
-    fronts = Scene(
-        Material(1.0, 1.0, -0.1668), 0.4861, Tractions(1, 0.3227), Tractions(0.17, -1.8458)
-    )
-    edge = Scene(
-        Material(1.0, 1.0, 0.048208),
-        0.633619,
-        Tractions(1, 0.385934),
-        Tractions(-0.048355, 1.511743),
-    )
-    for scene, x in ((fronts, 1.0), (fronts, 0.999), (edge, 1.0), (edge, 1.05)):
-        exact = solve(scene, rtol=1e-10)
+    fronts = unit_scene(0.4861, (1, 0.3227), (0.17, -1.8458), nu=-0.1668)
+    edge = unit_scene(0.633619, (1, 0.385934), (-0.048355, 1.511743), nu=0.048208)
+    for scene, x in ((fronts, np.array([1.0, 0.999])), (edge, np.array([1.0, 1.05]))):
+        exact = sf.solve(scene, rtol=1e-10)
         for nodes in (100, 300):
-            at = march(scene, 1.0, nodes).reading(x, 1.0)
+            at = sf.march(scene, 1.0, nodes).reading(x, 1.0)
             for name in FIELDS:
                 value, bar = getattr(at, name)
-                assert abs(value - getattr(exact, name)(x, 1.0)) < bar or bar == value == 0, name
-                assert bar < 0.2
+                off = np.abs(value - getattr(exact, name)(x, 1.0))
+                assert np.all((off < bar) | ((bar == 0) & (value == 0))), name
+                assert bar.max() < 0.2
 
 
 def test_bars_of_a_simulation_hold():
@@ -204,8 +186,8 @@ def test_bars_of_a_simulation_hold():
 
 
 def test_a_pair_of_equal_bodies_reads_like_one_body():
-    solid, base, load = Material(1.0, 1.0, 0.25), Tractions(1.0, 0.0), Tractions(0.0, 0.8)
-    pair = solve_pair(Pair(solid, solid, 0.4, base, load), rtol=1e-6)
-    exact = solve(Scene(solid, 0.4, base, load), rtol=1e-12)
+    solid, base, load = sf.Material(1.0, 1.0, 0.25), sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 0.8)
+    pair = sf.solve_pair(sf.Pair(solid, solid, 0.4, base, load), rtol=1e-6)
+    exact = sf.solve(sf.Scene(solid, 0.4, base, load), rtol=1e-12)
     x = np.linspace(0.05, 1.5, 30)
     assert over_bars(pair, exact, x) < 1

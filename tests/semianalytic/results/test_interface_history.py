@@ -1,7 +1,14 @@
+"""Histories of interfaces as files, and how much memory a computation may take."""
+
+from dataclasses import replace
+
+import h5py
 import numpy as np
 import pytest
 
-from semianalytic import DataFileError, InterfaceHistory
+from semianalytic import DataFileError, InterfaceHistory, SceneError
+from semianalytic.results import memory as memory_module
+from semianalytic.results.memory import available_memory, check_memory, gigabytes, memory_limit
 
 
 @pytest.fixture
@@ -22,20 +29,10 @@ def test_round_trip(history, tmp_path):
 
 def test_shapes_must_agree(history):
     with pytest.raises(ValueError, match="slip_rate"):
-        InterfaceHistory(
-            history.x,
-            history.t,
-            history.slip,
-            history.slip_rate.T,
-            history.shear_traction,
-            history.pressure,
-            history.gap,
-        )
+        replace(history, slip_rate=history.slip_rate.T)
 
 
 def test_damaged_foreign_and_missing_files(history, tmp_path):
-    import h5py
-
     path = tmp_path / "history.h5"
     history.save(path)
     path.write_bytes(path.read_bytes()[:300])
@@ -47,3 +44,50 @@ def test_damaged_foreign_and_missing_files(history, tmp_path):
         InterfaceHistory.load(tmp_path / "other.h5")
     with pytest.raises(DataFileError, match="cannot be read"):
         InterfaceHistory.load(tmp_path / "none.h5")
+
+
+# --- how much memory a computation may take -------------------------------------------------------
+
+
+@pytest.fixture
+def machine(tmp_path, monkeypatch):
+    """A machine with 1 GB left, in a group that may take 0.5 GB and uses 0.2."""
+    (tmp_path / "meminfo").write_text("MemTotal: 9000000 kB\nMemAvailable:   1000000 kB\n")
+    (tmp_path / "max").write_text("500000000\n")
+    (tmp_path / "current").write_text("200000000\n")
+    monkeypatch.setattr(memory_module, "_MEMINFO", tmp_path / "meminfo")
+    monkeypatch.setattr(memory_module, "_GROUPS", ((tmp_path / "max", tmp_path / "current"),))
+    return tmp_path
+
+
+def test_available_memory_is_the_least_of_machine_and_group(machine):
+    assert available_memory() == 300_000_000
+    assert memory_limit(None) == 210_000_000
+    (machine / "max").write_text("max\n")
+    assert available_memory() == 1_024_000_000
+    (machine / "meminfo").write_text("nothing of use\n")
+    assert available_memory() > 100_000_000
+
+
+@pytest.mark.parametrize("needed", [210_000_001, 10**30, 10**400])
+def test_more_than_there_is_is_refused(machine, needed):
+    with pytest.raises(SceneError, match=r"^the run would take .* GB of memory, and 0\.21 GB are"):
+        check_memory(needed, None, "the run", "lower it")
+    check_memory(210_000_000, None, "the run", "lower it")
+
+
+def test_a_limit_that_was_given(machine):
+    check_memory(10**9, 10**9, "the run", "lower it")
+    with pytest.raises(SceneError, match=r"1e\+03 GB of memory, and 1 GB are allowed; lower it\.$"):
+        check_memory(10**12, 1e9, "the run", "lower it")
+    for wrong in (0, -1.0, float("nan"), float("inf"), "4 GB", True):
+        with pytest.raises(SceneError, match="positive number of bytes"):
+            memory_limit(wrong)
+
+
+def test_amounts_in_words():
+    assert [gigabytes(n) for n in (2_500_000_000, 10**7, 10**310)] == [
+        "2.5 GB",
+        "0.01 GB",
+        "1e301 GB",
+    ]

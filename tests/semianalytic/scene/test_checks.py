@@ -10,44 +10,27 @@ import pytest
 from catalogue import PRELOADED, unit_scene
 
 import fem
-import semianalytic
+import semianalytic as sf
 import slipfront
 from fem.plan import Plan
 from fem.settings import Pace, Settings
-from semianalytic import (
-    Gauge,
-    Harmonic,
-    InterfaceHistory,
-    Material,
-    Pulse,
-    Ramp,
-    RateWeakening,
-    SceneError,
-    SlipWeakening,
-    Tabulated,
-    Tractions,
-    march,
-    predict,
-    solve,
-    sweep,
-)
 from semianalytic.scene.checks import LARGEST, SMALLEST, shown
 
 TAKES_A_NUMBER = {
-    "shear_modulus": lambda value: Material(value, 1.0, 0.3),
-    "density": lambda value: Material(1.0, value, 0.3),
-    "poisson_ratio": lambda value: Material(1.0, 1.0, value),
-    "pressure": lambda value: Tractions(value, 0.0),
-    "shear": lambda value: Tractions(0.0, value),
+    "shear_modulus": lambda value: sf.Material(value, 1.0, 0.3),
+    "density": lambda value: sf.Material(1.0, value, 0.3),
+    "poisson_ratio": lambda value: sf.Material(1.0, 1.0, value),
+    "pressure": lambda value: sf.Tractions(value, 0.0),
+    "shear": lambda value: sf.Tractions(0.0, value),
     "friction": lambda value: replace(PRELOADED, friction=value),
-    "rise_time": Ramp,
-    "duration": Pulse,
-    "frequency": Harmonic,
-    "reduction": lambda value: RateWeakening(value, 1.0),
-    "rate": lambda value: RateWeakening(0.5, value),
-    "distance": lambda value: SlipWeakening(0.5, value),
-    "times": lambda value: Tabulated((value,), (1.0,)),
-    "values": lambda value: Tabulated((1.0,), (value,)),
+    "rise_time": sf.Ramp,
+    "duration": sf.Pulse,
+    "frequency": sf.Harmonic,
+    "reduction": lambda value: sf.RateWeakening(value, 1.0),
+    "rate": lambda value: sf.RateWeakening(0.5, value),
+    "distance": lambda value: sf.SlipWeakening(0.5, value),
+    "times": lambda value: sf.Tabulated((value,), (1.0,)),
+    "values": lambda value: sf.Tabulated((1.0,), (value,)),
     "end_time": lambda value: Plan(PRELOADED, value, Settings()),
     "damping": lambda value: Settings(damping=value),
     "step_ratio": lambda value: Settings(step_ratio=value),
@@ -112,7 +95,7 @@ def test_integers_are_numbers(make):
 @pytest.mark.parametrize("make", TAKES_A_NUMBER.values(), ids=TAKES_A_NUMBER)
 @pytest.mark.parametrize("value", NO_NUMBERS, ids=lambda value: shown(value)[:20])
 def test_anything_else_is_refused_in_one_short_sentence(make, value):
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(sf.SceneError) as caught:
         make(value)
     message = str(caught.value)
     assert "\n" not in message
@@ -126,18 +109,18 @@ def test_sizes_whose_products_overflow_are_refused_with_the_range(name):
     for value in (SMALLEST, LARGEST):
         make(value)
     for value in (SMALLEST / 10, 10 * LARGEST):
-        with pytest.raises(SceneError, match=r"1e-60 and 1e\+60"):
+        with pytest.raises(sf.SceneError, match=r"1e-60 and 1e\+60"):
             make(value)
 
 
 def test_tables_refuse_what_is_not_a_number_and_slopes_beyond_range():
     for bad in ("12", [True, 1.0], ["0", 1.0], 3.0, None):
-        with pytest.raises(SceneError, match="lists of numbers"):
-            Tabulated(bad, (0.0, 1.0))
-    with pytest.raises(SceneError, match="give the same time twice"):
-        Tabulated((0.0, 1e-300), (0.0, 1.0))
-    table = Tabulated(np.array([0, 1]), np.array([0.0, 2.0], dtype=np.float32))
-    assert table == Tabulated((0.0, 1.0), (0.0, 2.0))
+        with pytest.raises(sf.SceneError, match="lists of numbers"):
+            sf.Tabulated(bad, (0.0, 1.0))
+    with pytest.raises(sf.SceneError, match="give the same time twice"):
+        sf.Tabulated((0.0, 1e-300), (0.0, 1.0))
+    table = sf.Tabulated(np.array([0, 1]), np.array([0.0, 2.0], dtype=np.float32))
+    assert table == sf.Tabulated((0.0, 1.0), (0.0, 2.0))
 
 
 @pytest.mark.parametrize(
@@ -150,7 +133,7 @@ def test_tables_refuse_what_is_not_a_number_and_slopes_beyond_range():
 )
 @pytest.mark.parametrize("value", [(1.0, 0.0), None, {"pressure": 1.0}, 1.0, "rock"], ids=repr)
 def test_parts_of_a_scene_of_the_wrong_type_are_named(name, said, value):
-    with pytest.raises(SceneError, match=f"scene: {name} {said}"):
+    with pytest.raises(sf.SceneError, match=f"scene: {name} {said}"):
         replace(PRELOADED, **{name: value})
 
 
@@ -158,19 +141,19 @@ def test_parts_of_a_scene_of_the_wrong_type_are_named(name, said, value):
 def test_counts_are_whole_numbers_of_bounded_size(value):
     given = value if value is not None else "None"  # no number of nodes is the default one
     for take in (
-        lambda: march(PRELOADED, nodes=given),
-        lambda: march(PRELOADED, every=value),
-        lambda: predict(PRELOADED, nodes=given),
+        lambda: sf.march(PRELOADED, nodes=given),
+        lambda: sf.march(PRELOADED, every=value),
+        lambda: sf.predict(PRELOADED, nodes=given),
         lambda: Settings(resolution=value),
         lambda: Settings(frames=value),
     ):
-        with pytest.raises(SceneError, match=r"whole number|integer|at most"):
+        with pytest.raises(sf.SceneError, match=r"whole number|integer|at most"):
             take()
 
 
 def test_options_of_a_march_are_numbers_of_any_type():
-    plain = march(PRELOADED, 0.25, 32, damping=0.5, step_ratio=0.5)
-    other = march(
+    plain = sf.march(PRELOADED, 0.25, 32, damping=0.5, step_ratio=0.5)
+    other = sf.march(
         PRELOADED,
         np.float32(0.25),
         np.int64(32),
@@ -180,31 +163,31 @@ def test_options_of_a_march_are_numbers_of_any_type():
     np.testing.assert_array_equal(plain.interface.slip, other.interface.slip)
     for name in ("end_time", "length", "latest", "damping", "step_ratio", "tolerance"):
         for value in ("1", True, 10**400, 1e300, float("nan")):
-            with pytest.raises(SceneError, match=f"march: {name} must"):
-                march(PRELOADED, **{"nodes": 32, name: value})
+            with pytest.raises(sf.SceneError, match=f"march: {name} must"):
+                sf.march(PRELOADED, **{"nodes": 32, name: value})
 
 
 @pytest.mark.parametrize("method", ["auto", "space-time"])
 def test_options_of_a_prediction_are_checked_whatever_the_method(method):
     for bad in ({"end_time": -1.0}, {"end_time": "1"}, {"length": 0.0}, {"nodes": 0}):
-        with pytest.raises(SceneError, match="predict: "):
-            predict(PRELOADED, method=method, **bad)
+        with pytest.raises(sf.SceneError, match="predict: "):
+            sf.predict(PRELOADED, method=method, **bad)
 
 
 def test_a_sweep_takes_numbers_only():
-    swept = sweep(PRELOADED, [np.float32(0.25), Fraction(1, 2)], rtol=1e-4)
+    swept = sf.sweep(PRELOADED, [np.float32(0.25), Fraction(1, 2)], rtol=1e-4)
     assert swept.friction.tolist() == [0.25, 0.5]
     for bad in (["0.3"], [True], [None], [[1.0], 2.0], [10**400]):
-        with pytest.raises(SceneError, match="friction"):
-            sweep(PRELOADED, bad)
+        with pytest.raises(sf.SceneError, match="friction"):
+            sf.sweep(PRELOADED, bad)
 
 
 def test_results_can_be_compared_and_kept_in_sets():
-    history = [solve(PRELOADED).history([0.1, 0.2], [1.0]) for _ in range(2)]
+    history = [sf.solve(PRELOADED).history([0.1, 0.2], [1.0]) for _ in range(2)]
     simulations = [fem.simulate(PRELOADED, resolution=8) for _ in range(2)]
-    marches = [march(PRELOADED, nodes=16) for _ in range(2)]
-    solutions = [solve(PRELOADED) for _ in range(2)]
-    sweeps = [sweep(PRELOADED, [0.3], rtol=1e-3) for _ in range(2)]
+    marches = [sf.march(PRELOADED, nodes=16) for _ in range(2)]
+    solutions = [sf.solve(PRELOADED) for _ in range(2)]
+    sweeps = [sf.sweep(PRELOADED, [0.3], rtol=1e-3) for _ in range(2)]
     for one, other in (history, simulations, marches, solutions, sweeps):
         assert one == one
         assert one != other
@@ -212,7 +195,7 @@ def test_results_can_be_compared_and_kept_in_sets():
         assert [one, other].index(other) == 1
 
 
-@pytest.mark.parametrize("package", [semianalytic, fem])
+@pytest.mark.parametrize("package", [sf, fem])
 def test_no_public_result_compares_arrays_with_each_other(package):
     public = [getattr(package, name) for name in package.__all__]
     results = [kind for kind in public if isinstance(kind, type) and is_dataclass(kind)]
@@ -221,7 +204,7 @@ def test_no_public_result_compares_arrays_with_each_other(package):
         for kind in results
         if any("Array" in str(field.type) or "Profile" in str(field.type) for field in fields(kind))
     ]
-    assert InterfaceHistory in with_arrays or package is fem
+    assert sf.InterfaceHistory in with_arrays or package is fem
     assert with_arrays
     for kind in with_arrays:
         assert kind.__eq__ is object.__eq__, kind
@@ -230,7 +213,7 @@ def test_no_public_result_compares_arrays_with_each_other(package):
 # --- what is no scene at all ----------------------------------------------------------------------
 
 TIMES = np.array([0.1, 0.2])
-GAUGE = Gauge(0.4, TIMES, TIMES, 0.1)
+GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -271,7 +254,7 @@ GAUGE = Gauge(0.4, TIMES, TIMES, 0.1)
     ],
 )
 def test_what_is_no_scene_or_parameter_ends_in_one_sentence(call, said):
-    with pytest.raises(SceneError) as refusal:
+    with pytest.raises(sf.SceneError) as refusal:
         call()
     message = str(refusal.value)
     assert said in message

@@ -1,16 +1,18 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from catalogue import REMOTE, unit_scene
 
-from semianalytic import Material, Ramp, RateWeakening, SceneError, Tractions
+import semianalytic as sf
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import NAMED_SCENES
 
 
 def test_wave_speeds_of_steel():
-    steel = Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.3)
+    steel = sf.Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.3)
     assert steel.shear_speed == pytest.approx(math.sqrt(80e9 / 7800))
     assert steel.longitudinal_speed == pytest.approx(steel.shear_speed * math.sqrt(3.5))
     # Published root of the Rayleigh cubic for nu = 0.3.
@@ -20,7 +22,7 @@ def test_wave_speeds_of_steel():
 
 @pytest.mark.parametrize("nu", [-0.99, -0.5, 0.0, 0.25, 0.3, 0.499])
 def test_rayleigh_speed_is_a_root_of_the_rayleigh_function(nu):
-    material = Material(2.0, 3.0, nu)
+    material = sf.Material(2.0, 3.0, nu)
     r = (material.rayleigh_speed / material.shear_speed) ** 2
     s = (material.rayleigh_speed / material.longitudinal_speed) ** 2
     assert (2 - r) ** 2 == pytest.approx(4 * math.sqrt((1 - r) * (1 - s)), rel=1e-13)
@@ -37,15 +39,15 @@ def test_rayleigh_speed_is_a_root_of_the_rayleigh_function(nu):
 )
 def test_material_names_the_bad_parameter(field, value):
     good = {"shear_modulus": 1.0, "density": 1.0, "poisson_ratio": 0.3}
-    with pytest.raises(SceneError, match=field):
-        Material(**(good | {field: value}))
+    with pytest.raises(sf.SceneError, match=field):
+        sf.Material(**(good | {field: value}))
 
 
 def test_scene_refuses_negative_friction_and_a_tensile_base():
     """Numbers that are none are refused in test_checks.py."""
-    with pytest.raises(SceneError, match="friction"):
+    with pytest.raises(sf.SceneError, match="friction"):
         unit_scene(friction=-0.1)
-    with pytest.raises(SceneError, match="base pressure"):
+    with pytest.raises(sf.SceneError, match="base pressure"):
         unit_scene(base=(-1.0, 0.0))
 
 
@@ -62,7 +64,7 @@ def test_a_load_on_the_slot_leaves_the_base_in_place():
 
 def test_a_remote_load_is_carried_by_the_contact_beside_the_base():
     scene = unit_scene(0.5, (1.0, 0.25), (1.0, 1.25), load_on="remote")
-    assert scene.superposition == (Tractions(2.0, 1.5), Tractions(1.0, 1.25))
+    assert scene.superposition == (sf.Tractions(2.0, 1.5), sf.Tractions(1.0, 1.25))
     assert scene.far_slip_rate == pytest.approx(2 * (1.5 - 0.5 * 2.0))
     assert scene_from_document(scene_document(scene)) == scene
     assert scene != replace(scene, load_on="slot")
@@ -74,17 +76,20 @@ def test_far_slip_rate_follows_the_excess_of_a_remote_shock():
     assert unit_scene(0.4, **{**REMOTE, "load": (1.0, -1.0)}).far_slip_rate == -1.2
 
 
-@pytest.mark.parametrize("place", ["far", "", None, 1, ["remote"], "Slot"])
-def test_unknown_places_of_a_load_are_refused_with_both(place):
-    with pytest.raises(SceneError, match="load_on must be slot or remote, got"):
-        unit_scene(load_on=place)
+@pytest.mark.parametrize("value", ["far", "III", "Slot", "Antiplane", "", None, 1, ["remote"]])
+@pytest.mark.parametrize(
+    ("name", "known"), [("load_on", "slot or remote"), ("mode", "in-plane or antiplane")]
+)
+def test_unknown_places_of_a_load_and_modes_are_refused_with_both_known(name, known, value):
+    with pytest.raises(sf.SceneError, match=f"{name} must be {known}, got"):
+        replace(find_scene("preloaded"), **{name: value})
 
 
 @pytest.mark.parametrize("share", [0.5, 0.85, 1.0, 1.15])
 def test_a_base_that_friction_does_not_hold_is_refused_whatever_the_load(share):
     """It was taken for a remote load where base - load is at rest, so that slip jumped from that of
     a load on the slot to an infinite one."""
-    with pytest.raises(SceneError, match="already slide") as refusal:
+    with pytest.raises(sf.SceneError, match="already slide") as refusal:
         unit_scene(0.2, (1.0, share), (0.0, 1.0))
     rewritten = f'write base = Tractions(1, {share - 1:g}) and load_on = "remote"'
     assert (rewritten in str(refusal.value)) is (share > 0.5)
@@ -93,12 +98,12 @@ def test_a_base_that_friction_does_not_hold_is_refused_whatever_the_load(share):
 
 
 def test_what_is_no_remote_load_is_refused():
-    with pytest.raises(SceneError, match="comes as a step"):
-        unit_scene(load_on="remote", shear_history=Ramp(0.5))
-    with pytest.raises(SceneError, match=r"pressed together, .* -0\.5 in all"):
+    with pytest.raises(sf.SceneError, match="comes as a step"):
+        unit_scene(load_on="remote", shear_history=sf.Ramp(0.5))
+    with pytest.raises(sf.SceneError, match=r"pressed together, .* -0\.5 in all"):
         unit_scene(load=(-1.5, 1.0), load_on="remote")
-    law = RateWeakening(0.5, 1.0)
-    with pytest.raises(SceneError, match=r"under pressure 2\.5"):
+    law = sf.RateWeakening(0.5, 1.0)
+    with pytest.raises(sf.SceneError, match=r"under pressure 2\.5"):
         unit_scene(0.9, load=(1.5, 1.0), load_on="remote", friction_law=law)
     unit_scene(0.9, load=(1.5, 1.0), friction_law=law)
 
@@ -117,18 +122,12 @@ def test_mode_is_in_plane_unless_given_and_kept_by_documents():
         assert scene_from_document(scene_document(one)) == one
 
 
-@pytest.mark.parametrize("mode", ["III", "Antiplane", "", None, 3, ["antiplane"]])
-def test_unknown_modes_are_refused_with_both(mode):
-    with pytest.raises(SceneError, match="mode must be in-plane or antiplane, got"):
-        replace(find_scene("preloaded"), mode=mode)
-
-
 def test_first_wave_is_that_of_shear_where_it_acts_alone():
     scene = find_scene("antiplane")
-    solid, soft = scene.material, Material(1.0, 4.0, 0.2)
+    solid, soft = scene.material, sf.Material(1.0, 4.0, 0.2)
     assert scene.fastest_speed == solid.shear_speed
     assert scene.fastest_in(soft) == soft.shear_speed
-    pressed = replace(scene, load=Tractions(0.1, 1.0))
+    pressed = replace(scene, load=sf.Tractions(0.1, 1.0))
     assert pressed.fastest_speed == solid.longitudinal_speed
     assert replace(scene, mode="in-plane").fastest_speed == solid.longitudinal_speed
 
@@ -138,3 +137,36 @@ def test_static_modulus_knows_poisson_ratio_in_plane_only():
     assert scene.static_modulus == scene.material.shear_modulus
     in_plane = replace(scene, mode="in-plane").static_modulus
     assert in_plane == pytest.approx(scene.material.shear_modulus / (1 - 1 / 3))
+
+
+# --- how a scene is shown -------------------------------------------------------------------------
+
+
+SCENE = NAMED_SCENES["preloaded"].scene
+SHORT = {
+    "plain": SCENE,
+    "harmonic": replace(
+        SCENE, shear_history=sf.Harmonic(2.0), friction_law=sf.SlipWeakening(0.5, 0.1)
+    ),
+    "antiplane": replace(SCENE, mode="antiplane"),
+    "table": replace(SCENE, shear_history=sf.Tabulated((0.0, 1.0), (0.0, 2.0))),
+}
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_a_short_scene_is_made_again_by_what_it_shows(name):
+    scene = SHORT[name]
+    assert eval(repr(scene), vars(sf)) == scene
+    assert "Step()" not in repr(scene)
+    assert "CoulombFriction" not in repr(scene)
+    assert ("mode" in repr(scene)) == (name == "antiplane")
+    assert "units" not in repr(scene)
+    assert "units='SI'" in repr(replace(scene, units="SI"))
+
+
+def test_a_long_table_does_not_fill_the_screen():
+    t = np.linspace(0, 2, 10_000)
+    text = repr(replace(SCENE, shear_history=sf.Tabulated(t, np.sin(t))))
+    assert "Tabulated(10000 samples, t = 0 ... 2)" in text
+    assert len(text) < 300
+    assert "\n" not in text

@@ -4,28 +4,27 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import unit_scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from laws import check_invariants, opening_scene
 
-from semianalytic import Material, Scene, TensionError, Tractions, solve
+from semianalytic import ViscousFriction, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.regimes import opening_threshold
 from semianalytic.selfsimilar.zones.collocation import slip_on_grid
 from semianalytic.separation.normal import with_opening
 
-STEEL = Material(1.0, 1.0, 1 / 3)
-
 
 def tapped(friction=0.3, shear=1.0, base=0.02, held=0.0, **rest):
     """A sudden pressure of 1, and shear, on a small base."""
-    return Scene(STEEL, friction, Tractions(base, held), Tractions(1.0, shear), **rest)
+    return unit_scene(friction, (base, held), (1.0, shear), **rest)
 
 
 def lifted(friction=0.3, shear=1.0, held=0.0, **rest):
     """A pressure put on the slot faces."""
-    return Scene(STEEL, friction, Tractions(1.0, held), Tractions(-1.0, shear), **rest)
+    return unit_scene(friction, (1.0, held), (-1.0, shear), **rest)
 
 
 @pytest.mark.slow
@@ -49,22 +48,10 @@ def test_laws_hold_where_a_zone_opens_between_the_shear_front_and_an_opening(
     nu, friction, base, shear
 ):
     """From the guess, that it opens ahead of that front, its edge runs into it."""
-    load = Tractions(1.0, shear)
-    scene = Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), load, mode="antiplane")
+    scene = unit_scene(friction, base, (1.0, shear), nu=nu, mode="antiplane")
     solution = solve(scene)
     assert solution.openings[0].outer < 0.97 < solution.zones[-1].outer < 1
     check_invariants(scene)
-
-
-@pytest.mark.parametrize("base", [0.0, -1.0])
-@pytest.mark.parametrize("step", [1.0, -1.0])
-def test_a_contact_that_nothing_holds_together_is_refused(base, step):
-    if base < 0:
-        with pytest.raises(Exception, match="base pressure"):
-            Scene(STEEL, 0.3, Tractions(base, 0.0), Tractions(step, 1.0))
-        return
-    with pytest.raises(TensionError, match=r"nothing holds the contact .*\(docs/limits"):
-        solve(Scene(STEEL, 0.3, Tractions(base, 0.0), Tractions(step, 1.0)))
 
 
 @pytest.mark.parametrize("scene", [tapped(shear=0.0), lifted(shear=0.0)])
@@ -122,7 +109,7 @@ def test_slip_that_begins_where_an_opening_closes_is_soon_one_with_it(
     nu, friction, base, load_shear
 ):
     """It is no zone of its own, as grids and nodes of loose rules show it."""
-    scene = Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(1.0, load_shear))
+    scene = unit_scene(friction, base, (1.0, load_shear), nu=nu)
     solution = solve(scene, rtol=1e-6)
     check_invariants(scene)
     (opening,) = solution.openings
@@ -139,22 +126,34 @@ def test_slip_may_change_sense_across_an_opening():
     assert (behind.sense, ahead.sense) == (-1, 1)
 
 
-@pytest.mark.thinned(3)
+FILM = {"friction_law": ViscousFriction(0.25)}
+
+
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     "scene",
-    [tapped(), tapped(3.0), tapped(1.0, -1.0, held=0.018), lifted(), tapped(mode="antiplane")],
+    [
+        tapped(),
+        tapped(3.0),
+        tapped(1.0, -1.0, held=0.018),
+        lifted(),
+        lifted(**FILM),
+        tapped(mode="antiplane"),
+        tapped(shear=0.5, mode="antiplane", **FILM),
+        tapped(shear=0.5, friction_law=ViscousFriction(0.5)),
+        tapped(shear=0.5, **FILM),
+    ],
 )
 def test_slip_agrees_with_complementarity_on_a_grid(scene):
-    solution, nu = solve(scene), scene.material.poisson_ratio
+    solution, nu = solve(scene, rtol=1e-6), scene.material.poisson_ratio
     load, stress = scaled_load(scene)
     load, _ = with_opening(load, rayleigh_factors(nu, scene.shear_mode), 1e-6)
     grid = slip_on_grid(nu, load, 300, scene.shear_mode)
-    middle = (grid.xi[1:] + grid.xi[:-1]) / 2
+    inside = np.linspace(grid.xi[:-1], grid.xi[1:], 6)[1:-1]
+    rate = solution.slip_rate(inside.ravel(), 1.0).reshape(inside.shape).mean(axis=0)
     seen = stress * (grid.slip_rate[1:] + grid.slip_rate[:-1])  # relative, averaged
-    rate = solution.slip_rate(middle, 1.0)
-    clear = np.abs(middle - scene.material.rayleigh_speed) > 0.03
-    error = np.abs(rate - seen)[clear] @ np.diff(grid.xi)[clear]
-    assert error < 0.02 * np.abs(rate)[clear] @ np.diff(grid.xi)[clear]
+    error = np.abs(rate - seen) @ np.diff(grid.xi)
+    assert error < 0.01 * np.abs(rate) @ np.diff(grid.xi)
 
 
 @pytest.mark.slow
@@ -176,12 +175,7 @@ def test_motion_while_open_counts_as_slip_and_takes_no_work(scene):
 def test_a_base_at_friction_that_hardly_slips_the_wrong_way_at_the_front_is_seen_at_once():
     """The loose rule lets the first zone begin at the longitudinal front, 1e-4 too early."""
     friction, base = 0.0144115, 1.0
-    scene = Scene(
-        Material(1.0, 1.0, 0.1358),
-        friction,
-        Tractions(base, friction * base),
-        Tractions(-53624.4, -8136.1),
-    )
+    scene = unit_scene(friction, (base, friction * base), (-53624.4, -8136.1), nu=0.1358)
     solution = solve(scene, rtol=1e-5)
     assert solution.status == "converged"
     assert solution.zones[-1].outer < scene.material.longitudinal_speed - 1e-4
@@ -191,12 +185,7 @@ def test_a_base_at_friction_that_hardly_slips_the_wrong_way_at_the_front_is_seen
 def test_slip_at_the_front_is_mended_at_a_strict_tolerance_too():
     """The strip is 2e-5 wide, and beside the front slip rate is below rounding of the rule."""
     friction, base = 0.0021214, 0.0270694
-    scene = Scene(
-        Material(1.0, 1.0, -0.212977),
-        friction,
-        Tractions(base, friction * base),
-        Tractions(-1.0, 0.114371),
-    )
+    scene = unit_scene(friction, (base, friction * base), (-1.0, 0.114371), nu=-0.212977)
     solution = solve(scene, rtol=1e-11)
     assert solution.status == "converged"
     assert [zone.sense for zone in solution.zones] == [1, -1, 1]
@@ -218,10 +207,15 @@ def errors(solution, exact):
             np.array([(part.inner, part.outer) for part in (*one.zones, *one.openings)]).ravel()
             for one in (solution, exact)
         )
-        result["edges"] = np.abs(ends - known).max()
+        result["edges"] = np.abs(ends - known).max(initial=0.0)
         marks += known.tolist()
-    x = np.linspace(0.004, 0.999, 1500) * speed
-    far = np.abs(x[:, None] - np.array(marks)).min(axis=1) > CLEAR
+    marks = np.array(marks)
+    steps = CLEAR * np.array([1.0, 1.1, 1.5, 3.0])
+    x = np.concatenate(
+        [np.linspace(0.002, 1.1, 1500) * speed, np.add.outer(marks, [*steps, *-steps]).ravel()]
+    )
+    x = x[x > 0]
+    far = np.abs(x[:, None] - marks).min(axis=1) >= 0.999 * CLEAR
     for name in ("slip_rate", "gap_rate"):
         found, known = (getattr(one, name)(x, 1.0)[far] for one in (solution, exact))
         result[name] = np.abs(found - known).max() / max(np.abs(known).max(), 1e-300)
@@ -229,7 +223,7 @@ def errors(solution, exact):
     result["shear"] = (np.abs(found - known) / (exact.stress_unit + np.abs(known))).max()
     found, known = (one.pressure(x, 1.0)[far] for one in (solution, exact))
     size = scene.base.pressure + abs(scene.load.pressure)
-    result["pressure"] = (np.abs(found - known) / (size + known)).max()
+    result["pressure"] = (np.abs(found - known) / np.maximum(size + known, 1e-300)).max()
     parts = (*exact.zones, *exact.openings)  # they may lie between two positions
     x = np.concatenate([x, *(np.linspace(part.inner, part.outer, 42)[1:-1] for part in parts)])
     for name in FIELDS:
@@ -238,6 +232,12 @@ def errors(solution, exact):
     for name in TOTALS:
         found, known = (float(getattr(one, name)(1.0)) for one in (solution, exact))
         result[name] = abs(found - known) / max(known, 1e-300)
+    found, known = (one.frictional_power(1.0, x[x < 2.2][::20]) for one in (solution, exact))
+    result["power of a part"] = np.abs(found - known).max() / max(
+        float(exact.frictional_power(1.0)), 1e-300
+    )
+    found, known = solution.edge_slip_rate, exact.edge_slip_rate
+    result["edge slip rate"] = abs(found - known) / max(abs(known), 1e-300)
     for mode, (found, known) in enumerate(
         zip(solution.stress_intensity(1.0), exact.stress_intensity(1.0), strict=True)
     ):
@@ -285,7 +285,7 @@ def test_estimates_bound_errors():
 def test_estimates_cover_the_gap_of_narrow_openings(nu, below):
     """Just below the threshold, where the gap follows the width of the opening."""
     base = opening_threshold(nu) * (1 - below)
-    scene = Scene(Material(1.0, 1.0, nu), 0.3, Tractions(base, 0.0), Tractions(1.0, 0.0))
+    scene = unit_scene(0.3, (base, 0.0), (1.0, 0.0), nu=nu)
     exact = solve(scene, rtol=1e-9)
     (opening,) = exact.openings
     angle = np.linspace(0, np.pi, 200)[1:-1]
@@ -300,13 +300,7 @@ def test_estimates_cover_the_gap_of_narrow_openings(nu, below):
 @pytest.mark.parametrize("lift", [1e-6, 1e-9, 5e-10, 1e-12])
 def test_openings_of_no_width_change_nothing(lift):
     """A wave that hardly lifts the contact opens (lift)^2 of it; slip is as without the lift."""
-    scene = Scene(
-        Material(1.0, 1.0, 0.25),
-        0.3,
-        Tractions(1.0, 0.1),
-        Tractions(-lift, 0.15),
-        load_on="remote",
-    )
+    scene = unit_scene(0.3, (1.0, 0.1), (-lift, 0.15), nu=0.25, load_on="remote")
     solution = solve(scene)
     assert solution.status == "converged"
     assert 0 < solution.openings[0].outer < 2 * lift**2

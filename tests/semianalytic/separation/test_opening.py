@@ -7,6 +7,7 @@ from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.reference import detached_opening, edge_speed_of_opening, gap_rate_of_opening
 from semianalytic.regimes import opening_threshold
 from semianalytic.separation.opening import opening_of
+from tests.semianalytic.selfsimilar.test_solution import integral
 
 SPEEDS = np.linspace(0.02, 0.98, 7)
 
@@ -19,6 +20,7 @@ def pressed(poisson_ratio, base, step=1.0, rtol=1e-11, **material):
     return solve(Scene(solid, 0.3, Tractions(base, 0.0), Tractions(step, 0.0)), rtol=rtol)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("poisson_ratio", [-0.9, -0.3, 0.0, 1 / 3, 0.49])
 @pytest.mark.parametrize("ratio", [0.05, 1.0, 20.0])
 def test_opening_from_the_edge(poisson_ratio, ratio):
@@ -34,7 +36,7 @@ def test_opening_from_the_edge(poisson_ratio, ratio):
     assert solution.stress_intensity(1.0)[0] == 0
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("poisson_ratio", [-0.9, -0.3, 0.0, 1 / 3, 0.49])
 @pytest.mark.parametrize("share", [0.02, 0.5, 1.0])
 def test_detached_opening_slower_than_the_shear_front(poisson_ratio, share):
@@ -64,7 +66,7 @@ def test_detached_opening_ahead_of_the_shear_front(poisson_ratio, outer, inner, 
     assert opening.inner == pytest.approx(inner, rel=1e-11)
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(7)
 @pytest.mark.parametrize("poisson_ratio", [-0.9, -0.3, 0.0, 0.3, 0.45])
 @pytest.mark.parametrize("share", [1e-6, 0.02, 0.6, 0.999, 1 - 1e-6])
 def test_edges_are_smooth_and_the_gap_closes_at_no_rate(poisson_ratio, share):
@@ -109,19 +111,12 @@ def test_on_ever_smaller_bases_the_contact_opens_ever_closer_to_the_longitudinal
 
 def test_gap_is_the_integral_of_its_rate():
     solution = pressed(1 / 3, 0.02)
-    nodes, weights = np.polynomial.legendre.leggauss(60)
     (opening,) = solution.openings
+    speeds = (opening.inner, opening.outer, solution.scene.material.rayleigh_speed, 1.0)
     for x, end in ((1.0, 0.8), (1.0, 1.05)):
-        start = x / opening.outer  # the root there and the logarithm at c_R are smoothed away
-        front = min(x / solution.scene.material.rayleigh_speed, end)
-        total = 0.0
-        for left, right in ((start, front), (front, end)):
-            s = (nodes + 1) / 2
-            bell, slope = s**3 * (10 - 15 * s + 6 * s**2), 30 * s**2 * (1 - s) ** 2
-            t = left + (right - left) * bell
-            rate = solution.gap_rate(x, np.clip(t, left * (1 + 1e-15), right))
-            total += (right - left) / 2 * weights @ (np.where(np.isfinite(rate), rate, 0) * slope)
-        assert solution.gap(x, end) == pytest.approx(total, rel=1e-4)
+        times = [x / speed for speed in speeds]
+        total = integral(lambda t, x=x: solution.gap_rate(x, t), 0.0, end, times)
+        assert solution.gap(x, end) == pytest.approx(total, rel=1e-9)
 
 
 def test_pressure_behind_the_opening_goes_with_the_intensity_at_the_contact_edge():

@@ -4,27 +4,9 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from catalogue import UNIT
+from catalogue import unit_scene
 
-from semianalytic import (
-    DataFileError,
-    Harmonic,
-    Marched,
-    Pulse,
-    Ramp,
-    RateWeakening,
-    Scene,
-    SceneError,
-    SlipWeakening,
-    Solution,
-    Step,
-    Tabulated,
-    TensionError,
-    Tractions,
-    march,
-    march_on,
-    predict,
-)
+import semianalytic as sf
 from semianalytic.memory import cosines, line_memory
 from semianalytic.spacetime import stepping
 from tests.semianalytic.spacetime.test_march import preloaded, relative_l1
@@ -34,24 +16,24 @@ from tests.semianalytic.spacetime.test_march import preloaded, relative_l1
 @pytest.mark.parametrize(
     "history",
     [
-        Pulse(0.5),
-        Step(),
-        Ramp(0.4),
-        Harmonic(1.3),
-        Tabulated((0.0, 0.5, 0.5, 1.0), (0, 1, 0.2, 0)),
+        sf.Pulse(0.5),
+        sf.Step(),
+        sf.Ramp(0.4),
+        sf.Harmonic(1.3),
+        sf.Tabulated((0.0, 0.5, 0.5, 1.0), (0, 1, 0.2, 0)),
     ],
 )
 def test_continued_march_equals_one_march(history, tmp_path):
     """Its fields, totals, extremes and companion; from a file as from memory, to the bit."""
     scene = preloaded(shear_history=history)
-    whole = march(scene, 1.0, 200, length=1.0)
-    part = march(scene, 0.5, 200, length=1.0, latest=1.0)
+    whole = sf.march(scene, 1.0, 200, length=1.0)
+    part = sf.march(scene, 0.5, 200, length=1.0, latest=1.0)
     part.save(tmp_path / "march.h5")
-    loaded = Marched.load(tmp_path / "march.h5")
+    loaded = sf.Marched.load(tmp_path / "march.h5")
     assert loaded.scene == scene
     assert loaded.error_estimate == part.error_estimate
     assert loaded.companion.companion is None
-    continued, stored = march_on(part, 1.0), march_on(loaded, 1.0)
+    continued, stored = sf.march_on(part, 1.0), sf.march_on(loaded, 1.0)
     for name in ("interface", "seen", "totals"):
         one, other, all_at_once = (getattr(run, name) for run in (continued, stored, whole))
         for field in fields(one):
@@ -65,23 +47,23 @@ def test_continued_march_equals_one_march(history, tmp_path):
 
 
 def test_what_a_march_cannot_go_on_to_is_refused(tmp_path):
-    part = march(preloaded(), 0.5, 100, latest=0.8, companion=False)
+    part = sf.march(preloaded(), 0.5, 100, latest=0.8, companion=False)
     part.save(tmp_path / "alone.h5")
-    assert np.isnan(march_on(Marched.load(tmp_path / "alone.h5"), 0.8).error_estimate)
-    with pytest.raises(SceneError, match=r"end_time must be above 0\.5"):
-        march_on(part, 0.5)
-    with pytest.raises(SceneError, match="start again with a later `latest`"):
-        march_on(part, 0.9)
+    assert np.isnan(sf.march_on(sf.Marched.load(tmp_path / "alone.h5"), 0.8).error_estimate)
+    with pytest.raises(sf.SceneError, match=r"end_time must be above 0\.5"):
+        sf.march_on(part, 0.5)
+    with pytest.raises(sf.SceneError, match="start again with a later `latest`"):
+        sf.march_on(part, 0.9)
 
 
 @pytest.mark.parametrize("steps", [1, 3])
 def test_blocks_of_steps_change_nothing(steps, monkeypatch):
     """Blocks end anywhere: at a jump, at a stop, between levels of the companion."""
-    scene = preloaded(shear_history=Pulse(0.5), friction_law=SlipWeakening(0.5, 0.5))
+    scene = preloaded(shear_history=sf.Pulse(0.5), friction_law=sf.SlipWeakening(0.5, 0.5))
 
     def marches():
-        stopped = march(scene, nodes=60, every=5, progress=lambda done, steps: done == 33)
-        return stopped, march_on(stopped, 1.0)
+        stopped = sf.march(scene, nodes=60, every=5, progress=lambda done, steps: done == 33)
+        return stopped, sf.march_on(stopped, 1.0)
 
     found = marches()
     monkeypatch.setattr(stepping, "BLOCK_STEPS", steps)
@@ -101,53 +83,42 @@ def test_march_does_without_the_private_transform(monkeypatch):
     def missing(name):
         raise ImportError(name)
 
-    direct = march(preloaded(), nodes=60).interface.slip_rate
+    direct = sf.march(preloaded(), nodes=60).interface.slip_rate
     monkeypatch.setattr(cosines, "import_module", missing)
     cosines._transform.cache_clear()
     try:
-        public = march(preloaded(), nodes=60).interface.slip_rate
+        public = sf.march(preloaded(), nodes=60).interface.slip_rate
         assert "pypocketfft" not in repr(cosines._transform())
     finally:
         cosines._transform.cache_clear()
     np.testing.assert_allclose(public, direct, atol=1e-12)
 
 
-def test_interrupted_march_keeps_what_it_has():
-    scene = preloaded(shear_history=Harmonic(1.3))
-    whole = march(scene, 1.0, 100)
-    part = march(scene, 1.0, 100, progress=lambda done, steps: done == 30)
-    assert part.end_time == part.interface.t[-1] == whole.interface.t[30]
-    np.testing.assert_array_equal(part.interface.slip[:31], whole.interface.slip[:31])
-    np.testing.assert_allclose(
-        march_on(part, 1.0).interface.slip[-1], whole.interface.slip[-1], atol=1e-12
-    )
-
-
 def test_damaged_file_is_refused(tmp_path):
     path = tmp_path / "march.h5"
-    march(preloaded(), 0.5, 50).save(path)
+    sf.march(preloaded(), 0.5, 50).save(path)
     data = path.read_bytes()
     path.write_bytes(data[: len(data) // 2])
-    with pytest.raises(DataFileError, match="march again"):
-        Marched.load(path)
-    with pytest.raises(DataFileError, match="march again"):
-        Marched.load(tmp_path / "missing.h5")
+    with pytest.raises(sf.DataFileError, match="march again"):
+        sf.Marched.load(path)
+    with pytest.raises(sf.DataFileError, match="march again"):
+        sf.Marched.load(tmp_path / "missing.h5")
 
 
 def test_solver_is_chosen_by_the_scene():
-    exact, forced = predict(preloaded()), predict(preloaded(), nodes=50, method="space-time")
-    assert isinstance(exact, Solution)
-    assert isinstance(forced, Marched)
+    exact, forced = sf.predict(preloaded()), sf.predict(preloaded(), nodes=50, method="space-time")
+    assert isinstance(exact, sf.Solution)
+    assert isinstance(forced, sf.Marched)
     x = forced.interface.x
     assert relative_l1(forced.slip(x, 1.0), exact.slip(x, 1.0)) < 0.01
-    ramp = preloaded(shear_history=Ramp(0.3))
-    marched = predict(ramp, 0.4, nodes=50, length=1.0)
+    ramp = preloaded(shear_history=sf.Ramp(0.3))
+    marched = sf.predict(ramp, 0.4, nodes=50, length=1.0)
     assert (marched.end_time, marched.grid.observed, marched.interface.t[0]) == (0.4, 50, 0)
     assert marched.grid.x[-1] == pytest.approx(0.99)
-    with pytest.raises(SceneError, match=r"space-time solver.*docs/limits"):
-        predict(ramp, method="self-similar")
-    with pytest.raises(SceneError, match="method must be one of"):
-        predict(ramp, method="fem")
+    with pytest.raises(sf.SceneError, match=r"space-time solver.*docs/limits"):
+        sf.predict(ramp, method="self-similar")
+    with pytest.raises(sf.SceneError, match="method must be one of"):
+        sf.predict(ramp, method="fem")
 
 
 @pytest.mark.parametrize(
@@ -162,29 +133,28 @@ def test_solver_is_chosen_by_the_scene():
         ({"length": float("nan")}, "length must be above 0"),
         ({"every": 0}, "whole number from 1"),
         ({"tolerance": 1.0}, "at most 0.01"),
+        ({"nodes": 100, "rtol": 1e-2}, "leave out `nodes`, or `rtol`"),
+        ({"rtol": 1e-2, "companion": False}, "`rtol` needs the companion"),
+        ({"rtol": 0.0}, "rtol must be above 0"),
+        ({"rtol": 2.0}, "rtol must be above 0 and at most 1"),
+        ({"rtol": float("nan")}, "rtol must be"),
     ],
 )
 def test_bad_options(options, message):
-    with pytest.raises(SceneError, match=message):
-        march(preloaded(), **options)
-
-
-def test_tension_is_refused():
-    scene = Scene(UNIT, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.0), Pulse(0.5))
-    with pytest.raises(TensionError, match=r"turn tensile at x.*docs/limits"):
-        march(scene, nodes=100)
+    with pytest.raises(sf.SceneError, match=message):
+        sf.march(preloaded(), **options)
 
 
 @pytest.mark.parametrize(
     ("options", "solved"),
     [
         ({}, True),
-        ({"pressure_history": Pulse(0.5)}, False),
-        ({"friction_law": RateWeakening(0.1, 5.0)}, False),
+        ({"pressure_history": sf.Pulse(0.5)}, False),
+        ({"friction_law": sf.RateWeakening(0.1, 5.0)}, False),
     ],
 )
-def test_tension_sends_nobody_to_a_solver_that_refuses(options, solved):
-    scene = Scene(UNIT, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.0), **options)
-    with pytest.raises(TensionError) as refusal:
-        march(scene, nodes=100)
+def test_tension_is_refused_and_sends_nobody_to_a_solver_that_refuses(options, solved):
+    scene = unit_scene(0.3, (0.02, 0.0), (1.0, 0.0), **options)
+    with pytest.raises(sf.TensionError, match=r"turn tensile at x.*docs/limits") as refusal:
+        sf.march(scene, nodes=100)
     assert ("use `solve`" in str(refusal.value)) == solved

@@ -5,27 +5,16 @@ from functools import cache, partial
 import meshio
 import numpy as np
 import pytest
-from catalogue import UNIT, unit_scene
+from catalogue import STEEL, unit_scene
 
+import semianalytic as sf
 from fem import simulate
-from semianalytic import (
-    Harmonic,
-    Pulse,
-    Ramp,
-    Scene,
-    SceneError,
-    SlipWeakening,
-    Tabulated,
-    Tractions,
-    march,
-    solve,
-)
 from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime.bodies import wavefield
 
 QUANTITIES = ("velocity", "stress", "displacement")
-marched_once = cache(partial(march, companion=False))
+marched_once = cache(partial(sf.march, companion=False))
 HARD = {"friction": 300.0, "base": (3.0, 0.3)}
 
 
@@ -43,10 +32,10 @@ def off_by(values, exact, at_rest):
     return np.abs(values - exact)[:, known].sum() / change
 
 
-def errors(scene, nodes, count=60):
+def errors(scene, nodes, count=30):
     """Of all quantities after a march, against the self-similar solution."""
     end = 1 / scene.material.shear_speed
-    marched, exact = marched_once(scene, end, nodes), solve(scene)
+    marched, exact = marched_once(scene, end, nodes), sf.solve(scene)
     at = *points(scene, count), 0.97 * end
     return [
         off_by(
@@ -94,7 +83,7 @@ def test_stress_stays_bounded_beside_an_edge_that_slips():
     marched = marched_once(scene, 1.0, 256)
     for distance in (1e-6, 1e-3, 3e-3):
         at = distance * np.cos(angle), distance * np.sin(angle), 1.0
-        exact = np.abs(solve(scene).stress(*at)).max()
+        exact = np.abs(sf.solve(scene).stress(*at)).max()
         assert np.abs(marched.stress(*at)).max() < 3 * exact
     assert np.isfinite(marched.stress(0.0, [0.0, -0.0], 1.0)).all()
 
@@ -102,8 +91,8 @@ def test_stress_stays_bounded_beside_an_edge_that_slips():
 def test_stress_beside_an_edge_that_sticks_is_exact():
     scene = find_scene("stuck")
     at = 1e-4 * np.cos([0.3, 1.5, -2.8]), 1e-4 * np.sin([0.3, 1.5, -2.8]), 1.0
-    stress = march(scene, nodes=64, companion=False).stress(*at)
-    np.testing.assert_allclose(stress, solve(scene).stress(*at), rtol=1e-3)
+    stress = sf.march(scene, nodes=64, companion=False).stress(*at)
+    np.testing.assert_allclose(stress, sf.solve(scene).stress(*at), rtol=1e-3)
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -124,8 +113,8 @@ def test_faces_move_apart_by_slip():
 
 
 def test_slot_faces_carry_the_load():
-    scene = unit_scene(0.15, shear_history=Pulse(0.6, "triangle"))
-    marched = march(scene, nodes=256, companion=False)
+    scene = unit_scene(0.15, shear_history=sf.Pulse(0.6, "triangle"))
+    marched = sf.march(scene, nodes=256, companion=False)
     x, t = np.linspace(-2, -0.1, 50), np.array([[0.2], [0.5], [0.9]])
     _, normal, shear = marched.stress(x, 0.0, t)
     load = np.broadcast_to(-scene.shear_history.value(t), shear.shape)
@@ -155,10 +144,10 @@ def test_kinks_on_a_stuck_interface_are_superposed(mode):
         **HARD,
         load=(1.0, 1.0),
         mode=mode,
-        shear_history=Pulse(0.6, "triangle"),
-        pressure_history=Tabulated((0.0, 0.2, 0.2, 0.5), (0.0, 1.0, 0.5, 0.9)),
+        shear_history=sf.Pulse(0.6, "triangle"),
+        pressure_history=sf.Tabulated((0.0, 0.2, 0.2, 0.5), (0.0, 1.0, 0.5, 0.9)),
     )
-    marched, (x, y) = march(scene, nodes=256, companion=False), points(scene, 60)
+    marched, (x, y) = sf.march(scene, nodes=256, companion=False), points(scene, 60)
     velocity = marched.velocity(x, y, 0.93)
     assert marched.interface.slip.max() == 0
     assert off_by(velocity, superposed(scene, x, y, 0.93), 0.0) < 1e-3
@@ -166,9 +155,9 @@ def test_kinks_on_a_stuck_interface_are_superposed(mode):
 
 def test_far_behind_the_edge_the_slot_sends_plane_waves():
     scene = unit_scene(
-        **HARD, load=(0.4, 1.0), shear_history=Ramp(0.5), pressure_history=Ramp(0.25)
+        **HARD, load=(0.4, 1.0), shear_history=sf.Ramp(0.5), pressure_history=sf.Ramp(0.25)
     )
-    marched, solid = march(scene, nodes=64, companion=False), scene.material
+    marched, solid = sf.march(scene, nodes=64, companion=False), scene.material
     y = np.array([0.6, -0.6, 1.9])
     v_x, v_y = marched.velocity(-50.0, y, 0.9)
     sheared = scene.load.shear * scene.shear_history.value(0.9 - np.abs(y))
@@ -187,12 +176,12 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
         0.1,
         load=(0.1, 1.0),
         mode=mode,
-        shear_history=Harmonic(1.5),
-        pressure_history=Ramp(0.7),
-        friction_law=SlipWeakening(0.5, 0.1),
+        shear_history=sf.Harmonic(1.5),
+        pressure_history=sf.Ramp(0.7),
+        friction_law=sf.SlipWeakening(0.5, 0.1),
     )
-    marched = march(scene, nodes=200, companion=False)
-    x, y, step = *np.array([[-0.6, -0.3, 0.4, 0.7], [0.3, -0.35, 0.4, -0.25]]), 1e-3
+    marched = sf.march(scene, nodes=128, companion=False)
+    x, y, step = *np.array([[-0.6, -0.3, 0.7], [0.3, -0.35, -0.25]]), 1e-3
 
     def slope(dx, dy, dt):
         ends = (
@@ -214,7 +203,7 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
 
 @pytest.mark.slow
 def test_many_depths_are_interpolated(monkeypatch):
-    marched = march(find_scene("ramp"), nodes=128, companion=False)
+    marched = sf.march(find_scene("ramp"), nodes=128, companion=False)
     x, y = points(marched.scene, 270)
     each = marched.stress(x, y, 1.0)
     monkeypatch.setattr(wavefield, "FIELD_LEVELS", 200)
@@ -224,7 +213,7 @@ def test_many_depths_are_interpolated(monkeypatch):
 
 def test_points_of_many_times_are_those_of_one_time():
     marched = marched_once(find_scene("ramp"), 1.0, 64)
-    x, y, t = (*points(marched.scene, 30), np.linspace(-0.2, 1.0, 30))
+    x, y, t = (*points(marched.scene, 10), np.linspace(-0.2, 1.0, 10))
     together = marched.velocity(x, y, t)
     alone = np.stack([marched.velocity(*one) for one in zip(x, y, t, strict=True)], axis=1)
     np.testing.assert_allclose(together, alone, atol=1e-12)
@@ -232,7 +221,7 @@ def test_points_of_many_times_are_those_of_one_time():
 
 
 def test_before_the_load_there_is_the_base():
-    marched = march(find_scene("remote-shock"), nodes=32, companion=False)
+    marched = sf.march(find_scene("remote-shock"), nodes=32, companion=False)
     np.testing.assert_array_equal(marched.stress(0.3, [0.1, -0.1], 0.0).T, [[0, -1, 1]] * 2)
     assert marched.velocity(0.3, np.zeros((4, 1)), np.zeros(5)).shape == (2, 4, 5)
 
@@ -242,14 +231,14 @@ def test_before_the_load_there_is_the_base():
 def test_error_of_fields_is_bounded_by_its_estimate(name, nodes):
     scene = find_scene(name)
     _, error, _ = errors(scene, nodes)
-    assert error < march(scene, nodes=nodes).field_error < 6 * error
+    assert error < sf.march(scene, nodes=nodes).field_error < 6 * error
 
 
 def test_estimates_tell_how_close_to_an_edge_stress_is_known():
     """The sum over wavelengths limits it there, on march and companion alike."""
     scene = find_scene("preloaded")
-    exact, marched = solve(scene), march(scene, 1.0, 200)
-    angle, cut = np.linspace(-3.1, 3.1, 40), scene.fastest_speed / 64
+    exact, marched = sf.solve(scene), sf.march(scene, 1.0, 200)
+    angle, cut = np.linspace(-3.1, 3.1, 16), scene.fastest_speed / 64
     shares = []
     for circle in (1, 2, 3, 10):
         at = circle * cut * np.cos(angle), circle * cut * np.sin(angle), 0.9
@@ -269,11 +258,11 @@ def test_finite_elements_under_slip_weakening_come_to_the_same_fields(tmp_path, 
         base=(1.0, 0.0),
         load=(0.2, 1.0),
         mode=mode,
-        pressure_history=Ramp(0.3),
-        shear_history=Pulse(0.8, "triangle"),
-        friction_law=SlipWeakening(0.4, 0.05),
+        pressure_history=sf.Ramp(0.3),
+        shear_history=sf.Pulse(0.8, "triangle"),
+        friction_law=sf.SlipWeakening(0.4, 0.05),
     )
-    marched, off = march(scene, nodes=400, companion=False), []
+    marched, off = sf.march(scene, nodes=400, companion=False), []
     for resolution in (16, 32):
         folder = tmp_path / str(resolution)
         simulate(scene, 1.0, resolution=resolution, snapshots=folder, frames=1)
@@ -298,32 +287,26 @@ def test_finite_elements_under_slip_weakening_come_to_the_same_fields(tmp_path, 
     ],
 )
 def test_what_the_march_does_not_determine_is_refused(at, reason):
-    marched = march(find_scene("preloaded"), 1.0, 32, length=0.5, companion=False)
-    with pytest.raises(SceneError, match=reason):
+    marched = sf.march(find_scene("preloaded"), 1.0, 32, length=0.5, companion=False)
+    with pytest.raises(sf.SceneError, match=reason):
         marched.velocity(*at)
 
 
 def test_a_short_contact_determines_what_waves_from_beyond_have_not_reached():
     scene = find_scene("preloaded")
-    short = march(scene, 1.0, 64, length=0.8, companion=False)
+    short = sf.march(scene, 1.0, 64, length=0.8, companion=False)
     x, y, t = np.array([0.2, -0.4, 0.9]), np.array([0.3, -0.5, 0.9]), np.array([0.5, 0.9, 0.8])
-    exact = solve(scene).velocity(x, y, t)
+    exact = sf.solve(scene).velocity(x, y, t)
     assert np.abs(short.velocity(x, y, t) - exact).max() < 5e-3
 
 
 def test_any_units_will_do():
-    scene = unit_scene(0.3, load=(0.2, 1.0), shear_history=Ramp(0.5))
-    solid = type(UNIT)(80e9, 7800.0, UNIT.poisson_ratio)
+    scene, solid = unit_scene(0.3, load=(0.2, 1.0), shear_history=sf.Ramp(0.5)), STEEL
     length, stress = 0.25, 5e6
     time = length / solid.shear_speed
-    large = Scene(
-        solid,
-        0.3,
-        Tractions(stress, 0.0),
-        Tractions(0.2 * stress, stress),
-        shear_history=Ramp(0.5 * time),
-    )
-    one, other = march(scene, 1.0, 64), march(large, time, 64)
+    base, load = sf.Tractions(stress, 0.0), sf.Tractions(0.2 * stress, stress)
+    large = sf.Scene(solid, 0.3, base, load, shear_history=sf.Ramp(0.5 * time))
+    one, other = sf.march(scene, 1.0, 64), sf.march(large, time, 64)
     x, y = points(scene, 20)
     units = {"velocity": stress / solid.shear_impedance, "stress": stress}
     for name in QUANTITIES:

@@ -7,23 +7,21 @@ import pytest
 from catalogue import PRELOADED, SHOCK, unit_scene
 from laws import random_scenes
 
-from semianalytic import (
-    solve,
-)
+from semianalytic import solve
+from semianalytic.selfsimilar.derivatives.parameters import parameter
 from tests.semianalytic.selfsimilar.derivatives.test_derivative import (
     NAMES,
     TRACTIONS,
     clear_positions,
     edges_of,
     unpressed,
-    value,
 )
 
 
 def error_over_size(derivative, exact, right):
     """Return the error of fields and edges over their size, as `error_estimate` is meant."""
     x, worst = clear_positions(exact), []
-    size = abs(value(exact.scene, right.name))
+    size = abs(parameter(exact.scene, right.name))
     if not size:
         size = exact.stress_unit if right.name in TRACTIONS else 1.0
     speed = exact.scene.material.shear_speed

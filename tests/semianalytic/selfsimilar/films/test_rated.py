@@ -7,13 +7,7 @@ import pytest
 from catalogue import REMOTE, unit_scene
 from laws import check_march_converges
 
-from semianalytic import (
-    CoulombFriction,
-    RateWeakening,
-    SceneError,
-    ViscousFriction,
-    solve,
-)
+from semianalytic import CoulombFriction, RateWeakening, SceneError, ViscousFriction, solve
 from semianalytic.reference import viscous_edge_speed, viscous_slip_rate
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.rated import approach, newton
@@ -120,22 +114,50 @@ def test_slip_rate_too_steep_for_any_rule_is_said():
 
 
 @pytest.mark.slow
-def test_slip_rate_that_no_step_makes_less_steep_is_given_up_at_once(monkeypatch):
+@pytest.mark.parametrize("reduction", [0.314, 0.4])
+@pytest.mark.parametrize("load", [-10.4, 10.1])
+def test_falling_friction_is_answered_or_refused(reduction, load):
+    """Zone edges pass the shear front on the way, and leave the nodes of slip rate behind."""
+    law = RateWeakening(0.33, reduction)
+    solution = solve(unit_scene(0.33, (0.13, 0.0), (0.0, load), friction_law=law), rtol=1e-5)
+    assert solution.zones
+    assert solution.status == "converged" or "which no rule resolves" in solution.status
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("nu", "friction"), [(0.25, 0.6), (1 / 3, 0.05)])
+def test_falling_friction_whose_exponent_rounds_to_zero_is_told(nu, friction):
+    """A zone edge comes so close to c_R that slip rate has the power 0 beside it."""
+    law = RateWeakening(0.33, 0.314)
+    scene = unit_scene(friction, (0.13, 0.0), (0.0, -10.4), nu=nu, friction_law=law)
+    assert "which no rule resolves" in solve(scene).status
+
+
+@pytest.fixture
+def fields(monkeypatch):
+    """How many fields each call of `polish_edges` computes."""
+    counts = []
+
+    def polished(*given):
+        found = polish_edges(*given)
+        counts.append(1 + found[0].steps)
+        return found
+
+    monkeypatch.setattr(newton, "polish_edges", polished)
+    return counts
+
+
+@pytest.mark.slow
+def test_slip_rate_that_no_step_makes_less_steep_is_given_up_at_once(monkeypatch, fields):
     """Draw 2747 of the campaign: weak friction leaves 1e-10 of stick around c_R, beside which even
     a part of the law is too steep; five more steps took a minute."""
-    calls, fields = [], []
+    calls = []
 
     def counted(*given):
         calls.append(rated_zones(*given))
         return calls[-1]
 
-    def polished(*given):
-        found = polish_edges(*given)
-        fields.append(1 + found[0].steps)
-        return found
-
     monkeypatch.setattr(approach, "rated_zones", counted)
-    monkeypatch.setattr(newton, "polish_edges", polished)
     law = RateWeakening(0.5673157809443904, 2.021263565484365)
     base = (0.8160586945782151, 0.0011639241467299353)
     friction, nu = 0.0014262750393603937, 0.41993813926217527
@@ -145,17 +167,10 @@ def test_slip_rate_that_no_step_makes_less_steep_is_given_up_at_once(monkeypatch
     assert sum(fields) <= tuning.MOST_RATE_FIELDS
 
 
-def test_fields_without_end_are_given_up(monkeypatch):
+def test_fields_without_end_are_given_up(monkeypatch, fields):
     """However many the iterations would take."""
     monkeypatch.setattr(tuning, "MOST_RATE_FIELDS", 6)
-    start, fields = dry(ONE_ZONE), []
-
-    def polished(*given):
-        found = polish_edges(*given)
-        fields.append(1 + found[0].steps)
-        return found
-
-    monkeypatch.setattr(newton, "polish_edges", polished)
+    start = dry(ONE_ZONE)
     law = unit_law(ONE_ZONE, start.stress_unit)
     assert not rated_zones(start.profile, start.profile.fields.zones, law, 1e-6).converged
     assert 6 <= sum(fields) <= 6 + tuning.MOST_BROYDEN_STEPS

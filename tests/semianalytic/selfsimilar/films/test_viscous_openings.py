@@ -1,33 +1,24 @@
-"""A viscous film that opens: slip rate at borders of the opening, laws, a grid, estimates."""
+"""A viscous film that opens: slip rate at borders of the opening, laws, a grid, estimates; and
+films of high viscosity, answered or refused in one sentence, in bounded memory."""
 
+import tracemalloc
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from laws import check_invariants, opening_scene
+from catalogue import unit_scene
+from laws import check_invariants
 
-from semianalytic import (
-    Material,
-    RateWeakening,
-    Scene,
-    SceneError,
-    Tractions,
-    ViscousFriction,
-    solve,
-)
-from semianalytic.cut.load import scaled_load
+from semianalytic import RateWeakening, SceneError, ViscousFriction, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.selfsimilar.zones.collocation import slip_on_grid
-from semianalytic.separation.normal import with_opening
-
-STEEL = Material(1.0, 1.0, 1 / 3)
+from semianalytic.selfsimilar.zones import tuning
+from tests.semianalytic.selfsimilar.films.test_viscous import check_honest
 
 
 def film(viscosity, base, load, friction=0.3, **rest):
     """A scene of (pressure, shear), its base and load, with a viscous film."""
-    law = ViscousFriction(viscosity)
-    return Scene(STEEL, friction, Tractions(*base), Tractions(*load), friction_law=law, **rest)
+    return unit_scene(friction, base, load, friction_law=ViscousFriction(viscosity), **rest)
 
 
 LIFTED = film(0.25, (1.0, 0.0), (-1.0, 1.0))
@@ -44,19 +35,9 @@ def test_laws_hold(scene, mode):
     check_invariants(replace(scene, mode=mode))
 
 
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("seed", range(10))
-def test_laws_hold_in_scenes_that_open(seed):
-    random = np.random.default_rng(seed)
-    scene = opening_scene(random)
-    law = ViscousFriction(10 ** random.uniform(-3, 1))
-    check_invariants(replace(scene, friction_law=law, mode=("in-plane", "antiplane")[seed % 2]))
-
-
 def test_laws_hold_where_slip_turns_right_ahead_of_an_opening():
     """On a narrow strip, seen between the last node of slip the other way and the opening."""
-    scene = film(0.419415, (0.066034, -0.000302722), (1.0, -0.130854), 0.014072)
-    scene = replace(scene, material=Material(1.0, 1.0, -0.59624))
+    scene = film(0.419415, (0.066034, -0.000302722), (1.0, -0.130854), 0.014072, nu=-0.59624)
     assert [zone.sense for zone in solve(scene).zones] == [-1, 1, -1]
     check_invariants(scene)
 
@@ -88,6 +69,7 @@ def test_slip_rate_is_infinite_where_the_contact_opens_slowly(scene, mode):
     np.testing.assert_allclose(powers(solution, border), expected, rtol=0, atol=1e-4)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("viscosity", [0.05, 0.25, 2.0])
 def test_slip_rate_is_nothing_where_the_contact_closes(viscosity, mode):
@@ -115,21 +97,6 @@ def test_slip_rate_jumps_where_an_antiplane_contact_opens_ahead_of_waves(viscosi
     )
 
 
-@pytest.mark.parametrize(
-    "scene", [LIFTED, TAPPED, replace(TAPPED, mode="antiplane"), film(0.5, (0.02, 0.0), (1.0, 0.5))]
-)
-def test_slip_agrees_with_complementarity_on_a_grid(scene):
-    solution, nu = solve(scene, rtol=1e-6), scene.material.poisson_ratio
-    load, stress = scaled_load(scene)
-    load, _ = with_opening(load, rayleigh_factors(nu, scene.shear_mode), 1e-6)
-    grid = slip_on_grid(nu, load, 300, scene.shear_mode)
-    inside = np.linspace(grid.xi[:-1], grid.xi[1:], 6)[1:-1]
-    rate = solution.slip_rate(inside.ravel(), 1.0).reshape(inside.shape).mean(axis=0)
-    seen = stress * (grid.slip_rate[1:] + grid.slip_rate[:-1])  # relative, averaged
-    error = np.abs(rate - seen) @ np.diff(grid.xi)
-    assert error < 0.01 * np.abs(rate) @ np.diff(grid.xi)
-
-
 def test_little_viscosity_is_nearly_none():
     x = np.linspace(0.01, 1.99, 1500)
     for scene in (LIFTED, TAPPED):
@@ -145,19 +112,12 @@ def test_little_viscosity_is_nearly_none():
 @pytest.mark.parametrize("scene", EVERY)
 def test_estimates_bound_errors(scene):
     exact = solve(scene, rtol=1e-10)
-    assert exact.status == "converged"
-    x = np.linspace(0.004, 1.999, 1500)
-    rate = exact.slip_rate(x, 1.0)
     for rtol in (1e-4, 1e-6, 1e-8):
+        assert check_honest(exact, rtol)
         solution = solve(scene, rtol=rtol)
-        bound = solution.error_estimate
-        assert solution.status == "converged"
-        pairs = zip(solution.zones, exact.zones, strict=True)
-        assert all(abs(a.inner - b.inner) + abs(a.outer - b.outer) < 2 * bound for a, b in pairs)
-        assert np.abs(solution.slip_rate(x, 1.0) - rate).sum() < bound * np.abs(rate).sum()
         for name in ("frictional_power", "frictional_work", "accumulated_slip", "max_slip"):
             value, known = (float(getattr(one, name)(1.0)) for one in (solution, exact))
-            assert value == pytest.approx(known, rel=bound), name
+            assert value == pytest.approx(known, rel=solution.error_estimate), name
 
 
 @pytest.mark.slow
@@ -175,3 +135,63 @@ def test_friction_that_falls_with_slip_rate_is_refused_where_the_contact_opens()
     law = RateWeakening(0.1, 1.0)
     with pytest.raises(SceneError, match=r"where the contact opens .* falls .*\(docs/limits"):
         solve(replace(LIFTED, friction_law=law))
+
+
+# --- high viscosity -----------------------------------------------------------------------------
+
+FORETOLD = 1.1  # nodes over those that were foretold, at the most
+STRONGEST = film(6794.0, (0.05138, 0.0), (-1.0, -0.4025), 0.04297, nu=-0.3873)
+
+
+@pytest.mark.thinned(4)
+@pytest.mark.parametrize(
+    "scene",
+    [  # nodes of the first two zones once met both ends at the shear front
+        film(1460.3, (0.017959, 0.0), (-1.0, 0.041486), 0.13935, nu=0.0),
+        film(321.0, (0.0047, 0.0), (1.0, 0.43), 0.02),
+        film(889.0, (0.05, 0.0), (-1.0, 0.5), 0.2, nu=0.25),
+        film(401.0, (0.05, 0.0), (-1.0, -0.3), 0.05, nu=0.25),
+        film(889.0, (0.2, 0.0), (-1.0, 0.4), 0.05, nu=0.45),
+    ],
+)
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6])
+def test_strong_films_that_open_are_solved(scene, rtol):
+    solution = solve(scene, rtol=rtol)
+    assert solution.status == "converged"
+    assert solution.openings
+
+
+@pytest.mark.slow
+def test_what_would_take_more_than_seconds_says_so(monkeypatch):
+    monkeypatch.setattr(tuning, "MOST_NODES", 4_000)
+    solution = solve(STRONGEST, rtol=1e-11)
+    # nodes are foretold from a looser rule, which the layout of panels and films makes longer
+    assert solution.statistics.nodes < FORETOLD * 4_000
+    assert 1e-11 < solution.error_estimate < 1e-3
+    assert solution.status.endswith(
+        "for which more than 4,000 nodes and far more than seconds are needed"
+    )
+
+
+@pytest.mark.slow
+def test_memory_of_a_strong_film_is_bounded():
+    """Gigabytes when tables of thirty-two rules were kept and rules had 20,000 nodes."""
+    tracemalloc.start()
+    try:
+        solution = solve(STRONGEST, rtol=1e-12)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert solution.statistics.nodes < FORETOLD * tuning.MOST_NODES
+    assert peak < 600e6
+
+
+def test_an_edge_on_the_end_of_an_opening_is_told():
+    """Draw 242 of the campaign: on the way an edge came to within an ulp of where the contact
+    closes, and no panel fits between them."""
+    friction, pressure = 0.12567124170729066, 2.322356715388106e-05
+    base = (pressure, friction * pressure)
+    scene = film(25.477720953237093, base, (1.0, 1.0), friction, mode="antiplane")
+    solution = solve(scene, rtol=1e-9)
+    assert solution.openings
+    assert solution.status == "converged" or "Coulomb's law" in solution.status
