@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import pytest
 from catalogue import solved
-from compare_cases import sampled_run, simulated
+from compare_cases import Spoilt, differing, named, sampled_run, simulated
 
 from compare import judge
 from compare.comparison.documents import edge_state, json_text, solution_document
 from compare.comparison.report import report_document, write_report
+from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.overriding import override_scene
 
@@ -78,21 +79,16 @@ def test_no_value_is_null_where_there_is_none(thin_gap):
     assert {row["simulated"] for row in edges} == {row["difference"] for row in edges} == {None}
 
 
-def test_predictions_that_are_no_solution_are_described_by_their_class():
-    class Told:
-        """A solution by another name."""
-
-        def __init__(self, solution):
-            self._solution = solution
-
-        def __getattr__(self, name):
-            return getattr(self._solution, name)
-
-    solution = solved(PRELOADED)
-    judgement = judge(Told(solution), sampled_run(solution, resolution=40))
+def test_predictions_that_are_no_solution_are_described_by_their_class(solution):
+    """What is judged is asked for its zones, not of its class."""
+    run, zone = sampled_run(solution), SlipInterval(0.0, 0.5, 1)
+    judgement = judge(Spoilt(solution), run)
     document = report_document(judgement, "")
-    assert (document["method"], document["semianalytic"]) == ("Told", None)
+    assert (document["method"], document["semianalytic"]) == ("Spoilt", None)
     assert judgement.verdict == "agrees"
+    other = judge(Spoilt(solution, zones_at=lambda t: (zone,)), run)
+    assert named(other)["zone 1, outer edge"].exact == 0.5
+    assert any(name.startswith("unpredicted slip") for name in differing(other))
 
 
 @pytest.mark.slow
@@ -104,10 +100,9 @@ def test_whole_interface_slipping_is_compared_too():
     assert document["far_slip_rate"] == pytest.approx(1.0)
 
 
-def test_edge_state_and_intensities():
+def test_edge_state_and_intensities(solution):
     stuck = solved(find_scene("stuck"))
-    assert edge_state(solved(PRELOADED)) == "slipping"
-    assert edge_state(stuck) == "stuck"
+    assert (edge_state(solution), edge_state(stuck)) == ("slipping", "stuck")
     intensity = solution_document(stuck)["edge"]["stress_intensity_at_unit_time"]
     material = stuck.scene.material
     # Theory: K_II / K_I = (Q_0 / P_0) sqrt(c_l / c_t) while the edge is stuck.

@@ -19,11 +19,6 @@ PRELOADED = find_scene("preloaded")
 EDGES = ["zone 1, outer edge", "zone 2, inner edge", "zone 2, outer edge"]
 
 
-@pytest.fixture(scope="module")
-def solution():
-    return solved(PRELOADED)
-
-
 def edge_rows(prediction, run):
     return {row.name: row for row in zone_rows(side_by_side(prediction, run))}
 
@@ -90,27 +85,30 @@ def test_slip_the_other_way_is_no_zone(solution):
     assert [row.simulated for row in unpredicted] == pytest.approx([0.884, 0.084], abs=0.01)
 
 
+def unpredicted(solution, run):
+    (row,) = (row for name, row in edge_rows(solution, run).items() if name not in EDGES)
+    return row
+
+
+def slipping_strip(start, end):
+    return lambda velocity, rate: np.where((velocity > start) & (velocity < end), 0.5, rate)
+
+
 @pytest.mark.slow
 def test_slip_in_a_strip_is_unpredicted_if_the_coarser_mesh_shows_it_too(solution):
-    def slipping(velocity, rate):
-        return np.where((velocity > 1.3) & (velocity < 1.4), 0.5, rate)
-
-    both = on_all_meshes(sampled_run(solution), slipping)
-    (row,) = (row for name, row in edge_rows(solution, both).items() if name not in EDGES)
+    both = on_all_meshes(sampled_run(solution), slipping_strip(1.3, 1.4))
+    row = unpredicted(solution, both)
     assert row.name.startswith("unpredicted slip at 1.3")
     # An even strip of 0.1 has no square-root edges: up to an element is missing at either end.
     assert row.simulated == pytest.approx(0.09, abs=0.015)
     assert row.verdict == "differs"
-    alone = replace(both, companion=sampled_run(solution).companion)
-    (row,) = (row for name, row in edge_rows(solution, alone).items() if name not in EDGES)
+    row = unpredicted(solution, replace(both, companion=sampled_run(solution).companion))
     assert (row.verdict, row.obstacle) == ("unresolved", "the coarser mesh does not show it")
 
 
 def test_a_strip_narrower_than_four_elements_is_not_held_against_the_prediction(solution):
-    run = on_all_meshes(
-        sampled_run(solution), lambda v, rate: np.where((v > 1.3) & (v < 1.33), 0.5, rate)
-    )
-    (row,) = (row for name, row in edge_rows(solution, run).items() if name not in EDGES)
+    run = on_all_meshes(sampled_run(solution), slipping_strip(1.3, 1.33))
+    row = unpredicted(solution, run)
     assert (row.verdict, row.obstacle) == ("unresolved", "it is narrower than 4 elements")
 
 
