@@ -1,6 +1,6 @@
 """The judge on real simulations and on sampled ones with a known error; its verdicts and units."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import pytest
 from catalogue import solved
@@ -84,19 +84,16 @@ def test_a_run_without_error_agrees_with_nothing_but_rounding(name):
 
 
 @pytest.mark.slow
-def test_the_mesh_that_an_unresolved_part_asks_for_resolves_it():
+@pytest.mark.parametrize("name", ["remote-shock", "lift-off-shear"])
+def test_the_mesh_that_an_unresolved_part_asks_for_resolves_it(name):
     """Nothing of a run without error is unresolved twice for the same reason."""
-    for name in ("remote-shock", "lift-off-shear"):
-        solution = solved(NAMED_SCENES[name].scene)
-        first = judge(solution, sampled_run(solution))
-        named_meshes = [
-            row.resolution for row in first.having("unresolved") if "wide" in row.obstacle
-        ]
-        finer = 4 * -(-max(named_meshes) // 4)
-        rows = named(judge(solution, sampled_run(solution, resolution=finer)))
-        for row in first.having("unresolved"):
-            if "wide" in row.obstacle:
-                assert rows[row.name].verdict == "agrees", (name, row.name)
+    solution = solved(NAMED_SCENES[name].scene)
+    first = judge(solution, sampled_run(solution))
+    narrow = [row for row in first.having("unresolved") if "wide" in row.obstacle]
+    finer = 4 * -(-max(row.resolution for row in narrow) // 4)
+    rows = named(judge(solution, sampled_run(solution, resolution=finer)))
+    for row in narrow:
+        assert rows[row.name].verdict == "agrees", row.name
 
 
 def check_ordinary(name, resolution):
@@ -106,13 +103,12 @@ def check_ordinary(name, resolution):
     assert judgement.verdict == "agrees"
     assert judgement.counts["agrees"] >= 10
     rows = named(judgement)
-    edges = [rows["zone 1, outer edge"]]
     if name in THIN:
-        edges.append(rows["zone 2, inner edge"])
+        edges = rows["zone 1, outer edge"], rows["zone 2, inner edge"]
+        gap = (edges[1].exact - edges[0].exact) / NARROW
         for row in edges:
             assert row.verdict == "unresolved"
             assert row.obstacle.startswith("the gap to the next zone is ")
-            gap = (rows["zone 2, inner edge"].exact - rows["zone 1, outer edge"].exact) / NARROW
             assert row.resolution == pytest.approx(1 / gap, abs=1)
             assert judgement.remedy(row).startswith(f"resolution {row.resolution}, h = ")
     return rows
@@ -285,32 +281,26 @@ def rescaled(run, scene, time):
     length = time * scene.material.shear_speed
     stress = scene.load.shear
     rate = slip_rate_scale(scene) / slip_rate_scale(run.scene)
-    seen = run.interface
-    return replace(
+    units = {
+        **dict.fromkeys(("end_time", "time_step", "rate_window", "t"), time),
+        **dict.fromkeys(("element_size", "x"), length),
+        **dict.fromkeys(("slip_rate", "velocity_x", "velocity_y"), rate),
+        **dict.fromkeys(("slip", "final_path"), rate * time),
+        **dict.fromkeys(("shear_traction", "pressure"), stress),
+        "final_work_density": stress * rate * time,
+    }
+
+    def scaled(one, **others):
+        known = {part.name: getattr(one, part.name) for part in fields(one) if part.name in units}
+        return replace(
+            one, **{name: units[name] * value for name, value in known.items()}, **others
+        )
+
+    return scaled(
         run,
         scene=scene,
-        end_time=time * run.end_time,
-        element_size=length * run.element_size,
-        time_step=time * run.time_step,
-        rate_window=time * run.rate_window,
-        interface=replace(
-            seen,
-            x=length * seen.x,
-            t=time * seen.t,
-            slip=rate * time * seen.slip,
-            slip_rate=rate * seen.slip_rate,
-            shear_traction=stress * seen.shear_traction,
-            pressure=stress * seen.pressure,
-        ),
-        slot=replace(
-            run.slot,
-            x=length * run.slot.x,
-            t=time * run.slot.t,
-            velocity_x=rate * run.slot.velocity_x,
-            velocity_y=rate * run.slot.velocity_y,
-        ),
-        final_path=rate * time * run.final_path,
-        final_work_density=stress * rate * time * run.final_work_density,
+        interface=scaled(run.interface),
+        slot=scaled(run.slot),
         companion=run.companion and rescaled(run.companion, scene, time),
     )
 
