@@ -62,6 +62,7 @@ def test_sheets_are_exported(tmp_path, refused):
     ("arguments", "code", "words"),
     [
         (["show", "stick"], 2, "did you mean stuck?"),
+        (["show", "zzz"], 2, "choose stuck"),
         (["enter", "dem", "stuck"], 2, "no code called 'dem' to enter; choose fem, march"),
         (["enter", "march", "stuck", "--cells", "3"], 2, "--cells must"),
         (["enter", "march", "tap", "--output", "x.csv"], 2, "tensile"),

@@ -10,7 +10,7 @@ from compare.benchmarks.entries import enter, read_run
 from compare.benchmarks.export import exported
 from compare.benchmarks.pages import as_markdown, sheet_blocks
 from compare.benchmarks.scores import EXACTLY, score
-from compare.benchmarks.sheet import SI_SCALES, STATIONS, TIMES, in_si
+from compare.benchmarks.sheet import SI_SCALES, STATIONS, TIMES
 from compare.benchmarks.sheets import (
     ALL_SHEETS,
     FRONT_SHEETS,
@@ -95,11 +95,6 @@ def test_the_si_problem_is_the_same_times_its_scales(sheet):
         ours, theirs = getattr(plain, name)(x, t), getattr(si, name)(x * SI_SCALES["x"], t)
         least = 1e-7 * np.abs(ours).max() * SI_SCALES[name] if sheet.name in PAIR_SHEETS else 1e-9
         np.testing.assert_allclose(theirs, ours * SI_SCALES[name], rtol=rel, atol=least)
-
-
-def test_moving_loads_are_not_turned_to_si():
-    with pytest.raises(SceneError, match="moving loads are not known here"):
-        in_si(find_scene("moving-load"))
 
 
 # --- pages and exports ----------------------------------------------------------------------------
@@ -194,11 +189,13 @@ def test_our_own_codes_take_a_wave(code, most):
         ("fem", "whole-line-patch", "takes scenes with a slot"),
         ("march", "whole-line-patch", "takes scenes with a slot"),
         ("march", "pair-opening", "march knows identical bodies only"),
+        ("march", "tpv101", "march takes scenes, and tpv101 is an interface; give run."),
+        ("run", "preloaded", "run takes interfaces, and preloaded is none; give march."),
     ],
 )
 def test_our_own_codes_refuse_what_they_do_not_take(code, sheet, message):
     with pytest.raises(SceneError, match=message):
-        enter(code, ALL_SHEETS[sheet], 50)
+        enter(code, find_sheet(sheet), 50)
 
 
 def test_finite_elements_take_pairs():
