@@ -164,7 +164,9 @@ def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, mo
 
 
 @pytest.mark.slow
-def test_a_chart_and_a_map_made_by_a_cluster(two_workers, tmp_path, capsys):
+@in_processes
+def test_a_chart_and_a_map_made_by_a_cluster(client, two_workers, tmp_path, capsys):
+    client.wait_for_workers(2, timeout=60)  # those that another test has ended are back
     scheduler = ["--scheduler", two_workers.scheduler_address, "--quiet"]
     for folder, options in (("here", ["--quiet"]), ("there", scheduler)):
         to = ["--output", str(tmp_path / folder)]
