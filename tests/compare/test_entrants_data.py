@@ -1,4 +1,4 @@
-"""Results of codes that are not ours: readable, right, and wrong where they are known to be."""
+"""Results of codes that are not ours: readable, right or known to be wrong, judged as they are."""
 
 from dataclasses import replace
 from functools import cache
@@ -6,9 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 
+from compare.records.read import read_records
+from compare.validation import validate
 from docs.studies.pages import ROOT, read_data
 from semianalytic.scene.given.named import NAMED_PAIRS
 from slipfront import find_pair, find_scene, predict, solve_pair
+from slipfront.cli.commands import main
 
 ENTRANTS = ROOT / "tests" / "data" / "entrants"
 COLUMNS = ("t", "x", "slip_rate", "slip", "shear_traction", "pressure")
@@ -162,3 +165,66 @@ def test_league_runs_are_those_of_the_files():
     assert told == {
         (said["benchmark"], said["code"], said["cells"]): float(said["seconds"]) for said in files
     }
+
+
+# --- how they are validated -----------------------------------------------------------------------
+
+WRONG = {
+    ("sem2dpack/tap", 1),  # its contact closes while the gap is open
+    ("sem2dpack/tap", 3),
+    ("sem2dpack/remote-shock", 1),  # slip rate beside the edge is noisy
+}
+
+
+@pytest.mark.thinned(40)
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("folder", [one for one in (*MOST, CLOSES_EARLY) if "pair" not in one])
+def test_codes_are_judged_as_they_are(folder, count):
+    judged = validate(read_records(runs(folder)[-count:]), find_scene(folder.partition("/")[2]))
+    assert judged.verdict == ("differs" if (folder, count) in WRONG else "agrees")
+
+
+@pytest.mark.thinned(6)
+@pytest.mark.parametrize("coarser", [0, 2])
+@pytest.mark.parametrize("code", ["uguca", "sem2dpack"])
+def test_friction_three_per_cent_off_differs(code, coarser):
+    files = runs(f"{code}/preloaded")[:coarser]
+    wrong = ENTRANTS / f"{code}-friction-3-percent-off.csv"
+    judged = validate(read_records([*files, wrong]), find_scene("preloaded"))
+    assert judged.verdict == "differs"
+    assert "strength where it slides" in [row.name for row in judged.having("differs")]
+
+
+@pytest.mark.thinned(10)
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["README.md"], 3, ["line"]),
+        (["uguca/preloaded/200.csv"], 0, ["Verdict: agrees"]),
+        (["uguca-friction-3-percent-off.csv"], 1, ["Verdict: differs"]),
+        (["sem2dpack/preloaded/160.csv"], 0, ["Verdict: agrees"]),
+        (["sem2dpack-friction-3-percent-off.csv"], 1, ["Verdict: differs"]),
+        (
+            ["uguca-own-files/preloaded.info", "--origin", "2.115", "--spacing", "0.01"],
+            0,
+            ["Inferred: pressure: tension is positive", "upper face alone", "one face, doubled"],
+        ),
+        (
+            ["sem2dpack-own-files/preloaded", "--spacing", "1.25"]
+            + [word for name in ("length", "time", "slip") for word in ("--scale", f"{name}=.01")],
+            0,
+            ["tension is positive", "--pressure tension"],
+        ),
+        (["nothing.csv"], 3, ["does not exist"]),
+        (["uguca/preloaded/200.csv", "--column", "x"], 2, ["--column must be"]),
+    ],
+)
+def test_one_command_says_so(arguments, code, words, tmp_path, capsys):
+    path, *options = arguments
+    given = ["validate", str(ENTRANTS / path), "--scene", "preloaded", *options]
+    assert main([*given, "--output", str(tmp_path / "out")]) == code
+    said = capsys.readouterr()
+    shown = " ".join((said.out + said.err).split())
+    assert [word for word in words if word not in shown] == []
+    written = {file.name for file in (tmp_path / "out").glob("*")}
+    assert written == ({"report.json", "validation.png"} if code < 2 else set())

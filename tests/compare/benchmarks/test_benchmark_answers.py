@@ -1,4 +1,4 @@
-"""Answers to the sheets: as they were written, as they are in closed form, and when spoilt."""
+"""Sheets in both systems of units; their answers as written, in closed form, and when spoilt."""
 
 import csv
 import hashlib
@@ -11,12 +11,14 @@ import pytest
 from compare.benchmarks import __main__ as command
 from compare.benchmarks.answers import (
     DATA,
+    NODES,
     SUMS,
     answer_files,
     answer_to,
     arrival_level,
     arrival_times,
     changes,
+    content_of,
     csv_of,
     document_of,
     json_of,
@@ -24,16 +26,19 @@ from compare.benchmarks.answers import (
     written_bytes,
     written_document,
 )
-from compare.benchmarks.sheet import STATIONS, TIMES
+from compare.benchmarks.sheet import SI_SCALES, STATIONS, TIMES, in_si
 from compare.benchmarks.sheets import ALL_SHEETS, SHEETS
 from compare.records.record import QUANTITIES
+from semianalytic import march, solve
 from semianalytic.reference import (
     antiplane_edge_speed,
     antiplane_slip,
     antiplane_slip_rate,
     edge_speed_of_opening,
 )
-from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.overriding import override_scene
 
 SOLVED = [sheet for sheet in SHEETS.values() if not sheet.is_marched]
 
@@ -48,13 +53,9 @@ def test_answers_have_not_changed(sheet):
     assert list(changes(sheet)) == []
 
 
-def test_the_marched_answer_has_not_changed():
-    assert list(changes(SHEETS["pulse"], nodes=1000)) == []
-
-
-@pytest.mark.slow
-def test_the_marched_answer_is_the_same_on_its_own_nodes():
-    assert list(changes(SHEETS["pulse"])) == []
+@pytest.mark.parametrize("nodes", [1000, pytest.param(NODES, marks=pytest.mark.slow)])
+def test_the_marched_answer_has_not_changed(nodes):
+    assert list(changes(SHEETS["pulse"], nodes=nodes)) == []
 
 
 def test_checksums_are_those_of_the_files_and_name_them_all():
@@ -134,13 +135,18 @@ def folder(tmp_path):
     return tmp_path / "data"
 
 
+def signed(folder):
+    """Writes the checksums of the files as they are."""
+    files = [file for one in SHEETS.values() for file in answer_files(one)]
+    sums = (f"{hashlib.sha256((folder / one).read_bytes()).hexdigest()}  {one}\n" for one in files)
+    (folder / SUMS).write_text("".join(sums))
+
+
 def respelt(folder, sheet, document):
     """Files of a sheet with other numbers and the checksums of those."""
     for file, text in zip(answer_files(sheet), (csv_of(document), json_of(document)), strict=True):
         (folder / file).write_text(text)
-    files = [file for one in SHEETS.values() for file in answer_files(one)]
-    sums = (f"{hashlib.sha256((folder / one).read_bytes()).hexdigest()}  {one}\n" for one in files)
-    (folder / SUMS).write_text("".join(sums))
+    signed(folder)
 
 
 @pytest.mark.parametrize(
@@ -172,14 +178,10 @@ def test_a_spoilt_file_is_refused(folder):
 
 def test_records_that_are_not_those_of_the_numbers_are_noticed(folder):
     sheet = SHEETS["antiplane"]
-    document = written_document(sheet)
-    respelt(folder, sheet, document)
+    respelt(folder, sheet, written_document(sheet))
     path = folder / answer_files(sheet)[0]
     path.write_text(path.read_text().replace("0.1,", "0.2,", 1))
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    lines = (folder / SUMS).read_text().splitlines()
-    kept = [line for line in lines if not line.endswith(answer_files(sheet)[0])]
-    (folder / SUMS).write_text("\n".join([*kept, f"{digest}  {answer_files(sheet)[0]}"]) + "\n")
+    signed(folder)
     (change,) = changes(sheet, folder=folder)
     assert "does not hold the records" in change
 
@@ -202,3 +204,58 @@ def test_command_lists_checks_and_refuses(monkeypatch, capsys):
     monkeypatch.setattr(command, "changes", lambda sheet: [f"{sheet.name} has changed"])
     assert command.main(["--check"]) == 1
     assert "lift-off has changed" in capsys.readouterr().out
+
+
+# --- the scenes that sheets stand for -------------------------------------------------------------
+
+
+def test_there_are_ten_and_one_is_marched():
+    assert len(SHEETS) == 10
+    assert [sheet.name for sheet in SHEETS.values() if sheet.is_marched] == ["pulse"]
+    assert all(set(sheet.report) <= set(QUANTITIES) for sheet in SHEETS.values())
+
+
+@pytest.mark.thinned(12)
+@pytest.mark.parametrize("sheet", SOLVED, ids=lambda sheet: sheet.name)
+def test_in_si_the_answer_is_the_same_times_scales(sheet):
+    plain, si = answer_to(sheet), solve(sheet.si_scene, rtol=1e-12)
+    x, t = np.array(STATIONS), np.array(TIMES)[:, None]
+    for name in QUANTITIES:
+        scaled = SI_SCALES[name] * getattr(plain, name)(x, t)
+        theirs = getattr(si, name)(x * SI_SCALES["x"], t * SI_SCALES["t"])
+        np.testing.assert_allclose(theirs, scaled, rtol=1e-10, atol=1e-11 * SI_SCALES[name])
+
+
+def test_in_si_a_pulse_lasts_as_long():
+    sheet = SHEETS["pulse"]
+    plain, si = march(sheet.scene, 1.0, 100), march(sheet.si_scene, 1.0, 100)
+    slip = SI_SCALES["slip"] * plain.slip(0.25, 0.9)
+    assert si.slip(0.25 * SI_SCALES["x"], 0.9) == pytest.approx(float(slip), rel=1e-9)
+
+
+@pytest.mark.parametrize("sheet", SOLVED, ids=lambda sheet: sheet.name)
+def test_no_front_passes_a_station_at_a_time_of_the_records(sheet):
+    answer = answer_to(sheet)
+    ends = [end for zone in (*answer.zones, *answer.openings) for end in (zone.inner, zone.outer)]
+    material = sheet.scene.material
+    fronts = [*ends, material.rayleigh_speed, material.shear_speed, material.longitudinal_speed]
+    speeds = np.array(STATIONS) / np.array(TIMES)[:, None]
+    assert np.abs(np.subtract.outer(fronts, speeds)).min() > 1e-5
+
+
+def test_the_supershear_daughter_is_where_its_sheet_says():
+    daughter = content_of(SHEETS["preloaded"], answer_to(SHEETS["preloaded"]))["zones"][1]
+    assert daughter[0] == pytest.approx(0.977, abs=5e-4)
+    assert daughter[1] == pytest.approx(1.061, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        (override_scene(find_scene("preloaded"), density=2.0), "modulus and a density of 1"),
+        (find_scene("moving-load"), "moving loads are not known here"),
+    ],
+)
+def test_only_scenes_in_plain_units_are_turned_to_si(scene, words):
+    with pytest.raises(SceneError, match=words):
+        in_si(scene)

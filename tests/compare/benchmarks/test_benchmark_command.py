@@ -58,12 +58,12 @@ def test_sheets_are_exported(tmp_path, refused):
     assert (place / "lift-off" / "lift-off.html").is_file()
 
 
-@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
         (["show", "stick"], 2, "did you mean stuck?"),
-        (["enter", "dem", "stuck"], 2, "There is no code called 'dem'"),
+        (["show", "zzz"], 2, "choose stuck"),
+        (["enter", "dem", "stuck"], 2, "no code called 'dem' to enter; choose fem, march"),
         (["enter", "march", "stuck", "--cells", "3"], 2, "--cells must"),
         (["enter", "march", "tap", "--output", "x.csv"], 2, "tensile"),
         (["score", "none.csv"], 3, "none.csv cannot be read"),

@@ -131,31 +131,34 @@ def test_inputs_hold_the_numbers_of_the_sheet(sheet):
         assert f"sem2dpack/{name}" in inputs
 
 
-def test_the_mesh_of_two_blocks_is_whole():
-    lines = starter_inputs(SHEETS["tap"])["sem2dpack/two.mesh2d"].splitlines()
+def mesh_of(sheet):
+    """Places of nodes (n, 2), rows of elements (index, four nodes, tag), and lines of sides."""
+    lines = starter_inputs(sheet)["sem2dpack/two.mesh2d"].splitlines()
     elements, corners, nodes, bounds = map(int, lines[1].split())
     assert (corners, bounds) == (4, 4)
-    at = [[float(part) for part in line.split()[1:]] for line in lines[3 : 3 + nodes]]
-    start = 4 + nodes
-    cells = [list(map(int, line.split())) for line in lines[start : start + elements]]
-    for number, (index, *four, tag) in enumerate(cells, start=1):
-        (x0, y0), (x1, y1), (x2, y2), (x3, y3) = (at[node - 1] for node in four)
-        assert index == number
-        assert (x1 - x0, y1 - y0, x2 - x3, y2 - y3) == (10, 0, 10, 0)
-        assert (x3 - x0, y3 - y0) == (0, 10)
-        assert tag == (2 if min(abs(y0), abs(y3)) < 20 else 1)
-    sides = start + elements
-    while sides < len(lines):
-        tag, count = map(int, lines[sides + 1].split())
-        for line in lines[sides + 3 : sides + 3 + count]:
+    at = np.array([line.split()[1:] for line in lines[3 : 3 + nodes]], dtype=float)
+    cells = np.array([line.split() for line in lines[4 + nodes :][:elements]], dtype=int)
+    return at, cells, lines[4 + nodes + elements :]
+
+
+def test_the_mesh_of_two_blocks_is_whole():
+    at, cells, lines = mesh_of(SHEETS["tap"])
+    np.testing.assert_array_equal(cells[:, 0], np.arange(len(cells)) + 1)
+    low, right, high, left = at[cells[:, 1:5] - 1].transpose(1, 0, 2)
+    np.testing.assert_array_equal(right - low, np.tile([10, 0], (len(cells), 1)))
+    np.testing.assert_array_equal(high - left, np.tile([10, 0], (len(cells), 1)))
+    np.testing.assert_array_equal(left - low, np.tile([0, 10], (len(cells), 1)))
+    damped = np.minimum(abs(low[:, 1]), abs(left[:, 1])) < 20
+    np.testing.assert_array_equal(cells[:, 5], np.where(damped, 2, 1))
+    while lines:
+        tag, count = map(int, lines[1].split())
+        for line in lines[3 : 3 + count]:
             _, element, edge = map(int, line.split())
-            four = cells[element - 1][1:5]
-            ends = (four[2], four[3]) if edge == 3 else (four[0], four[1])
-            assert all(at[node - 1][1] == 0 for node in ends)
-            assert all(
-                (at[node - 1][0] >= 0) == (tag in (5, 6)) or at[node - 1][0] == 0 for node in ends
-            )
-        sides += 3 + count
+            four = cells[element - 1, 1:5]
+            ends = at[(four[2:] if edge == 3 else four[:2]) - 1]
+            assert not ends[:, 1].any()
+            assert np.all(((ends[:, 0] >= 0) == (tag in (5, 6))) | (ends[:, 0] == 0))
+        lines = lines[3 + count :]
 
 
 @pytest.mark.parametrize("name", ["preloaded", "pair-slip", "pair-opening"])
@@ -169,13 +172,9 @@ def test_a_step_stays(name):
 
 @pytest.mark.parametrize("name", PAIR_SHEETS)
 def test_the_mesh_of_two_different_bodies_has_both_solids(name):
-    inputs, lower = starter_inputs(PAIR_SHEETS[name]), find_pair(name).lower
-    said = inputs["sem2dpack/Par.inp"]
+    said, lower = starter_inputs(PAIR_SHEETS[name])["sem2dpack/Par.inp"], find_pair(name).lower
     assert f"rho=1.2d0, cp={lower.longitudinal_speed:.15g}, cs={lower.shear_speed:.15g}" in said
-    lines = inputs["sem2dpack/two.mesh2d"].splitlines()
-    elements, _, nodes, _ = map(int, lines[1].split())
-    at = np.array([line.split()[1:] for line in lines[3 : 3 + nodes]], dtype=float)
-    cells = np.array([line.split() for line in lines[4 + nodes :][:elements]], dtype=int)
+    at, cells, _ = mesh_of(PAIR_SHEETS[name])
     middle = at[cells[:, 1:5] - 1].mean(axis=1)
     damped = np.abs(middle[:, 1]) < 20
     tags = np.where(middle[:, 1] > 0, np.where(damped, 2, 1), np.where(damped, 4, 3))

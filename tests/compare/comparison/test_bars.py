@@ -63,34 +63,28 @@ def test_changes_that_are_small_by_chance_are_no_smaller_than_the_nodes_leave_op
     assert bar.size == pytest.approx(SAFETY * floor / (2**LEAST_ORDER - 1) + floor)
 
 
-def test_changes_by_rounding_are_none():
-    """The slip of a contact that sticks, which some mesh has exactly and others to 1e-17."""
-    assert error_bar([2e-17, 1e-17], floor=1e-6).size == pytest.approx(1e-6)
+STAND_IN = SAFETY * 0.4 / 2**LARGEST_ORDER / (2**LARGEST_ORDER - 1)
+"""What a change of 0.4 from 4h to 2h leaves of the next, which was small by chance."""
+BARS = {
+    # the slip of a contact that sticks, which some mesh has exactly and others to 1e-17
+    "changes by rounding": ([2e-17, 1e-17], 1e-6, 1e-6, True),
+    "small changes that fall": ([0.1, 0.2], 0.3, SAFETY * 0.1 + 0.3, True),
+    "no change": ([0.0, 0.0], 0.3, 0.3, True),
+    # a reading is known to 0.1 at h and to 0.2 at 2h: a change of 0.3 says nothing of an order
+    "what nodes leave open": ([0.3, 0.0], 0.1, None, True),
+    "more than they do": ([0.31, 0.0], 0.1, None, False),
+    # from 0.4 up to 0 and back to -1: three times all of that
+    "forth and back": ([-1.0, 0.4], 0.0, RANGE * 1.0, False),
+    "none by chance": ([0.0, 0.4], 0.0, STAND_IN, True),
+    "little by chance": ([0.01, 0.4], 0.0, STAND_IN, True),
+}
 
 
-def test_small_changes_that_fall_are_believed():
-    assert error_bar([0.1, 0.2], floor=0.3).size == pytest.approx(SAFETY * 0.1 + 0.3)
-    assert error_bar([0.0, 0.0], floor=0.3).size == 0.3
-
-
-def test_what_nodes_leave_open_is_no_divergence():
-    """A reading is known to 0.1 at h and to 0.2 at 2h: a change of 0.3 says nothing of an order."""
-    assert error_bar([0.3, 0.0], floor=0.1).converges
-    assert not error_bar([0.31, 0.0], floor=0.1).converges
-
-
-def test_what_goes_forth_and_back_is_barred_by_its_range():
-    """From 0.4 up to 0 and back to -1: three times all of that."""
-    bar = error_bar([-1.0, 0.4])
-    assert not bar.converges
-    assert bar.size == pytest.approx(RANGE * 1.0)
-
-
-def test_a_difference_that_is_small_by_chance_is_not_believed():
-    """0 from 2h to h and 0.4 from 4h to 2h: a part of what changed before stands in."""
-    stand_in = SAFETY * 0.4 / 2**LARGEST_ORDER / (2**LARGEST_ORDER - 1)
-    assert error_bar([0.0, 0.4]).size == pytest.approx(stand_in)
-    assert error_bar([0.01, 0.4]).size == pytest.approx(stand_in)
+@pytest.mark.parametrize(("differences", "floor", "size", "converges"), BARS.values(), ids=BARS)
+def test_bars_of_changes(differences, floor, size, converges):
+    bar = error_bar(differences, floor)
+    assert bar.converges is converges
+    assert size is None or bar.size == pytest.approx(size)
 
 
 def test_the_bar_of_two_meshes_alone_is_wider_and_never_small_by_chance():
@@ -124,11 +118,13 @@ def test_only_three_meshes_count(first, second, third):
     assert error_bar([first, second, third]) == error_bar([first, second])
 
 
-@pytest.mark.parametrize("differences", [[], [0.1], [0.0, 0.1], [0.1, 0.0]])
-def test_no_order_where_none_shows(differences):
-    assert observed_order(differences) is None
-
-
-def test_only_the_two_finest_differences_show_an_order():
-    assert observed_order([0.1, 0.4, 100.0]) == pytest.approx(2.0)
-    assert observed_order([0.4, 0.1]) == pytest.approx(-2.0)  # what diverges says so
+@pytest.mark.parametrize(
+    ("differences", "order"),
+    [
+        *(([], None), ([0.1], None), ([0.0, 0.1], None), ([0.1, 0.0], None)),
+        ([0.1, 0.4, 100.0], pytest.approx(2.0)),  # the two finest alone show it
+        ([0.4, 0.1], pytest.approx(-2.0)),  # what diverges says so
+    ],
+)
+def test_order_of_differences(differences, order):
+    assert observed_order(differences) == order

@@ -41,12 +41,6 @@ def drawn(scene, count, frictions, seed):
     return beside(scene, *places)
 
 
-@pytest.fixture(scope="module")
-def run():
-    """A finite-element run of the preloaded scene."""
-    return simulated(PRELOADED, 60)
-
-
 def judged(scene, resolution=None):
     """The judgement on the mesh that `slipfront compare` chooses, or on another."""
     prediction, choice = planned(scene, snapshots=True, resolution=resolution)
@@ -57,16 +51,8 @@ def judged(scene, resolution=None):
 BRIDGED = beside(
     PRELOADED,
     *((friction, 1 / 3) for friction in (0.24, 0.25, 0.26)),
-    (0.2, 0.29),
-    (0.21, 0.29),
-    (0.3, 0.4),
-    (0.22, 0.3),
-) | {
-    "remote-shock": override_scene(SHOCK, friction=1.23),
-    "steel": Scene(
-        Material(80e9, 7800.0, 0.29), 0.15, Tractions(5e6, 0.0), Tractions(0.0, 5e6), units="SI"
-    ),
-}
+    *((0.2, 0.29), (0.21, 0.29), (0.3, 0.4), (0.22, 0.3)),
+) | {"remote-shock": override_scene(SHOCK, friction=1.23)}
 """Scenes that were said to differ."""
 DRAWN = drawn(PRELOADED, 6, (0.15, 0.42), 1) | drawn(SHOCK, 6, (1.0, 1.36), 2)
 
@@ -160,25 +146,29 @@ class TestFrictionlessSlipBehindTheFirstWave:
         assert differing(judged(scene, 100)) == []
 
 
-def sparse_run(scene, every):
-    """A simulation of which every n-th step is stored."""
-    return with_companions(simulate(scene, resolution=32, every=every))
+def own(run):
+    """Rows of what a simulation has to hold by itself."""
+    return {row.name: row for row in own_rows(Case(run, run, run.interface, None))}
+
+
+def spoilt(run, field, factor=1.0, at=..., more=0.0):
+    """A simulation with a field of its record changed, everywhere or at some levels and nodes."""
+    values = getattr(run.interface, field).copy()
+    values[at] = factor * values[at] + more
+    return replace(run, interface=replace(run.interface, **{field: values}))
 
 
 class TestTractionsBeforeTheWaves:
     """At t = 0 the contact carries the base, and a load that has come everywhere at once."""
+
+    NAME = "traction before the waves"
 
     @pytest.mark.parametrize(
         "name", ["tap", "remote-shock", "incident-sv", "moving-load", "antiplane", "ramp"]
     )
     def test_a_simulation_begins_with_them_and_a_factor_on_them_is_caught(self, name):
         run = simulate(find_scene(name), resolution=24)
-        right, wrong = (
-            next(
-                row for row in own_rows(Case(one, one, one.interface, None)) if "waves" in row.name
-            )
-            for one in (run, pressed(run, 1.02))
-        )
+        right, wrong = (own(one)[self.NAME] for one in (run, spoilt(run, "pressure", 1.02)))
         assert (right.verdict, right.difference) == ("agrees", 0.0)
         assert wrong.verdict == "differs"
 
@@ -188,31 +178,23 @@ class TestTractionsBeforeTheWaves:
         scene = Scene(Material(1, 1, 0.25), friction, Tractions(0, 0), load, load_on="remote")
         run = simulate(scene, resolution=24)
         assert np.abs(run.interface.shear_traction[0] + 0.79).max() > 0.5
-        row = next(iter(own_rows(Case(run, run, run.interface, None))))
-        assert (row.name, row.verdict) == ("traction before the waves", "agrees")
+        assert next(iter(own(run))) == self.NAME
+        assert own(run)[self.NAME].verdict == "agrees"
 
     def test_a_pulse_at_an_angle_is_on_the_contact_by_then(self):
         run = simulate(find_scene("incident-pulse"), resolution=24)
-        names = [row.name for row in own_rows(Case(run, run, run.interface, None))]
-        assert names == ["traction beyond friction", "slip rate against slip"]
-
-
-def pressed(run, factor):
-    """A simulation whose pressure is wrong by a factor."""
-    return replace(run, interface=replace(run.interface, pressure=factor * run.interface.pressure))
+        assert list(own(run)) == ["traction beyond friction", "slip rate against slip"]
 
 
 class TestLevelsThatAreStoredFarApart:
     """Between stored levels slip comes and goes: neither slip rates nor strength are condemned."""
 
-    def own(self, run):
-        return {row.name: row for row in own_rows(Case(run, run, run.interface, None))}
-
+    @pytest.mark.thinned(5)
     @pytest.mark.parametrize("every", [2, 3, 10, 30])
     @pytest.mark.parametrize("name", ["viscous", "pressure-drop", "auxetic", "antiplane"])
     def test_what_is_right_holds_the_laws(self, name, every):
         run = simulate(find_scene(name), resolution=24, every=every)
-        rows = self.own(run)
+        rows = own(run)
         assert [row.name for row in rows.values() if row.verdict == "differs"] == []
         strength = rows["traction beyond friction"]
         if name == "viscous":  # which depends on the rate of each step
@@ -225,22 +207,18 @@ class TestLevelsThatAreStoredFarApart:
         """Every third step of windows of six."""
         run = simulate(PRELOADED, resolution=32, every=3)
         assert run.rate_window == pytest.approx(6 * run.time_step)
-        row = self.own(run)["slip rate against slip"]
+        row = own(run)["slip rate against slip"]
         assert (row.verdict, row.bar) == ("agrees", NOTHING)
         assert row.difference < 1e-12
-        values = run.interface.slip_rate.copy()
-        values[len(values) // 2, 3] += 1e-5
-        spoilt = replace(run, interface=replace(run.interface, slip_rate=values))
-        assert self.own(spoilt)["slip rate against slip"].verdict == "differs"
+        wrong = spoilt(run, "slip_rate", at=(len(run.interface.t) // 2, 3), more=1e-5)
+        assert own(wrong)["slip rate against slip"].verdict == "differs"
 
     def test_the_sum_of_all_slip_rates_catches_slip_that_came_of_none(self):
         run = simulate(PRELOADED, resolution=32, every=2)
-        row = self.own(run)["slip rate against slip"]
+        row = own(run)["slip rate against slip"]
         assert (row.verdict, row.difference) == ("agrees", pytest.approx(0, abs=row.bar))
-        values = run.interface.slip.copy()
-        values[:, 10] *= 2
-        spoilt = replace(run, interface=replace(run.interface, slip=values))
-        assert self.own(spoilt)["slip rate against slip"].verdict == "differs"
+        wrong = spoilt(run, "slip", 2.0, at=np.s_[:, 10])
+        assert own(wrong)["slip rate against slip"].verdict == "differs"
 
     @pytest.mark.slow
     @pytest.mark.parametrize("every", [2, 3, 5, 10])
@@ -266,10 +244,8 @@ class TestLevelsThatAreStoredFarApart:
         """At the first level that is stored the P wave has left the record."""
         scene = find_scene("pressure-drop")
         run = simulate(scene, resolution=16, every=40)
-        rows = {
-            row.name: row for row in arrival_rows(Case(solved(scene), run, run.interface, None))
-        }
-        fronts = [row for name, row in rows.items() if name.startswith("P front")]
+        rows = arrival_rows(Case(solved(scene), run, run.interface, None))
+        fronts = [row for row in rows if row.name.startswith("P front")]
         assert fronts
         for row in fronts:
             assert row.verdict == "unresolved"
@@ -281,53 +257,41 @@ class TestSimulationsAtFault:
 
     @pytest.mark.thinned(12)
     @pytest.mark.parametrize("fault", FAULTS[:-1], ids=lambda fault: fault.name)
-    def test_it_differs(self, run, fault):
-        judgement = judge(solved(PRELOADED), fault.make(run))
-        assert judgement.verdict == "differs"
+    def test_it_differs(self, solution, coarse, fault):
+        assert judge(solution, fault.make(coarse)).verdict == "differs"
 
     @pytest.mark.slow
     def test_a_pressure_that_no_coarser_mesh_has_does_not_agree_where_nothing_slips(self):
         right, run = solved(find_scene("tap")), simulated(find_scene("tap"), 100)
         assert judge(right, run).verdict == "agrees"
-        (fault,) = [one for one in FAULTS if one.name == "pressure × 1.02"]
-        wrong = fault.make(run)
-        assert judge(right, wrong).verdict == "differs"  # at t = 0 already
-        values = wrong.interface.pressure
-        values[0] = run.interface.pressure[0]
-        later = replace(wrong, interface=replace(wrong.interface, pressure=values))
-        assert judge(right, later).verdict == "unresolved"
+        # at t = 0 already, and from the second level on
+        assert judge(right, spoilt(run, "pressure", 1.02)).verdict == "differs"
+        assert judge(right, spoilt(run, "pressure", 1.02, at=np.s_[1:])).verdict == "unresolved"
 
     @pytest.mark.parametrize("field", ["slip", "slip_rate", "shear_traction", "pressure", "gap"])
-    def test_what_is_not_finite_is_refused(self, run, field):
-        values = getattr(run.interface, field).copy()
-        values[3, 5] = np.nan
-        spoilt = replace(run, interface=replace(run.interface, **{field: values}))
+    def test_what_is_not_finite_is_refused(self, solution, coarse, field):
         with pytest.raises(DataFileError, match=f"holds a {field.replace('_', ' ')} that is not"):
-            judge(solved(PRELOADED), spoilt)
+            judge(solution, spoilt(coarse, field, np.nan, at=(3, 5)))
 
-    def test_so_is_a_companion(self, run):
-        values = np.full_like(run.companion.final_path, np.inf)
-        spoilt = replace(run, companion=replace(run.companion, final_path=values))
+    def test_so_is_a_companion(self, solution, coarse):
+        values = np.full_like(coarse.companion.final_path, np.inf)
+        wrong = replace(coarse, companion=replace(coarse.companion, final_path=values))
         with pytest.raises(DataFileError, match="resolution 30 holds a final path"):
-            judge(solved(PRELOADED), spoilt)
+            judge(solution, wrong)
 
     @pytest.mark.slow
-    def test_any_field_of_one_node_counts_wherever_it_is(self, run):
+    @pytest.mark.parametrize("field", ["slip", "slip_rate", "shear_traction", "pressure"])
+    def test_any_field_of_one_node_counts_wherever_it_is(self, solution, coarse, field):
         """A tenth more at one node and time that nothing else happens at."""
-        right = solved(PRELOADED)
         for place in (0.15, 0.25):
-            node = int(np.argmin(np.abs(run.interface.x - place)))
-            for field in ("slip", "slip_rate", "shear_traction", "pressure"):
-                values = getattr(run.interface, field).copy()
-                values[2 * len(values) // 3, node] *= 1.1
-                spoilt = replace(run, interface=replace(run.interface, **{field: values}))
-                assert judge(right, spoilt).verdict == "differs", (place, field)
+            node = int(np.argmin(np.abs(coarse.interface.x - place)))
+            at = 2 * len(coarse.interface.t) // 3, node
+            assert judge(solution, spoilt(coarse, field, 1.1, at)).verdict == "differs", place
 
     @pytest.mark.slow
     @pytest.mark.parametrize("factor", [0.9, 1.1])
-    def test_fields_of_the_finest_run_alone_do_not_hide_behind_their_own_bars(self, run, factor):
-        right = solved(PRELOADED)
-        for field in ("slip_rate", "slip", "shear_traction", "pressure"):
-            values = factor * getattr(run.interface, field)
-            spoilt = replace(run, interface=replace(run.interface, **{field: values}))
-            assert judge(right, spoilt).verdict == "differs", field
+    @pytest.mark.parametrize("field", ["slip", "slip_rate", "shear_traction", "pressure"])
+    def test_fields_of_the_finest_run_alone_do_not_hide_behind_their_own_bars(
+        self, solution, coarse, factor, field
+    ):
+        assert judge(solution, spoilt(coarse, field, factor)).verdict == "differs"

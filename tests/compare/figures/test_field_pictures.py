@@ -38,15 +38,19 @@ def solution(request):
     return solved(find_scene(request.param))
 
 
-def names_of(solution):
-    return [front.name for front in fronts(solution, 1.0)]
+def picture(solution, name, points=10):
+    """A picture of a quantity at t = 1, of as much as moves until then."""
+    quantity = find_quantity(name, solution.scene)
+    return FieldPicture(solution, quantity, reach(solution, 1.0), points, 1.0)
 
 
 def test_names_of_fronts_that_cross_stand_clear_of_each_other():
     """The circle of the P wave meets the front of this SV wave where both have their names."""
     wave = IncidentWave("SV", angle=-30.0, stress=0.2)
     scene = Scene(find_scene("preloaded").material, 0.3, Tractions(1.0, 0.0), wave)
-    panel = field_figure(solve(scene), find_quantity("sxy", scene), 1.0, points=40).axes[0]
+    panel = field_figure(solve(scene, rtol=1e-4), find_quantity("sxy", scene), 1.0, points=8).axes[
+        0
+    ]
     places = {text.get_text(): text.xy for text in panel.texts}
     assert {"P", "S", "incident SV"} <= set(places)
     x0, x1, y0, y1 = (*panel.get_xlim(), *panel.get_ylim())
@@ -55,14 +59,16 @@ def test_names_of_fronts_that_cross_stand_clear_of_each_other():
         assert clear, (one, other)
 
 
-def test_fronts_of_scenes_are_all_named():
-    assert names_of(solved(find_scene("preloaded"))) == [
-        "P", "S", "plane S", "head wave", "Mach front",
-    ]  # fmt: skip
-    assert names_of(solved(find_scene("antiplane"))) == ["S", "plane S"]
-    assert names_of(solved(find_scene("pressure-drop"))) == [
-        "P", "S", "plane P", "head wave", "Mach front",
-    ]  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "names"),
+    [
+        ("preloaded", ["P", "S", "plane S", "head wave", "Mach front"]),
+        ("antiplane", ["S", "plane S"]),
+        ("pressure-drop", ["P", "S", "plane P", "head wave", "Mach front"]),
+    ],
+)
+def test_fronts_of_scenes_are_all_named(name, names):
+    assert [front.name for front in fronts(solved(find_scene(name)), 1.0)] == names
 
 
 def test_nothing_moves_ahead_of_the_first_circle(solution):
@@ -103,16 +109,14 @@ def test_moving_parts_are_those_of_the_interface():
 @pytest.mark.thinned(12)
 @pytest.mark.parametrize("name", ["speed", "pressure", "fringes"])
 def test_every_kind_of_quantity_has_a_picture_in_its_range(name, solution):
-    quantity = find_quantity(name, solution.scene)
-    picture = FieldPicture(solution, quantity, reach(solution, 1.0), 12, 1.0)
-    panel, bar = picture.figure.axes
+    panel, bar = picture(solution, name, 12).figure.axes
     (image,) = panel.get_images()
     shown = image.get_array()
     assert shown.shape == (12, 12)
     assert np.isfinite(shown).all()
     assert image.norm.vmin <= shown.min()
     assert shown.max() <= image.norm.vmax
-    assert bar.get_ylabel() == quantity.labelled(solution.scene)
+    assert bar.get_ylabel() == find_quantity(name, solution.scene).labelled(solution.scene)
 
 
 def test_every_quantity_has_a_label_and_a_value(solution):
@@ -163,21 +167,16 @@ def test_picture_of_a_window_has_square_cells(tmp_path):
     figure = field_figure(solution, quantity, 1.0, (-1.0, 1.0, 0.0, 0.5), 40)
     (image,) = figure.axes[0].get_images()
     assert image.get_array().shape == (10, 40)
-    words = {text.get_text() for text in figure.axes[0].texts}
-    assert words == {"head wave", "S", "Mach front"} & words
+    assert {text.get_text() for text in figure.axes[0].texts} <= {"head wave", "S", "Mach front"}
     save_figure(figure, tmp_path / "field.png")
     assert imread(tmp_path / "field.png").std() > 0.05
 
 
 @pytest.mark.slow
 def test_animation_has_a_frame_for_each_time(tmp_path):
-    from PIL import Image
-
-    solution = solved(find_scene("preloaded"))
-    quantity = find_quantity("speed", solution.scene)
-    picture, shown = FieldPicture(solution, quantity, reach(solution, 1.0), 10, 1.0), []
-    path = tmp_path / "film.gif"
-    write_animation(path, picture, [0.3, 0.6, 1.0], lambda *done: shown.append(done))
+    path, shown = tmp_path / "film.gif", []
+    speed = picture(solved(find_scene("preloaded")), "speed")
+    write_animation(path, speed, [0.3, 0.6, 1.0], lambda *done: shown.append(done))
     assert shown == [(1, 3), (2, 3), (3, 3)]
     film = Image.open(path)
     assert film.n_frames == 3
@@ -191,27 +190,23 @@ def test_animation_has_a_frame_for_each_time(tmp_path):
 
 @pytest.mark.slow
 def test_frames_of_a_film_lie_on_one_another():
-    solution = solved(find_scene("tap"))
-    quantity = find_quantity("pressure", solution.scene)
-    picture = FieldPicture(solution, quantity, reach(solution, 1.0), 10, 1.0)
-    place, colours = picture.panel.get_position(), picture.panel.get_images()[0].get_clim()
-    picture.show(0.2)
-    picture.figure.draw_without_rendering()
-    assert picture.panel.get_position().bounds == place.bounds
-    assert picture.panel.get_images()[0].get_clim() == colours
-    assert len(picture.figure.legends) == 1
-    assert "t = 0.2" in picture.figure.get_suptitle()
+    film = picture(solved(find_scene("tap")), "pressure")
+    place, colours = film.panel.get_position(), film.panel.get_images()[0].get_clim()
+    film.show(0.2)
+    film.figure.draw_without_rendering()
+    assert film.panel.get_position().bounds == place.bounds
+    assert film.panel.get_images()[0].get_clim() == colours
+    assert len(film.figure.legends) == 1
+    assert "t = 0.2" in film.figure.get_suptitle()
 
 
 def test_interrupted_animation_leaves_nothing(tmp_path):
     def interrupt(done, frames):
         raise KeyboardInterrupt
 
-    solution = solved(find_scene("preloaded"))
-    quantity = find_quantity("speed", solution.scene)
-    picture = FieldPicture(solution, quantity, reach(solution, 1.0), 10, 1.0)
+    still = picture(solved(find_scene("antiplane")), "vz", 6)
     with pytest.raises(KeyboardInterrupt):
-        write_animation(tmp_path / "film.gif", picture, [0.5, 1.0], interrupt)
+        write_animation(tmp_path / "film.gif", still, [0.5, 1.0], interrupt)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -226,11 +221,8 @@ def film(tmp_path, monkeypatch):
         program.chmod(0o755)
         monkeypatch.setitem(rcParams, "animation.ffmpeg_path", str(program))
         check_format("mp4")
-        solution = solved(find_scene("antiplane"))
-        quantity = find_quantity("vz", solution.scene)
-        picture = FieldPicture(solution, quantity, reach(solution, 1.0), 6, 1.0)
         path = tmp_path / "films" / "film.mp4"
-        write_animation(path, picture, [0.5, 1.0])
+        write_animation(path, picture(solved(find_scene("antiplane")), "vz", 6), [0.5, 1.0])
         return path
 
     return make

@@ -60,31 +60,30 @@ def test_a_run_of_another_interface_differs(judged, change, kind):
     assert next(row for row in other.rows if row.kind == kind).verdict == "differs"
 
 
+@pytest.mark.slow
 def test_slots_openings_and_halves_agree():
     # some nodes beside the slot of different bodies open, by 2e-4 of the slip, on any grid
-    slot = sf.Contact([(-6.0, -1.0), (1.0, 6.0)])
-    stiff = sf.Material(2.8, 1.1, 0.25)
-    pair = sf.Interface(
-        ROCK,
-        sf.Coulomb(0.3),
-        12.0,
-        loads=[sf.InterfaceLoad(1.0, on="slot")],
-        contact=slot,
-        lower_material=stiff,
+    slot, solid = sf.Contact([(-6.0, -1.0), (1.0, 6.0)]), sf.Material(1.0, 1.0, 0.25)
+    burst = sf.InterfaceLoad(
+        pressure=lambda x, t: -2 * np.exp(-4 * x**2) * min(2 * t, 1), history=None
+    )
+    pair, slotted, lifted = (
+        sf.Interface(solid, sf.Coulomb(0.3), 12.0, **given)
+        for given in (
+            {
+                "loads": [sf.InterfaceLoad(1.0, on="slot")],
+                "contact": slot,
+                "lower_material": sf.Material(2.8, 1.1, 0.25),
+            },
+            {"loads": [sf.InterfaceLoad(0.8, on="slot")], "contact": slot, "even": True},
+            {"shear": 0.2, "loads": [burst]},
+        )
     )
     judged = compare_interface(pair, 2.0, 512, mesh_nodes=128)
     assert judged.run.error_estimates["gap"] > 0.5
     assert judged.run.status == "done"
     assert "gap" not in {row.kind for row in judged.rows}
-    solid = sf.Material(1.0, 1.0, 0.25)
-    load = sf.InterfaceLoad(0.8, on="slot")
-    slotted = sf.Interface(solid, sf.Coulomb(0.3), 12.0, loads=[load], contact=slot, even=True)
-    judged = compare_interface(slotted, 1.5, 192)
-    assert judged.verdict == "agrees"
-    burst = sf.InterfaceLoad(
-        pressure=lambda x, t: -2 * np.exp(-4 * x**2) * min(2 * t, 1), history=None
-    )
-    lifted = sf.Interface(solid, sf.Coulomb(0.3), 12.0, shear=0.2, loads=[burst])
+    assert compare_interface(slotted, 1.5, 192).verdict == "agrees"
     judged = compare_interface(lifted, 1.5, 192)
     assert judged.verdict == "agrees"
     assert {row.kind for row in judged.rows if row.verdict == "agrees"} >= {"gap", "slip"}
@@ -110,34 +109,31 @@ def test_rate_and_state_friction_agrees():
     assert judge_interface(wrong, list(judged.simulations)).verdict == "differs"
 
 
-def test_what_cannot_be_compared_is_refused():
-    with pytest.raises(SceneError, match="mesh_nodes must be a multiple of 4 that divides"):
-        compare_interface(FAULT, 2.0, 256, mesh_nodes=100)
-    with pytest.raises(SceneError, match="must be an Interface"):
-        compare_interface(None, 2.0)
-    with pytest.raises(SceneError, match="between these bodies is ill-posed"):
-        compare_interface(replace(FAULT, law=sf.Coulomb(0.9)), 2.0, 256)
-    with pytest.raises(SceneError, match="holds the mean slip"):
-        compare_interface(replace(FAULT, held=3.0), 2.0, 256)
-
-
-def once(compute):
-    """A function that computes once and returns that again, whatever it is given."""
-    made = []
-
-    def computed(*args, **options):
-        if not made:
-            made.append(compute(*args, **options))
-        return made[0]
-
-    return computed
+@pytest.mark.parametrize(
+    ("change", "options", "words"),
+    [
+        ({}, {"mesh_nodes": 100}, "mesh_nodes must be a multiple of 4 that divides"),
+        (None, {}, "must be an Interface"),
+        ({"law": sf.Coulomb(0.9)}, {}, "between these bodies is ill-posed"),
+        ({"held": 3.0}, {}, "holds the mean slip"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(change, options, words):
+    face = None if change is None else replace(FAULT, **change)
+    with pytest.raises(SceneError, match=words):
+        compare_interface(face, 2.0, 256, **options)
 
 
 COMMON = ["run", "rock-on-gouge", "--nodes", "256", "--end-time", "1e-3", "--quiet"]
 
 
-def test_the_command_compares(capsys, printed, monkeypatch):
-    monkeypatch.setattr(judging, "compare_interface", once(judging.compare_interface))
+def test_the_command_compares(judged, capsys, printed, monkeypatch):
+    def compared(interface, end_time, *, nodes, mesh_nodes, **_):
+        assert interface.lower_material != interface.material
+        assert (end_time, nodes, mesh_nodes) == (1e-3, 256, 256)
+        return judged
+
+    monkeypatch.setattr(judging, "compare_interface", compared)
     assert main([*COMMON, "--compare", "--mesh-nodes", "256"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "Verdict: agrees" in shown

@@ -64,8 +64,11 @@ sys.exit(main())
 COMMAND = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
 
 
-def killed_writers(folder, number, seed):
-    rng, path = random.Random(seed), folder / "a.h5"
+@pytest.mark.parametrize(
+    ("number", "seed"), [(2, 1), pytest.param(15, 2, marks=pytest.mark.slow)], ids=["two", "many"]
+)
+def test_a_killed_writer_leaves_a_whole_file_and_its_rests_are_removed(number, seed, tmp_path):
+    rng, path = random.Random(seed), tmp_path / "a.h5"
     sound = identity_of(history())
     for _ in range(number):
         process = start(WRITER, path)
@@ -74,20 +77,10 @@ def killed_writers(folder, number, seed):
         process.kill()
         process.communicate(timeout=PATIENCE)
         assert identity_of(InterfaceHistory.load(path)) == sound
-    left = len(list(folder.iterdir()))
-    with working_folder(folder):  # the lock went with its process
+    assert number == 2 or len(list(tmp_path.iterdir())) >= 2  # the lock at least
+    with working_folder(tmp_path):  # the lock went with its process
         history().save(path)
-    assert [path.name for path in folder.iterdir()] == ["a.h5"]
-    return left
-
-
-def test_a_killed_writer_leaves_a_whole_file_and_its_rests_are_removed(tmp_path):
-    killed_writers(tmp_path, 2, 1)
-
-
-@pytest.mark.slow
-def test_many_killed_writers(tmp_path):
-    assert killed_writers(tmp_path, 15, 2) >= 2  # the lock at least
+    assert [path.name for path in tmp_path.iterdir()] == ["a.h5"]
 
 
 def test_workers_end_with_their_parent():
@@ -132,36 +125,31 @@ def test_a_worker_that_is_killed_is_one_sentence():
         dict(run_tasks([(kill_me, ()), (kill_me, ())], 2))
 
 
+IGNORING = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+"""Shells let jobs in the background ignore Ctrl-C."""
+
+
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize(
-    ("module", "number", "code"),
+    ("before", "module", "numbers", "code"),
     [
-        ("slipfront.cli.commands", signal.SIGINT, 130),
-        ("slipfront.cli.commands", signal.SIGTERM, 143),
-        ("compare.studies.regimes.study", signal.SIGINT, 130),
+        ("", "slipfront.cli.commands", [signal.SIGINT], 130),
+        ("", "slipfront.cli.commands", [signal.SIGTERM], 143),
+        ("", "compare.studies.regimes.study", [signal.SIGINT], 130),
+        (IGNORING, "compare.studies.regimes.study", [signal.SIGINT, signal.SIGTERM], 143),
     ],
+    ids=["interrupted", "terminated", "at work", "in the background"],
 )
-def test_an_interruption_is_one_line_at_any_time(module, number, code, tmp_path):
+def test_an_interruption_is_one_line_at_any_time(before, module, numbers, code, tmp_path):
     """While the first modules are imported, and when a command has just begun."""
-    process = start(ENTRY, module, "regimes", "--quick", "--output", tmp_path / "out")
+    arguments = ["regimes", "--quick", "--output", tmp_path / "out"]
+    process = start(before + ENTRY, module, *arguments)
     assert process.stdout.readline() == "ready\n"
-    process.send_signal(number)
+    for number in numbers:
+        process.send_signal(number)
     shown, errors = process.communicate(timeout=PATIENCE)
     assert (process.returncode, shown, errors) == (code, "", INTERRUPTION + "\n")
     assert not (tmp_path / "out").exists()
-
-
-def test_sigterm_ends_a_job_in_the_background_too(tmp_path):
-    """Shells let such jobs ignore Ctrl-C."""
-    code = f"import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n{ENTRY}"
-    process = start(
-        code, "compare.studies.regimes.study", "regimes", "--quick", "--output", tmp_path / "out"
-    )
-    assert process.stdout.readline() == "ready\n"
-    process.send_signal(signal.SIGINT)
-    process.terminate()
-    _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, errors) == (143, INTERRUPTION + "\n")
 
 
 @pytest.mark.slow
@@ -202,52 +190,40 @@ def test_sigterm_leaves_a_checkpoint_to_resume_from(tmp_path):
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["checkpoint.h5"]
 
 
-def together(*commands):
+def together(*commands, before=""):
     """(exit code, what was said) of commands that run at the same time."""
-    processes = [start(COMMAND, *command) for command in commands]
-    return [(p.communicate(timeout=600)[1], p.returncode) for p in processes]
+    processes = [start(before + COMMAND, *command) for command in commands]
+    said = [process.communicate(timeout=600)[1] for process in processes]
+    return [(process.returncode, errors) for process, errors in zip(processes, said, strict=True)]
 
 
 @pytest.mark.slow
 def test_four_marches_into_one_file(tmp_path):
     path = tmp_path / "same.h5"
-    ended = together(
-        *[["solve", "ramp", "--nodes", "300", "--quiet", "--save", str(path)]] * 4,
-    )
-    assert [code for _, code in ended] == [0] * 4
+    ended = together(*[["solve", "ramp", "--nodes", "300", "--quiet", "--save", path]] * 4)
+    assert [code for code, _ in ended] == [0] * 4
     assert Marched.load(path).end_time == 1.0
     assert [path.name for path in tmp_path.iterdir()] == ["same.h5"]
 
 
 @pytest.mark.slow
 def test_four_simulations_into_one_folder(tmp_path):
-    options = ["--resolution", "60", "--no-snapshots", "--quiet", "--output", str(tmp_path / "one")]
+    options = ["--resolution", "60", "--no-snapshots", "--quiet", "--output", tmp_path / "one"]
     ended = together(*[["simulate", "preloaded", *options]] * 4)
-    codes = [code for _, code in ended]
-    assert 0 in codes
-    assert set(codes) <= {0, 3}
-    for said, code in ended:
-        if code:
-            assert said.startswith(f"another run is writing to {tmp_path / 'one'};")
+    assert {0} <= {code for code, _ in ended} <= {0, 3}
+    for code, said in ended:
+        assert not code or said.startswith(f"another run is writing to {tmp_path / 'one'};")
     assert [path.name for path in (tmp_path / "one").iterdir()] == ["simulation.h5"]
 
 
 @pytest.mark.slow
 def test_sweeps_in_parallel_have_folders_of_their_own(tmp_path):
-    processes = [
-        start(
-            f"import os; os.chdir({str(tmp_path)!r}); {COMMAND}",
-            *["simulate", "preloaded", "--resolution", "30", "--no-snapshots"],
-            *["--friction", friction],
-        )
-        for friction in ("0.2", "0.31", "1")
-    ]
-    assert [(process.communicate(timeout=600), process.returncode)[1] for process in processes] == [
-        0
-    ] * 3
-    assert sorted(path.name for path in (tmp_path / "results").iterdir()) == [
-        f"preloaded-friction-{friction}" for friction in ("0.2", "0.31", "1")
-    ]
+    options, frictions = ["--resolution", "30", "--no-snapshots"], ("0.2", "0.31", "1")
+    commands = [["simulate", "preloaded", *options, "--friction", one] for one in frictions]
+    ended = together(*commands, before=f"import os; os.chdir({str(tmp_path)!r}); ")
+    assert [code for code, _ in ended] == [0] * 3
+    folders = [f"preloaded-friction-{friction}" for friction in frictions]
+    assert sorted(path.name for path in (tmp_path / "results").iterdir()) == folders
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Spoilt files of other codes: each ends in one sentence that names it."""
+"""Spoilt files of other codes: each ends in one sentence that names it, or is read."""
 
 import gzip
 import io
@@ -10,6 +10,7 @@ import h5py
 import meshio
 import numpy as np
 import pytest
+from faults import flip_bits, randomness
 
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
@@ -22,9 +23,9 @@ SCEC = "t h-slip h-slip-rate\n0 0 0\n1 1 1\n"
 ZEROS = np.zeros((3, 2))
 
 
-def packed(**arrays):
+def packed(save=np.savez, /, **arrays):
     file = io.BytesIO()
-    np.savez(file, **arrays)
+    save(file, **arrays)
     return file.getvalue()
 
 
@@ -55,6 +56,7 @@ FILES = {
     "no position": ("run.csv", SCEC.replace("h-", ""), "where its station is"),
     "position no number": ("run.csv", "# x = 1.2.3\nt,slip\n0,0\n1,1\n", "in a comment is not"),
     "one time": ("run.csv", "t,x,slip\n0,1,0\n0,2,0\n", "1 times at x = 1"),
+    "infinite": ("run.csv", "t,x,v\n0,1,0\n1,1,inf\n2,1,3\n", "infinite at x = 1, t = 1"),
     "all nan": ("run.csv", re.sub(r"[\d.]+\n", "nan\n", GOOD), "no finite number at x"),
     "times all nan": ("run.csv", re.sub(r"\n[\d.]+,", "\nnan,", GOOD), "0 times at x"),
     "positions all nan": ("run.csv", "t,x,slip\n0,nan,0\n1,nan,1\n", "no row with a position"),
@@ -88,15 +90,19 @@ FILES = {
 }  # fmt: skip
 
 
-def sentence_of(paths, options=None):
+def one_sentence(error):
     """What is said of spoilt files: one line that ends."""
-    with pytest.raises(DataFileError) as caught:
-        read_records(paths, options)
-    message = str(caught.value)
+    message = str(error)
     assert "\n" not in message
     assert message.endswith(".")
     assert len(message) < 600
     return message
+
+
+def sentence_of(paths, options=None):
+    with pytest.raises(DataFileError) as caught:
+        read_records(paths, options)
+    return one_sentence(caught.value)
 
 
 def test_there_are_forty():
@@ -184,3 +190,53 @@ def test_a_dump_of_uguca_with_times_cut_off(tmp_path):
     path = tmp_path / "run" / "preloaded.time"
     path.write_text("".join(path.read_text().splitlines(keepends=True)[:-3]))
     assert "has shape" in sentence_of([tmp_path / "run" / "preloaded.info"])
+
+
+# --- flipped bits ---------------------------------------------------------------------------------
+
+LONG = {"t": np.linspace(0.0, 1.0, 30), "x": np.array([0.25, 0.5, 0.75])}
+LONG["slip_rate"] = np.outer(LONG["t"], LONG["x"])
+LONG["slip"] = LONG["slip_rate"] ** 2
+TEXT = "t,x,slip_rate\n" + "".join(f"{t},{x},{t * x}\n" for t in LONG["t"] for x in LONG["x"])
+HEADER = 400
+"""Bytes at the beginning, in which headers are."""
+
+
+def rows():
+    file, table = io.BytesIO(), np.zeros(90, dtype=[(n, float) for n in ("t", "x", "slip_rate")])
+    table["t"], table["x"] = np.tile(LONG["t"], 3), np.repeat(LONG["x"], 30)
+    np.save(file, table)
+    return file.getvalue()
+
+
+FLIPPED = {
+    "run.npz": packed(**LONG),
+    "packed.npz": packed(np.savez_compressed, **LONG),
+    "run.npy": rows(),
+    "run.h5": hdf5(**LONG),
+    "run.csv": TEXT.encode(),
+    "run.csv.gz": gzip.compress(TEXT.encode()),
+}
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("name", FLIPPED)
+def test_flipped_bits_end_in_one_sentence_if_they_are_seen(name, tmp_path):
+    """Half of them in headers: there were zlib's errors, and those of Python's own parser."""
+    path, data = tmp_path / name, FLIPPED[name]
+    for seed in range(60):
+        rng = randomness(seed)
+        part = data[:HEADER] if seed % 2 else data
+        path.write_bytes(flip_bits(part, rng.choice([1, 1, 2, 8]), rng) + data[len(part) :])
+        try:
+            read_records([path])
+        except DataFileError as error:
+            message = one_sentence(error)
+            assert str(path) in message
+
+
+def test_a_damaged_file_is_exit_code_three(tmp_path, refused):
+    data = bytearray(FLIPPED["packed.npz"])
+    data[90:100] = b"\xff" * 10
+    (tmp_path / "run.npz").write_bytes(bytes(data))
+    refused(f"fit {tmp_path / 'run.npz'} --scene preloaded --parameters friction --noise 0.1", 3)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 from pathlib import Path
 
@@ -39,7 +38,7 @@ DOCUMENT = Path(__file__).parents[3] / "docs" / "article.md"
 
 @pytest.fixture(scope="module")
 def cases() -> Cases:
-    return run_cases(40)
+    return run_cases(32)
 
 
 def test_parameters_are_the_articles():
@@ -52,7 +51,8 @@ def test_parameters_are_the_articles():
 
 
 def test_the_two_honest_methods_agree(cases):
-    """At 40 cells per c_t T slip rates differ by 1 % of Q_0/(mu b) in the mean, first order."""
+    """At 40 cells per c_t T slip rates differ by 1 % of Q_0/(mu b) in the mean, first order; at 32
+    by a quarter more."""
     for case in cases.everyone():
         assert case.solution.status == "converged"
         assert case.disagreement() < 0.02
@@ -96,39 +96,24 @@ def test_write_article(tmp_path):
     checked(json_text(envelope("article", article_document(article))))
 
 
-def test_scene_errors():
-    with pytest.raises(SceneError, match="bound is negative"):
-        article_scene(0.5, "article")
-    with pytest.raises(SceneError, match="chi must be positive"):
-        article_scene(-1.0, "remote")
+@pytest.mark.parametrize(
+    ("chi", "loading", "words"),
+    [(0.5, "article", "bound is negative"), (-1.0, "remote", "chi must be positive")],
+)
+def test_scene_errors(chi, loading, words):
+    with pytest.raises(SceneError, match=words):
+        article_scene(chi, loading)
 
 
 def test_equation_register_is_complete():
-    """Every numbered equation has a row, and every function named in it exists."""
-    text = DOCUMENT.read_text(encoding="utf-8")
-    register = text.split("## Equation register")[1].split("\n## ")[0]
+    """Every numbered equation has a row; that its functions exist is tested of all pages."""
+    register = DOCUMENT.read_text(encoding="utf-8").split("## Equation register")[1]
     listed = set()
-    for row in re.findall(r"^\| \(([\d.]+)\)(?:–\(([\d.]+)\))? \|", register, flags=re.MULTILINE):
-        first, last = row[0], row[1] or row[0]
-        section = first.split(".")[0]
-        for number in range(int(first.split(".")[1]), int(last.split(".")[1]) + 1):
-            listed.add(f"{section}.{number}")
+    for first, last in re.findall(
+        r"^\| \(([\d.]+)\)(?:–\(([\d.]+)\))? \|", register.split("\n## ")[0], flags=re.MULTILINE
+    ):
+        section, number = first.split(".")
+        for one in range(int(number), int((last or first).split(".")[1]) + 1):
+            listed.add(f"{section}.{one}")
     counts = {"2": 1, "3": 21, "4": 45, "5": 4, "7": 11}
     assert listed == {f"{s}.{n}" for s, count in counts.items() for n in range(1, count + 1)}
-
-    names = re.findall(r"`((?:semianalytic|compare|fem)\.[\w.]+)`", text)
-    assert len(names) > 25
-    for name in names:
-        parts = name.split(".")
-        depth = max(n for n in range(1, len(parts)) if is_module(".".join(parts[:n])))
-        holder = importlib.import_module(".".join(parts[:depth]))
-        for attribute in parts[depth:]:
-            assert hasattr(holder, attribute), name
-            holder = getattr(holder, attribute)
-
-
-def is_module(name):
-    try:
-        return importlib.util.find_spec(name) is not None
-    except ModuleNotFoundError:  # its parent is no package
-        return False

@@ -188,29 +188,27 @@ def test_errors_fall_in_the_order_of_the_methods(scene):
 
 
 @pytest.mark.slow
-def test_errors_of_the_table_reproduce(points, in_process):
+def test_points_survive_the_file_and_their_errors_reproduce(points, tmp_path):
+    assert read_points(tmp_path / "data" / "chart.csv") == points
+    assert [point.method for point in points] == [n for n, s in MINI.items() for _ in s]
     reference = reference_of("preloaded", quick=True)
     for point in points:
+        assert same_machine(point)
+        assert min(point.runs, point.memory, point.seconds) > 0
         again = chart.measure(Task(point.scene_name, point.method, point.setting), reference, True)
         assert again.error == pytest.approx(point.error, rel=1e-6, abs=1e-13)
         assert again.edge_error == pytest.approx(point.edge_error, rel=1e-6, abs=1e-13)
 
 
 @pytest.mark.slow
-def test_points_survive_the_file(points, tmp_path):
-    assert read_points(tmp_path / "data" / "chart.csv") == points
-    assert [point.method for point in points] == [n for n, s in MINI.items() for _ in s]
-    assert all(same_machine(point) for point in points)
-    assert all(point.runs >= 1 and point.memory > 0 and point.seconds > 0 for point in points)
-
-
-@pytest.mark.slow
-def test_interrupted_run_goes_on(mini, in_process, tmp_path, monkeypatch):
+def test_interrupted_run_goes_on_and_a_fresh_one_measures_again(
+    mini, in_process, tmp_path, monkeypatch
+):
     path, before = tmp_path / "data" / "chart.csv", chart.run_task
-    done = []
+    done, last = [], [3]
 
     def interrupted(task, runs):
-        if len(done) == 3:
+        if len(done) == last[0]:
             raise KeyboardInterrupt
         done.append(task)
         return before(task, runs)
@@ -222,27 +220,18 @@ def test_interrupted_run_goes_on(mini, in_process, tmp_path, monkeypatch):
     assert [Task(p.scene_name, p.method, p.setting) for p in kept] == done
     assert not list(tmp_path.glob(".*"))
 
-    done.clear()
-    monkeypatch.setattr(chart, "run_task", before)
-    seen, told = [], []
+    last[0], seen, told = math.inf, [], []
     whole = measure_all(
         path, ["preloaded"], quick=True, progress=lambda *at: seen.append(at), tell=told.append
     )
     assert whole[:3] == kept
-    assert len(whole) == 7
+    assert len(whole) == len(done) == 7
     assert seen == [(count, 7) for count in range(4, 8)]
     assert told[0].startswith("4 points to measure, 3 are there: about ")
     assert measure_all(path, ["preloaded"], quick=True, tell=told.append) == whole
     assert len(told) == 1
-
-
-@pytest.mark.slow
-def test_fresh_measures_again(points, tmp_path, monkeypatch):
-    path, count = tmp_path / "data" / "chart.csv", []
-    before = chart.run_task
-    monkeypatch.setattr(chart, "run_task", lambda *a: count.append(a) or before(*a))
     measure_all(path, ["preloaded"], quick=True, fresh=True)
-    assert len(count) == len(points) == len(read_points(path))
+    assert (len(done), len(read_points(path))) == (14, 7)
 
 
 def test_points_of_another_machine_do_not_count(points):
@@ -277,6 +266,7 @@ def test_damaged_file_is_refused(points, tmp_path, damage, refused):
     refused(["chart", "preloaded", "--quick", "--quiet", "--output", tmp_path], 3)
 
 
+@pytest.mark.slow
 def test_broken_process_is_reported():
     with pytest.raises(ComputationError, match="ended with code 1"):
         chart.run_task(Task("nowhere", "fem", 25.0), 1)

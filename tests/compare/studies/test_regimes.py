@@ -15,7 +15,6 @@ from compare.studies.regimes.points import (
     frictions,
     kept_columns,
     map_column,
-    map_point,
     poisson_ratios,
     trace,
     zone_speeds,
@@ -298,15 +297,6 @@ def expected(loading, chi, curves):
     return {"slow"} if slips_at_edge else {"stuck"}
 
 
-@pytest.mark.slow
-def test_traced_curves_agree_with_solved_points():
-    for loading, poisson_ratio in (("preload", -0.6), ("remote", -0.4), ("remote", 0.4)):
-        curves = {p.curve: 10**p.log10_chi for p in trace(loading, poisson_ratio)}
-        for chi in frictions(loading, poisson_ratio, 7):
-            point = map_point(loading, poisson_ratio, float(chi))
-            assert point.regime in expected(loading, point.chi, curves)
-
-
 def test_sizes_and_loadings_out_of_range_are_refused(tmp_path):
     with pytest.raises(SceneError, match="size"):
         write_regimes(tmp_path, size=1)
@@ -314,15 +304,11 @@ def test_sizes_and_loadings_out_of_range_are_refused(tmp_path):
         write_regimes(tmp_path, loading="sideways")
 
 
-def test_tasks_run_in_processes_and_report_progress():
+def test_tasks_run_in_processes_and_report_progress_and_errors():
     seen: list[tuple[int, int]] = []
     tasks = [(math.sqrt, (float(n),)) for n in range(5)]
     results = dict(run_tasks(tasks, 2, lambda done, total: seen.append((done, total))))
     assert results == {n: math.sqrt(n) for n in range(5)}
     assert seen == [(n, 5) for n in range(1, 6)]
-
-
-def test_an_error_in_a_process_reaches_the_caller():
-    tasks = [(math.sqrt, (-1.0,)), (math.sqrt, (1.0,))]
     with pytest.raises(ValueError, match="math domain"):
-        dict(run_tasks(tasks, 2))
+        dict(run_tasks([(math.sqrt, (-1.0,)), (math.sqrt, (1.0,))], 2))

@@ -215,14 +215,10 @@ def test_study_writes_its_table_and_figures(tmp_path, monkeypatch, rows):
 
 
 @pytest.mark.slow
-def test_quick_study_is_a_part_of_the_whole():
+def test_quick_study_is_a_part_of_the_whole_and_runs(tmp_path):
     quick, whole = study_tasks(True), study_tasks(False)
     assert len(quick) < len(whole) / 2
     assert {function for function, _ in quick} == {function for function, _ in whole}
-
-
-@pytest.mark.slow
-def test_quick_study_runs(tmp_path):
     seen: list[tuple[int, int]] = []
     write_solver_stability(tmp_path, True, lambda done, total: seen.append((done, total)))
-    assert seen[-1] == (len(study_tasks(True)),) * 2
+    assert seen[-1] == (len(quick), len(quick))

@@ -32,16 +32,12 @@ def test_the_speed_of_a_front_is_read_from_the_first_onset_at_or_beyond():
     assert np.isinf(speeds[(places > 4.5) & (places < 4.51)]).all()
     assert speeds[places > 5.5] == pytest.approx(2.0)
     assert transition(places, speeds) == pytest.approx(4 - 0.5 + 0.5, abs=0.5)
+    assert math.isnan(transition(*front_speeds(x, x / 0.9)))
 
 
 def test_a_weak_fault_is_overtaken_soon():
     """3.25 to 3.38 L_c in the march of the notes, with 8 to 32 nodes per L_c."""
     assert transition_point(0.5, 8, 5.0).transition == pytest.approx(3.3, abs=0.2)
-
-
-def test_a_slow_front_has_no_transition():
-    x = np.arange(0, 10.01, 0.125)
-    assert math.isnan(transition(*front_speeds(x, x / 0.9)))
 
 
 @pytest.mark.slow

@@ -24,21 +24,26 @@ SCENE = sf.find_scene("preloaded")
 VALUES = {"friction": [0.1, 0.2, 0.3, 0.5, 0.7, 0.9], "poisson_ratio": [0.1, 0.2, 0.45]}
 
 
-def local_cluster(workers):
-    """A cluster of processes on this machine."""
+def local_cluster(workers, processes=False):
+    """A cluster on this machine, of threads of this process unless told otherwise."""
     return LocalCluster(
         n_workers=workers,
         threads_per_worker=1,
-        processes=True,
+        processes=processes,
+        protocol="tcp",
         host="127.0.0.1",
         dashboard_address="127.0.0.1:0",
     )
 
 
-@pytest.fixture(scope="module")
-def two_workers():
-    with local_cluster(2) as local:
+@pytest.fixture(scope="module", params=[False])
+def two_workers(request):
+    with local_cluster(2, processes=request.param) as local:
         yield local
+
+
+in_processes = pytest.mark.parametrize("two_workers", [True], indirect=True, ids=["processes"])
+"""For tests in which a worker ends."""
 
 
 @pytest.fixture
@@ -52,6 +57,7 @@ def plain(data):
 
 
 @pytest.mark.slow
+@in_processes
 def test_a_survey_whose_worker_is_killed_is_complete_and_equal(client, tmp_path):
     """Half way, while it has work and results."""
     known = survey(SCENE, chunk=1, workers=1, **VALUES)
@@ -80,6 +86,7 @@ def test_results_are_let_go_and_errors_come_back(client):
 
 
 @pytest.mark.slow
+@in_processes
 def test_a_task_that_ends_every_worker_is_given_up(client):
     client.run(sys.path.append, str(os.path.dirname(kill_me.__code__.co_filename)))
     with pytest.raises(ComputationError, match="has ended several workers"):
@@ -157,7 +164,9 @@ def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, mo
 
 
 @pytest.mark.slow
-def test_a_chart_and_a_map_made_by_a_cluster(two_workers, tmp_path, capsys):
+@in_processes
+def test_a_chart_and_a_map_made_by_a_cluster(client, two_workers, tmp_path, capsys):
+    client.wait_for_workers(2, timeout=60)  # those that another test has ended are back
     scheduler = ["--scheduler", two_workers.scheduler_address, "--quiet"]
     for folder, options in (("here", ["--quiet"]), ("there", scheduler)):
         to = ["--output", str(tmp_path / folder)]

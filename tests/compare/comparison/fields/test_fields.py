@@ -1,23 +1,24 @@
-"""Field snapshots held against exact fields: right ones converge, spoilt ones are seen."""
+"""Snapshots held against exact fields: right ones converge, spoilt and damaged ones are seen."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 import meshio
 import numpy as np
 import pytest
 from catalogue import solved
+from compare_cases import Spoilt
 
 from compare.comparison.fields import errors as fields
 from compare.comparison.fields.errors import field_errors, frame_pairs, pair_errors
-from compare.comparison.fields.frames import read_frame
+from compare.comparison.fields.frames import last_frame, read_frame
 from compare.comparison.fields.fronts import StraightFront, fronts_of
 from compare.comparison.snapshots import listed_frames
 from fem import simulate
 from semianalytic import Pulse
 from semianalytic.results.answer import BodyFields
-from semianalytic.results.files import Seal, new_file
+from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.overriding import override_scene
@@ -26,27 +27,26 @@ SCENE = find_scene("preloaded")
 EXACT = solved(SCENE)
 
 
-@dataclass
-class Spoilt:
-    """Exact fields of a solution, changed on purpose: by(name of field, values, y)."""
+def changed(exact, **by):
+    """An answer with fields changed on purpose, each by a function of its values and of y."""
 
-    exact: object
-    by: object
-    zones: tuple = ()
+    def spoilt(name):
+        change = by.get(name, lambda values, y: values)
+        return lambda x, y, t: change(getattr(exact, name)(x, y, t), y)
 
-    def velocity(self, x, y, t):
-        return self.by("velocity", self.exact.velocity(x, y, t), y)
-
-    def stress(self, x, y, t):
-        return self.by("stress", self.exact.stress(x, y, t), y)
-
-    def displacement(self, x, y, t):
-        return self.by("displacement", self.exact.displacement(x, y, t), y)
+    return Spoilt(exact, **{name: spoilt(name) for name in ("velocity", "stress", "displacement")})
 
 
-def simulated(folder, scene, resolution, frames=1):
-    run = simulate(scene, resolution=resolution, snapshots=folder, frames=frames)
+def simulated(folder, scene, resolution, frames=1, **options):
+    """A simulation with its frames, and the folder that they are in."""
+    run = simulate(scene, resolution=resolution, snapshots=folder, frames=frames, **options)
     return run, folder
+
+
+def frame_of(run, folder):
+    """The last frame."""
+    *_, (time, path) = listed_frames(folder, run.run)
+    return read_frame(time, path)
 
 
 @pytest.fixture(scope="module")
@@ -99,42 +99,36 @@ def test_friction_off_by_three_percent_is_seen(runs, right):
 
 
 def test_a_sign_of_one_component_is_seen(runs, right):
-    def flipped(name, values, y):
-        return values * ([[1], [-1]] if name == "velocity" else 1)
-
-    spoilt = last(Spoilt(EXACT, flipped, EXACT.zones), *runs(20))
+    spoilt = last(changed(EXACT, velocity=lambda values, y: values * [[1], [-1]]), *runs(20))
     assert spoilt.pop("v_y").whole > 1.9
     assert all(spoilt[name] == right(20)[name] for name in spoilt)
 
 
 def test_a_lower_body_mirrored_wrongly_is_seen(runs):
-    def mirrored(name, values, y):
+    def mirrored(values, y):
         return np.where(np.signbit(y), -values, values)
 
-    spoilt = last(Spoilt(EXACT, mirrored, EXACT.zones), *runs(20))
-    assert all(error.whole > 0.8 and error.outside > 0.8 for error in spoilt.values())
+    spoilt = changed(EXACT, velocity=mirrored, stress=mirrored, displacement=mirrored)
+    errors = last(spoilt, *runs(20)).values()
+    assert all(error.whole > 0.8 and error.outside > 0.8 for error in errors)
 
 
-def planted(folder, run, change):
-    """The last frame with the exact fields in it, changed."""
-    ((time, path),) = listed_frames(folder, run.run)
-    frame = read_frame(time, path)
-    places = {"nodes": frame.nodes, "elements": frame.elements}
+def planted(frame, change):
+    """A frame with the exact fields in it, changed."""
     exact = {
         "nodes": np.concatenate(
             [
-                getattr(EXACT, name)(frame.nodes.x, frame.nodes.y, time)
+                getattr(EXACT, name)(frame.nodes.x, frame.nodes.y, frame.time)
                 for name in ("velocity", "displacement")
             ]
         ),
-        "elements": EXACT.stress(frame.elements.x, frame.elements.y, time),
+        "elements": EXACT.stress(frame.elements.x, frame.elements.y, frame.time),
     }
-    held = {
-        kind: replace(
-            part, fields={name: change(v) for name, v in zip(part.fields, exact[kind], strict=True)}
-        )
-        for kind, part in places.items()
-    }
+    held = {}
+    for kind, values in exact.items():
+        part = getattr(frame, kind)
+        fields = {name: change(v) for name, v in zip(part.fields, values, strict=True)}
+        held[kind] = replace(part, fields=fields)
     return replace(frame, **held)
 
 
@@ -144,19 +138,16 @@ def errors_of(frame, most=10**6):
 
 
 def test_the_exact_answer_itself_has_no_error_and_a_known_one_has_its_own(runs):
-    run, folder = runs(20)
-    for error in errors_of(planted(folder, run, lambda values: values)):
+    frame = frame_of(*runs(20))
+    for error in errors_of(planted(frame, lambda values: values)):
         assert error.whole == error.outside == 0
-    at_rest = planted(folder, run, lambda values: 0 * values)
-    for error in errors_of(at_rest):
+    for error in errors_of(planted(frame, lambda values: 0 * values)):
         if not error.component.startswith("sigma"):  # of stress the change since t = 0 counts
             assert error.whole == error.outside == 1
 
 
 def test_a_part_of_the_places_tells_the_same_in_two_digits(runs):
-    run, folder = runs(40)
-    ((time, path),) = listed_frames(folder, run.run)
-    frame = read_frame(time, path)
+    frame = frame_of(*runs(40))
     for some, every in zip(errors_of(frame, 5000), errors_of(frame), strict=True):
         assert some.whole == pytest.approx(every.whole, rel=0.1)
         assert some.outside == pytest.approx(every.outside, rel=0.1)
@@ -166,35 +157,31 @@ def test_a_part_of_the_places_tells_the_same_in_two_digits(runs):
     ("element", "mesh"), [("P1", "squares"), ("Q2", "squares"), ("Q1", "graded")]
 )
 def test_nodes_and_elements_of_any_mesh_cover_both_bodies_once(tmp_path, element, mesh):
-    run = simulate(SCENE, resolution=12, snapshots=tmp_path, frames=1, element=element, mesh=mesh)
-    ((time, path),) = listed_frames(tmp_path, run.run)
-    frame = read_frame(time, path)
+    run = simulated(tmp_path, SCENE, 12, element=element, mesh=mesh)
+    frame = frame_of(*run)
     for places in (frame.nodes, frame.elements):
         for side in (1, -1):
-            x, y = (values[np.copysign(1, places.y) == side] for values in (places.x, places.y))
-            covered = places.area[np.copysign(1, places.y) == side].sum()
+            on = np.copysign(1, places.y) == side
             whole = np.ptp(frame.nodes.x) * np.ptp(frame.nodes.y) / 2
-            assert covered == pytest.approx(whole)
-            assert x.min() < 0 < x.max()
-            assert np.all(side * y >= 0)
+            assert places.area[on].sum() == pytest.approx(whole)
+            assert places.x[on].min() < 0 < places.x[on].max()
+            assert np.all(side * places.y[on] >= 0)
     faces = frame.nodes.y == 0
     assert np.signbit(frame.nodes.y[faces]).sum() == faces.sum() / 2
-    assert all(error.whole < 0.3 for error in last(EXACT, run, tmp_path).values())
+    assert all(error.whole < 0.3 for error in last(EXACT, *run).values())
 
 
 def test_a_component_that_vanishes_is_measured_by_the_largest(tmp_path):
     scene = find_scene("antiplane")
-    found = last(solved(scene), *simulated(tmp_path, scene, 20))
+    run = simulated(tmp_path, scene, 20)
+    found = last(solved(scene), *run)
     assert found["v_x"].whole == found["sigma_xy"].whole == 0
     assert 0.01 < found["v_z"].whole < 0.1
 
-    def moved(name, values, y):
-        values = values.copy()
-        values[0] += np.abs(values[-1]) * (name == "velocity")
-        return values
+    def moved(values, y):
+        return np.concatenate([values[:1] + np.abs(values[-1]), values[1:]])
 
-    run = simulate(scene, resolution=20, snapshots=tmp_path, frames=1)
-    assert last(Spoilt(solved(scene), moved), run, tmp_path)["v_x"].whole == pytest.approx(1)
+    assert last(changed(solved(scene), velocity=moved), *run)["v_x"].whole == pytest.approx(1)
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -289,3 +276,79 @@ def test_a_frame_that_cannot_be_read_or_holds_nan_is_refused(tmp_path):
     path.write_bytes(b"")
     with pytest.raises(DataFileError, match="cannot be read"):
         read_frame(1.0, path)
+
+
+# --- reading snapshots ----------------------------------------------------------------------------
+
+PVD = """<?xml version="1.0"?>
+<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">
+  <Collection>
+    <DataSet timestep="0.5" part="0" file="absent.vtu"/>
+    <DataSet timestep="1.5" part="0" file="{}"/>
+  </Collection>
+</VTKFile>
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Two blocks of three squares each, the upper one sliding at 2 + x, the lower one at -x."""
+    x, y = np.meshgrid([-1.0, 0.0, 1.0, 2.0], [0.0, 1.0])
+    upper = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()])
+    points = np.concatenate([upper, upper * [1, -1, 1]])
+    quads = np.array([[i, i + 1, i + 5, i + 4] for i in range(3)])
+    along = np.concatenate([2 + upper[:, 0], -upper[:, 0]])
+    velocity = np.column_stack([along, 0 * along, 0 * along])
+    cells = [("quad", np.concatenate([quads, quads + 8]))]
+    stress = {name: [np.arange(6.0)] for name in ("sigma_xx", "sigma_yy", "sigma_xy")}
+    moved = {"velocity": velocity, "displacement": 0.5 * velocity}
+    frame = meshio.Mesh(points, cells, point_data=moved, cell_data=stress)
+    write_sealed(tmp_path / "last.vtu", frame)
+    write_bytes(tmp_path / "fields.pvd", PVD.format("last.vtu").encode(), Seal.XML)
+    return tmp_path
+
+
+def write_sealed(path, frame):
+    with new_file(path, seal=Seal.XML) as part:
+        meshio.write(part, frame, file_format="vtu")
+
+
+def test_a_frame_has_both_bodies_and_tells_their_faces_apart(folder):
+    frame = last_frame(folder)
+    assert frame.time == 1.5
+    nodes, elements = frame.nodes, frame.elements
+    above = np.copysign(1.0, nodes.y) > 0
+    np.testing.assert_array_equal(nodes.fields["v_x"], np.where(above, 2 + nodes.x, -nodes.x))
+    np.testing.assert_array_equal(nodes.fields["u_x"], 0.5 * nodes.fields["v_x"])
+    assert np.count_nonzero(nodes.y == 0) == 8  # four nodes on either face
+    np.testing.assert_array_equal(elements.y, [0.5] * 3 + [-0.5] * 3)
+    np.testing.assert_array_equal(elements.fields["sigma_xy"], np.arange(6.0))
+    assert elements.area.sum() == nodes.area.sum() == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize("text", [None, "", "<VTKFile/>", PVD.replace("1.5", "soon")])
+def test_a_damaged_or_missing_index_is_named(folder, text):
+    index = folder / "fields.pvd"
+    index.unlink()
+    if text is not None:
+        write_bytes(index, text.encode(), Seal.XML)
+    with pytest.raises(DataFileError, match=r"fields\.pvd lists no snapshot"):
+        last_frame(folder)
+
+
+@pytest.mark.parametrize("content", [None, b"", b"<VTKFile/>"])
+def test_a_damaged_or_missing_frame_is_named(folder, content):
+    frame = folder / "last.vtu"
+    frame.unlink()
+    if content is not None:
+        write_bytes(frame, content, Seal.XML)
+    with pytest.raises(DataFileError, match=r"last\.vtu cannot be read"):
+        last_frame(folder)
+
+
+def test_values_that_are_not_finite_are_refused(folder):
+    frame = meshio.read(folder / "last.vtu")
+    frame.point_data["velocity"][:] = np.nan
+    write_sealed(folder / "last.vtu", frame)
+    with pytest.raises(DataFileError, match="not finite"):
+        last_frame(folder)
