@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from catalogue import UNIT
 from skfem import Basis, ElementVector, FacetBasis, LinearForm, asm
 from skfem.models.elasticity import linear_elasticity
 
@@ -9,9 +10,6 @@ from fem.elements.assembly import FAMILIES, lumped_mass, make_space, stiffness, 
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, cached_mesh, causal_blocks
 from semianalytic.scene.scene import Material
-
-UNIT = Material(1.0, 1.0, 1 / 3)
-
 
 MESHES = [
     ("P1", "squares"),
