@@ -90,42 +90,6 @@ def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, monkeypatch)
     assert path == tmp_path / "results" / "antiplane-friction-0.6" / "field" / "antiplane_syz.png"
 
 
-@pytest.mark.thinned(5)
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["--of", "szz"], "--of must be one of speed, pressure"),
-        (["--of", "vz"], "which only antiplane scenes have."),
-        (["--time", "0"], "--time must be positive"),
-        (["--window", "1,2,3"], "--window must be four numbers"),
-        (["--window", "1,1,0,1"], "--window must be four numbers"),
-        (["--window", "0,inf,0,1"], "--window must be four numbers"),
-        (["--points", "1"], "--points must be a whole number from 2"),
-        (["--points", "99999"], "--points must be a whole number from 2"),
-        (["--animate=-1"], "--animate must be a whole number"),
-        (["--format", "avi"], "--format must be one of gif, mp4"),
-        (["--grid", "3,3"], "--grid needs --vtu"),
-        (["--format", "mp4"], "--format is that of --animate; give both"),
-        (["--samples", "5"], "--samples are those of --gauge; give both"),
-        (["--vtu", "--grid", "3,x"], "--grid must be two whole numbers"),
-        (["--vtu", "--grid", "3.5,3"], "--grid must be two whole numbers"),
-        (["--gauge", "1"], "--gauge must be two numbers"),
-        (["--samples", "1"], "--samples must be a whole number"),
-        (["--thickness", "1"], "--of fringes"),
-        (["--of", "fringes", "--thickness", "1"], "give both."),
-        (
-            ["--of", "fringes", "--thickness", "1", "--stress-optical", "0"],
-            "--stress-optical must be positive",
-        ),
-        (["--nodes", "100"], "--nodes is for the space-time solver"),
-    ],
-)
-def test_refusals_come_before_anything_is_made(words, sentence, tmp_path, monkeypatch, refused):
-    monkeypatch.chdir(tmp_path)
-    assert sentence in refused(["field", "preloaded", *words])
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.slow
 def test_a_marched_scene_is_drawn(tmp_path):
     words = ["--nodes", "60", "--points", "6", "--time", "0.5", "--output", str(tmp_path)]

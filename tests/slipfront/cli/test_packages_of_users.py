@@ -162,10 +162,6 @@ def test_names_of_packages_are_among_what_one_could_have_meant(granite, refused)
         scene_from_document(document)
 
 
-def test_a_figure_without_a_file_is_refused(refused):
-    assert "give both" in refused("solve stuck --figure interface")
-
-
 # --- packages that are broken, alike or in the way -----------------------------------------------
 
 

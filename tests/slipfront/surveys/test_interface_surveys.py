@@ -1,7 +1,5 @@
 """Surveys of interfaces: every number is a parameter, and values are those of single runs."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -110,21 +108,6 @@ def test_an_interrupted_survey_of_functions_goes_on(tmp_path):
     assert data.largest_slip[0] > data.largest_slip[1] > 0
     endless = survey(fault(1.0), law_friction=[0.3], nodes=16)
     assert "end_time is missing" in endless.status.values[0]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--vary", "law.dist=1,2"], "did you mean law_distance"),
-        (["--vary", "radius=1mm,2mm"], "number alone"),
-        (["--vary", "load_1_shear_factor=1", "--vary", "law.distance=1m,2m"], "do not say"),
-        (["--units", "SI", "--vary", "radius=1,2"], "--units has no effect"),
-        (["--vary", "radius=1,2", "--t", "0.5"], "give x as well"),
-    ],
-)
-def test_what_cannot_be_surveyed_is_refused(fault, refused, arguments, message):
-    assert message in refused(["survey", "fault.toml", *arguments])
-    assert not list(Path().rglob("*.nc"))
 
 
 def test_the_command_writes_and_a_refused_point_says_why(fault, printed):

@@ -67,30 +67,6 @@ def test_without_spacing_the_option_is_named(result, tmp_path, capsys):
     assert "give --spacing" in capsys.readouterr().out
 
 
-@pytest.mark.thinned(10)
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        (["--scale", "mass=2"], "nothing called 'mass' to scale"),
-        (["--scale", "length"], "--scale must be a name and a unit or number"),
-        (["--scale", "slip=psi"], "--scale must be a name and a unit or number"),
-        (["--scale", "length=2", "--length-unit", "mm"], "given twice"),
-        (["--length-unit", "psi"], "--length-unit must be a unit of length such as mm, got 'psi'"),
-        (["--noise", "slip"], "--noise must be a name and a number"),
-        (["--spacing", "0"], "--spacing must be positive, or 0 where noise is given"),
-        (["--tractions", "some"], "--tractions must be one of total, changes"),
-        (["--slip", "double"], "--slip must be one of relative, half, face"),
-        (["--spacing", "1mm"], "--spacing has a unit, but the scene"),
-        (["--noise", "slip=1um"], "--noise has a unit, but the scene"),
-        (["--threshold", "1mm/s"], "--threshold has a unit, but the scene"),
-        (["--time-shift", "1us"], "--time-shift has a unit, but the scene"),
-    ],
-)
-def test_options_that_are_none_are_refused(result, options, sentence, refused):
-    """Conventions are stated in words; a unit needs a scene that has some."""
-    assert sentence in refused(["validate", result, "--scene", "preloaded", *options])
-
-
 @pytest.fixture
 def steel(tmp_path):
     """A scene of steel, and a file in mm, mm/s, s and Pa whose contact begins at x = 10 mm."""

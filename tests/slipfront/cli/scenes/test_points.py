@@ -59,29 +59,6 @@ def test_a_march_that_ended_before_slip_came_does_not_say_never(capsys):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--x", "5cm"], "the scene does not say which units"),
-        (["--x", "5kg", "--units", "SI"], "alone or in m, cm, mm, um or km, got '5kg'"),
-        (["--x", "banana"], "must be a number alone or in m, cm"),
-        (["--x", "-1"], "must be positive"),
-        (["--x", "1,,2"], "must be a number"),
-        (["--t", "3"], "--t needs --x"),
-        (["--x", "1", "--t", "0"], "must be positive"),
-        (["--shear-modulus", "80GPa"], "--shear-modulus has a unit"),
-        (["--end-time", "3us"], "--end-time has a unit"),
-        (["--friction", "abc"], "must be a number"),
-        (["--units", "cgs"], 'units must be "SI"'),
-        (["--x", ",".join(["1"] * 1001)], "more than 1000 points"),
-        (["--units", "SI", "--x", "5cm", "--t", "30"], "--t 30 has no unit while --x has one"),
-        (["--units", "SI", "--x", "5", "--t", "30us"], "write it as in --x 5cm"),
-    ],
-)
-def test_wrong_numbers_are_refused_in_a_sentence(refused, arguments, said):
-    assert said in refused(["solve", "preloaded", *arguments])
-
-
-@pytest.mark.parametrize(
     ("pair", "shown"),
     [
         ((0.0123456789, 3.2e-5), ("0.012346", "3.2e-05")),
@@ -105,17 +82,6 @@ def test_init_begins_with_a_real_solid(refused, tmp_path, monkeypatch):
     said = refused("init gold.toml --material gold")
     assert "one of steel, aluminium, pmma, homalite, granite" in said
     assert not (tmp_path / "gold.toml").exists()
-
-
-def test_fit_takes_noise_and_priors_with_units(refused):
-    data = ["docs/data/pmma_slip.csv", "--scene", "docs/data/pmma.toml", "--parameters", "friction"]
-    for option, said in (
-        (["--noise", "0.5kg"], "or one in a unit for those that have it (m/s"),
-        (["--noise", "slip=0.5s"], "slip: the number must be a number alone or in m, cm"),
-        (["--prior", "load_shear=normal(6m,1)"], "in Pa, kPa, MPa or GPa"),
-        (["--setup", "t0=3kg"], "in s, ms, us or ns"),
-    ):
-        assert said in refused(["fit", *data, *option])
 
 
 COMMANDS = [

@@ -8,11 +8,6 @@ from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
 from semianalytic.cut.load import contact_opens
 
 
-def test_studies_refuse_what_is_none_of_theirs(tmp_path, refused):
-    assert "--solver, --fem, --space-time or several" in refused("stability")
-    assert "preload" in refused(f"regimes --loading sideways --output {tmp_path}")
-
-
 @pytest.mark.slow
 def test_benchmark_reports_time_next_to_error():
     assert len(median_times([lambda: None, lambda: sum(range(1000))], 3)) == 2
