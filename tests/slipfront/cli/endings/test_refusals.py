@@ -7,7 +7,6 @@ from faults import ROOT
 from semianalytic import Ramp, TensionError, march, solve
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime.march import check_march
-from slipfront.cli.commands import main
 from slipfront.cli.endings.refusals import in_options
 from tests.slipfront.cli.test_lower_body_commands import FILE as TWO_BODIES
 from tests.slipfront.surveys.test_interface_surveys import FAULT
@@ -352,37 +351,31 @@ def test_what_a_march_would_refuse_is_known_before_its_first_step(pressure):
     assert refusal(lambda: check_march(scene, 1.0, 64, 1.0)) == marched
 
 
-def test_a_march_that_misses_the_edge_says_which_option_to_raise(capsys, monkeypatch, printed):
+def test_a_march_that_misses_the_edge_says_which_option_to_raise(monkeypatch, shown, printed):
     monkeypatch.setenv("COLUMNS", "300")
     command = "solve ramp --friction 20 --nodes 64"
-    assert main(command.split()) == 0
-    assert "raise --nodes " in capsys.readouterr().out
+    assert "raise --nodes " in shown(command).out
     assert "raise `nodes` " in printed(command)["caution"]
 
 
 @pytest.mark.slow
-def test_a_comparison_that_misses_the_edge_says_so_too(tmp_path, capsys, monkeypatch):
+@pytest.mark.usefixtures("undrawn")
+def test_a_comparison_that_misses_the_edge_says_so_too(shown, monkeypatch):
     monkeypatch.setenv("COLUMNS", "300")
-    command = ["compare", "ramp", "--friction", "20", "--resolution", "20", "--no-snapshots", "-q"]
-    main([*command, "--output", str(tmp_path)])
-    out = capsys.readouterr().out
+    out = shown("compare ramp --friction 20 --resolution 20 --no-snapshots -q --output out").out
     assert "the march: the edge slips over a length of about" in out
     assert "(resolution 495, h = 0.002: " in out
 
 
-def test_no_words_at_all_show_the_help(capsys):
-    assert main([]) == 2
-    captured = capsys.readouterr()
-    assert "solve" in captured.out + captured.err
+def test_no_words_at_all_show_the_help(shown):
+    assert "solve" in "".join(shown("", 2))
 
 
-def test_version(capsys):
-    assert main(["--version"]) == 0
-    name, number = capsys.readouterr().out.split()
+def test_version(shown):
+    name, number = shown("--version").out.split()
     assert name == "slipfront"
     assert number[0].isdigit()
-    assert main(["--help"]) == 0
-    assert "--version" in capsys.readouterr().out
+    assert "--version" in shown("--help").out
 
 
 def test_exact_solution_until_an_end_time(printed):
@@ -396,19 +389,9 @@ def test_exact_solution_until_an_end_time(printed):
         assert end[name] == pytest.approx(march[name], rel=2e-3)
 
 
-def test_slip_ahead_of_all_waves_has_no_end(capsys, printed):
+def test_slip_ahead_of_all_waves_has_no_end(shown, printed):
     command = "solve remote-shock --friction 0.5 --end-time 0.5"
-    assert main(command.split()) == 0
-    assert "0 < x < ∞" in capsys.readouterr().out
+    assert "0 < x < ∞" in shown(command).out
     end = printed(command)["until_end_time"]
     assert end["zones"][-1]["end"] is None
     assert end["accumulated_slip"] is None
-
-
-def test_large_snapshots_are_announced(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("slipfront.cli.simulate_command.WORTH_KEEPING", 0.0)
-    options = ["--resolution", "16", "--frames", "1", "--output", str(tmp_path / "out")]
-    assert main(["simulate", "preloaded", *options]) == 0
-    said = " ".join(capsys.readouterr().err.split())
-    assert "field snapshots will take about" in said
-    assert "--no-snapshots leaves them out" in said
