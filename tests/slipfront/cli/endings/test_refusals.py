@@ -38,6 +38,7 @@ KNOWS_ONE = (
     "two.toml: this knows identical bodies only, and there are two; solve a step on the slot "
     "exactly, slipfront solve or survey or solve_pair in Python, or simulate the scene"
 )
+A_TIME = "--budget must be a time such as 60s, 5min or 1h, got '"
 OTHERWISE = "slipfront solve, compare, explore, field, survey and simulate take others"
 PMMA = ROOT / "docs" / "data" / "pmma"
 REFUSED = {
@@ -93,6 +94,7 @@ REFUSED = {
             "riction must be positive",
         ),
         ("docs docs/limit.md", "did you mean limits?"),
+        ("docs none", "'slipfront docs' lists"),
         ("init --units cgs", "--units must be SI"),
         ("solve ramp --load-on remote", "comes as a step"),
         ("solve preloaded --load-on far", "--load-on must be slot or remote, got 'far'."),
@@ -290,6 +292,16 @@ REFUSED = {
         ("gain --friction 0.3", "--friction: an interface takes no other"),
         ("law.distance --prior law.distance=normal(1mm,1)", "unit"),
         ("gain --nodes 30", "multiple of 4"),
+    ],
+    "compare stuck": [
+        *(
+            (f"--budget={time}", A_TIME)
+            for time in ("soon", "", "-3s", "0", "1year", "1e3s", "60ss")
+        ),
+        (f"--budget {'9' * 400}", A_TIME),
+        ("--budget 0.001s", "raise --budget, or give a --resolution."),
+        ("--budget 60s --resolution 40", "--budget has no effect with --resolution; leave one"),
+        ("--budget 60s --from anywhere", "--budget has no effect with --from; leave one of"),
     ],
     "survey fault.toml": [
         ("--vary law.dist=1,2", "did you mean law_distance"),
