@@ -1,6 +1,5 @@
 """The page of two different bodies: controls, address, pictures, refusals and files."""
 
-import json
 import tomllib
 
 import numpy as np
@@ -16,21 +15,10 @@ from slipfront.explore.jobs import Moment, solved_field
 from slipfront.explore.page import Session
 from slipfront.explore.pictures import WAVES
 from slipfront.explore.views import interface_view, space_time_view
-from slipfront.explore.work import Worker
+from tests.slipfront.explore.test_explore import told_by
 
+pytestmark = pytest.mark.usefixtures("alone")
 every = pytest.mark.parametrize("name", NAMED_PAIRS)
-
-
-@pytest.fixture(autouse=True)
-def alone(monkeypatch):
-    """Sessions start no process beside them; what they would start is kept."""
-    started = []
-    monkeypatch.setattr(Worker, "start", lambda _, *job: started.append(job))
-    return started
-
-
-def told_by(session):
-    return json.loads(session._told.value)
 
 
 @every

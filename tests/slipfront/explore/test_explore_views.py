@@ -13,14 +13,7 @@ import pytest
 from catalogue import solved, unit_scene
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
-from semianalytic import (
-    Harmonic,
-    Ramp,
-    SceneError,
-    SlipWeakening,
-    ViscousFriction,
-    march,
-)
+from semianalytic import Harmonic, Ramp, SceneError, SlipWeakening, ViscousFriction, march
 from semianalytic.regimes import regime
 from semianalytic.scene.given.finding import find_scene
 from slipfront.explore import controls, downloads, maps, views
