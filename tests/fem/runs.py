@@ -23,6 +23,7 @@ MIXED = unit_scene(0.5, (1.0, 0.2), (0.5, 0.5))
 OPENING = unit_scene(0.5, (1.0, 0.2), (-1.0, 0.5))
 UNLOADED = unit_scene(0.5, load=(-1.0, 0.5))
 """It opens from its edge at a constant speed, nothing sheared beforehand."""
+SHEARED_ALONG_Z = unit_scene(0.5, (1.0, 0.2), (0.0, 0.5), mode="antiplane")
 SCENES = {
     "preloaded": PRELOADED,
     "remote": SHOCK,

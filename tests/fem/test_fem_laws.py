@@ -57,6 +57,10 @@ def test_law_holds_at_every_node_and_step(name):
     seen, state, law = sim.interface, sim.state[:-1], scene.friction_law
     assert (seen.pressure >= 0).all()
     np.testing.assert_array_equal(sim.state == OPEN, seen.pressure == 0)
+    assert (seen.gap >= 0).all()
+    before, after = sim.is_open[:-1], sim.is_open[1:]
+    assert (seen.gap[1:][before & after] > 0).all()
+    assert not seen.gap[1:][~before & ~after].any()
     increment = np.diff(seen.slip, axis=0)
     path = np.cumsum(np.abs(increment), axis=0) - np.abs(increment)
     frictional, shear = scene.friction * seen.pressure[:-1], seen.shear_traction[:-1]
@@ -179,10 +183,9 @@ def test_half_block_equals_two_blocks(name):
 
 
 def test_scene_decides_the_model():
-    names = {name: run(scene).model for name, scene in SCENES.items()}
-    assert names["preloaded"] == "antisymmetric half"
-    assert names["pressed"] == "symmetric half"
-    assert names["remote"] == "antisymmetric and symmetric halves in lockstep"
+    assert run(SCENES["preloaded"]).model == "antisymmetric half"
+    assert run(SCENES["pressed"]).model == "symmetric half"
+    assert run(SCENES["remote"]).model == "antisymmetric and symmetric halves in lockstep"
 
 
 @pytest.mark.thinned(2)

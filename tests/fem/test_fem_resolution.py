@@ -103,15 +103,11 @@ def test_load_too_fast_for_the_mesh_is_refused(history, needed):
         assert named == pytest.approx(needed * end_time, abs=1.01)
 
 
-def test_resolution_that_is_named_is_enough():
+def test_resolution_that_is_named_is_enough_and_a_slower_block_needs_more():
     assert sheared(Harmonic(3.0), 36).final_path.max() > 0
-    with pytest.raises(SceneError, match="at least 36"):
-        sheared(Harmonic(3.0), 35)
-
-
-def test_slower_block_needs_a_finer_mesh():
-    with pytest.raises(SceneError, match="at least 72"):
-        sheared(Harmonic(3.0), 40, lower_material=SLOWER)
+    for resolution, options, least in ((35, {}, 36), (40, {"lower_material": SLOWER}, 72)):
+        with pytest.raises(SceneError, match=f"at least {least}"):
+            sheared(Harmonic(3.0), resolution, **options)
 
 
 def test_load_of_no_amplitude_is_not_looked_at():

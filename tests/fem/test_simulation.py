@@ -95,9 +95,7 @@ def test_reclosing_does_not_chatter():
 # --- units ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "scene", [SHOCK, unit_scene(0.5, mode="antiplane")], ids=["in plane", "antiplane"]
-)
+@pytest.mark.parametrize("scene", [SHOCK, unit_scene(0.5, mode="antiplane")])
 def test_units_do_not_matter(scene):
     stress, end = 5e6, 2e-5
     base, load = (
@@ -112,14 +110,6 @@ def test_units_do_not_matter(scene):
 
 
 # --- what simulate accepts and returns --------------------------------------------------------
-
-
-def test_slip_is_the_time_integral_of_the_slip_rate():
-    history = run(PRELOADED, 64).interface
-    mean = (history.slip_rate[1:] + history.slip_rate[:-1]) / 2
-    integral = np.cumsum(mean * np.diff(history.t)[:, None], axis=0)
-    # trapezoids differ by half the first, jumping increment: dt/4 of the largest rate
-    assert np.abs(integral - history.slip[1:]).max() < 0.5 * history.t[1]
 
 
 def test_every_thins_the_histories():

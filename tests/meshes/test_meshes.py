@@ -163,23 +163,19 @@ def test_free_walls_are_farther_away():
     assert (free.right, free.height) == (held.right, held.height)
 
 
-def test_faces_match_but_share_no_node():
+def test_faces_match_and_meet_at_the_edge_but_share_no_node():
     mesh = cached_mesh(BLOCKS)
     for face in ("slot", "contact"):
         upper, lower = (nodes_of(mesh, f"{block}_{face}") for block in BLOCKS.names)
         assert not set(upper) & set(lower)
         np.testing.assert_array_equal(mesh.p[:, upper], mesh.p[:, lower])
+    for block in BLOCKS.names:
+        slot, contact = (nodes_of(mesh, f"{block}_{face}") for face in ("slot", "contact"))
+        assert slot[-1] == contact[0]
+        np.testing.assert_array_equal(mesh.p[:, contact[0]], [0, 0])
     parts = [set(mesh.t[:, mesh.subdomains[block]].ravel()) for block in BLOCKS.names]
     assert not parts[0] & parts[1]
     assert len(parts[0] | parts[1]) == mesh.nvertices
-
-
-@pytest.mark.parametrize("block", ["upper", "lower"])
-def test_slot_and_contact_meet_at_the_edge_node(block):
-    mesh = cached_mesh(BLOCKS)
-    slot, contact = (nodes_of(mesh, f"{block}_{face}") for face in ("slot", "contact"))
-    assert slot[-1] == contact[0]
-    np.testing.assert_array_equal(mesh.p[:, contact[0]], [0, 0])
 
 
 @pytest.mark.parametrize("speed", [2.3, 2.8, 4.0, 6.6])

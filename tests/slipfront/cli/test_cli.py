@@ -1,28 +1,17 @@
 """The command line through its entry point."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
+import packages
 import pytest
 from catalogue import UNIT_FILE
 
 import slipfront.cli.solve_command
 from semianalytic import solve
 from semianalytic.scene.errors import ComputationError, MissingLibraryError
-
-
-def run_apart(*arguments, **variables):
-    """Run the command in a process of its own, with environment variables."""
-    code = "import sys; from slipfront.cli.commands import main; sys.exit(main())"
-    command = [sys.executable, "-c", code, *arguments]
-    return subprocess.run(
-        command, capture_output=True, text=True, check=False, env=os.environ | variables
-    )
 
 
 @pytest.mark.parametrize(
@@ -82,7 +71,7 @@ def test_solve_imports_only_what_it_uses():
         "main(['solve', 'preloaded']); main(['scenes'])\n"
         f"sys.exit(any(name in sys.modules for name in {unused}))"
     )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    run = packages.run("", "-c", code)
     assert run.returncode == 0, run.stderr
 
 
@@ -92,7 +81,7 @@ def test_a_scene_file_is_as_good_as_a_name(tmp_path, printed):
 
 
 def test_entry_point_as_a_process():
-    run = run_apart("solve", "nowhere")
+    run = packages.run("", "solve", "nowhere")
     assert run.returncode == 2
     assert run.stdout == ""
     assert run.stderr.startswith("There is no scene called 'nowhere'")
@@ -146,7 +135,7 @@ def test_where_the_load_acts_is_an_option_a_key_and_said(tmp_path, shown, printe
     "arguments", [["scenes"], ["solve", "remote-shock", "--friction", "0.5"], ["solve", "--help"]]
 )
 def test_a_terminal_of_ascii_is_no_obstacle(arguments):
-    run = run_apart(*arguments, PYTHONIOENCODING="ascii")
+    run = packages.run("", *arguments, PYTHONIOENCODING="ascii")
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout.isascii()
 
@@ -154,7 +143,7 @@ def test_a_terminal_of_ascii_is_no_obstacle(arguments):
 @pytest.mark.slow
 def test_names_that_cannot_be_printed_are_escaped(refused):
     assert r"called '\udcff\n\x1b[31mß'" in refused(["solve", "\udcff\n\x1b[31mß"])
-    run = run_apart("solve", "ß", PYTHONIOENCODING="ascii")
+    run = packages.run("", "solve", "ß", PYTHONIOENCODING="ascii")
     assert run.returncode == 2
     assert run.stderr.startswith(r"There is no scene called '\xdf'")
 
@@ -162,7 +151,7 @@ def test_names_that_cannot_be_printed_are_escaped(refused):
 @pytest.mark.slow
 def test_a_drawing_library_set_up_for_windows_that_do_not_exist_draws(tmp_path):
     path = tmp_path / "plot.png"
-    run = run_apart("solve", "stuck", "--plot", str(path), MPLBACKEND="nonsense")
+    run = packages.run("", "solve", "stuck", "--plot", str(path), MPLBACKEND="nonsense")
     assert (run.returncode, run.stderr) == (0, "")
     assert path.is_file()
 

@@ -39,24 +39,6 @@ def test_addresses_of_identical_bodies_say_nothing_of_a_lower_one():
     assert controls.problem_of(values | alike) == find_scene("preloaded")
 
 
-@pytest.mark.parametrize(
-    ("query", "words"),
-    [
-        ("?lower_body=none", "must be one of"),
-        ("?lower_body=another&modulus_ratio=0", "shear_modulus must be positive"),
-        ("?lower_body=another&density_ratio=1e9", "must not differ by more than a factor"),
-        ("?lower_body=another&lower_poisson_ratio=0.5", "poisson_ratio must lie"),
-        ("?lower_body=another&modulus_ratio=much", "must be a number"),
-        ("?lower_body=another&mode=antiplane", "between different bodies the exact solver knows"),
-        ("?lower_body=another&history=ramp", "between different bodies the exact solver knows"),
-        ("?lower_body=another&load_on=remote", "between different bodies the exact solver knows"),
-    ],
-)
-def test_an_address_of_bodies_without_an_exact_answer_is_refused(query, words):
-    with pytest.raises(sf.SceneError, match=words):
-        controls.values_from_query(query, find_scene("preloaded"))
-
-
 def test_the_menu_has_pairs_and_controls_are_shown_with_another_body():
     session = Session(Document(), find_scene("preloaded"), "")
     variables = session._document.template_variables

@@ -150,7 +150,7 @@ sf.survey(SCENE, path=sys.argv[1], chunk=CHUNK, workers=int(sys.argv[2]), progre
 """
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
 def test_a_killed_survey_goes_on(number, tmp_path, known):
     """Its processes end with it; a program needs no guard against being run again by them."""

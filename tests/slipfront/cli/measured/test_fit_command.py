@@ -1,17 +1,21 @@
 """``slipfront fit``: tables, JSON, pictures, exit codes, one sentence for what is wrong."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 from catalogue import PRELOADED
+from faults import ROOT
 
+from docs.studies import samples
 from semianalytic import find_interface, run, solve
 from slipfront.cli.commands import main
+from slipfront.fits import read_gauges
 from tests.slipfront.surveys.test_interface_surveys import FAULT
 
 NOISE = 0.02
-LINE = "--scene preloaded --friction 0.4 --parameters friction"
+LINE = "--scene preloaded --friction 0.32 --parameters friction"
 
 
 @pytest.fixture(scope="module")
@@ -101,3 +105,50 @@ def test_a_fit_of_an_interface_is_drawn(fault, tmp_path):
     line = "fit slip.csv --scene fault.toml --noise slip=0.2 --parameters gain --plot p.png"
     assert main(line.split()) in (0, 4)
     assert (tmp_path / "p.png").stat().st_size > 10_000
+
+
+# --- records of a march in PMMA, as they are committed --------------------------------------------
+
+DATA = ROOT / "docs" / "data"
+TRUTH = {"friction": 0.35, "load_shear": 4e6, "t0": 3e-6}
+SCENE = f"--scene {DATA / 'pmma.toml'} --parameters {','.join(TRUTH)}"
+
+
+def fitted(line, shown):
+    """The truth lies within the ellipse that all but a thousandth of such fits have it in."""
+    shown(f"fit {line} {SCENE} --output fit.json --plot fit.png")
+    assert Path("fit.png").stat().st_size > 10_000
+    found = json.loads(Path("fit.json").read_text())
+    assert list(found["parameters"]) == list(TRUTH)
+    away = [found["parameters"][name]["value"] - value for name, value in TRUTH.items()]
+    assert away @ np.linalg.solve(found["covariance"], away) < 16.3
+    assert found["misfit"] == "misfits are as large as the noise"
+    assert found["units"]["parameters"] == {"friction": "1", "load_shear": "Pa", "t0": "s"}
+    return found
+
+
+@pytest.mark.slow
+def test_slip_across_the_interface_is_fitted(shown):
+    fitted(DATA / "pmma_slip.csv", shown)
+
+
+@pytest.mark.slow
+def test_strain_gauges_and_a_line_off_the_interface_are_fitted(shown):
+    files = f"{DATA / 'pmma_gauges.csv'} {DATA / 'pmma_line.csv'}"
+    noise = f"--noise {samples.STRAIN_NOISE} --noise ux={samples.MOTION_NOISE}"
+    found = fitted(f"{files} {noise}", shown)
+    assert found["parameters"]["friction"]["standard_error"] < 0.005
+    assert 0 < found["derivative_error"] < 0.2
+
+
+@pytest.mark.slow
+def test_the_committed_records_are_those_of_their_command(tmp_path):
+    samples.main(tmp_path)
+    for name in ("pmma_gauges.csv", "pmma_line.csv", "pmma_slip.csv"):
+        noise = {"": 1.0}
+        pairs = zip(
+            read_gauges([tmp_path / name], noise), read_gauges([DATA / name], noise), strict=True
+        )
+        for new, old in pairs:
+            np.testing.assert_allclose(new.values, old.values, atol=1.1e-6)
+    assert (tmp_path / "pmma.toml").read_text() == (DATA / "pmma.toml").read_text()
