@@ -94,16 +94,12 @@ def test_a_file_of_two_bodies_is_solved(shown, printed, monkeypatch):
 
 def test_options_describe_the_lower_body_in_units(tmp_path, printed):
     text = 'units = "SI"\n' + FILE.replace("shear_modulus = 1.0", "shear_modulus = 1e9")
-    (tmp_path / "si.toml").write_text(text.partition("[lower_material]")[0])
-    with (tmp_path / "si.toml").open("a") as stream:
-        stream.write("[base]" + text.partition("[base]")[2])
+    upper, _, rest = text.partition("[lower_material]")
+    (tmp_path / "si.toml").write_text(upper + "[base]" + rest.partition("[base]")[2])
     line = "solve si.toml --lower-shear-modulus 4GPa --lower-density 2g/cm3 --density 1000"
     document = printed(line)
-    assert document["pair"]["lower_material"] == {
-        "shear_modulus": 4e9,
-        "density": 2000.0,
-        "poisson_ratio": 0.25,
-    }
+    lower = {"shear_modulus": 4e9, "density": 2000.0, "poisson_ratio": 0.25}
+    assert document["pair"]["lower_material"] == lower
     assert document["units"]["wave_speeds"]["upper"]["rayleigh"] == "m/s"
 
 

@@ -56,11 +56,9 @@ def test_a_grid_holds_what_single_solutions_say():
             assert_holds(data.sel(friction=friction, poisson_ratio=ratio), sf.solve(scene))
     counts = (data.sense != 0).sum("zone").values
     assert {1, 2} <= set(counts.ravel().tolist())
+    solids = [scene_at(STEEL, {"poisson_ratio": one}).material for one in (0.1, 0.4)]
     for name in ("rayleigh", "shear", "longitudinal"):
-        speeds = [
-            getattr(scene_at(STEEL, {"poisson_ratio": one}).material, f"{name}_speed")
-            for one in (0.1, 0.4)
-        ]
+        speeds = [getattr(solid, f"{name}_speed") for solid in solids]
         assert data[f"{name}_speed"].dims == ("poisson_ratio",)
         assert data[f"{name}_speed"].values == pytest.approx(speeds, rel=1e-13)
 
