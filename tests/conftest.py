@@ -82,14 +82,24 @@ def undrawn(monkeypatch):
 
 
 @pytest.fixture
-def refused(capsys):
-    """Run a command that is to be refused, and return the one sentence that it prints alone."""
+def shown(capsys):
+    """Run a command, and return what it prints: `out` and `err`."""
     from slipfront.cli.commands import main
 
-    def sentence(line, code=2):
+    def run(line, code=0):
         capsys.readouterr()
         assert main(line.split() if isinstance(line, str) else [str(word) for word in line]) == code
-        said = capsys.readouterr()
+        return capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def refused(shown):
+    """Run a command that is to be refused, and return the one sentence that it prints alone."""
+
+    def sentence(line, code=2):
+        said = shown(line, code)
         assert said.out == ""
         assert said.err.count("\n") == 1, said.err
         assert "Traceback" not in said.err
@@ -99,17 +109,13 @@ def refused(capsys):
 
 
 @pytest.fixture
-def printed(capsys):
+def printed(shown):
     """Run a command with --json, and return its document, which fits the schema."""
     from json_checks import checked
 
-    from slipfront.cli.commands import main
-
     def document(line, code=0):
-        capsys.readouterr()
-        words = line.split() if isinstance(line, str) else [str(word) for word in line]
-        assert main([*words, "--json"]) == code
-        return checked(capsys.readouterr().out)
+        words = line.split() if isinstance(line, str) else line
+        return checked(shown([*words, "--json"], code).out)
 
     return document
 

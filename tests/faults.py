@@ -12,6 +12,7 @@ from typing import Any
 
 import meshio
 import numpy as np
+import pytest
 from fault_tasks import history
 
 from compare.comparison.fields.frames import last_frame
@@ -88,9 +89,14 @@ def columns():
 
 
 def read_mesh_again(path):
-    with os_environment(SLIPFRONT_CACHE=str(path.parent)):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SLIPFRONT_CACHE", str(path.parent))
         mesh = cached_mesh(BLOCKS)
     return (mesh.p, mesh.t, dict(mesh.subdomains))
+
+
+def save_history(folder):
+    history().save(folder / "history.h5")
 
 
 def all_kinds():
@@ -102,11 +108,7 @@ def all_kinds():
     checkpoint = Checkpoint(7, arrays, [(0.5, "fields-0001.vtu")])
     who = {"scene": "some"}
     return {
-        "history": Kind(
-            "history.h5",
-            lambda folder: history().save(folder / "history.h5"),
-            InterfaceHistory.load,
-        ),
+        "history": Kind("history.h5", save_history, InterfaceHistory.load),
         "march": Kind("march.h5", lambda folder: marched.save(folder / "march.h5"), Marched.load),
         "simulation": Kind(
             "simulation.h5", simulation.save, lambda path: load_simulation(path.parent)
@@ -149,20 +151,6 @@ def flip_bits(data, number, rng):
 
 def randomness(seed):
     return random.Random(seed)
-
-
-@contextmanager
-def os_environment(**values):
-    before = {name: os.environ.get(name) for name in values}
-    os.environ.update(values)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
 
 
 @contextmanager

@@ -62,6 +62,7 @@ def pairs_solved_once() -> Iterator[None]:
         yield
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", WITH_EXAMPLES)
 def test_examples_run(name: str) -> None:
     described = DESCRIBED[name]

@@ -1,16 +1,13 @@
 """Messages of the packages: none unless asked, by a level on the command line or in a program."""
 
 import logging
-import os
 import re
-import subprocess
-import sys
 from importlib import import_module
 
+import packages
 import pytest
 
 import slipfront as sf
-from slipfront.cli.commands import main
 
 PACKAGES = ("slipfront", "semianalytic", "fem", "meshes", "compare")
 COLOURED = re.compile("\x1b\\[[0-9;]*3[0-9]")
@@ -30,22 +27,20 @@ def test_a_program_hears_what_it_asks_for(caplog):
     assert any(one.message.startswith("solve: converged, 2 zones") for one in caplog.records)
 
 
-def test_a_level_on_the_command_line_prints_messages_once(capsys):
+def test_a_level_on_the_command_line_prints_messages_once(shown, refused):
     for _ in range(2):
-        assert main(["--log", "debug", "solve", "preloaded", "--json"]) == 0
-        assert capsys.readouterr().err.count("solve: converged") == 1
-    assert main(["solve", "preloaded", "--json"]) == 0
-    assert capsys.readouterr().err == ""
-    assert main(["--log", "all", "solve", "preloaded"]) == 2
-    assert "--log must be one of debug, info, warning, got 'all'." in capsys.readouterr().err
+        said = shown("--log debug solve preloaded --json").err
+        assert said.count("solve: converged") == 1
+    assert shown("solve preloaded --json").err == ""
+    expected = "--log must be one of debug, info, warning, got 'all'."
+    assert expected in refused("--log all solve preloaded")
 
 
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("without", [True, False])
 def test_no_color_is_heeded(without):
-    environment = {**os.environ, "FORCE_COLOR": "1", "TERM": "xterm-256color"}
-    environment |= {"NO_COLOR": "1"} if without else {}
-    command = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
-    run = [sys.executable, "-c", command, "solve", "--help"]
-    shown = subprocess.run(run, capture_output=True, text=True, check=True, env=environment)
-    assert bool(COLOURED.search(shown.stdout)) is not without
+    coloured = {"FORCE_COLOR": "1", "TERM": "xterm-256color"}
+    coloured |= {"NO_COLOR": "1"} if without else {}
+    run = packages.run("", "solve", "--help", **coloured)
+    assert run.returncode == 0, run.stderr
+    assert bool(COLOURED.search(run.stdout)) is not without

@@ -29,26 +29,29 @@ def test_ci_runs_the_test_command_of_the_readme():
 
 
 def test_first_answer_of_the_readme():
-    shown = io.StringIO()
-    with contextlib.redirect_stdout(shown):
-        exec(README.split("```python\n")[1].split("```")[0], {})
-    assert shown.getvalue().count("SlipZone") == 2
+    said, _ = said_by(README.split("```python\n")[1].split("```")[0])
+    assert said.count("SlipZone") == 2
 
 
-def python_block(page, words):
-    """The example of a page of the documentation in which these words stand."""
+def said_by(code):
+    """What an example prints, and its names."""
+    shown, names = io.StringIO(), {}
+    with contextlib.redirect_stdout(shown), contextlib.chdir(ROOT):
+        exec(code, names)
+    return shown.getvalue(), names
+
+
+def said_by_ten_lines(page, words):
+    """What the example prints, and its names, in which these words stand on a page."""
     text = (ROOT / "docs" / page).read_text()
-    (found,) = [one for one in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if words in one]
-    return found
+    (code,) = [one for one in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if words in one]
+    assert sum(bool(line.strip()) for line in code.splitlines()) <= 10
+    return said_by(code)
 
 
 def test_fringes_are_ten_lines():
-    code = python_block("fields.md", "fringe_order(stress, thickness=")
-    assert sum(bool(line.strip()) for line in code.splitlines()) <= 10
-    shown, names = io.StringIO(), {}
-    with contextlib.redirect_stdout(shown):
-        exec(code, names)
-    order, light = re.findall(r"\[(.+?)\]", shown.getvalue(), re.DOTALL)
+    said, _ = said_by_ten_lines("fields.md", "fringe_order(stress, thickness=")
+    order, light = re.findall(r"\[(.+?)\]", said, re.DOTALL)
     order, light = np.array(order.split(), dtype=float), np.array(light.split(), dtype=float)
     assert light == pytest.approx(np.sin(np.pi * order) ** 2, abs=1e-5)
     assert order[-1] == pytest.approx(5e6 * 0.03 / 130e3)  # nothing but the base has come there
@@ -58,12 +61,8 @@ def test_fringes_are_ten_lines():
 
 @pytest.mark.slow
 def test_a_fit_is_ten_lines():
-    code = python_block("inversion.md", "sf.fit(")
-    assert sum(bool(line.strip()) for line in code.splitlines()) <= 10
-    shown, names = io.StringIO(), {}
-    with contextlib.redirect_stdout(shown), contextlib.chdir(ROOT):
-        exec(code, names)
-    assert shown.getvalue().endswith(" converged\n")
+    said, names = said_by_ten_lines("inversion.md", "sf.fit(")
+    assert said.endswith(" converged\n")
     fit = names["fit"]
     away = fit.values - [0.35, 4e6, 3e-6]  # what the records were made with
     assert np.abs(away / fit.standard_errors).max() < 3

@@ -6,11 +6,11 @@ None of this replaces a run on Windows, which .github/workflows/tests.yml has.
 import builtins
 import errno
 import os
-import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import packages
 import pytest
 
 from compare.output.places import LOCK, working_folder
@@ -59,8 +59,7 @@ print(count)
 
 
 def without_unix(code, folder):
-    run = [sys.executable, "-c", UNIX + code]
-    return subprocess.run(run, capture_output=True, text=True, check=False, cwd=folder)
+    return packages.run("", "-c", UNIX + code, cwd=folder)
 
 
 def test_no_module_needs_what_only_unix_has(tmp_path):

@@ -1,46 +1,34 @@
 """Companions: runs on coarser meshes, carried by a simulation and kept in its file."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import h5py
-import numpy as np
 import pytest
+from catalogue import SHOCK
 
 from fem import companions, load_simulation, simulate, with_companions
-from fem.results import ARRAYS, HISTORIES
 from fem.run import run_plan
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.loads import Harmonic, Pulse
-from semianalytic.scene.scene import Material, Scene, Tractions
-
-UNIT = Material(1.0, 1.0, 1 / 3)
-OWN = ("seconds", "peak_memory", "remark", "companion")
+from semianalytic.scene.scene import Material
+from tests.fem.runs import OF_CLOCK, assert_same, sheared
 
 
 @pytest.fixture(scope="module")
 def carrying(mesh_cache):
-    return with_companions(simulate(find_scene("remote-shock"), resolution=40))
+    return with_companions(simulate(SHOCK, resolution=40))
 
 
 def assert_same_run(one, other):
     """Equal in everything but the time it took and what it carries."""
-    for field in fields(one):
-        first, second = getattr(one, field.name), getattr(other, field.name)
-        if field.name in HISTORIES:
-            for part in fields(first):
-                np.testing.assert_array_equal(getattr(first, part.name), getattr(second, part.name))
-        elif field.name in ARRAYS:
-            np.testing.assert_array_equal(first, second)
-        elif field.name not in OWN:
-            assert first == second, field.name
+    assert_same(one, other, but=(*OF_CLOCK, "companion"))
 
 
 def test_companions_are_the_runs_at_half_and_a_quarter_of_the_resolution(carrying):
-    scene = find_scene("remote-shock")
-    assert_same_run(carrying, simulate(scene, resolution=40))
-    assert_same_run(carrying.companion, simulate(scene, resolution=20))
-    assert_same_run(carrying.companion.companion, simulate(scene, resolution=10))
+    assert_same_run(carrying, simulate(SHOCK, resolution=40))
+    assert_same_run(carrying.companion, simulate(SHOCK, resolution=20))
+    assert_same_run(carrying.companion.companion, simulate(SHOCK, resolution=10))
     assert carrying.companion.companion.companion is None
 
 
@@ -78,21 +66,15 @@ def test_only_what_is_missing_is_run(carrying, monkeypatch):
 
 
 def test_companions_have_the_settings_of_the_simulation():
-    scene = find_scene("remote-shock")
-    options = {
-        "damping": 0.05,
-        "step_ratio": 0.7,
-        "element": "P1",
-        "mesh": "graded",
-        "model": "two-blocks",
-    }
-    run = with_companions(simulate(scene, 0.5, resolution=32, every=4, **options))
-    assert_same_run(run.companion, simulate(scene, 0.5, resolution=16, every=2, **options))
-    assert_same_run(run.companion.companion, simulate(scene, 0.5, resolution=8, **options))
+    options = {"damping": 0.05, "step_ratio": 0.7, "end_time": 0.5}
+    options |= {"element": "P1", "mesh": "graded", "model": "two-blocks"}
+    run = with_companions(simulate(SHOCK, resolution=32, every=4, **options))
+    assert_same_run(run.companion, simulate(SHOCK, resolution=16, every=2, **options))
+    assert_same_run(run.companion.companion, simulate(SHOCK, resolution=8, **options))
     lower = Material(2.0, 1.0, 0.3)
-    run = with_companions(simulate(scene, resolution=20, lower_material=lower))
-    assert_same_run(run.companion, simulate(scene, resolution=10, lower_material=lower))
-    run = with_companions(simulate(scene, resolution=20, every=10**6))
+    run = with_companions(simulate(SHOCK, resolution=20, lower_material=lower))
+    assert_same_run(run.companion, simulate(SHOCK, resolution=10, lower_material=lower))
+    run = with_companions(simulate(SHOCK, resolution=20, every=10**6))
     assert len(run.companion.interface.t) <= 3
 
 
@@ -110,7 +92,7 @@ def test_companions_end_where_meshes_would_be_too_coarse(resolution):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("history", [Harmonic(2.0), Pulse(0.21)])
 def test_companions_need_not_follow_the_load(history):
-    scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0), shear_history=history)
+    scene = sheared(history)
     run = with_companions(simulate(scene, resolution=40))
     assert run.companion.companion.resolution == 10
     with pytest.raises(SceneError, match="faster than this mesh can follow"):
@@ -132,7 +114,7 @@ def test_companions_end_where_a_coarse_mesh_cannot_be_run(monkeypatch):
 def test_progress_is_told_and_the_coarse_mesh_is_not_complained_about(recwarn):
     steps = []
     slow = Material(0.16, 1.0, 1 / 3)  # 16 elements in the simulation, 8 and 4 in companions
-    run = simulate(find_scene("remote-shock"), resolution=40, lower_material=slow)
+    run = simulate(SHOCK, resolution=40, lower_material=slow)
     run = with_companions(run, lambda step, of: steps.append((step, of)))
     assert not recwarn.list
     assert run.companion.caution

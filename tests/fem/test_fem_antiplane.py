@@ -1,11 +1,9 @@
 """The scalar model of antiplane shear: matrices, mesh edge, closed forms, the other solvers."""
 
-from functools import cache
-
 import meshio
 import numpy as np
 import pytest
-from catalogue import REMOTE, STEEL, UNIT, unit_scene
+from catalogue import REMOTE, UNIT, solved, unit_scene
 
 from fem import Settings, cost, load_simulation, simulate, with_companions
 from fem.elements.assembly import FAMILIES, OUT_OF_PLANE, antiplane_stiffness, make_space
@@ -14,17 +12,15 @@ from fem.plan import ANTIPLANE, ANTIPLANE_LOCKSTEP, TWO_MATERIALS, Plan
 from meshes import Blocks, cached_mesh
 from semianalytic import (
     Material,
-    Scene,
     SceneError,
     SlipWeakening,
-    Tractions,
     ViscousFriction,
     march,
-    solve,
 )
 from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.reference import antiplane_slip, antiplane_slip_rate
 from semianalytic.scene.loads import Step
+from tests.fem.runs import SHEARED_ALONG_Z, interrupted, l1, run
 
 SOFT = Material(2.0, 3.0, 0.1)
 LINEAR = pytest.mark.parametrize("element", ["Q1", "P1"])
@@ -32,16 +28,6 @@ LINEAR = pytest.mark.parametrize("element", ["Q1", "P1"])
 
 def antiplane(friction, base=(1.0, 0.0), load=(0.0, 1.0), **parts):
     return unit_scene(friction, base, load, mode="antiplane", **parts)
-
-
-@cache
-def fine(scene):
-    """A run of 100 elements, and the exact solution; both are computed once for all tests."""
-    return simulate(scene, resolution=100), solve(scene)
-
-
-def l1(found, wanted):
-    return np.abs(found - wanted).sum() / np.abs(wanted).sum()
 
 
 # --- the matrix and the edge of a mesh ----------------------------------------------------------
@@ -80,12 +66,12 @@ def test_edge_of_a_stuck_contact_in_closed_form(element):
 def test_stuck_traction_is_seen_from_that_edge(element):
     """Errors of 0.012 % (Q1) and 0.13 % (P1); 1.6 % and 3.0 % with the edge at the first node."""
     scene = antiplane(80.0, load=(0.0, 0.01))
-    run = simulate(scene, resolution=100, element=element, every=10**6)
-    interface, beside = run.interface, edge_offset([UNIT], FAMILIES[element], held=2)
+    sim = simulate(scene, resolution=100, element=element, every=10**6)
+    interface, beside = sim.interface, edge_offset([UNIT], FAMILIES[element], held=2)
     assert np.abs(interface.slip_rate).max() < 1e-15
     seen = (interface.x > 0.03) & (interface.x < 0.8)
     errors = []
-    for shift in (beside * run.element_size, 0.0):
+    for shift in (beside * sim.element_size, 0.0):
         exact = stuck_shear(Step(), 0.01, UNIT, interface.x[seen] + shift, 1.0, "III").value
         errors.append(l1(interface.shear_traction[-1, seen], exact))
     assert errors[0] < errors[1] / 15
@@ -98,17 +84,15 @@ def test_slip_converges_to_the_closed_form():
     """0.65, 0.27, 0.12 % of slip rate, 0.14, 0.046, 0.018 % of slip at h = 1/50 ... 1/200."""
     scene, rates, slips = antiplane(0.5), [], []
     for resolution in (50, 100, 200):
-        run = simulate(scene, resolution=resolution)
-        assert run.model == ANTIPLANE
-        x = run.interface.x
-        rates.append(l1(run.interface.slip_rate[-1], antiplane_slip_rate(UNIT, 1.0, 0.5, x)))
-        slips.append(l1(run.interface.slip[-1], antiplane_slip(UNIT, 1.0, 0.5, x, 1.0)))
+        sim = simulate(scene, resolution=resolution)
+        assert sim.model == ANTIPLANE
+        x = sim.interface.x
+        rates.append(l1(sim.interface.slip_rate[-1], antiplane_slip_rate(UNIT, 1.0, 0.5, x)))
+        slips.append(l1(sim.interface.slip[-1], antiplane_slip(UNIT, 1.0, 0.5, x, 1.0)))
     assert rates[-1] < 2e-3
     assert slips[-1] < 3e-4
     assert np.log2(rates[0] / rates[-1]) / 2 > 1.0
-    energy = run.energy
-    stored = energy.kinetic + energy.strain + energy.friction + energy.damping + energy.impact
-    np.testing.assert_allclose(stored, energy.external, atol=1e-10 * energy.external.max())
+    assert sim.energy.residual < 1e-10
 
 
 @pytest.mark.thinned(3)
@@ -122,52 +106,30 @@ def test_slip_converges_to_the_closed_form():
     ids=["shock", "viscous", "slip from the longitudinal front"],
 )
 def test_exact_solutions_are_met(scene, name):
-    run, exact = fine(scene)
-    assert run.model == name
-    x = run.interface.x[run.interface.x > 0.02]
-    found = run.interface.slip[-1, -len(x) :]
-    assert l1(found, exact.slip(x, run.end_time)) < 5e-3
+    sim, exact = run(scene, 100), solved(scene)
+    assert sim.model == name
+    x = sim.interface.x[sim.interface.x > 0.02]
+    found = sim.interface.slip[-1, -len(x) :]
+    assert l1(found, exact.slip(x, sim.end_time)) < 5e-3
 
 
 def test_slip_weakening_agrees_with_a_march():
     scene = antiplane(0.5, friction_law=SlipWeakening(0.5, 0.1))
-    run, marched = simulate(scene, resolution=100), march(scene, nodes=500)
-    x = run.interface.x[run.interface.x < marched.grid.x[-1]]
-    assert l1(run.interface.slip[-1, : len(x)], marched.slip(x, 1.0)) < 3e-3
+    seen, marched = simulate(scene, resolution=100).interface, march(scene, nodes=500)
+    x = seen.x[seen.x < marched.grid.x[-1]]
+    assert l1(seen.slip[-1, : len(x)], marched.slip(x, 1.0)) < 3e-3
 
 
 def test_slot_faces_move_along_z_and_normally():
     scene = antiplane(1.0, **REMOTE)
-    run, exact = fine(scene)
-    x = run.slot.x[run.slot.x < -0.03]
-    velocities = run.slot.velocity_x[-1, : len(x)], run.slot.velocity_y[-1, : len(x)]
+    slot, exact = run(scene, 100).slot, solved(scene)
+    x = slot.x[slot.x < -0.03]
+    velocities = slot.velocity_x[-1, : len(x)], slot.velocity_y[-1, : len(x)]
     for found, wanted in zip(velocities, exact.slot_velocity(x, 1.0), strict=True):
         assert np.abs(found - wanted).mean() < 5e-3
 
 
-def test_units_do_not_matter():
-    scene = antiplane(0.5)
-    steel = Scene(STEEL, 0.5, Tractions(1e6, 0.0), Tractions(0.0, 1e6), mode="antiplane")
-    one, other = simulate(scene, resolution=20), simulate(steel, 1e-3, resolution=20)
-    unit = 1e6 / STEEL.shear_impedance
-    np.testing.assert_allclose(
-        other.interface.slip_rate / unit, one.interface.slip_rate, atol=1e-12
-    )
-
-
 # --- models ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("load", [(0.0, 1.0), (0.4, 1.0), (-1.0, 1.0)])
-def test_halves_and_two_blocks_are_the_same(load):
-    """The last opens: where it does, nothing holds slip along z."""
-    scene = antiplane(0.5, load=load)
-    one, two = (simulate(scene, 0.5, resolution=30, model=m) for m in ("auto", "two-blocks"))
-    for name in ("slip", "slip_rate", "shear_traction", "pressure"):
-        found = getattr(two.interface, name)
-        np.testing.assert_allclose(getattr(one.interface, name), found, atol=1e-10)
-    assert (one.opened is not None) == (load[0] < 0)
 
 
 def test_mesh_is_as_large_as_shear_waves_reach():
@@ -179,41 +141,29 @@ def test_mesh_is_as_large_as_shear_waves_reach():
 
 
 def test_two_materials_slide_under_constant_pressure_only():
-    run = simulate(antiplane(0.5), 0.5, resolution=40, lower_material=SOFT)
-    assert run.model == TWO_MATERIALS
-    energy = run.energy
-    stored = energy.kinetic + energy.strain + energy.friction + energy.damping + energy.impact
-    np.testing.assert_allclose(stored, energy.external, atol=1e-10 * energy.external.max())
+    sim = simulate(antiplane(0.5), 0.5, resolution=40, lower_material=SOFT)
+    assert sim.model == TWO_MATERIALS
+    assert sim.energy.residual < 1e-10
     with pytest.raises(SceneError, match="slip along x as well"):
         simulate(antiplane(0.5, load=(0.4, 1.0)), 0.5, resolution=40, lower_material=SOFT)
 
 
 def test_saved_runs_companions_and_checkpoints_keep_the_mode(tmp_path):
     scene = antiplane(0.5, load=(0.4, 1.0))
-    run = with_companions(simulate(scene, 0.5, resolution=32))
-    assert run.companion.model == run.model
-    run.save(tmp_path / "run.h5")
+    sim = with_companions(simulate(scene, 0.5, resolution=32))
+    assert sim.companion.model == sim.model
+    sim.save(tmp_path / "run.h5")
     assert load_simulation(tmp_path / "run.h5").scene == scene
-
-    def stop(step, steps):
-        if step == steps // 2:
-            raise KeyboardInterrupt
-
-    kept = tmp_path / "run.check"
-    with pytest.raises(KeyboardInterrupt):
-        simulate(scene, 0.5, resolution=32, checkpoint=kept, checkpoint_every=1, progress=stop)
-    again = simulate(scene, 0.5, resolution=32, checkpoint=kept, resume=True)
-    np.testing.assert_array_equal(again.interface.slip, run.interface.slip)
+    options = {"end_time": 0.5, "resolution": 32, "checkpoint": tmp_path / "run.check"}
+    interrupted(scene, sim.steps // 2, checkpoint_every=1, **options)
+    again = simulate(scene, **options, resume=True)
+    np.testing.assert_array_equal(again.interface.slip, sim.interface.slip)
 
 
 def test_snapshots_show_displacement_along_z(tmp_path):
     """Far left, behind the shear wave of the slot, stands the load; ahead of it the base."""
-    scene = antiplane(0.5, (1.0, 0.2), (0.0, 0.5))
-    frames = []
-    for model in ("auto", "two-blocks"):
-        simulate(scene, resolution=40, snapshots=tmp_path / model, frames=1, model=model)
-        frames.append(meshio.read(next((tmp_path / model).glob("*.vtu"))))
-    frame = frames[0]
+    simulate(SHEARED_ALONG_Z, resolution=40, snapshots=tmp_path, frames=1)
+    frame = meshio.read(next(tmp_path.glob("*.vtu")))
     assert not frame.point_data["velocity"][:, :2].any()
     x, y, _ = frame.points[frame.cells[0].data].mean(axis=1).T
     stress = frame.cell_data["sigma_yz"][0]
@@ -221,6 +171,3 @@ def test_snapshots_show_displacement_along_z(tmp_path):
     for where, expected in ((np.abs(y) < 0.8, 0.2 - 0.5), (np.abs(y) > 1.1, 0.2)):
         assert (far & where).sum() > 10
         assert stress[far & where].mean() == pytest.approx(expected, abs=5e-3)
-    order = [np.lexsort(f.points[f.cells[0].data].mean(axis=1).round(6).T) for f in frames]
-    one, two = (f.cell_data["sigma_yz"][0][o] for f, o in zip(frames, order, strict=True))
-    np.testing.assert_allclose(one, two, atol=1e-10)

@@ -6,27 +6,27 @@ import subprocess
 import sys
 
 import pytest
+from catalogue import PRELOADED as SHEARED
+from catalogue import UNIT, unit_scene
 
 from fem import cost, prepare, simulate
 from fem.budget import Cost
 from fem.stepping import critical_step, highest_frequency
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.scene.scene import Material
+from tests.fem.runs import MIXED
 
-UNIT = Material(1.0, 1.0, 1 / 3)
-SHEARED = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
-MIXED = Scene(UNIT, 0.5, Tractions(1.0, 0.2), Tractions(0.5, 0.5))
-NEARLY_INCOMPRESSIBLE = dataclasses.replace(SHEARED, material=Material(1.0, 1.0, 0.4999))
+NEARLY_INCOMPRESSIBLE = unit_scene(nu=0.4999)
 
 PEAK = """
 import json, sys
 from pathlib import Path
 from fem import cost, simulate
 from fem.run import peak_memory
-from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic import find_scene
 
 folder, options = Path(sys.argv[1]), json.loads(sys.argv[2])
-scene = Scene(Material(1.0, 1.0, 1 / 3), 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
+scene = find_scene("preloaded")
 predicted = cost(scene, **options, snapshots=True, frames=2, checkpoint=True)
 before = peak_memory()
 run = simulate(
@@ -89,7 +89,7 @@ def test_unknowns_of_unstructured_triangles_are_nearly_those_of_the_run():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "resolution",
-    [60, pytest.param(100, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.slow)],
+    [60, 100, 200],
 )
 def test_memory_and_size_of_files_are_predicted(resolution, tmp_path, monkeypatch):
     """Measured in a process of its own, which nothing has used memory in before."""

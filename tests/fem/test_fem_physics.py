@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from catalogue import PRELOADED, UNIT
 from catalogue import SHOCK as REMOTE
 
 import fem.interface
@@ -19,11 +20,7 @@ from meshes import Blocks, cached_mesh
 from semianalytic import march, solve
 from semianalytic.scene.errors import SceneError, TensionError
 from semianalytic.scene.scene import Material, Scene, Tractions
-
-UNIT = Material(1.0, 1.0, 1 / 3)
-PRELOADED = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
-UNLOADED = Scene(UNIT, 0.5, Tractions(1.0, 0.0), Tractions(-1.0, 0.5))
-RECLOSING = Scene(UNIT, 0.5, Tractions(0.02, 0.0), Tractions(1.0, 0.5))
+from tests.fem.runs import UNLOADED, l1
 
 
 @cache
@@ -35,7 +32,7 @@ def slip_rate_error(scene, history):
     """Relative L1 error at the final time over 0.02 < x / (c_t T) < 1.9."""
     shown = (history.x > 0.02) & (history.x < 1.9)
     expected = exact(scene).slip_rate(history.x[shown], history.t[-1])
-    return np.abs(history.slip_rate[-1, shown] - expected).sum() / np.abs(expected).sum()
+    return l1(history.slip_rate[-1, shown], expected)
 
 
 # --- the edge node ----------------------------------------------------------------------------
@@ -109,30 +106,7 @@ def test_every_element_agrees_with_the_exact_solution(element, mesh, most):
     assert (increment * run.interface.shear_traction[:-1]).min() > -1e-13
 
 
-@pytest.mark.parametrize("element", FAMILIES)
-def test_half_equals_two_blocks_with_every_element(element):
-    half, two = (
-        simulate(REMOTE, resolution=20, element=element, model=model)
-        for model in ("auto", "two-blocks")
-    )
-    for name in ("slip", "slip_rate", "shear_traction", "pressure"):
-        one, other = getattr(half.interface, name), getattr(two.interface, name)
-        np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-10)
-
-
-# --- state, opening and closing ---------------------------------------------------------------
-
-
-@pytest.mark.parametrize("scene", [PRELOADED, REMOTE, UNLOADED, RECLOSING])
-def test_state_says_what_each_node_does(scene):
-    run = simulate(scene, resolution=40)
-    history, state = run.interface, run.state
-    assert set(np.unique(state)) <= {-1, 0, 1, 2}
-    increment = np.diff(history.slip, axis=0)
-    np.testing.assert_array_equal(state == 2, history.pressure == 0)
-    assert np.abs(increment[state[:-1] == 0]).max() < 1e-13
-    for sense in (-1, 1):
-        assert (sense * increment[state[:-1] == sense] > -1e-15).all()
+# --- opening and closing ----------------------------------------------------------------------
 
 
 def test_gap_converges_to_the_exact_one_with_second_order():
@@ -144,7 +118,7 @@ def test_gap_converges_to_the_exact_one_with_second_order():
         run = simulate(UNLOADED, resolution=resolution)
         history = run.interface
         expected = exact.gap(history.x, history.t[-1])
-        errors.append(np.abs(history.gap[-1] - expected).sum() / expected.sum())
+        errors.append(l1(history.gap[-1], expected))
     assert errors[0] < 5e-3
     assert errors[1] < 0.35 * errors[0]
     opened, speed = run.state == 2, exact.openings[0].outer
@@ -153,10 +127,6 @@ def test_gap_converges_to_the_exact_one_with_second_order():
     assert (np.diff(opened.astype(int), axis=0) >= 0).all()
     assert (np.diff(opened[-1].astype(int)) <= 0).all()
     assert (history.shear_traction[opened] == 0).all()
-    energy = run.energy
-    assert energy.residual < 1e-13
-    assert np.diff(energy.impact, prepend=0).min() >= -1e-15
-    assert np.diff(energy.friction, prepend=0).min() >= -1e-15
 
 
 # --- two materials ----------------------------------------------------------------------------
@@ -263,7 +233,7 @@ def test_plane_waves_from_afar_do_what_the_superposed_model_does():
         near = np.interp(x[shown], superposed.x, superposed.slip_rate[-1])
         scale = np.abs(expected).sum()
         differences.append(np.abs(rate[shown] - near).sum() / scale)
-        errors.append(np.abs(rate[shown] - expected).sum() / scale)
+        errors.append(l1(rate[shown], expected))
     print(differences, errors)
     assert errors[1] < 0.05
     assert errors[1] < 0.8 * errors[0]

@@ -8,26 +8,19 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from catalogue import PRELOADED
 from faults import FULL, full_disk
 
 from fem import simulate
 from meshes import Blocks, build_mesh, cached_mesh, read_mesh
 from meshes.build import APT_PACKAGES
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
-from semianalytic.scene.scene import Material, Scene, Tractions
-from slipfront.cli.commands import main
 
 ROOT = Path(__file__).parents[2]
 BLOCKS = Blocks(size=0.1, left=4, right=6, height=3, lower=True)
 LACK = "libGLU.so.1: cannot open shared object file"
 RANDOM = np.random.default_rng(26)
 SHAPES = [(2, 2, 2), (3, 2, 5), *RANDOM.integers(2, 30, (4, 3)).tolist()]
-
-
-@pytest.fixture(autouse=True)
-def cache(tmp_path, monkeypatch):
-    """No mesh is there yet."""
-    monkeypatch.setenv("SLIPFRONT_CACHE", str(tmp_path / "cache"))
 
 
 def hide_gmsh(monkeypatch, error):
@@ -98,25 +91,22 @@ def test_what_is_laid_is_said_once_and_kept(pattern, words, without_gmsh):
 
 @pytest.mark.gmsh
 def test_a_simulation_is_the_same_to_the_last_bit(tmp_path, monkeypatch):
-    scene = Scene(Material(1.0, 1.0, 1 / 3), 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
     monkeypatch.setenv("SLIPFRONT_CACHE", str(tmp_path / "other"))
-    expected = simulate(scene, resolution=10)
+    expected = simulate(PRELOADED, resolution=10)
     monkeypatch.setenv("SLIPFRONT_CACHE", str(tmp_path / "cache"))
     hide_gmsh(monkeypatch, OSError(LACK))
-    found = simulate(scene, resolution=10)
+    found = simulate(PRELOADED, resolution=10)
     assert (expected.remark, found.remark.count("laid without it")) == ("", 1)
     assert found.run == expected.run
     for name in ("slip", "slip_rate", "shear_traction", "pressure"):
         np.testing.assert_array_equal(*(getattr(one.interface, name) for one in (found, expected)))
 
 
-def test_a_command_says_it_in_one_line(without_gmsh, tmp_path, capsys):
-    options = ["--no-snapshots", "--output", str(tmp_path / "run")]
-    assert main(["simulate", "preloaded", "--resolution", "16", *options]) == 0
-    (line,) = [one for one in capsys.readouterr().err.splitlines() if "gmsh" in one]
-    assert line.startswith(f"preloaded: gmsh cannot be loaded ({LACK})")
-    assert main(["simulate", "preloaded", "--resolution", "17", "--quiet", *options]) == 0
-    assert capsys.readouterr().err == ""
+def test_a_command_says_it_in_one_line(without_gmsh, tmp_path, shown):
+    line = f"simulate preloaded --no-snapshots --output {tmp_path / 'run'} --resolution"
+    (said,) = [one for one in shown(f"{line} 16").err.splitlines() if "gmsh" in one]
+    assert said.startswith(f"preloaded: gmsh cannot be loaded ({LACK})")
+    assert shown(f"{line} 17 --quiet").err == ""
 
 
 @pytest.mark.parametrize(
@@ -141,10 +131,9 @@ def test_triangles_without_the_package_name_the_extra(monkeypatch):
         cached_mesh(replace(BLOCKS, pattern="triangles"))
 
 
-def test_the_command_refuses_triangles_with_exit_code_5(without_gmsh, tmp_path, capsys):
-    options = ["--element", "P1", "--mesh", "triangles", "--resolution", "10", "--quiet"]
-    assert main(["simulate", "preloaded", *options, "--output", str(tmp_path / "run")]) == 5
-    assert capsys.readouterr().err.count("\n") == 1
+def test_the_command_refuses_triangles_with_exit_code_5(without_gmsh, tmp_path, refused):
+    options = f"--element P1 --mesh triangles --resolution 10 --output {tmp_path / 'run'}"
+    assert "gmsh" in refused(f"simulate preloaded {options} --quiet", 5)
 
 
 @pytest.mark.parametrize("how", FULL)

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED
+from catalogue import PRELOADED, solved
 
 import slipfront as sf
 from compare.comparison.judgement import judge
@@ -15,28 +15,26 @@ from semianalytic.results.notebook import html_table
 X, T = np.array([0.1, 0.2]), np.linspace(0.1, 1.0, 20)
 
 
+def punched(**options):
+    return sf.run(sf.find_interface("punch").interface, 0.5, nodes=64, **options)
+
+
 def validated():
-    slip = sf.solve(PRELOADED).history(X, T).slip
+    slip = solved(PRELOADED).history(X, T).slip
     return sf.validate({"t": T, "x": X, "slip": slip}, PRELOADED, spacing=0.01)
 
 
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: sf.solve(PRELOADED), "converged, error estimate"),
+        (lambda: solved(PRELOADED), "converged, error estimate"),
         (
-            lambda: sf.solve(PRELOADED).history(X, T),
-            "<InterfaceHistory: 20 times from 0.1 to 1, 2 positions from 0.1 to 0.2>",
+            lambda: solved(PRELOADED).history(X, T),
+            "<InterfaceHistory: 20 times from 0.1 to 1, 2 pos",
         ),
         (lambda: sf.march(PRELOADED, nodes=32), "<Marched: to t = 1 in "),
-        (
-            lambda: sf.run(sf.find_interface("punch").interface, 0.5, nodes=64),
-            r"64 nodes, .* frames; done, error of slip",
-        ),
-        (
-            lambda: sf.run(sf.find_interface("punch").interface, 0.5, nodes=64, estimate=False),
-            "done, no error estimate>",
-        ),
+        (lambda: punched(), r"64 nodes, .* frames; done, error of slip"),
+        (lambda: punched(estimate=False), "done, no error estimate>"),
         (lambda: sf.prepare(PRELOADED, resolution=8), "<Model: antisymmetric half, 1,380 unknowns"),
         (lambda: sf.simulate(PRELOADED, resolution=8), "Simulation.antisymmetric half, 1,380"),
         (validated, r"<Validation: agrees .rows agrees: \d, differs: 0, unresolved: 0.>"),
@@ -62,11 +60,11 @@ def fitted():
 
 def judged():
     simulation = sf.with_companions(sf.simulate(PRELOADED, resolution=32))
-    return judge(sf.solve(PRELOADED), simulation)
+    return judge(solved(PRELOADED), simulation)
 
 
 SHOWN = {
-    "preloaded": (lambda: sf.solve(PRELOADED), 2, ["slip +1", "0.884266", "from [length/time]"]),
+    "preloaded": (lambda: solved(PRELOADED), 2, ["slip +1", "0.884266", "from [length/time]"]),
     "steel": (
         lambda: sf.solve(replace(sf.find_scene("stuck"), units="SI")),
         0,

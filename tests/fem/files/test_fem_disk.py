@@ -3,25 +3,25 @@
 import json
 import shutil
 from contextlib import ExitStack, contextmanager
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from catalogue import PRELOADED as SCENE
 from faults import FULL, ROOM, full_disk, small_disk
 
 from compare.comparison.fields.frames import last_frame
-from fem import load_simulation, simulate
+from fem import load_simulation, prepare, simulate
 from fem.checkpoint import Keeper
 from fem.settings import Pace
 from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.scene import Material, Scene, Tractions
 from slipfront.cli.commands import main
+from tests.fem.runs import FIELDS, interrupted
 
-SCENE = Scene(Material(1.0, 1.0, 1 / 3), 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
 SMALL = {"resolution": 16, "frames": 4}
-OF_RUN = ("slip", "slip_rate", "shear_traction", "pressure")
 
 
 @pytest.fixture(autouse=True)
@@ -36,7 +36,7 @@ def whole(mesh_cache, tmp_path_factory):
 
 
 def assert_same_history(one, other):
-    for name in OF_RUN:
+    for name in FIELDS:
         np.testing.assert_array_equal(getattr(one.interface, name), getattr(other.interface, name))
 
 
@@ -146,36 +146,28 @@ def test_command_keeps_the_histories_and_says_which_snapshots_are_missing(
 def test_checkpoint_that_finds_no_room_ends_no_run(how, whole, tmp_path):
     told = []
     with disk_that_fills(how, tmp_path) as (folder, fill, make_room):
-        options = {
-            "resolution": 16,
-            "checkpoint": folder / "checkpoint.h5",
-            "checkpoint_every": 10,
-        }
-        run = simulate(SCENE, **options, progress=call_at(15, fill), tell=told.append)
+        kept = {"checkpoint": folder / "checkpoint.h5", "checkpoint_every": 10}
+        progress = call_at(15, fill)
+        run = simulate(SCENE, resolution=16, **kept, progress=progress, tell=told.append)
         make_room()
         seen = []
         again = simulate(
-            SCENE, **options, resume=True, progress=lambda step, steps: seen.append(step)
+            SCENE, resolution=16, **kept, resume=True, progress=lambda *one: seen.append(one[0])
         )
     assert "checkpoint.h5" in told[0]
     assert seen[0] == 11  # the checkpoint before is there and sound
     assert_same_history(run, again)
 
 
-def test_checkpoint_wanted_now_is_an_error_if_it_cannot_be_written(tmp_path):
+def test_checkpoint_wanted_now_is_an_error_if_it_cannot_be_written(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
-    model_and_record = simulate  # never looked at: the folder fails first
     keeper = Keeper(tmp_path / "file" / "checkpoint.h5", Pace(), {})
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("fem.checkpoint.take_checkpoint", lambda *state: Empty())
-        with pytest.raises(DataFileError, match="Cannot write"):
-            keeper.step_done(3, type("Model", (), {"steps": 9}), model_and_record, [], True)
-        keeper.step_done(100, type("Model", (), {"steps": 999}), model_and_record, [], False)
+    empty = SimpleNamespace(step=3, frames=(), arrays={})
+    monkeypatch.setattr("fem.checkpoint.take_checkpoint", lambda *state: empty)
+    with pytest.raises(DataFileError, match="Cannot write"):
+        keeper.step_done(3, SimpleNamespace(steps=9), None, [], True)
+    keeper.step_done(100, SimpleNamespace(steps=999), None, [], False)
     assert "Cannot write" in keeper.missing
-
-
-class Empty:
-    step, frames, arrays = 3, (), {}
 
 
 # --- after the run ----------------------------------------------------------------------------
@@ -231,14 +223,9 @@ def test_fewer_frames_leave_none_of_the_run_before(tmp_path):
 @pytest.mark.usefixtures("undrawn")
 def test_snapshots_of_an_unfinished_run_are_not_compared_with_the_one_before(tmp_path, capsys):
     assert command(tmp_path) == 0
-
-    def stop(step, steps):
-        if step > steps // 2:
-            raise KeyboardInterrupt
-
     other = load_simulation(tmp_path).scene
-    with pytest.raises(KeyboardInterrupt):
-        simulate(other, resolution=20, snapshots=tmp_path / "snapshots", progress=stop)
+    middle = prepare(other, resolution=20).steps // 2 + 1
+    interrupted(other, middle, resolution=20, snapshots=tmp_path / "snapshots")
     capsys.readouterr()
     assert main(["compare", "--from", str(tmp_path), "--quiet"]) == 3
     assert "of another run" in sentence(capsys)
@@ -270,14 +257,8 @@ def test_report_and_figures_go_with_the_simulation_they_belong_to(tmp_path):
 
 def test_another_run_leaves_a_checkpoint_alone(whole, tmp_path):
     path = tmp_path / "checkpoint.h5"
-
-    def stop(step, steps):
-        if step == 15:
-            raise KeyboardInterrupt
-
     options = {"resolution": 18, "checkpoint": path, "checkpoint_every": 10}
-    with pytest.raises(KeyboardInterrupt):
-        simulate(find_scene("preloaded"), **options, progress=stop)
+    interrupted(find_scene("preloaded"), 15, **options)
     assert command(tmp_path, "--no-snapshots", "--quiet") == 0
     assert path.is_file()
     given = ("--no-snapshots", "--quiet", "--resolution", "18", "--resume")
@@ -288,13 +269,7 @@ def test_another_run_leaves_a_checkpoint_alone(whole, tmp_path):
 def test_resumed_run_says_which_of_its_snapshots_are_gone(whole, tmp_path):
     path, fields = tmp_path / "checkpoint.h5", tmp_path / "fields"
     options = {**SMALL, "checkpoint": path, "checkpoint_every": 1, "snapshots": fields}
-
-    def stop(step, steps):
-        if step > 0.6 * steps:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        simulate(SCENE, **options, progress=stop)
+    interrupted(SCENE, int(0.6 * whole.steps) + 1, **options)
     (fields / "fields-0001.vtu").unlink()
     with pytest.warns(UserWarning, match="1 of the 2 snapshots"):
         run = simulate(SCENE, **options, resume=True)

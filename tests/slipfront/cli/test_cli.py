@@ -1,51 +1,34 @@
 """The command line through its entry point."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
+import packages
 import pytest
 from catalogue import UNIT_FILE
 
 import slipfront.cli.solve_command
 from semianalytic import solve
 from semianalytic.scene.errors import ComputationError, MissingLibraryError
-from slipfront.cli.commands import main
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path, monkeypatch):
-    """Relative paths of the commands end up in a fresh folder; tables get room."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "160")
-
-
-def run_apart(*arguments, **variables):
-    """Run the command in a process of its own, with environment variables."""
-    code = "import sys; from slipfront.cli.commands import main; sys.exit(main())"
-    command = [sys.executable, "-c", code, *arguments]
-    return subprocess.run(
-        command, capture_output=True, text=True, check=False, env=os.environ | variables
-    )
-
-
-def test_scenes_lists_every_name(capsys):
-    assert main(["scenes"]) == 0
-    out = capsys.readouterr().out
-    for name in ("preloaded", "remote-shock", "stuck"):
-        assert name in out
-
-
-def test_solve_prints_zones_and_edge(capsys):
-    assert main(["solve", "preloaded"]) == 0
-    out = capsys.readouterr().out
-    assert "sub-Rayleigh" in out
-    assert "c_t–c_l" in out
-    assert "converged" in out
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("scenes", ("preloaded", "remote-shock", "stuck")),
+        ("solve preloaded", ("sub-Rayleigh", "c_t–c_l", "converged")),
+        ("solve stuck", ("stuck everywhere",)),
+        ("compare --help", ("the file's [lower_material]",)),
+        ("explore --help", ("the file's [lower_material]",)),
+        # in brackets, which the help would otherwise take for markup
+        ("solve --help", ("Shear modulus [stress].", "[mass / length³]", "[GB]")),
+    ],
+)
+def test_what_is_printed(line, words, shown):
+    said = " ".join(shown(line).out.split())
+    assert [word for word in words if word not in said] == []
 
 
 def test_viscosity_is_an_option_like_others(printed):
@@ -56,16 +39,11 @@ def test_viscosity_is_an_option_like_others(printed):
     assert given["zones"] == named["zones"]
 
 
-def test_an_open_contact_edge_has_no_intensity_and_no_minus(capsys):
-    assert main(["solve", "lift-off-shear", "--load-shear", "-1"]) == 0
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if "K_I" in line]
+def test_an_open_contact_edge_has_no_intensity_and_no_minus(shown):
+    said = shown("solve lift-off-shear --load-shear -1").out
+    (line,) = [line for line in said.splitlines() if "K_I" in line]
     assert "0, 0" in line
     assert "-0" not in line
-
-
-def test_solve_of_a_stuck_scene_says_so(capsys):
-    assert main(["solve", "stuck"]) == 0
-    assert "stuck everywhere" in capsys.readouterr().out
 
 
 def test_solve_json_is_nothing_but_json(printed):
@@ -76,11 +54,9 @@ def test_solve_json_is_nothing_but_json(printed):
     assert zone["outer_regime"] == "sub-Rayleigh"
 
 
-def test_solve_draws_a_plot(tmp_path, capsys):
-    path = tmp_path / "plots" / "prediction.png"
-    assert main(["solve", "preloaded", "--plot", str(path)]) == 0
-    assert path.read_bytes().startswith(b"\x89PNG")
-    assert "prediction.png" in capsys.readouterr().out
+def test_solve_draws_a_plot(tmp_path, shown):
+    assert "prediction.png" in shown("solve preloaded --plot plots/prediction.png").out
+    assert (tmp_path / "plots" / "prediction.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.slow
@@ -95,18 +71,17 @@ def test_solve_imports_only_what_it_uses():
         "main(['solve', 'preloaded']); main(['scenes'])\n"
         f"sys.exit(any(name in sys.modules for name in {unused}))"
     )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    run = packages.run("", "-c", code)
     assert run.returncode == 0, run.stderr
 
 
 def test_a_scene_file_is_as_good_as_a_name(tmp_path, printed):
-    path = tmp_path / "mine.toml"
-    path.write_text(UNIT_FILE)
-    assert printed(["solve", path])["scene"]["material"]["poisson_ratio"] == 0.3
+    (tmp_path / "mine.toml").write_text(UNIT_FILE)
+    assert printed("solve mine.toml")["scene"]["material"]["poisson_ratio"] == 0.3
 
 
 def test_entry_point_as_a_process():
-    run = run_apart("solve", "nowhere")
+    run = packages.run("", "solve", "nowhere")
     assert run.returncode == 2
     assert run.stdout == ""
     assert run.stderr.startswith("There is no scene called 'nowhere'")
@@ -131,37 +106,28 @@ def unconverged(scene):
     return replace(solve(scene), status=UNCONVERGED, error_estimate=np.inf)
 
 
-def test_solve_prints_an_answer_that_has_not_converged_and_exits_with_four(monkeypatch, capsys):
+def test_solve_prints_an_answer_that_has_not_converged_and_exits_with_four(monkeypatch, shown):
     monkeypatch.setattr(slipfront.cli.solve_command, "solve", unconverged)
-    assert main(["solve", "preloaded"]) == 4
-    captured = capsys.readouterr()
-    assert "sub-Rayleigh" in captured.out
-    assert captured.err.startswith(f"preloaded has not converged: {UNCONVERGED};")
-    assert captured.err.count("\n") == 1
-    assert main(["solve", "preloaded", "--json"]) == 4
-    captured = capsys.readouterr()
-    document = json.loads(captured.out, parse_constant=pytest.fail)
+    table, text = (shown(f"solve preloaded {option}", 4) for option in ("", "--json"))
+    assert "sub-Rayleigh" in table.out
+    assert table.err.startswith(f"preloaded has not converged: {UNCONVERGED};")
+    assert table.err.count("\n") == text.err.count("\n") == 1
+    document = json.loads(text.out, parse_constant=pytest.fail)
     assert document["status"] == UNCONVERGED
     assert document["error_estimate"] is None
     assert document["zones"]
-    assert captured.err.count("\n") == 1
 
 
-def test_where_the_load_acts_is_an_option_a_key_and_said(tmp_path, capsys, printed, refused):
+def test_where_the_load_acts_is_an_option_a_key_and_said(tmp_path, shown, printed):
     options = "--friction 1.25 --base-pressure 0 --load-pressure 1 --load-on remote"
     found, known = printed(f"solve preloaded {options}"), printed("solve remote-shock")
     assert found["scene"] == known["scene"]
     assert (found["scene"]["load_on"], found["zones"]) == ("remote", known["zones"])
-    assert main(["init", str(tmp_path / "shock.toml"), "--from", "remote-shock"]) == 0
+    shown("init shock.toml --from remote-shock")
     assert 'load_on = "remote"' in (tmp_path / "shock.toml").read_text()
-    capsys.readouterr()
-    assert main(["solve", str(tmp_path / "shock.toml")]) == 0
-    shown = capsys.readouterr().out
-    assert re.search(r"pressure, shear before\s*│ 0, 0 ", shown)
-    assert re.search(r"load from far away\s*│ 1, 1 ", shown)
-    assert "comes as a step" in refused("solve ramp --load-on remote")
-    said = refused("solve preloaded --load-on far")
-    assert said == "--load-on must be slot or remote, got 'far'.\n"
+    said = shown("solve shock.toml").out
+    assert re.search(r"pressure, shear before\s*│ 0, 0 ", said)
+    assert re.search(r"load from far away\s*│ 1, 1 ", said)
 
 
 @pytest.mark.thinned(3)
@@ -169,7 +135,7 @@ def test_where_the_load_acts_is_an_option_a_key_and_said(tmp_path, capsys, print
     "arguments", [["scenes"], ["solve", "remote-shock", "--friction", "0.5"], ["solve", "--help"]]
 )
 def test_a_terminal_of_ascii_is_no_obstacle(arguments):
-    run = run_apart(*arguments, PYTHONIOENCODING="ascii")
+    run = packages.run("", *arguments, PYTHONIOENCODING="ascii")
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout.isascii()
 
@@ -177,7 +143,7 @@ def test_a_terminal_of_ascii_is_no_obstacle(arguments):
 @pytest.mark.slow
 def test_names_that_cannot_be_printed_are_escaped(refused):
     assert r"called '\udcff\n\x1b[31mß'" in refused(["solve", "\udcff\n\x1b[31mß"])
-    run = run_apart("solve", "ß", PYTHONIOENCODING="ascii")
+    run = packages.run("", "solve", "ß", PYTHONIOENCODING="ascii")
     assert run.returncode == 2
     assert run.stderr.startswith(r"There is no scene called '\xdf'")
 
@@ -185,17 +151,17 @@ def test_names_that_cannot_be_printed_are_escaped(refused):
 @pytest.mark.slow
 def test_a_drawing_library_set_up_for_windows_that_do_not_exist_draws(tmp_path):
     path = tmp_path / "plot.png"
-    run = run_apart("solve", "stuck", "--plot", str(path), MPLBACKEND="nonsense")
+    run = packages.run("", "solve", "stuck", "--plot", str(path), MPLBACKEND="nonsense")
     assert (run.returncode, run.stderr) == (0, "")
     assert path.is_file()
 
 
 def test_huge_numbers_are_refused_in_one_sentence(tmp_path, refused):
     many = "1" * 400
-    path = tmp_path / "huge.toml"
-    path.write_text(UNIT_FILE.replace("friction = 0.3", f"friction = {many}"))
+    huge = UNIT_FILE.replace("friction = 0.3", f"friction = {many}")
+    (tmp_path / "huge.toml").write_text(huge)
     for arguments in (
-        f"solve {path}",
+        "solve huge.toml",
         f"solve preloaded --friction {many}",
         "solve preloaded --density 1e300",
         "solve ramp --end-time 1e300",
@@ -213,18 +179,3 @@ def test_interrupt_is_a_short_sentence_and_130(monkeypatch, refused):
 
     monkeypatch.setattr(slipfront.cli.solve_command, "solve", interrupt)
     assert "Interrupted" in refused("solve preloaded", 130)
-
-
-def test_help_shows_units(capsys):
-    """In brackets, which the help would otherwise take for markup."""
-    assert main(["solve", "--help"]) == 0
-    shown = " ".join(capsys.readouterr().out.split())
-    assert "Shear modulus [stress]." in shown
-    assert "[mass / length³]" in shown
-    assert "[GB]" in shown
-
-
-@pytest.mark.parametrize("command", ["compare", "explore"])
-def test_help_shows_tables_of_files(command, capsys):
-    assert main([command, "--help"]) == 0
-    assert "the file's [lower_material]" in " ".join(capsys.readouterr().out.split())

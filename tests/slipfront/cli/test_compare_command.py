@@ -4,6 +4,7 @@ import csv
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -16,29 +17,24 @@ from slipfront.cli.commands import main
 from slipfront.cli.terminal import verdict_text
 from tests.slipfront.cli.test_cli import unconverged
 
-COARSE = ("--resolution", "40", "--frames", "2")
-
 COMPARISON_FIGURES = {
     f"{name}.png" for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear")
 }
-
-
 COMPARED_FIELDS = {"fields.png", "fields.csv"}
-
-
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path, monkeypatch):
-    """Relative paths of the commands end up in a fresh folder; tables get room."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "160")
 
 
 @pytest.fixture(scope="module")
 def simulated(tmp_path_factory):
     """Folder of a coarse simulation of the default scene."""
     folder = tmp_path_factory.mktemp("simulated") / "preloaded"
-    assert main(["simulate", "preloaded", *COARSE, "--output", str(folder)]) == 0
+    line = f"simulate preloaded --resolution 40 --frames 2 --output {folder}"
+    assert main(line.split()) == 0
     return folder
+
+
+def reported(folder="."):
+    """What the report in a folder says; JSON knows no infinite numbers."""
+    return json.loads((Path(folder) / "report.json").read_text(), parse_constant=pytest.fail)
 
 
 def test_simulate_writes_history_and_snapshots(simulated):
@@ -52,31 +48,24 @@ def test_simulate_writes_history_and_snapshots(simulated):
     assert all(len(list(folder.glob("*.vtu"))) == 1 for folder in folders.values())
 
 
-def test_simulate_quietly_and_without_snapshots(tmp_path, capsys):
-    folder = tmp_path / "short"
-    arguments = ["simulate", "stuck", "--resolution", "20", "--no-snapshots", "--quiet"]
-    assert main([*arguments, "--output", str(folder)]) == 0
-    captured = capsys.readouterr()
-    assert captured.err == ""
-    assert captured.out == f"Written to {folder}/\n"
-    assert not (folder / "snapshots").exists()
+def test_simulate_quietly_and_without_snapshots(tmp_path, shown):
+    said = shown("simulate stuck --resolution 20 --no-snapshots --quiet --output short")
+    assert (said.out, said.err) == ("Written to short/\n", "")
+    assert not (tmp_path / "short" / "snapshots").exists()
 
 
 def test_an_output_folder_that_is_a_file_exits_with_three(tmp_path, refused):
-    taken = tmp_path / "taken"
-    taken.write_text("")
-    assert "taken" in refused(f"simulate stuck --resolution 20 --quiet --output {taken}", 3)
+    (tmp_path / "taken").write_text("")
+    for line in ("simulate stuck --resolution 20 --quiet", "field preloaded"):
+        assert "taken" in refused(f"{line} --output taken", 3)
 
 
 @pytest.mark.slow
-def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
-    folder = tmp_path / "compared"
-    code = main(["compare", "preloaded", "--from", str(simulated), "--output", str(folder)])
-    document = json.loads((folder / "report.json").read_text())
-    assert code == (1 if document["verdict"] == "differs" else 0)
-    names = {path.name for path in folder.iterdir()}
+def test_compare_with_an_earlier_simulation(simulated, tmp_path, shown):
+    out = shown(f"compare preloaded --from {simulated} --output compared").out
+    document = reported("compared")
+    names = {path.name for path in (tmp_path / "compared").iterdir()}
     assert names == COMPARISON_FIGURES | COMPARED_FIELDS | {"report.json"}
-    out = capsys.readouterr().out
     for row in document["rows"]:
         assert row["name"] in out
     assert f"Verdict: {document['verdict']} (" in out
@@ -108,7 +97,7 @@ def test_agreement_is_told_with_its_largest_difference_and_widest_bar():
 def test_compare_judges_whole_fields(simulated, tmp_path, capsys):
     command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
     main(command)
-    document, out = json.loads((tmp_path / "report.json").read_text()), capsys.readouterr().out
+    document, out = reported(), capsys.readouterr().out
     frames = document["fields"]["frames"]
     assert len(frames) == 7 * len(list((simulated / "snapshots").glob("*.vtu")))
     assert document["units"]["fields"]["frames"]["time"] == "time"
@@ -126,7 +115,7 @@ def test_compare_judges_whole_fields(simulated, tmp_path, capsys):
         rows = list(csv.DictReader(stream))
     assert [float(row["whole"]) for row in rows] == [error["whole"] for error in frames]
     main([*command, "--no-snapshots"])
-    assert json.loads((tmp_path / "report.json").read_text())["fields"] is None
+    assert reported()["fields"] is None
     assert not COMPARED_FIELDS & {path.name for path in tmp_path.iterdir()}
     assert ", whole" not in capsys.readouterr().out
 
@@ -135,8 +124,7 @@ def test_compare_judges_whole_fields(simulated, tmp_path, capsys):
 @pytest.mark.usefixtures("undrawn")
 def test_compare_without_output_writes_beside_the_simulation(simulated):
     main(["compare", "--from", str(simulated)])
-    document = json.loads((simulated / "report.json").read_text())
-    assert document["scene"] == simulated.name
+    assert reported(simulated)["scene"] == simulated.name
 
 
 def test_compare_refuses_a_simulation_of_another_scene(simulated, refused):
@@ -150,17 +138,16 @@ def test_compare_from_a_damaged_or_absent_simulation_exits_with_three(tmp_path, 
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys):
-    code = main(["compare", "--resolution", "30", "--frames", "2", "--friction", "1"])
-    folder = tmp_path / "results" / "preloaded-friction-1"
+def test_main_job_writes_everything_under_the_name_of_the_scene(shown):
+    said = shown("compare --resolution 30 --frames 1 --friction 1")
+    folder = Path("results/preloaded-friction-1")
     names = {path.name for path in folder.iterdir()}
     kept = {"report.json", "simulation.h5", "snapshots"}
     assert names == COMPARISON_FIGURES | COMPARED_FIELDS | kept
-    captured = capsys.readouterr()
-    assert "results/preloaded-friction-1/" in captured.out
-    assert "mesh size" in captured.err
-    document = json.loads((folder / "report.json").read_text())
-    assert code == (1 if document["verdict"] == "differs" else 0)
+    assert f"{folder}/" in said.out
+    assert "mesh size" in said.err
+    document = reported(folder)
+    assert document["verdict"] != "differs"
     assert document["parameters"]["friction"] == 1.0
 
 
@@ -173,37 +160,34 @@ def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_fou
     command = ["compare", "--from", str(simulated), "--no-snapshots", "--output", str(tmp_path)]
     assert main(command) == 4
     assert "has not converged" in capsys.readouterr().err
-    document = json.loads((tmp_path / "report.json").read_text(), parse_constant=pytest.fail)
+    document = reported()
     assert document["semianalytic"]["error_estimate"] is None
     assert "the prediction has not converged" in {row["obstacle"] for row in document["rows"]}
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-def test_a_prediction_that_differs_exits_with_one(simulated, monkeypatch, tmp_path, capsys):
+def test_a_prediction_that_differs_exits_with_one(simulated, monkeypatch, shown):
     """With the answer for more friction in place of the right one."""
 
     def spoilt(scene):
         return solve(replace(scene, friction=0.6))
 
-    monkeypatch.setattr(compare.comparison.prediction, "solve", spoilt)
-    arguments = ["compare", "--from", str(simulated), "--output", str(tmp_path / "out")]
-    assert main(arguments) == 1
-    out = capsys.readouterr().out
-    assert "Verdict: differs (" in out
-    document = json.loads((tmp_path / "out" / "report.json").read_text())
+    line = f"compare --from {simulated} --output out"
+    with monkeypatch.context() as patch:
+        patch.setattr(compare.comparison.prediction, "solve", spoilt)
+        assert "Verdict: differs (" in shown(line, 1).out
+    document = reported("out")
     assert document["verdict"] == "differs"
     assert document["counts"]["differs"] >= 3
-    monkeypatch.undo()
-    assert main(arguments) == 0
+    shown(line)
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(tmp_path, capsys):
-    options = ["--resolution", "20", "--no-snapshots", "--quiet", "--output", str(tmp_path / "out")]
-    assert main(["compare", "preloaded", "--friction", "0.15", *options]) == 0
-    out = capsys.readouterr().out
+def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(shown):
+    options = "--resolution 20 --no-snapshots --quiet --output out"
+    out = shown(f"compare preloaded --friction 0.15 {options}").out
     table, unresolved = out.split("Unresolved:\n")
     assert "unresolved" in table
     told = " ".join(unresolved.split())
@@ -216,33 +200,31 @@ def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(t
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("columns", ["80", "100"])
-def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monkeypatch, capsys):
+def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monkeypatch, shown):
     monkeypatch.setenv("COLUMNS", columns)
-    main(["compare", "--from", str(simulated)])
-    lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    lines = [line.rstrip() for line in shown(f"compare --from {simulated}").out.splitlines()]
     assert max(map(len, lines)) <= int(columns)
     assert "…" not in "".join(lines)
     (heads,) = (" ".join(line.split()) for line in lines if line.startswith(" quantity"))
     assert heads == "quantity exact at nodes FEM differ by bar ± verdict"
     verdicts = [line.split()[-1] for line in lines[3 : lines.index("", 3)] if line.split()]
-    document = json.loads((simulated / "report.json").read_text())
     assert [one for one in verdicts if one in ("agrees", "differs", "unresolved")] == [
-        row["verdict"] for row in document["rows"]
+        row["verdict"] for row in reported(simulated)["rows"]
     ]
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize("quiet", [False, True])
-def test_long_simulations_say_what_they_will_cost(quiet, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("quiet", ["", "--quiet"])
+def test_long_simulations_say_what_they_will_cost(quiet, monkeypatch, shown):
+    """Short ones do not, nor what their snapshots will take."""
+    line = f"simulate preloaded --resolution 16 --frames 1 --output out {quiet}"
+    said = shown(line).err
+    assert "will take" not in said
     monkeypatch.setattr("slipfront.cli.simulate_command.WORTH_SAYING", 0.0)
-    options = ["--resolution", "16", "--no-snapshots", "--output", str(tmp_path / "out")]
-    assert main(["simulate", "preloaded", *options, *["--quiet"] * quiet]) == 0
-    first, *_ = (capsys.readouterr().err or "\n").splitlines()
+    monkeypatch.setattr("slipfront.cli.simulate_command.WORTH_KEEPING", 0.0)
+    said = shown(line).err
     cost = r"preloaded: [\d,]+ unknowns and 36 steps will take about 1 minute and 0\.\d GB\."
-    assert bool(re.fullmatch(cost, first)) == (not quiet)
-
-
-def test_short_simulations_do_not(tmp_path, capsys):
-    options = ["--resolution", "16", "--no-snapshots", "--output", str(tmp_path / "out")]
-    assert main(["simulate", "preloaded", *options]) == 0
-    assert "will take" not in capsys.readouterr().err
+    assert bool(re.match(cost, said)) == (not quiet)
+    said = " ".join(said.split())
+    for words in ("field snapshots will take about", "--no-snapshots leaves them out"):
+        assert (words in said) == (not quiet)

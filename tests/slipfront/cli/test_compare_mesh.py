@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 
@@ -9,16 +10,16 @@ import fem.budget
 from compare.comparison.mesh_choice import choose_mesh
 from fem import cost, load_simulation
 from semianalytic.scene.given.finding import find_scene
-from slipfront.cli.commands import main
+from slipfront.cli import simulate_command
+from slipfront.cli.simulate_command import Allowance
 
-COARSE = ("--resolution", "32", "--no-snapshots")
-GAP = ("preloaded", "--friction", "0.15", "--no-snapshots")
+COARSE = "--resolution 32 --no-snapshots --output out"
+GAP = "compare preloaded --friction 0.15 --no-snapshots --output out"
 
 
 @pytest.fixture(autouse=True)
-def _own_folder(tmp_path, monkeypatch):
-    """Relative paths of the commands end up in a fresh folder, on a machine of known pace."""
-    monkeypatch.chdir(tmp_path)
+def _known_pace(monkeypatch):
+    """The machine has a known pace, and drawing and judging take no time."""
     monkeypatch.setattr(fem.budget, "machine_pace", lambda: 1.0)
     for name in ("DRAWN", "JUDGED"):
         monkeypatch.setattr(f"compare.comparison.mesh_choice.{name}", 0.0)
@@ -44,9 +45,9 @@ def budget_for(resolution):
     return f"{1.01 * choice.seconds:.6f}s"
 
 
-def companions(folder):
-    """Resolutions of a simulation in a folder and of what it carries."""
-    run, resolutions = load_simulation(folder), []
+def companions():
+    """Resolutions of a simulation and of what it carries."""
+    run, resolutions = load_simulation("out"), []
     while run is not None:
         resolutions.append(run.resolution)
         run = run.companion
@@ -55,12 +56,11 @@ def companions(folder):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-def test_compare_says_its_mesh_and_what_stays_unresolved_before_it_starts(tmp_path, capsys):
-    assert main(["compare", *GAP, "--budget", budget_for(48), "--output", "out"]) == 0
-    captured = capsys.readouterr()
-    told = [line for line in captured.err.splitlines() if "this will take about" not in line]
+def test_compare_says_its_mesh_and_what_stays_unresolved_before_it_starts(shown):
+    said = shown(f"{GAP} --budget {budget_for(48)}").err
+    told = [line for line in said.splitlines() if "this will take about" not in line]
     chosen, unresolved, ran = told[:3]  # a busy machine may exceed so small a budget
-    resolution, *coarser = companions(tmp_path / "out")
+    resolution, *coarser = companions()
     assert resolution == 48
     assert coarser == [resolution // 2, resolution // 4]
     assert chosen.startswith(
@@ -70,44 +70,44 @@ def test_compare_says_its_mesh_and_what_stays_unresolved_before_it_starts(tmp_pa
     assert unresolved.startswith(gap)
     assert unresolved.endswith(" GB, more than a mesh may hold).")
     assert ran.startswith("preloaded: mesh size")
-    assert "preloaded: slip rate at the end within " in captured.err
-    rows = json.loads((tmp_path / "out" / "report.json").read_text())["rows"]
+    assert "preloaded: slip rate at the end within " in said
+    rows = json.loads(Path("out/report.json").read_text())["rows"]
     remedies = {row["resolution"] for row in rows if "gap" in row["obstacle"]}
     assert remedies == {14995}
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-def test_quiet_says_nothing_of_the_mesh(capsys):
-    main(["compare", *GAP, "--budget", budget_for(48), "--quiet"])
-    captured = capsys.readouterr()
-    assert captured.err == ""
-    assert "stays unresolved" not in captured.out
+def test_quiet_says_nothing_of_the_mesh(shown):
+    said = shown(f"{GAP} --budget {budget_for(48)} --quiet")
+    assert said.err == ""
+    assert "stays unresolved" not in said.out
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-def test_a_resolution_is_taken_and_what_it_leaves_is_said(tmp_path, capsys):
-    main(["compare", "preloaded", *COARSE, "--output", "out"])
-    told = capsys.readouterr().err
+def test_a_resolution_is_taken_and_what_it_leaves_is_said(shown, unrepeatable):
+    told = shown(f"compare preloaded {COARSE}").err
     assert "preloaded: resolution 32 (as given): about" in told
     assert "stays unresolved: the gap between 0.8843 and 0.9769 c_t (resolution 87:" in told
-    assert companions(tmp_path / "out") == [32, 16, 8]
+    assert companions() == [32, 16, 8]
+    unrepeatable(AssertionError("it was run again"))
+    assert shown("compare --from out").err == ""
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-def test_a_march_gets_its_mesh_by_its_loads(tmp_path, capsys):
-    main(["compare", "pulse", "--budget", budget_for(48), "--no-snapshots", "--output", "out"])
-    assert "stays unresolved" not in capsys.readouterr().err
-    assert companions(tmp_path / "out") == [48, 24, 12]
+def test_a_march_gets_its_mesh_by_its_loads(shown):
+    line = f"compare pulse --budget {budget_for(48)} --no-snapshots --output out"
+    assert "stays unresolved" not in shown(line).err
+    assert companions() == [48, 24, 12]
 
 
 @pytest.mark.parametrize(
     ("time", "seconds"),
     [("60s", 60), ("60", 60), ("2min", 120), ("1.5 m", 90), ("1h", 3600), (".5H", 1800)],
 )
-def test_times_are_typed_as_people_write_them(time, seconds, monkeypatch, capsys):
+def test_times_are_typed_as_people_write_them(time, seconds, monkeypatch, shown):
     given = []
 
     def choose(*_, budget, **__):
@@ -115,71 +115,30 @@ def test_times_are_typed_as_people_write_them(time, seconds, monkeypatch, capsys
         raise KeyboardInterrupt
 
     monkeypatch.setattr("compare.comparison.comparing.choose_mesh", choose)
-    assert main(["compare", "stuck", "--budget", time]) == 130
+    shown(["compare", "stuck", "--budget", time], 130)
     assert given == [seconds]
 
 
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("time", ["soon", "", "-3s", "0", "1 year", "1e3s", "60 s s", "9" * 400])
-def test_what_is_no_time_is_refused_in_one_sentence(time, tmp_path, refused):
-    told = refused(["compare", "stuck", "--budget", time])
-    assert told.startswith("--budget must be a time such as 60s, 5min or 1h, got '")
-    assert list(tmp_path.iterdir()) == []
+def test_an_interruption_of_companions_loses_nothing_of_the_simulation(monkeypatch, shown):
+    def interrupt(*arguments, **options):
+        raise KeyboardInterrupt
 
-
-@pytest.mark.parametrize(
-    ("options", "other"),
-    [(("--resolution", "40"), "--resolution"), (("--from", "anywhere"), "--from")],
-)
-def test_a_budget_goes_with_nothing_that_sets_the_mesh(options, other, refused):
-    sentence = f"--budget has no effect with {other}; leave one of the two out.\n"
-    assert refused(["compare", "--budget", "60s", *options]) == sentence
-
-
-def test_a_budget_that_reaches_no_mesh_is_refused(tmp_path, refused):
-    told = refused("compare stuck --budget 0.001s")
-    assert "raise --budget, or give a --resolution." in told
-    assert list(tmp_path.iterdir()) == []
+    monkeypatch.setattr("fem.companions.run_plan", interrupt)
+    shown(f"compare preloaded {COARSE}", 130)
+    assert companions() == [32]
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-def test_what_compare_has_simulated_needs_no_other_run(tmp_path, capsys, unrepeatable):
-    main(["compare", "preloaded", *COARSE, "--output", "out"])
-    capsys.readouterr()
-    unrepeatable(AssertionError("it was run again"))
-    assert main(["compare", "--from", "out"]) == 0
-    assert capsys.readouterr().err == ""
-    assert (tmp_path / "out" / "report.json").exists()
-
-
-def test_an_interruption_of_companions_loses_nothing_of_the_simulation(
-    tmp_path, capsys, monkeypatch
-):
-    with monkeypatch.context() as patch:
-
-        def interrupt(*arguments, **options):
-            raise KeyboardInterrupt
-
-        patch.setattr("fem.companions.run_plan", interrupt)
-        assert main(["compare", "preloaded", *COARSE, "--output", "out"]) == 130
-    assert companions(tmp_path / "out") == [32]
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
-def test_error_bars_that_are_missing_are_made_and_kept(tmp_path, capsys, unrepeatable):
-    arguments = ["simulate", "preloaded", *COARSE, "--no-companions", "--output", "out"]
-    assert main(arguments) == 0
-    assert "within" not in capsys.readouterr().err
-    assert companions(tmp_path / "out") == [32]
-    before = (tmp_path / "out" / "simulation.h5").read_bytes()
-    assert main(["compare", "--from", "out", "--output", "elsewhere"]) == 0
-    assert (tmp_path / "out" / "simulation.h5").read_bytes() == before
-    assert not (tmp_path / "elsewhere" / "simulation.h5").exists()
-    assert main(["compare", "--from", "out"]) == 0
-    assert "out: slip rate at the end within" in capsys.readouterr().err
-    assert companions(tmp_path / "out") == [32, 16, 8]
+def test_error_bars_that_are_missing_are_made_and_kept(shown):
+    assert "within" not in shown(f"simulate preloaded {COARSE} --no-companions").err
+    assert companions() == [32]
+    before = Path("out/simulation.h5").read_bytes()
+    shown("compare --from out --output elsewhere")
+    assert Path("out/simulation.h5").read_bytes() == before
+    assert not Path("elsewhere/simulation.h5").exists()
+    assert "out: slip rate at the end within" in shown("compare --from out").err
+    assert companions() == [32, 16, 8]
 
 
 @pytest.mark.thinned(2)
@@ -190,27 +149,21 @@ def test_error_bars_that_are_missing_are_made_and_kept(tmp_path, capsys, unrepea
         ("stuck", r"slip rate at the end within 1e-06 V₀, slip within 1e-06 V₀ T, by"),
     ],
 )
-def test_simulate_says_how_far_it_may_be_off(scene, sentence, tmp_path, capsys):
-    assert main(["simulate", scene, *COARSE, "--output", "out"]) == 0
-    assert companions(tmp_path / "out") == [32, 16, 8]
-    last = capsys.readouterr().err.splitlines()[-1]
+def test_simulate_says_how_far_it_may_be_off(scene, sentence, shown):
+    last = shown(f"simulate {scene} {COARSE}").err.splitlines()[-1]
+    assert companions() == [32, 16, 8]
     assert re.fullmatch(rf"{scene}: {sentence} coarser meshes\.", last)
 
 
-def test_simulate_says_that_there_are_no_error_bars(tmp_path, capsys):
-    arguments = ["simulate", "stuck", "--resolution", "12", "--no-snapshots", "--output", "out"]
-    assert main(arguments) == 0
-    told = capsys.readouterr().err
+def test_simulate_says_that_there_are_no_error_bars(shown):
+    told = shown("simulate stuck --resolution 12 --no-snapshots --output out").err
     assert "stuck: no error bars, for there is no coarser mesh." in told
-    assert companions(tmp_path / "out") == [12]
+    assert companions() == [12]
 
 
 @pytest.mark.parametrize(("late", "told"), [(1.0, 0), (1.1, 0), (3.0, 1)])
 def test_an_overrun_is_said_once_before_it_happens(late, told, monkeypatch):
     """A budget allows 10 s, of which 6 s are steps, and these take as long or longer."""
-    from slipfront.cli import simulate_command
-    from slipfront.cli.simulate_command import Allowance
-
     clock = iter([0.0, *(0.6 * late * step for step in range(1, 11))])
     monkeypatch.setattr(simulate_command, "monotonic", lambda: next(clock))
     steps, sentences = [], []

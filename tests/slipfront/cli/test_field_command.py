@@ -1,7 +1,6 @@
 """`slipfront field`: what it writes, what it refuses, and how it ends."""
 
 import csv
-import json
 from dataclasses import replace
 from functools import cache
 
@@ -11,22 +10,14 @@ import pytest
 from compare.figures import animation
 from semianalytic import find_scene, solve, solve_pair
 from semianalytic.dissimilar.described import pair_of
-from slipfront.cli.commands import main
-
-
-def field(*words):
-    return main(["field", *words, "--quiet"])
 
 
 @pytest.mark.slow
-def test_all_that_can_be_asked_for_is_written(tmp_path, capsys):
-    folder = tmp_path / "out"
-    asked = ["--animate", "2", "--vtu", "--grid", "4,4", "--gauge", "0.4,0.2"]
-    size = ["--points", "8", "--samples", "5"]
-    assert field("preloaded", "--of", "vx", *asked, *size, "--output", str(folder)) == 0
-    first, *lines = capsys.readouterr().out.splitlines()
-    written = sorted(path.name for path in folder.iterdir())
-    assert first == f"Written to {folder}/:"
+def test_all_that_can_be_asked_for_is_written(tmp_path, shown):
+    asked = "--of vx --animate 2 --vtu --grid 4,4 --gauge 0.4,0.2 --points 8 --samples 5 --quiet"
+    first, *lines = shown(f"field preloaded {asked} --output out").out.splitlines()
+    written = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert first == "Written to out/:"
     # the frames are those of fields.pvd
     assert sorted(line.split()[0] for line in lines) == [
         name for name in written if not name.endswith(".vtu")
@@ -41,10 +32,10 @@ def test_all_that_can_be_asked_for_is_written(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_a_face_is_told_by_its_sign(tmp_path, undrawn):
+def test_a_face_is_told_by_its_sign(tmp_path, undrawn, shown):
     """Records at y = 0 and y = -0 are those of the upper and of the lower face of the slot."""
-    gauges = ["--gauge=-0.5,0", "--gauge=-0.5,-0", "--points", "4", "--samples", "3"]
-    assert field("preloaded", *gauges, "--friction", "0.2", "--output", str(tmp_path)) == 0
+    gauges = "--gauge=-0.5,0 --gauge=-0.5,-0 --points 4 --samples 3"
+    shown(f"field preloaded {gauges} --friction 0.2 --output .")
     upper, lower = (
         np.array(list(csv.reader((tmp_path / name).read_text().splitlines()[2:])), dtype=float)
         for name in ("preloaded_gauge-1.csv", "preloaded_gauge-2.csv")
@@ -59,14 +50,12 @@ def test_a_face_is_told_by_its_sign(tmp_path, undrawn):
 
 
 def test_a_lower_body_of_another_kind_is_solved_and_recorded(
-    tmp_path, undrawn, capsys, monkeypatch
+    tmp_path, undrawn, printed, monkeypatch
 ):
     solved = cache(solve_pair)
     monkeypatch.setattr("slipfront.cli.field_command.solve_pair", solved)
-    gauges = ["--gauge=0.5,0", "--gauge=0.5,-0.2", "--points", "4", "--samples", "3"]
-    words = ["preloaded", "--lower-shear-modulus", "2.25", *gauges, "--output", str(tmp_path)]
-    assert field(*words, "--json") == 0
-    document = json.loads(capsys.readouterr().out)
+    gauges = "--gauge=0.5,0 --gauge=0.5,-0.2 --points 4 --samples 3 --output ."
+    document = printed(f"field preloaded --lower-shear-modulus 2.25 {gauges}")
     pair = document["pair"]
     assert (pair["material"]["shear_modulus"], pair["lower_material"]["shear_modulus"]) == (1, 2.25)
     assert document["units"]["pair"]["lower_material"]["shear_modulus"] == "stress"
@@ -83,74 +72,28 @@ def test_a_lower_body_of_another_kind_is_solved_and_recorded(
     assert document["window"]["x1"] == pytest.approx(1.05 * lower.longitudinal_speed)
 
 
-def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert field("antiplane", "--of", "syz", "--friction", "0.6", "--points", "4") == 0
+def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, shown):
+    shown("field antiplane --of syz --friction 0.6 --points 4")
     (path,) = (tmp_path / "results").rglob("*.png")
     assert path == tmp_path / "results" / "antiplane-friction-0.6" / "field" / "antiplane_syz.png"
 
 
-@pytest.mark.thinned(5)
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["--of", "szz"], "--of must be one of speed, pressure"),
-        (["--of", "vz"], "which only antiplane scenes have."),
-        (["--time", "0"], "--time must be positive"),
-        (["--window", "1,2,3"], "--window must be four numbers"),
-        (["--window", "1,1,0,1"], "--window must be four numbers"),
-        (["--window", "0,inf,0,1"], "--window must be four numbers"),
-        (["--points", "1"], "--points must be a whole number from 2"),
-        (["--points", "99999"], "--points must be a whole number from 2"),
-        (["--animate=-1"], "--animate must be a whole number"),
-        (["--format", "avi"], "--format must be one of gif, mp4"),
-        (["--grid", "3,3"], "--grid needs --vtu"),
-        (["--format", "mp4"], "--format is that of --animate; give both"),
-        (["--samples", "5"], "--samples are those of --gauge; give both"),
-        (["--vtu", "--grid", "3,x"], "--grid must be two whole numbers"),
-        (["--vtu", "--grid", "3.5,3"], "--grid must be two whole numbers"),
-        (["--gauge", "1"], "--gauge must be two numbers"),
-        (["--samples", "1"], "--samples must be a whole number"),
-        (["--thickness", "1"], "--of fringes"),
-        (["--of", "fringes", "--thickness", "1"], "give both."),
-        (
-            ["--of", "fringes", "--thickness", "1", "--stress-optical", "0"],
-            "--stress-optical must be positive",
-        ),
-        (["--nodes", "100"], "--nodes is for the space-time solver"),
-    ],
-)
-def test_refusals_come_before_anything_is_made(words, sentence, tmp_path, monkeypatch, refused):
-    monkeypatch.chdir(tmp_path)
-    assert sentence in refused(["field", "preloaded", *words])
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.slow
-def test_a_marched_scene_is_drawn(tmp_path):
-    words = ["--nodes", "60", "--points", "6", "--time", "0.5", "--output", str(tmp_path)]
-    assert field("ramp", *words) == 0
+def test_a_marched_scene_is_drawn(tmp_path, shown):
+    shown("field ramp --nodes 60 --points 6 --time 0.5 --output . --quiet")
     assert [path.name for path in tmp_path.iterdir()] == ["ramp_speed.png"]
 
 
 def test_mp4_without_ffmpeg_is_one_sentence(tmp_path, monkeypatch, refused):
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
     assert "ffmpeg" in refused("field preloaded --animate 2 --format mp4", code=5)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_taken_place_is_refused(tmp_path, refused):
-    (tmp_path / "taken").touch()
-    taken = ["field", "preloaded", "--output", tmp_path / "taken"]
-    assert "it is not a folder" in refused(taken, code=3)
-
-
-def test_interruption_leaves_what_is_whole(tmp_path, undrawn, monkeypatch):
+def test_interruption_leaves_what_is_whole(tmp_path, undrawn, monkeypatch, shown):
     def interrupt(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("compare.output.field_files.write_frames", interrupt)
-    words = ["--points", "4", "--vtu", "--output", str(tmp_path)]
-    assert field("preloaded", *words) == 130
+    shown("field preloaded --points 4 --vtu --output .", 130)
     assert [path.name for path in tmp_path.iterdir()] == ["preloaded_speed.png"]

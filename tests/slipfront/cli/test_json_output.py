@@ -5,6 +5,7 @@ from collections import Counter
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 from json_checks import VALIDATOR, checked
 
@@ -13,6 +14,8 @@ from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
 from compare.studies.article.claims import METHODS, Claim, Verdict
 from compare.studies.article.study import Article
+from compare.studies.chart.benchmark import TOLERANCES, measure, median_times
+from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
 from compare.studies.chart.points import read_points
 from compare.studies.documents import (
     article_document,
@@ -28,6 +31,7 @@ from compare.studies.regimes.points import BoundaryPoint, MapPoint
 from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
+from semianalytic.cut.load import contact_opens
 from semianalytic.scene.given.documents import scene_document
 from slipfront.cli.commands import command_for, main
 
@@ -40,12 +44,6 @@ def commands(group=None, before=""):
         yield f"{before}{name}", command
         if hasattr(command, "commands"):
             yield from commands(command, f"{before}{name} ")
-
-
-def run(capsys, *arguments, code=0):
-    capsys.readouterr()
-    assert main([*arguments, "--json"]) == code
-    return checked(capsys.readouterr().out)
 
 
 # --- all commands ---------------------------------------------------------------------------------
@@ -85,66 +83,64 @@ def test_the_envelope_keeps_what_a_document_says_itself():
 # --- commands that are quick ----------------------------------------------------------------------
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-
 @pytest.mark.parametrize(
-    "arguments",
+    "line",
     [
-        ("preloaded",),
-        ("preloaded", "--end-time", "2"),
-        ("tap",),
-        ("ramp", "--nodes", "60"),
-        ("harmonic", "--nodes", "200", "--end-time", "0.5"),
+        "preloaded",
+        "preloaded --end-time 2",
+        "tap",
+        "ramp --nodes 60",
+        "harmonic --nodes 200 --end-time 0.5",
     ],
-    ids=" ".join,
 )
-def test_solve_fits_its_schema(arguments, capsys):
-    document = run(capsys, "solve", *arguments)
-    assert document["status"] in ("converged", "resolved", "unresolved")
+def test_solve_fits_its_schema(line, printed):
+    assert printed(f"solve {line}")["status"] in ("converged", "resolved", "unresolved")
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_solve_names_the_files_it_wrote(capsys):
-    saved = run(capsys, "solve", "ramp", "--nodes", "60", "--save", "a.h5", "--plot", "a.png")
+def test_solve_names_the_files_it_wrote(printed):
+    saved = printed("solve ramp --nodes 60 --save a.h5 --plot a.png")
     assert saved["files"] == ["a.h5", "a.png"]
-    assert run(capsys, "solve", "stuck", "--plot", "b.png")["files"] == ["b.png"]
+    assert printed("solve stuck --plot b.png")["files"] == ["b.png"]
 
 
-def test_scenes_and_init_fit_their_schema(capsys):
-    assert len(run(capsys, "scenes")["scenes"]) > 10
-    document = run(capsys, "init", "a.toml", "--from", "viscous", "--units", "SI")
+def test_scenes_and_init_fit_their_schema(printed):
+    assert len(printed("scenes")["scenes"]) > 10
+    document = printed("init a.toml --from viscous --units SI")
     assert document["files"] == ["a.toml"]
     assert document["units"]["scene"]["friction_law"] == {"viscosity": "Pa s/m"}
-    assert run(capsys, "init", "-")["files"] == []
+    assert printed("init -")["files"] == []
 
 
 @pytest.mark.slow
-def test_benchmark_fits_its_schema(capsys):
-    assert run(capsys, "benchmark")["sheets"]
-    shown = run(capsys, "benchmark", "show", "tap")
-    assert shown["units"]["answers"]["pressure"] == "stress"
-    run(capsys, "benchmark", "enter", "march", "stuck", "--cells", "20", "--output", "a.csv")
-    scored = run(capsys, "benchmark", "score", "a.csv", "--output", "scores")
+def test_benchmark_fits_its_schema(printed):
+    assert printed("benchmark")["sheets"]
+    assert printed("benchmark show tap")["units"]["answers"]["pressure"] == "stress"
+    printed("benchmark enter march stuck --cells 20 --output a.csv")
+    scored = printed("benchmark score a.csv --output scores")
     assert scored["files"] == [f"scores/scores.{form}" for form in ("csv", "json", "png")]
-    written = run(capsys, "benchmark", "export", "out", "stuck")["files"]
+    written = printed("benchmark export out stuck")["files"]
     assert "out/stuck/stuck.md" in written
     assert all(Path(path).is_file() for path in written)
 
 
-def test_json_of_a_group_goes_behind_its_command(capsys):
-    assert main(["benchmark", "--json", "show", "tap"]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert "benchmark show --json" in captured.err
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("benchmark --json show tap", "benchmark show --json"),  # of a group behind its command
+        ("solve nowhere --json", "no scene called"),
+        ("scenes --no --json", "no option"),
+        ("init a.toml --units k --json", "--units must be"),
+    ],
+)
+def test_errors_leave_standard_output_empty(line, said, refused):
+    assert said in refused(line)
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_field_fits_its_schema(capsys):
-    gauge = ("--gauge", "0.4,0.2", "--samples", "20", "--points", "20", "--output", "f")
-    document = run(capsys, "field", "preloaded", *gauge)
+def test_field_fits_its_schema(printed):
+    gauge = "--gauge 0.4,0.2 --samples 20 --points 20 --output f"
+    document = printed(f"field preloaded {gauge}")
     assert document["gauges"] == [{"x": 0.4, "y": 0.2}]
     assert document["units"]["gauges"] == "length"
     assert "f/preloaded_speed.png" in document["files"]
@@ -152,9 +148,8 @@ def test_field_fits_its_schema(capsys):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-def test_simulate_compare_and_validate_fit_their_schema(capsys):
-    coarse = ("--resolution", "30", "--frames", "2", "--quiet", "--output", "run")
-    simulated = run(capsys, "simulate", "preloaded", *coarse)
+def test_simulate_compare_and_validate_fit_their_schema(printed, capsys):
+    simulated = printed("simulate preloaded --resolution 30 --frames 2 --quiet --output run")
     assert simulated["files"] == ["run/simulation.h5", "run/snapshots"]
     assert [row["name"] for row in simulated["own_bars"]]
     capsys.readouterr()
@@ -171,14 +166,6 @@ def test_simulate_compare_and_validate_fit_their_schema(capsys):
     main(["validate", "a.csv", "--scene", "stuck", "--json"])
     document = checked(capsys.readouterr().out)
     assert document["files"][-1].endswith("validation.png")
-
-
-def test_errors_leave_standard_output_empty(capsys):
-    for arguments in (["solve", "nowhere"], ["scenes", "--no"], ["init", "a.toml", "--units", "k"]):
-        assert main([*arguments, "--json"]) == 2
-        captured = capsys.readouterr()
-        assert captured.out == ""
-        assert captured.err
 
 
 def test_files_are_what_is_new_or_changed(tmp_path):
@@ -241,14 +228,42 @@ def test_studies_write_files_and_print_what_their_schema_says(arguments, among, 
     assert all(one.is_dir() or one.stat().st_size for one in files)
 
 
-def test_claims_of_the_article_are_a_table(capsys, monkeypatch):
+def test_claims_of_the_article_are_a_table(shown, monkeypatch):
     """Without --json; the study itself is run by the test above."""
     verdict = Verdict("holds", "by 1")
     claim = Claim("6.1", "words of it", "preload", dict.fromkeys(METHODS, verdict))
     found = Article((claim,), (), 0.1, ())
     monkeypatch.setattr("compare.studies.article.study.write_article", lambda *_: found)
-    assert main(["article", "--quick"]) == 0
-    said = capsys.readouterr().out
+    said = shown("article --quick").out
     assert "claim" in said
     assert "words of it" in said
     assert "Written to results/article/" in said
+
+
+# --- what studies of speed report ---------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_benchmark_reports_time_next_to_error():
+    assert len(median_times([lambda: None, lambda: sum(range(1000))], 3)) == 2
+    rows = measure(repetitions=1)
+    assert {row.rtol for row in rows} == set(TOLERANCES)
+    for row in rows:
+        assert row.error < row.rtol
+        assert row.warm > 0
+        assert row.cold > 0
+
+
+@pytest.mark.parametrize("kind", OPENINGS)
+def test_scenes_that_open_are_timed_beside_some_that_do_not(kind):
+    for _, (scene, plain) in zip(range(20), OPENINGS[kind](np.random.default_rng(1)), strict=False):
+        assert contact_opens(scene)
+        assert not contact_opens(plain)
+        assert (scene.friction, scene.material) == (plain.friction, plain.material)
+
+
+@pytest.mark.slow
+def test_costs_are_reported_next_to_errors():
+    for row in measure_costs(FILMS | OPENINGS, scenes=4):
+        assert 0 < row.median <= row.ninth_decile <= row.worst
+        assert 0 < row.error < 1

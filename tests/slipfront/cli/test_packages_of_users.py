@@ -140,7 +140,7 @@ def test_a_law_of_slip_rate_is_solved_exactly(installed):
     assert "no slip rate that agrees" in covering.status
 
 
-def test_scenes_of_packages_are_listed_with_them(granite, capsys, printed):
+def test_scenes_of_packages_are_listed_with_them(granite, shown, printed):
     document = printed("scenes")
     (row,) = [row for row in document["scenes"] if row["package"]]
     assert (row["name"], row["package"], row["problem"]) == ("granite", "granite", "")
@@ -149,8 +149,7 @@ def test_scenes_of_packages_are_listed_with_them(granite, capsys, printed):
     brought = {(one["what"], one["name"]) for one in document["brought"]}
     assert ("friction law", "exponential-weakening") in brought
     assert ("figure", "slip") in brought
-    assert main(["scenes"]) == 0
-    assert "From other packages" in capsys.readouterr().out
+    assert "From other packages" in shown("scenes").out
 
 
 def test_names_of_packages_are_among_what_one_could_have_meant(granite, refused):
@@ -160,10 +159,6 @@ def test_names_of_packages_are_among_what_one_could_have_meant(granite, refused)
     document["friction_law"]["kind"] = "else"
     with pytest.raises(sf.SceneError, match="slip-weakening, exponential-weakening, got 'else'"):
         scene_from_document(document)
-
-
-def test_a_figure_without_a_file_is_refused(refused):
-    assert "give both" in refused("solve stuck --figure interface")
 
 
 # --- packages that are broken, alike or in the way -----------------------------------------------
@@ -241,14 +236,14 @@ class S(sf.FrictionLaw):
         ("sf.FrictionLaw", "sf.LoadHistory", "must be a class that inherits FrictionLaw"),
     ],
 )
-def test_what_a_law_lacks_is_said_at_once(old, new, reason, installed, tmp_path, refused):
+def test_what_a_law_lacks_is_said_at_once(old, new, reason, installed, tmp_path, shown, refused):
     assert old in LAW
     installed(
         packages.brought("lawless", "lawless", laws=["mine = S"]),
         {"lawless.py": LAW.replace(old, new)},
     )
+    shown("init scene.toml")
     path = tmp_path / "scene.toml"
-    assert main(["init", str(path)]) == 0
     mine = '"mine"\nreduction = 0.5\ndistance = 1.0'
     path.write_text(path.read_text().replace('"coulomb"', mine))
     sentence = refused(["solve", path], 5)

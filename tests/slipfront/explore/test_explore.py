@@ -14,20 +14,10 @@ from catalogue import solved, unit_scene
 from matplotlib.path import Path
 
 from compare.figures.fronts import moving_parts
-from semianalytic import (
-    Material,
-    Scene,
-    SceneError,
-    SlipWeakening,
-    Step,
-    Tractions,
-    march,
-    solve,
-)
+from semianalytic import Material, Scene, SceneError, SlipWeakening, Step, Tractions, march, solve
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.units import unit
-from slipfront.cli.commands import main
 from slipfront.explore import controls, jobs, maps, views
 from slipfront.explore.board import Board
 from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views, moment_in
@@ -40,12 +30,6 @@ STEEL = Scene(
     Material(80e9, 7800.0, 0.29), 0.25, Tractions(5e6, 0.0), Tractions(0.0, 5e6), units="SI"
 )
 SCENES = {name: one.scene for name, one in NAMED_SCENES.items()} | {"steel": STEEL}
-
-
-@pytest.fixture
-def alone(monkeypatch):
-    """Sessions start no process beside them."""
-    monkeypatch.setattr(Worker, "start", lambda *_: None)
 
 
 @pytest.fixture(scope="module")
@@ -74,15 +58,19 @@ def told_by(session):
 UNITS_OF = {"base_pressure": "stress", "viscosity": "stress time / length", "rise_time": "time"}
 
 
-def test_sliders_have_ranges_and_units_of_the_scene_in_the_address():
+def test_the_address_holds_the_scene_its_units_and_the_moment():
     query = controls.query_of(controls.defaults(STEEL))
-    session = Session(Document(), find_scene("preloaded"), query)
+    for moment in (Moment(), Moment(0.4), Moment(0.05, "displacement")):
+        assert moment_in(query + moment.query) == (moment, query)
+    session = Session(Document(), find_scene("preloaded"), query + moment.query)
+    assert given_to(session)["moment"] == moment._asdict()
+    values = given_to(session)["values"]
+    assert values == controls.defaults(STEEL)
     sliders = {one["name"]: one for one in given_to(session)["sliders"]}
     for name, dimension in UNITS_OF.items():
         assert sliders[name]["unit"] == unit(dimension, "SI")
     assert sliders["base_pressure"]["high"] == 1e7
     assert sliders["base_pressure"]["step"] == 1e4
-    values = given_to(session)["values"]
     for slider in controls.sliders(STEEL):  # those of no part of the scene too
         assert slider.low <= values[slider.name] <= slider.high
     session._answer_to({"query": controls.query_of(controls.defaults(find_scene("tap")))})
@@ -100,15 +88,6 @@ def test_sliders_stay_as_they_are_while_they_serve():
     session._answer_to({"query": "?load_shear=1e9"})
     (slider,) = (one for one in told_by(session)["sliders"] if one["name"] == "load_shear")
     assert slider["high"] == 2e9
-
-
-def test_the_address_holds_the_moment():
-    scene = controls.query_of(controls.defaults(STEEL))
-    for moment in (Moment(), Moment(0.4), Moment(0.05, "displacement")):
-        assert moment_in(scene + moment.query) == (moment, scene)
-    session = Session(Document(), find_scene("preloaded"), scene + moment.query)
-    assert given_to(session)["moment"] == moment._asdict()
-    assert given_to(session)["values"] == controls.defaults(STEEL)
 
 
 @pytest.mark.parametrize("query", ["?time=0.01", "?time=2", "?time=nan", "?picture=heat"])
@@ -272,13 +251,12 @@ def test_only_what_differs_is_told():
         assert told["reset_start"] == told["start"]
 
 
-@pytest.mark.parametrize("law", ["coulomb", "viscous"])
-def test_what_is_told_is_the_answer(law, alone):
-    session = Session(Document(), STEEL, "")
+@pytest.mark.parametrize("law", ["viscous", "coulomb"])
+def test_what_is_told_is_the_answer(law, steel):
     values = controls.defaults(STEEL) | {"law": law, "viscosity": 1e6}
-    session._show(values, True, 0.0)
-    told = json.loads(session._told.value)
-    lines = told["models"][session._interface._lines.id]["data"]
+    steel._show(values | {"friction": 0.3}, True, 0.0)  # what stays is not told again
+    steel._show(values, True, 0.0)
+    lines = told_by(steel)["models"][steel._interface._lines.id]["data"]
     view = views.interface_view(solve(controls.scene_of(values), rtol=MOVING_RTOL), MOVING_NODES)
     low, high = view.rate_limits
     shown = (view.slip_rate > low) & (view.slip_rate < high)
@@ -289,9 +267,7 @@ def test_what_is_told_is_the_answer(law, alone):
     assert np.array(lines["lower"]) == pytest.approx(-view.bound, rel=1e-4)
 
 
-def test_a_field_that_comes_late_is_not_drawn_over_a_march(monkeypatch):
-    asked = []
-    monkeypatch.setattr(Worker, "start", lambda self, function, *rest: asked.append(function))
+def test_a_field_that_comes_late_is_not_drawn_over_a_march(alone):
     session = Session(Document(), STEEL, "")
     values = controls.defaults(STEEL)
     session._show(values, False, 0.0)
@@ -302,16 +278,17 @@ def test_a_field_that_comes_late_is_not_drawn_over_a_march(monkeypatch):
     session._show(values | {"law": "slip-weakening"}, False, 0.0)
     session._field_news("result", views.field_view(solved(STEEL), 6))
     assert session._field._image.data is drawn
-    assert asked[-1] is marched_views
+    assert alone[-1][0] is marched_views
 
 
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("share", [0.25, 1.0])
-def test_pictures_show_the_moment_of_the_time_slider(share, alone):
-    session = Session(Document(), STEEL, "")
+def test_pictures_show_the_moment_of_the_time_slider(share, steel):
+    other = controls.defaults(STEEL) | {"friction": 0.3}
+    steel._answer_to({"values": other, "moving": True, "since": 0.0, "share": 0.5})
     asked = {"values": controls.defaults(STEEL), "moving": True, "since": 0.0, "share": share}
-    session._answer_to(asked)
-    lines = told_by(session)["models"][session._interface._lines.id]["data"]
+    steel._answer_to(asked)
+    lines = told_by(steel)["models"][steel._interface._lines.id]["data"]
     solution, end = solve(STEEL, rtol=MOVING_RTOL), views.end_time(STEEL)
     x = np.array(lines["x"]) * STEEL.material.shear_speed * end
     scale = 2 * 5e6 / STEEL.material.shear_impedance * end
@@ -320,37 +297,30 @@ def test_pictures_show_the_moment_of_the_time_slider(share, alone):
     assert expected.max() > 0.1 * share
 
 
-def test_another_moment_of_a_march_is_not_marched_anew(monkeypatch):
-    started = []
-    monkeypatch.setattr(Worker, "start", lambda self, function, *rest: started.append(function))
+def test_another_moment_of_a_march_is_not_marched_anew(alone):
     scene = unit_scene(friction_law=SlipWeakening(0.5, 0.3))
     marched = march(scene, 1.0, nodes=64)
     session = Session(Document(), scene, "")
     values = controls.defaults(scene)
     session._answer_to({"values": values, "moving": False, "since": 0.0})
-    assert started[0] is marched_views
-    moment = Moment()
+    assert alone.pop()[0] is marched_views
     field = views.field_view(marched, 4)
-    session._march_news("result", MarchViews(marched, moment, field))
-    started.clear()
+    session._march_news("result", MarchViews(marched, Moment(), field))
+    alone.clear()
     session._answer_to({"values": values, "moving": False, "since": 0.0, "share": 0.5})
-    assert started == [marched_field]
+    assert [job[0] for job in alone] == [marched_field]
     assert not told_by(session).get("stale")
     session._answer_to({"values": values | {"friction": 0.2}, "moving": False, "since": 0.0})
-    assert started[1] is marched_views
+    assert alone[1][0] is marched_views
 
 
-def test_a_map_is_kept_and_found_again(monkeypatch):
-    started = []
-    monkeypatch.setattr(
-        Worker, "start", lambda self, function, *rest: started.append((function, rest))
-    )
+def test_a_map_is_kept_and_found_again(alone):
     session = Session(Document(), STEEL, "")
 
     def maps_after(scene):
-        started.clear()
+        alone.clear()
         session._draw_map(scene)
-        return len(started)
+        return len(alone)
 
     def done(scene):
         size = maps.highest_friction(scene)
@@ -368,30 +338,22 @@ def test_a_map_is_kept_and_found_again(monkeypatch):
     assert maps_after(replace(STEEL, friction=1.2)) == 1
 
 
-def test_pages_of_other_addresses_are_not_answered():
+def test_only_this_machine_and_its_own_pages_are_answered():
     server = make_server(STEEL, 0)
     try:
         allowed = server._tornado.websocket_origins
         assert allowed == {f"{name}:{server.port}" for name in ("localhost", "127.0.0.1")}
+        addresses = {one.getsockname()[0] for one in server._http._sockets.values()}
+        assert addresses == {"127.0.0.1"}
     finally:
         server.stop()
 
 
-def test_a_port_in_use_and_one_that_cannot_be(capsys):
+def test_a_port_in_use_and_one_that_cannot_be(refused):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
         with pytest.raises(SceneError, match=f"port {port} is in use"):
             make_server(STEEL, port)
-    assert main(["explore", "--no-browser", "--port", "99999"]) == 2
-    assert "between 0 and 65535" in capsys.readouterr().err
-
-
-def test_only_this_machine_is_served():
-    server = make_server(STEEL, 0)
-    try:
-        addresses = {one.getsockname()[0] for one in server._http._sockets.values()}
-        assert addresses == {"127.0.0.1"}
-    finally:
-        server.stop()
+    assert "between 0 and 65535" in refused("explore --no-browser --port 99999")

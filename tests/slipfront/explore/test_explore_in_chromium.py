@@ -21,6 +21,7 @@ Bokeh.documents[0].get_model_by_name('field').renderers.map((one) => one.data_so
   .reduce((sum, one) => sum + one, 0)
 """
 THERE = "document.getElementById('pictures').dataset.late === 'false'"
+TEXT = "document.getElementById('%s').textContent"
 WIDER = """
 [...document.querySelectorAll('*')].filter((one) =>
   one.getBoundingClientRect().right > innerWidth + 1 && !one.closest('pre')).length
@@ -34,11 +35,16 @@ def address():
         yield address
 
 
-@pytest.fixture
-def page(browser, address):
-    browser.open(address, 1280)
+def opened(browser, address, width=1280):
+    """The browser, once the page at an address is ready."""
+    browser.open(address, width)
     _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
     return browser
+
+
+@pytest.fixture
+def page(browser, address):
+    return opened(browser, address)
 
 
 def _until(browser, expression, seconds=60.0):
@@ -57,24 +63,20 @@ def _errors(browser, address):
         kind = of.get("type") or of.get("entry", {}).get("level")
         url = of["request"]["url"] if event["method"] == "Network.requestWillBeSent" else address
         elsewhere = not url.startswith((address, "data:", "blob:"))
-        if (
-            event["method"] == "Runtime.exceptionThrown"
-            or kind in ("error", "warning")
-            or elsewhere
-        ):
+        thrown = event["method"] == "Runtime.exceptionThrown"
+        if thrown or elsewhere or kind in ("error", "warning"):
             bad.append(of)
     return bad
 
 
 @pytest.mark.parametrize("width", [1280, 400])
 def test_it_loads_without_errors_and_fits(browser, address, width):
-    browser.open(address, width)
-    _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+    opened(browser, address, width)
     _until(browser, THERE)
     assert browser.value("document.documentElement.scrollWidth") <= width
     assert browser.value(WIDER) == 0
-    assert "converged" in browser.value("document.getElementById('status').textContent")
-    assert "sf.Scene" in browser.value("document.getElementById('program').textContent")
+    assert "converged" in browser.value(TEXT % "status")
+    assert "sf.Scene" in browser.value(TEXT % "program")
     assert _errors(browser, address) == []
 
 
@@ -85,7 +87,6 @@ def test_labels_are_filled(page):
     )
 
 
-TEXT = "document.getElementById('%s').textContent"
 ATTACKS = (
     "<script>document.title='owned'</script>",
     "\"'--></script><img src=x onerror=\"document.title='owned'\">",
@@ -104,8 +105,7 @@ def test_no_program_from_an_address_runs(browser, address):
     policy would not let it run."""
     for name in ("friction", "law", "nonsense"):
         for attack in ATTACKS:
-            browser.open(f"{address}?" + urlencode({name: attack}), 1280)
-            _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+            opened(browser, f"{address}?" + urlencode({name: attack}))
             assert "The address is no scene" in browser.value(TEXT % "message")
             assert "<" in browser.value(TEXT % "message") or name == "nonsense"
             assert browser.value("document.title") == "slipfront explore"
@@ -121,8 +121,7 @@ def test_no_program_from_an_address_runs(browser, address):
 def test_a_link_in_si_has_its_units_and_ranges_on_a_page_without_units(browser, address):
     steel = {"shear_modulus": 80e9, "density": 7800.0, "poisson_ratio": 0.29, "friction": 0.25}
     loads = {"base_pressure": 5e6, "base_shear": 0, "load_pressure": 0, "load_shear": 5e6}
-    browser.open(f"{address}?" + urlencode({**steel, **loads, "units": "SI"}), 1280)
-    _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+    opened(browser, f"{address}?" + urlencode({**steel, **loads, "units": "SI"}))
     label = "document.getElementById('%s').labels[0].textContent"
     assert browser.value(label % "base_pressure") == "base pressure [Pa]"
     assert browser.value(label % "viscosity") == "viscosity [Pa s/m]"
@@ -172,7 +171,7 @@ def test_a_law_shows_its_own_controls_and_is_marched_with_a_bar(page):
     assert not page.value(hidden)
     _until(page, "!document.getElementById('progress').hidden", 90)
     _until(page, "document.getElementById('status').textContent.includes('error estimate')", 90)
-    assert "sf.march" in page.value("document.getElementById('program').textContent")
+    assert "sf.march" in page.value(TEXT % "program")
 
 
 def test_what_is_refused_is_said_and_the_last_picture_greyed(page):
@@ -193,19 +192,15 @@ def test_what_is_refused_is_said_and_the_last_picture_greyed(page):
 
 
 def test_a_bad_address_is_a_message_and_the_default_scene(browser, address):
-    browser.open(f"{address}?friction=-1", 1280)
-    _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
-    assert "must not be negative" in browser.value("document.getElementById('message').textContent")
+    opened(browser, f"{address}?friction=-1")
+    assert "must not be negative" in browser.value(TEXT % "message")
     assert browser.value("document.getElementById('friction').value") == "0.3"
 
 
 def test_a_scene_in_the_address_is_shown(browser, address):
-    browser.open(f"{address}?friction=0.6&law=viscous&viscosity=0.2", 1280)
-    _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+    opened(browser, f"{address}?friction=0.6&law=viscous&viscosity=0.2")
     assert browser.value("document.getElementById('law').value") == "viscous"
-    assert "ViscousFriction(viscosity=0.2)" in browser.value(
-        "document.getElementById('program').textContent"
-    )
+    assert "ViscousFriction(viscosity=0.2)" in browser.value(TEXT % "program")
 
 
 CONTROLS = """

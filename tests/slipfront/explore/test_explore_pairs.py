@@ -1,6 +1,5 @@
 """The page of two different bodies: controls, address, pictures, refusals and files."""
 
-import json
 import tomllib
 
 import numpy as np
@@ -16,21 +15,10 @@ from slipfront.explore.jobs import Moment, solved_field
 from slipfront.explore.page import Session
 from slipfront.explore.pictures import WAVES
 from slipfront.explore.views import interface_view, space_time_view
-from slipfront.explore.work import Worker
+from tests.slipfront.explore.test_explore import told_by
 
+pytestmark = pytest.mark.usefixtures("alone")
 every = pytest.mark.parametrize("name", NAMED_PAIRS)
-
-
-@pytest.fixture(autouse=True)
-def alone(monkeypatch):
-    """Sessions start no process beside them; what they would start is kept."""
-    started = []
-    monkeypatch.setattr(Worker, "start", lambda _, *job: started.append(job))
-    return started
-
-
-def told_by(session):
-    return json.loads(session._told.value)
 
 
 @every
@@ -49,24 +37,6 @@ def test_addresses_of_identical_bodies_say_nothing_of_a_lower_one():
     assert values["lower_body"] == controls.ALIKE
     alike = {"modulus_ratio": 1.0, "density_ratio": 1.0, "lower_body": controls.ANOTHER}
     assert controls.problem_of(values | alike) == find_scene("preloaded")
-
-
-@pytest.mark.parametrize(
-    ("query", "words"),
-    [
-        ("?lower_body=none", "must be one of"),
-        ("?lower_body=another&modulus_ratio=0", "shear_modulus must be positive"),
-        ("?lower_body=another&density_ratio=1e9", "must not differ by more than a factor"),
-        ("?lower_body=another&lower_poisson_ratio=0.5", "poisson_ratio must lie"),
-        ("?lower_body=another&modulus_ratio=much", "must be a number"),
-        ("?lower_body=another&mode=antiplane", "between different bodies the exact solver knows"),
-        ("?lower_body=another&history=ramp", "between different bodies the exact solver knows"),
-        ("?lower_body=another&load_on=remote", "between different bodies the exact solver knows"),
-    ],
-)
-def test_an_address_of_bodies_without_an_exact_answer_is_refused(query, words):
-    with pytest.raises(sf.SceneError, match=words):
-        controls.values_from_query(query, find_scene("preloaded"))
 
 
 def test_the_menu_has_pairs_and_controls_are_shown_with_another_body():

@@ -13,14 +13,7 @@ import pytest
 from catalogue import solved, unit_scene
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
-from semianalytic import (
-    Harmonic,
-    Ramp,
-    SceneError,
-    SlipWeakening,
-    ViscousFriction,
-    march,
-)
+from semianalytic import Harmonic, Ramp, SceneError, SlipWeakening, ViscousFriction, march
 from semianalytic.regimes import regime
 from semianalytic.scene.given.finding import find_scene
 from slipfront.explore import controls, downloads, maps, views
@@ -57,6 +50,14 @@ def test_sliders_reach_their_own_scene(name):
         ("?nonsense=1", "no scene has"),
         ("?law=none", "must be one of"),
         ("?poisson_ratio=0.7", "0.5"),
+        ("?lower_body=none", "must be one of"),
+        ("?lower_body=another&modulus_ratio=0", "shear_modulus must be positive"),
+        ("?lower_body=another&density_ratio=1e9", "must not differ by more than a factor"),
+        ("?lower_body=another&lower_poisson_ratio=0.5", "poisson_ratio must lie"),
+        ("?lower_body=another&modulus_ratio=much", "must be a number"),
+        ("?lower_body=another&mode=antiplane", "between different bodies the exact solver knows"),
+        ("?lower_body=another&history=ramp", "between different bodies the exact solver knows"),
+        ("?lower_body=another&load_on=remote", "between different bodies the exact solver knows"),
     ],
 )
 def test_an_address_that_is_no_scene_is_refused(query, words):

@@ -71,19 +71,14 @@ def test_a_report_that_cannot_be_written_is_shown(monkeypatch, capsys):
     assert last.endswith("what is needed for that stands above.")
 
 
-def test_too_little_memory_is_a_computation_that_failed(monkeypatch, capsys):
+def test_too_little_memory_is_a_computation_that_failed(monkeypatch, refused):
     failing(monkeypatch, MemoryError())
-    assert main(["scenes"]) == 4
-    assert capsys.readouterr().err == commands.NO_MEMORY + "\n"
+    assert refused("scenes", 4) == commands.NO_MEMORY + "\n"
 
 
 def run(line, **options):
-    return subprocess.run(
-        [sys.executable, "-m", "slipfront", *line.split()],
-        stderr=subprocess.PIPE,
-        text=True,
-        **options,
-    )
+    command = [sys.executable, "-m", "slipfront", *line.split()]
+    return subprocess.run(command, stderr=subprocess.PIPE, text=True, **options)
 
 
 @pytest.mark.thinned(2)

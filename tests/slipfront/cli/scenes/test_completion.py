@@ -15,14 +15,13 @@ from semianalytic.prediction import chosen_method
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loading import LOADED
 from semianalytic.scene.scene import MODES
-from slipfront.cli.commands import main
 from slipfront.cli.scenes import completion
 
 RUN = "from slipfront.cli.entry import main; raise SystemExit(main())"
 
 
 @pytest.fixture
-def completed(monkeypatch, capsys):
+def completed(monkeypatch, shown):
     """Words that a shell is offered behind a line that is being typed."""
 
     def words(shell, line):
@@ -34,8 +33,7 @@ def completed(monkeypatch, capsys):
         }[shell]
         for name, value in {**variables, "_SLIPFRONT_COMPLETE": f"complete_{shell}"}.items():
             monkeypatch.setenv(name, value)
-        assert main([]) == 0
-        captured = capsys.readouterr()
+        captured = shown([])
         assert captured.err == ""
         if shell == "zsh":
             return [word.split('":"')[0] for word in re.findall(r'"([^\n]*)"', captured.out)]
@@ -45,8 +43,10 @@ def completed(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_scenes_are_completed(shell, completed):
+def test_each_shell_is_given_its_script_and_scenes(shell, completed, monkeypatch, shown):
     assert completed(shell, "slipfront solve pre") == ["preloaded", "pressure-drop"]
+    monkeypatch.setenv("_SLIPFRONT_COMPLETE", f"source_{shell}")
+    assert f"complete_{shell}" in shown([]).out
 
 
 @pytest.mark.parametrize(
@@ -80,13 +80,6 @@ def test_files_below_a_folder_are_completed(tmp_path):
     (tmp_path / "a.toml").write_text("")
     assert completion.scene_names(f"{tmp_path}/") == [f"{tmp_path}/a.toml"]
     assert completion.scene_names("no/such/folder/") == []
-
-
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_each_shell_is_given_its_script(shell, monkeypatch, capsys):
-    monkeypatch.setenv("_SLIPFRONT_COMPLETE", f"source_{shell}")
-    assert main([]) == 0
-    assert f"complete_{shell}" in capsys.readouterr().out
 
 
 def test_names_are_those_of_the_functions_that_take_them():

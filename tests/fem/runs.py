@@ -1,0 +1,102 @@
+"""Runs, loads, laws and comparisons that tests of finite elements share."""
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pytest
+from catalogue import PRELOADED, SHOCK, unit_scene
+
+from fem import simulate
+from fem.results import ARRAYS, HISTORIES
+from semianalytic.scene.friction import (
+    CoulombFriction,
+    RateWeakening,
+    SlipWeakening,
+    ViscousFriction,
+)
+from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step
+from semianalytic.scene.tabulated import Tabulated
+
+FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
+MIXED = unit_scene(0.5, (1.0, 0.2), (0.5, 0.5))
+OPENING = unit_scene(0.5, (1.0, 0.2), (-1.0, 0.5))
+UNLOADED = unit_scene(0.5, load=(-1.0, 0.5))
+"""It opens from its edge at a constant speed, nothing sheared beforehand."""
+SHEARED_ALONG_Z = unit_scene(0.5, (1.0, 0.2), (0.0, 0.5), mode="antiplane")
+SCENES = {
+    "preloaded": PRELOADED,
+    "remote": SHOCK,
+    "sliding": dataclasses.replace(SHOCK, friction=0.5),
+    "pressed": unit_scene(load=(1.0, 0.0)),
+    "opening": OPENING,
+    "reclosing": unit_scene(0.5, (0.02, 0.0), (1.0, 0.5)),
+}
+RISING = {
+    "ramp": Ramp(0.3),
+    "rectangle": Pulse(0.37),
+    "triangle": Pulse(0.5, "triangle"),
+    "harmonic": Harmonic(2.0),
+    "jumps": Tabulated((0.05, 0.25, 0.25, 0.6), (0.0, 1.0, -1.0, 0.5)),
+}
+LAWS = {
+    "coulomb": CoulombFriction(),
+    "rate": RateWeakening(0.4, 1.0),
+    "viscous": ViscousFriction(0.3),
+    "slip": SlipWeakening(0.6, 0.05),
+}
+
+
+def sheared(history=Step(), law=LAWS["coulomb"]):  # noqa: B008
+    """Shear alone, under constant pressure."""
+    return unit_scene(shear_history=history, friction_law=law)
+
+
+def mixed(history, law=LAWS["coulomb"]):
+    """Shear and pressure, the pressure in waves, on an interface sheared beforehand."""
+    histories = {"pressure_history": Harmonic(1.0), "shear_history": history}
+    return unit_scene(0.5, (1.0, 0.2), (0.5, 0.8), friction_law=law, **histories)
+
+
+@cache
+def run(scene, resolution=32, **options):
+    """A simulation, which is run once for all tests of a module."""
+    return simulate(scene, resolution=resolution, **options)
+
+
+def l1(found, wanted):
+    """The relative L1 error."""
+    return np.abs(found - wanted).sum() / np.abs(wanted).sum()
+
+
+def stop_at(last):
+    """Progress that interrupts a run after so many steps."""
+
+    def stop(step, _):
+        if step >= last:
+            raise KeyboardInterrupt
+
+    return stop
+
+
+def interrupted(scene, last, **options):
+    """Run a simulation until it is interrupted after so many steps."""
+    with pytest.raises(KeyboardInterrupt):
+        simulate(scene, progress=stop_at(last), **options)
+
+
+OF_CLOCK = ("seconds", "peak_memory", "remark")
+"""What like simulations need not share: what the clock says, and whether a mesh was cached."""
+
+
+def assert_same(one, other, but=OF_CLOCK):
+    """Fail unless two simulations are equal to the last bit, but for some fields."""
+    for field in dataclasses.fields(one):
+        left, right = getattr(one, field.name), getattr(other, field.name)
+        if field.name in HISTORIES:
+            for part in dataclasses.fields(left):
+                np.testing.assert_array_equal(getattr(left, part.name), getattr(right, part.name))
+        elif field.name in ARRAYS:
+            np.testing.assert_array_equal(left, right)
+        elif field.name not in but:
+            assert left == right, field.name

@@ -1,0 +1,236 @@
+"""What kinds of scenes the commands take: whole lines, moving fronts, antiplane shear, marches."""
+
+import json
+import os
+import signal
+from contextlib import contextmanager
+from dataclasses import replace
+
+import pytest
+
+from semianalytic import (
+    Marched,
+    find_line,
+    find_scene,
+    march,
+    solve,
+    solve_growing,
+    solve_line,
+)
+from slipfront.cli.commands import main
+
+# --- whole lines and growing loads ----------------------------------------------------------------
+
+HALF_LINE = """
+contact = "whole line"
+friction = 0.5
+units = "SI"
+[material]
+shear_modulus = 30e9
+density = 2700.0
+poisson_ratio = 0.25
+[base]
+pressure = 10e6
+shear = 1e6
+[load]
+kind = "half-line"
+shear = 8e6
+"""
+
+
+@pytest.mark.parametrize("name", ["whole-line-patch", "point-load", "growing-load"])
+def test_a_named_line_is_solved(shown, printed, name):
+    problem = find_line(name)
+    answer = solve_growing(problem) if name == "growing-load" else solve_line(problem)
+    said = shown(f"solve {name} --end-time 2").out
+    assert f"{answer.edge_speed:.12g}" in said
+    assert "converged" in said
+    document = printed(f"solve {name} --end-time 2")
+    assert document["edge_speed"] == answer.edge_speed
+    end = document["until_end_time"]
+    assert end["accumulated_slip"] == pytest.approx(float(answer.accumulated_slip(2.0)))
+    if name == "point-load":
+        assert end["largest_slip"] is None  # infinite at the force
+
+
+def test_a_line_in_si_units_has_them(tmp_path, printed):
+    path = tmp_path / "patch.toml"
+    text = HALF_LINE.replace('"half-line"', '"patch"\nspeed = 500.0')
+    path.write_text(text)
+    document = printed(["solve", path])
+    assert document["units"]["edge_speed"] == "m/s"
+    assert document["units"]["line"]["load"]["shear"] == "Pa"
+    path.write_text(text.replace('"patch"\nspeed = 500.0', '"point-force"'))
+    document = printed(["solve", path])
+    assert document["units"]["line"]["load"]["shear"] == "N/(m s)"
+    growing = text.replace('contact = "whole line"', "growth = 2").replace("[base]", "[load]")
+    path.write_text(growing.partition("[load]\nkind")[0].replace("shear = 1e6", "shear = 8e6"))
+    document = printed(["solve", path])
+    assert document["units"]["line"]["load"]["shear"] == "Pa/s^2"
+    assert document["units"]["edge_amplitude"] == "m/s^3"
+
+
+def test_a_half_line_is_solved_as_the_slot_that_moves_alike(tmp_path, printed):
+    path = tmp_path / "half.toml"
+    path.write_text(HALF_LINE)
+    document = printed(["solve", path])
+    assert document["scene"]["load"] == {"pressure": 0.0, "shear": 4e6}
+    assert document["zones"][0]["inner"] == 0
+    marched = printed(["solve", path, "--method", "space-time", "--nodes", 300])
+    assert marched["method"] == "space-time"
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize(
+    ("name", "load"), [("whole-line-patch", "excess of the patch"), ("growing-load", "Q₀ t^1")]
+)
+def test_a_figure_is_drawn(name, load, tmp_path, shown):
+    shown(f"solve {name} --plot a.svg")
+    text = (tmp_path / "a.svg").read_text()
+    assert [word for word in ("shear traction", "strength f p", load) if word not in text] == []
+
+
+# --- two half-planes that slide -------------------------------------------------------------------
+
+GOUGE, ROCK = "12e9,2300,0.25", "30e9,2700,0.25"
+
+
+def sliding(upper=GOUGE, lower=ROCK, friction="0.4"):
+    return f"sliding --upper {upper} --lower {lower} --friction {friction}"
+
+
+def test_a_verdict_and_thresholds_are_printed(shown):
+    said = shown(sliding()).out
+    assert "0.531417" in said
+    assert "well posed" in said
+
+
+def test_json_has_the_waves(printed):
+    document = printed(sliding(friction="0.6"))
+    assert document["well_posed"] is False
+    assert document["waves"][0]["per_wavelength"] == pytest.approx(1.0533, abs=1e-4)
+    assert document["threshold_with"] == pytest.approx(0.5314169, abs=1e-7)
+
+
+def test_what_is_infinite_is_null_and_bodies_may_have_units(printed):
+    document = printed(sliding(lower=GOUGE))
+    upper, lower = "12GPa,2.3g/cm3,0.25", "12e6kPa,2300kg/m3,25%"
+    assert printed(sliding(upper=upper, lower=lower, friction="40%")) == document
+    assert document["threshold_with"] is None
+    assert document["delayed_growth"] is None
+
+
+# --- waves at an angle and moving loads -----------------------------------------------------------
+
+PULSE = """
+friction = 0.4
+material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}
+base = {pressure = 1.0, shear = 0.1}
+load = {kind = "incident-wave", wave = "SV", angle = -20.0, stress = 0.4}
+pressure_history = {kind = "pulse", duration = 0.5}
+shear_history = {kind = "pulse", duration = 0.5}
+"""
+
+
+@pytest.mark.slow
+def test_a_pulse_at_an_angle_in_a_file_is_marched(printed, tmp_path):
+    path = tmp_path / "pulse.toml"
+    path.write_text(PULSE)
+    document = printed(f"solve {path} --nodes 100")
+    assert document["method"] == "space-time"
+    assert document["scene"]["load"]["angle"] == -20.0
+    assert document["reach_of_reverse_slip"] > 0.03
+    assert printed(f"solve {path} --nodes 100 --friction 5")["largest_slip"] == 0
+
+
+def test_a_march_knows_the_intensity_of_the_moving_front(printed):
+    stuck = printed("solve incident-sv --friction 5 --method space-time --nodes 40")
+    marched = stuck["stress_intensity_of_a_stuck_edge"]
+    exact = solve(replace(find_scene("incident-sv"), friction=5.0)).stress_intensity(1.0)
+    assert list(marched.values()) == pytest.approx([float(one) for one in exact], rel=1e-12)
+
+
+def test_sv_beyond_critical_is_marched_if_asked_for(printed):
+    wave = "solve incident-sv --angle 45 --wave-stress=-0.3 --nodes 40 --friction 0.1"
+    near, far = (printed(f"{wave} --method space-time --entry {entry}") for entry in (0.5, 1.0))
+    assert near["stress_intensity_of_a_stuck_edge"] == {}
+    assert near["statistics"]["steps"] < far["statistics"]["steps"]
+
+
+# --- antiplane shear ------------------------------------------------------------------------------
+
+FILE = """
+friction = 1.0
+mode = "antiplane"
+material = {shear_modulus = 80e9, density = 7800, poisson_ratio = 0.29}
+base = {pressure = 1e6, shear = 1e6}
+load = {pressure = 1e6, shear = 1e6}
+"""
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_compare_agrees_on_the_named_scene(tmp_path, shown):
+    said = shown("compare antiplane --resolution 40 --frames 1 --output out --quiet").out
+    document = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert document["verdict"] == "agrees"
+    rows = {"S front, interface (shear traction)", "zone 1, outer edge", "slip rate, L1"}
+    assert {row["name"] for row in document["rows"]} >= rows | {"v_z, whole"}
+    assert "Rayleigh front" not in said
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_compare_takes_a_file_in_which_pressure_changes_too(tmp_path):
+    (tmp_path / "remote.toml").write_text(FILE)
+    line = "compare remote.toml --resolution 60 --output out --quiet --no-snapshots"
+    assert main(line.split()) in (0, 3)
+    assert json.loads((tmp_path / "out" / "report.json").read_text())["verdict"] != "differs"
+
+
+def test_any_scene_can_be_turned(printed):
+    document = printed("solve preloaded --mode antiplane")
+    assert document["scene"]["mode"] == "antiplane"
+    assert document["wave_speeds"] == {"shear": 1.0}
+    assert document["zones"][0]["outer"] == pytest.approx(1 / 1.3**2, rel=1e-8)
+    assert document["zones"][0]["outer_regime"] == "sub-shear"
+    assert set(document["edge"]["stress_intensity_at_unit_time"]) == {"K_I", "K_III"}
+
+
+# --- marches: saved, interrupted, and gone on with ------------------------------------------------
+
+
+def test_solve_marches_saves_and_goes_on(tmp_path, shown, printed):
+    options = "--nodes 120 --end-time 0.5 --latest 1 --save march.h5 --plot march.png"
+    assert "reach of reverse slip" in shown(f"solve harmonic {options}").out
+    assert (tmp_path / "march.png").stat().st_size > 10_000
+    document = printed("solve harmonic --go-on march.h5")
+    assert document["end_time"] == 1.0
+    length = Marched.load("march.h5").interface.x[-1]
+    whole = march(find_scene("harmonic"), 1.0, 120, length=length)
+    assert document["frictional_work"] == pytest.approx(
+        whole.final_work_density.sum() * whole.grid.spacing, rel=0.05
+    )
+
+
+def test_interrupted_march_is_saved(monkeypatch, shown, printed):
+    """Ctrl-C after 30 steps: the file holds them, and can go on."""
+
+    @contextmanager
+    def pressing(*_):
+        yield lambda done, steps: os.kill(os.getpid(), signal.SIGINT) if done == 30 else None
+
+    with monkeypatch.context() as patch:
+        patch.setattr("compare.output.progress.progress_bar", pressing)
+        said = shown("solve harmonic --nodes 100 --save march.h5", 130).err
+    assert "holds the march until" in " ".join(said.split())
+    assert Marched.load("march.h5").statistics.steps == 30
+    printed("solve harmonic --go-on march.h5")
+
+
+def test_going_on_with_another_scene_is_refused(tmp_path, refused):
+    saved = tmp_path / "march.h5"
+    march(find_scene("ramp"), 0.5, 50, latest=1.0).save(saved)
+    refused("solve harmonic --go-on march.h5")
+    assert "leave one of the two out" in refused("solve ramp --go-on march.h5 --nodes 60")
+    saved.write_bytes(saved.read_bytes()[:500])
+    refused("solve ramp --go-on march.h5", 3)
