@@ -28,7 +28,7 @@ def records(solution, seed, noise=NOISE, places=(0.4, 0.9)):
     for x in places:
         t = np.linspace(0.4 * x, 4 * x, 60)
         rate = solution.slip_rate(x, t)
-        yield sf.sf.Gauge(x, t, rate + random.normal(scale=noise, size=len(t)), noise)
+        yield sf.Gauge(x, t, rate + random.normal(scale=noise, size=len(t)), noise)
 
 
 def coverage(solution, trials, start, names, noise):
@@ -107,7 +107,7 @@ def test_what_the_data_leave_free_is_named(truth):
     assert found.unconstrained == ("friction", "base_pressure")
     assert "do not constrain friction and base_pressure apart" in found.status
     assert np.all(np.isinf(found.standard_errors))
-    ahead = sf.sf.Gauge(5.0, np.array([0.1, 0.2, 0.3]), np.zeros(3), NOISE)
+    ahead = sf.Gauge(5.0, np.array([0.1, 0.2, 0.3]), np.zeros(3), NOISE)
     found = sf.fit([ahead], PRELOADED, ("friction",), rtol=1e-6)
     assert found.unconstrained == ("friction",)
 
@@ -117,7 +117,7 @@ def test_what_the_data_leave_free_is_named(truth):
 def test_what_is_bounded_from_one_side_alone_is_told(seed):
     """Records at friction 4 see no slip; noise makes shallow minima at 2.2, where slip begins."""
     noise, t = np.random.default_rng(seed), np.linspace(0.02, 1.5, 60)
-    gauges = [sf.sf.Gauge(x, t, 0.01 * noise.normal(size=60), 0.01) for x in (0.2, 0.5)]
+    gauges = [sf.Gauge(x, t, 0.01 * noise.normal(size=60), 0.01) for x in (0.2, 0.5)]
     found = sf.fit(gauges, PRELOADED, "friction", rtol=1e-6)
     if found.unconstrained:
         return
@@ -173,7 +173,7 @@ def test_samples_on_edges_and_fronts_do_no_harm(truth):
     fronts = [material.rayleigh_speed, material.shear_speed, material.longitudinal_speed]
     marks = np.concatenate([speeds[speeds > 0], fronts])
     t = np.unique(np.concatenate([0.5 / marks, np.linspace(0.2, 2.0, 40)]))
-    gauge = sf.sf.Gauge(0.5, t, truth.slip_rate(0.5, t), NOISE)
+    gauge = sf.Gauge(0.5, t, truth.slip_rate(0.5, t), NOISE)
     found = sf.fit([gauge], replace(PRELOADED, friction=0.31), ("friction",), rtol=1e-6)
     assert found.values[0] == pytest.approx(0.3, abs=0.1 * found.standard_errors[0])
     assert 0 < found.standard_errors[0] < 0.05
@@ -185,7 +185,7 @@ def test_units_and_residuals():
     solution = sf.solve(scene)
     t = np.linspace(1e-5, 8e-5, 50)
     clean = solution.slip_rate(0.05, t)
-    gauge = sf.sf.Gauge(0.05, t, clean + 0.01 * np.sin(np.arange(50)), 0.01)
+    gauge = sf.Gauge(0.05, t, clean + 0.01 * np.sin(np.arange(50)), 0.01)
     found = sf.fit(
         [gauge], replace(scene, load=sf.Tractions(0.0, 5.5e6)), ("load_shear",), rtol=1e-6
     )
@@ -229,7 +229,7 @@ def test_noise_that_is_more_than_said_is_told_from_what_chance_does(truth, more,
     ],
 )
 def test_records_and_priors_that_contradict_are_told(truth, mean, sd, noise, contradicts):
-    gauges, priors = tuple(records(truth, 5, noise)), {"friction": sf.sf.Normal(mean, sd)}
+    gauges, priors = tuple(records(truth, 5, noise)), {"friction": sf.Normal(mean, sd)}
     found = sf.fit(gauges, PRELOADED, ("friction",), priors=priors, rtol=1e-6)
     said = "records and priors contradict each other" in found.status
     assert said is contradicts
@@ -242,7 +242,7 @@ def test_records_are_as_far_from_a_prior_as_a_fit_without_it(truth):
     gauges = tuple(records(truth, 6))
     alone = sf.fit(gauges, PRELOADED, ("load_shear",), rtol=1e-6)
     value, error = alone.values[0], alone.standard_errors[0]
-    prior = {"load_shear": sf.sf.Normal(value + 8 * error, error / 2)}
+    prior = {"load_shear": sf.Normal(value + 8 * error, error / 2)}
     found = sf.fit(gauges, PRELOADED, ("load_shear",), priors=prior, rtol=1e-6)
     (apart,) = re.findall(r"they are (.+) standard deviations apart in load_shear", found.status)
     assert float(apart) == pytest.approx(8 / np.hypot(1, 0.5), rel=0.1)
@@ -268,29 +268,29 @@ def test_bad_records_are_refused(truth):
     with pytest.raises(sf.SceneError, match="at least one Gauge"):
         sf.fit([], PRELOADED, ("friction",))
     with pytest.raises(sf.SceneError, match="number of samples"):
-        sf.fit([sf.sf.Gauge(0.5, t[:1], t[:1], 1.0)], PRELOADED, ("friction", "load_shear"))
+        sf.fit([sf.Gauge(0.5, t[:1], t[:1], 1.0)], PRELOADED, ("friction", "load_shear"))
     for bad in ((1.0, t, t[:1], 1.0), (1.0, t[::-1], t, 1.0), (1.0, t, t, 0.0)):
         with pytest.raises(sf.SceneError, match="gauge"):
-            sf.sf.Gauge(*bad)
+            sf.Gauge(*bad)
     for noise in (1e-160, 1e-18, 1e61):  # squares of misfits would leave floating point
         with pytest.raises(sf.SceneError, match="gauge: noise must lie within"):
-            sf.sf.Gauge(1.0, t, t, noise)
+            sf.Gauge(1.0, t, t, noise)
     with pytest.raises(sf.SceneError, match="must not exceed 1e"):
-        sf.sf.Gauge(1.0, t, 1e100 * t, 1.0)
+        sf.Gauge(1.0, t, 1e100 * t, 1.0)
 
 
 def test_progress_counts_up_to_what_it_foretells():
     """With a gauge in a body, the computation of which takes nearly all of the time."""
     scene = sf.find_scene("antiplane")
     t = np.linspace(0.2, 1.5, 6)
-    record = sf.sf.Gauge(0.4, t, np.zeros(6), 0.02, "vz", y=0.1)
+    record = sf.Gauge(0.4, t, np.zeros(6), 0.02, "vz", y=0.1)
     exact = Samples((record,)).of(sf.solve(scene), Setup())
     told = []
     found = sf.fit(
         [replace(record, values=exact)],
         scene,
         "load_shear",
-        priors={"load_shear": sf.sf.Normal(1.0, 0.05)},
+        priors={"load_shear": sf.Normal(1.0, 0.05)},
         progress=lambda done, total: told.append((done, total)),
     )
     assert found.values == pytest.approx([1.0], abs=1e-6)
