@@ -94,7 +94,7 @@ REFUSED = {
             "riction must be positive",
         ),
         ("docs docs/limit.md", "did you mean limits?"),
-        ("docs none", "'slipfront docs' lists"),
+        ("docs zzzzzz", "'slipfront docs' lists"),
         ("init --units cgs", "--units must be SI"),
         ("solve ramp --load-on remote", "comes as a step"),
         ("solve preloaded --load-on far", "--load-on must be slot or remote, got 'far'."),
