@@ -112,7 +112,7 @@ class Run:
         error = "no error estimate" if slip is None else f"error of slip {slip:.1e}"
         return (
             f"<Run: to t = {self.end_time:.4g} in {self.steps} steps, {self.nodes} nodes, "
-            f"{len(self.t)} frames; {self.status}, {error}>"
+            f"{len(self.t)} frames; {self.status.partition(':')[0]}, {error}>"
         )
 
     @property
