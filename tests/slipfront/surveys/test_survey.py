@@ -95,6 +95,15 @@ def test_fields_and_totals_are_those_of_solutions():
     assert float(there.end_time) == 1e-4
 
 
+def test_a_point_of_a_march_that_is_too_coarse_says_what_would_resolve_it():
+    scene = sf.Scene(
+        PRELOADED.material, 8.0, sf.Tractions(1, 0), sf.Tractions(0, 1), shear_history=sf.Ramp(0.2)
+    )
+    data = survey(scene, friction=[8.0], end_time=1.0, nodes=64)
+    assert data.status.item() == sf.march(scene, 1.0, nodes=64).caution
+    assert "raise `nodes`" in data.status.item()
+
+
 def test_refused_points_say_why_and_lose_nothing_else():
     data = survey(PRELOADED, friction=[0.2, -0.1], poisson_ratio=[0.3, 0.5], base_pressure=[0, 1])
     kinds = data.status.values.ravel().tolist()
