@@ -260,13 +260,15 @@ def fit(
         raise ComputationError("fit: no values within the ranges make a scene that can be solved.")
     size = trials.sizes
     known = np.array([isinstance(priors.get(name), Normal | LogNormal) for name in names])
+    lower: Array | None = None
     for _ in range(ROUNDS):
+        if lower is not None:  # the search for an interval has met a lower minimum
+            refine(trials, ends, lower)
         best = ends[0]
         covariance, free = covariance_of(best.jacobian, known)
         interval, lower = intervals(best, covariance, trials)
         if lower is None:
             break
-        refine(trials, ends, lower)  # the search for an interval has met a lower minimum
     unconstrained = tuple(name for name, one in zip(names, free, strict=True) if one)
     derivative_error = trials.difference_error(best.scaled)
     trials.progress = None  # a posterior goes on with these trials and reports its own steps
