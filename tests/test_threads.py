@@ -33,6 +33,7 @@ ARGUMENTS: dict[str, Any] = {
     "inner": 0.05,
     "outer": np.linspace(0.1, 1.3, 23),
     "of": "slip",
+    "number": 0,
 }
 """Arguments of methods, by the names of their parameters."""
 ELSEWHERE = ("to_xarray", "save", "load", "derivative", "error_of", "seen", "trials")

@@ -66,11 +66,11 @@ def test_it_goes_on_where_it_was(tmp_path, monkeypatch):
     assert len(lines) == 4
     damaged = lines[2].replace("converged", "convergee").replace("refused", "refusee")
     table.write_text("\n".join([*lines[:2], damaged, lines[3]]) + "\n" + lines[2][:20])
-    done = []
+    done, solved_row = [], campaign.solved_row
 
     def again(seed, index):
         done.append(index)
-        return campaign.solved_row(seed, index)
+        return solved_row(seed, index)
 
     monkeypatch.setattr(campaign, "solved_row", again)
     solved, marched = campaign.run_campaign(tmp_path, 3, 1)

@@ -226,9 +226,11 @@ def in_excess(marched, strength):
     """
     impedance = marched.scene.material.shear_impedance / 2
     fields = marched.interface
-    exceeds = np.abs(fields.shear_traction) + impedance * np.abs(fields.slip_rate) > strength
-    inside = exceeds.copy()
-    inside[:, 1:-1] &= exceeds[:, :-2] & exceeds[:, 2:]
+    # Signed, since a weak strength may be exceeded in one sense beside the other: slip turns there.
+    rest = fields.shear_traction + impedance * fields.slip_rate
+    sense = np.where(np.abs(rest) > strength, np.sign(rest), 0)
+    inside = sense != 0
+    inside[:, 1:-1] &= (sense[:, :-2] == sense[:, 1:-1]) & (sense[:, 2:] == sense[:, 1:-1])
     return inside
 
 
