@@ -79,6 +79,7 @@ def test_it_goes_on_where_it_was(tmp_path, monkeypatch):
         assert replace(new, seconds=0.0) == replace(old, seconds=0.0) or new.index == done[0]
 
 
+@pytest.mark.slow
 def test_answers_are_held_against_better_ones(tmp_path, monkeypatch):
     """Rows are kept, what is raised is told, and what is spoilt is seen."""
     rows = answers.run_answers(tmp_path, 2, answers.SEED)

@@ -284,7 +284,7 @@ def derivatives_of_identical_bodies(parameter):
     return [answer.derivative(parameter) for answer in of_identical_bodies()]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("parameter", ["base_pressure", "friction", "load_shear"])
 def test_identical_bodies_have_the_derivatives_of_the_other_solver(parameter):
     theirs, ours = derivatives_of_identical_bodies(parameter)

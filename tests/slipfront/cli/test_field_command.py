@@ -49,6 +49,7 @@ def test_a_face_is_told_by_its_sign(tmp_path, undrawn, shown):
     assert upper[-1, 3] != pytest.approx(solution.velocity(-0.5, 0.0, 1.0)[0], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_lower_body_of_another_kind_is_solved_and_recorded(
     tmp_path, undrawn, printed, monkeypatch
 ):

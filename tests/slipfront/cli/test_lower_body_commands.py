@@ -167,6 +167,7 @@ def test_a_simulation_of_a_file_takes_its_lower_body():
     assert told != sf.cost(scene, resolution=8)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_compare_judges_two_bodies(printed, refused, shown, folder, monkeypatch):
     """Once simulated, the bodies are compared again, with a wrong answer, and with other bodies."""

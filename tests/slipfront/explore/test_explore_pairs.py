@@ -70,6 +70,7 @@ def test_a_move_is_answered_by_the_exact_solver_of_pairs(name, alone):
     assert len(alone) == 2 or session._asked_field is not None
 
 
+@pytest.mark.slow
 def test_friction_without_an_answer_is_said_in_the_sentence_of_the_product():
     pair = sf.find_pair("pair-slip")
     session = Session(Document(), pair, "")

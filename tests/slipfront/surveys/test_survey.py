@@ -277,6 +277,7 @@ def test_every_number_of_a_scene_is_a_parameter():
     assert changed.friction_law == sf.SlipWeakening(0.2, 0.1)
 
 
+@pytest.mark.slow
 def test_netcdf_is_refused_before_anything_is_solved_where_it_does_not_fit(monkeypatch, tmp_path):
     """And a Zarr store, of which a chunk fits, is not."""
     monkeypatch.setattr("semianalytic.results.memory.available_memory", lambda: 300_000)

@@ -219,6 +219,7 @@ def test_rows_of_openings_agree_most_within_half_their_bars(name):
     assert np.median([abs(row.difference) / row.bar for row in rows.values()]) < 0.5
 
 
+@pytest.mark.slow
 def test_an_opening_that_coarser_meshes_hardly_show_is_unresolved():
     """Its gap is about half of the exact one then, and changes little from mesh to mesh: two
     openings of eight elements were said to differ in the trial of docs/judge.md."""

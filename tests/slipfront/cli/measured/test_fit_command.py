@@ -55,6 +55,7 @@ def test_json_is_all_that_is_printed_and_priors_count(records, printed):
     assert found["known_by_prior"] == ["friction"]
 
 
+@pytest.mark.slow
 def test_misfits_that_noise_does_not_explain_are_in_the_headline(records, shown):
     line = f"--scene preloaded --friction 0.6 --parameters load_shear --noise {NOISE}"
     said = shown(f"fit {records} {line}", 4)
