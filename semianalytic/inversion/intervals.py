@@ -10,6 +10,7 @@ import numpy as np
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.search import WORTH, Minimum
 from semianalytic.inversion.trials import Trials
+from semianalytic.inversion.verdict import LARGEST_CONDITION
 
 RISE = 1.0
 """Rise of chi2 at the ends of an interval: that at one standard error, if chi2 is a parabola."""
@@ -138,7 +139,9 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
     """Return the values (p,) with one of them held and the others fitted anew, and their chi2."""
     from scipy.optimize import least_squares  # here, for `import semianalytic` is to be quick
 
-    others = np.arange(len(start)) != place
+    sizes = np.linalg.norm(best.jacobian, axis=0)
+    # A value that changes nothing, but for rounding, cannot be fitted anew.
+    others = (np.arange(len(start)) != place) & (sizes > sizes.max() / LARGEST_CONDITION)
     first = trials.misfit(start)
     if not others.any() or not np.all(np.isfinite(first)):
         return start, float(first @ first)
@@ -151,7 +154,7 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
 
     # The derivatives at the minimum say where to, and are all that slow trials are given.
     slopes = best.jacobian[:, others]
-    steps = STEP / np.linalg.norm(slopes, axis=0)
+    steps = STEP / sizes[others]
 
     def jacobian(part: Array) -> Array:
         if trials.is_slow:

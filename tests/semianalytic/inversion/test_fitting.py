@@ -137,6 +137,16 @@ def test_a_prior_wider_than_the_value_is_the_error_where_records_say_nothing():
     assert found.interval == pytest.approx(np.array([[0.0, 4.0]]), abs=1e-6)
 
 
+def test_a_value_that_changes_nothing_leaves_the_intervals_of_the_others():
+    """Slip in antiplane shear does not depend on Poisson's ratio."""
+    scene, t = sf.find_scene("antiplane"), np.linspace(0.3, 1.5, 12)
+    record = sf.Gauge(0.2, t, sf.solve(scene).slip(0.2, t), 1e-3, "slip")
+    found = sf.fit([record], scene, ("friction", "poisson_ratio"), rtol=1e-6)
+    assert found.unconstrained == ("poisson_ratio",)
+    low, high = found.interval[0]
+    assert 0.49 < low < found.values[0] < high < 0.51
+
+
 def late_rates():
     """Slip rates of a load that acts at 0.02; their front makes chi2 uneven in its time."""
     t, noise = np.linspace(0.03, 1.5, 40), np.random.default_rng(1)
