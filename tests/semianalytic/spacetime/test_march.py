@@ -231,6 +231,7 @@ def in_excess(marched, strength):
     sense = np.where(np.abs(rest) > strength, np.sign(rest), 0)
     inside = sense != 0
     inside[:, 1:-1] &= (sense[:, :-2] == sense[:, 1:-1]) & (sense[:, 2:] == sense[:, 1:-1])
+    inside[:, -1] = False  # its neighbour is beyond what is stored
     return inside
 
 
@@ -244,8 +245,9 @@ def test_invariants(history, friction, share, nu):
     fields = marched.interface
     strength = friction * fields.pressure
     assert (np.abs(fields.shear_traction) <= strength + 1e-12).all()
-    slips, inside = fields.slip_rate != 0, in_excess(marched, strength)
-    assert inside.sum() >= 0.3 * slips.sum()
+    speed, inside = np.abs(fields.slip_rate), in_excess(marched, strength)
+    # Without friction, or with next to none, rounding slips too, in either sense.
+    assert inside.sum() >= 0.3 * (speed > 1e-6 * speed.max()).sum()
     np.testing.assert_allclose(
         fields.shear_traction[inside], (np.sign(fields.slip_rate) * strength)[inside], atol=1e-12
     )
