@@ -186,6 +186,8 @@ def test_edge_of_the_grid_is_where_the_stuck_traction_says(history, mode, most):
 # --- other histories: superposition and invariants -------------------------------------------
 
 # What turns faster than 120 nodes on a length of 1 follow is refused: see test_resolution.py.
+# Friction is none or more than the ripples of the grid, which are a millionth of the load.
+FRICTIONS = st.just(0.0) | st.floats(1e-3, 0.8)
 # Loads of 5e-324 have no digits left for two per cent of a slip rate to mean anything.
 LEVELS = st.floats(-1.0, 1.0).map(lambda value: round(value, 6))
 HISTORIES = st.one_of(
@@ -237,7 +239,7 @@ def in_excess(marched, strength):
 
 @pytest.mark.slow
 @settings(max_examples=40, deadline=None)
-@given(HISTORIES, st.floats(0.0, 0.8), st.floats(-0.9, 0.9), st.floats(-0.4, 0.45))
+@given(HISTORIES, FRICTIONS, st.floats(-0.9, 0.9), st.floats(-0.4, 0.45))
 def test_invariants(history, friction, share, nu):
     """Coulomb's inequality, dissipation, causality, for shear from rest under any history."""
     scene = unit_scene(friction, (1.0, share * friction), nu=nu, shear_history=history)
@@ -245,9 +247,9 @@ def test_invariants(history, friction, share, nu):
     fields = marched.interface
     strength = friction * fields.pressure
     assert (np.abs(fields.shear_traction) <= strength + 1e-12).all()
-    speed, inside = np.abs(fields.slip_rate), in_excess(marched, strength)
-    # Without friction, or with next to none, rounding slips too, in either sense.
-    assert inside.sum() >= 0.3 * (speed > 1e-6 * speed.max()).sum()
+    slips, inside = fields.slip_rate != 0, in_excess(marched, strength)
+    # Without friction the ripples of the grid slip too, in either sense.
+    assert not friction or inside.sum() >= 0.3 * slips.sum()
     np.testing.assert_allclose(
         fields.shear_traction[inside], (np.sign(fields.slip_rate) * strength)[inside], atol=1e-12
     )
