@@ -10,7 +10,7 @@ import numpy as np
 from compare.comparison.fields.fronts import StraightFront
 from compare.comparison.scales import scene_fronts, wave_speeds
 from compare.figures.quantities import Array
-from compare.output.bodies import Fields, fastest_speed, materials_of
+from compare.output.bodies import Fields, fastest_speed, materials_of, shown_speed
 from semianalytic import PairSolution
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.incident import IncidentWave
@@ -67,8 +67,11 @@ class Front:
 
 
 def reach(fields: Fields, time: float) -> Window:
-    """Return the window of everything the waves have reached at a time [time], with a margin."""
-    far = MARGIN * fastest_speed(fields) * time
+    """Return the window of what the waves have reached at a time [time], with a margin.
+
+    It leaves out what only a P wave has reached that is far ahead of all else (`shown_speed`).
+    """
+    far = MARGIN * shown_speed(fields, time) * time
     return -far, far, -far, far
 
 

@@ -45,7 +45,7 @@ from compare.figures.style import (
     styled,
     waves_handle,
 )
-from compare.output.bodies import fastest_speed
+from compare.output.bodies import shown_speed
 from semianalytic import OpenZone, PairSolution, SlipZone, Solution
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.results.interface_history import InterfaceHistory
@@ -209,7 +209,7 @@ def _figure(panel: Axes) -> Figure:
 
 
 def _speed_limit(solution: Exact) -> float:
-    return 1.05 * fastest_speed(solution)
+    return 1.05 * shown_speed(solution, 1.0)
 
 
 def _right_end(solution: Exact) -> float:
@@ -217,7 +217,8 @@ def _right_end(solution: Exact) -> float:
 
 
 def _fronts(solution: Exact) -> dict[str, float]:
-    return contact_fronts(solution.scene, lower_of(solution))
+    speeds, limit = contact_fronts(solution.scene, lower_of(solution)), _speed_limit(solution)
+    return {name: speed for name, speed in speeds.items() if speed <= limit}
 
 
 def _speeds(solution: Exact) -> Array:

@@ -49,5 +49,5 @@ def bodies_words(scene: Scene, lower: Material | None) -> str:
     moduli = lower.shear_modulus / upper.shear_modulus, lower.density / upper.density
     return (
         f"{scene_words(scene)},  lower body: {moduli[0]:.3g} μ, {moduli[1]:.3g} ρ, "
-        f"ν = {lower.poisson_ratio:.3g}"
+        f"ν = {lower.poisson_ratio:.4g}"
     )

@@ -159,7 +159,7 @@ def scene_words(scene: Scene) -> str:
         speed = scene.material.shear_speed
         sizes = f" = {slip_rate_scale(scene):.3g} m/s,  cₜ = {speed:.4g} m/s"
     return (
-        f"{mode}ν = {scene.material.poisson_ratio:.3g},  f = {scene.friction:.3g}{kind},  {base}"
+        f"{mode}ν = {scene.material.poisson_ratio:.4g},  f = {scene.friction:.3g}{kind},  {base}"
         f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal},  V₀ = 2 τ₀ / ρcₜ{sizes}"
     )
 

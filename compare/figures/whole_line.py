@@ -106,7 +106,7 @@ def _words(answer: LineSolution | GrowingSolution) -> str:
         unit = "F₀ / cₜ" if point else "excess of the patch"
     mode = "antiplane shear,  " if problem.antiplane else ""
     return (
-        f"{mode}ν = {problem.material.poisson_ratio:.3g},  f = {problem.friction:.3g},  "
+        f"{mode}ν = {problem.material.poisson_ratio:.4g},  f = {problem.friction:.3g},  "
         f"base ({problem.base.pressure:.3g}, {problem.base.shear:.3g}),  {load}"
         f"t = 1,  τ₀ = {unit} = {stress_unit(problem):.3g},  V₀ = 2 τ₀ / ρcₜ"
     )

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
+from compare.output.printed import Table
 from compare.output.tables import write_rows
 
 Study = Callable[[], Sequence[Any]]

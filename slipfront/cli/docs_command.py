@@ -11,8 +11,8 @@ import typer
 from rich.console import Console
 from rich.markdown import Markdown
 from rich.markup import escape
-from rich.table import Table
 
+from compare.output.printed import Table
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from slipfront.cli.options import AsJson

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 from rich.console import Console
-from rich.table import Table
 
 from compare.comparison.rows import DIFFERS
 from compare.output.places import check_file, save_somewhere
+from compare.output.printed import Table
 from compare.output.progress import progress_bar
 from semianalytic import Run, find_interface, run
 from semianalytic.interface.named import NAMED_INTERFACES

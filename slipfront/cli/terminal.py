@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.markup import escape
-from rich.table import Table
 
 from compare.comparison.documents import (
     END_DIMENSIONS,
@@ -23,6 +22,7 @@ from compare.comparison.documents import (
 )
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
+from compare.output.printed import Table
 from semianalytic import Scene
 from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
 from semianalytic.scene.given.documents import part_document

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from compare.comparison.case import lower_of
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
+from compare.output.bodies import shown_speed
 from semianalytic import Marched, OpenZone, PairSolution, Scene, SlipZone, Solution
 from semianalytic.results.answer import WholeFields
 
@@ -30,6 +31,8 @@ BESIDE = np.outer([-1, 1], np.geomspace(1e-6, 3e-2, 9)).ravel()
 """Relative distances of the added nodes from their edge or front."""
 BEYOND = 1.05
 """Extent of pictures relative to the distance the waves have reached."""
+NAMED = 0.9
+"""Part of the picture of both bodies in which names of waves are not cut by its rim."""
 SPEED, DISPLACEMENT = "particle speed", "displacement"
 """Quantities that the picture of both bodies can show."""
 MOST = 240
@@ -102,7 +105,7 @@ def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> Int
 def _places(solution: Solution | PairSolution, nodes: int, share: float) -> Array:
     """Return positions [length] that make curves smooth, denser near edges and fronts."""
     scene, fronts = solution.scene, contact_fronts(solution.scene, lower_of(solution))
-    far = BEYOND * max(fronts.values())
+    far = BEYOND * shown_speed(solution, end_time(scene))
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
     edges = [one for part in parts for one in (part.inner, part.outer) if 0 < one < np.inf]
     near = np.array([*fronts.values(), *edges])
@@ -152,11 +155,11 @@ def space_time_view(answer: Shown) -> SpaceTimeView:
     speed = scene.material.shear_speed
     fronts = contact_fronts(scene, lower_of(answer))
     waves = {name: one / speed for name, one in fronts.items()}
-    far = BEYOND * max(waves.values())
     if isinstance(answer, Marched):
         reach = float(answer.interface.x[-1]) / (speed * end_time(scene))
         return SpaceTimeView((), _senses(answer), reach, waves)
     length = speed * end_time(scene)
+    far = BEYOND * shown_speed(answer, end_time(scene)) / speed
     wedges = tuple(
         (part.kind, part.start / length, part.end / length)
         for part in moving_parts(answer, end_time(scene))
@@ -220,7 +223,9 @@ def field_view(fields: WholeFields, points: int, share: float = 1.0, of: str = S
         lines += [(along, side * across) for side in front.sides]
         if len(along) and not front.name.startswith("plane"):
             at = min(round(front.share * (len(along) - 1)), len(along) - 1)
-            names.append((front.name, float(along[at]), front.sides[0] * float(across[at])))
+            place = float(along[at]), front.sides[0] * float(across[at])
+            if max(map(abs, place)) < NAMED * far / length:
+                names.append((front.name, *place))
     parts = [
         (part.kind, part.start / length, min(part.end, far) / length)
         for part in moving_parts(fields, time)

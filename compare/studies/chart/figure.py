@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
-from rich.table import Table
 
 from compare.figures.saving import save_figure
 from compare.figures.style import (
@@ -30,6 +29,7 @@ from compare.figures.style import (
     styled,
 )
 from compare.output.files import filled_template, write_text
+from compare.output.printed import Table
 from compare.output.tables import markdown_table
 from compare.studies.chart.methods import EDGE_THRESHOLD, METHODS
 from compare.studies.chart.points import SCENES, VERSIONS, Point

@@ -10,11 +10,11 @@ import typer
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from compare.benchmarks.sheet import Sheet
 from compare.benchmarks.sheets import ALL_SHEETS, find_sheet
 from compare.output.places import check_file, working_folder
+from compare.output.printed import Table
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from slipfront.cli.options import AsJson, FiguresForm

@@ -11,11 +11,11 @@ import numpy as np
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from compare.comparison.documents import envelope, json_text
 from compare.output.files import write_text
 from compare.output.places import check_file
+from compare.output.printed import Table
 from compare.output.progress import progress_bar
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.named import described_interface

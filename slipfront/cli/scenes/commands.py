@@ -10,11 +10,11 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from compare.comparison.documents import SCENE_DIMENSIONS, bodies_document, units_document
 from compare.output.files import write_text
 from compare.output.places import check_file
+from compare.output.printed import Table
 from semianalytic import Material, Scene, WholeLine
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from compare.comparison.line_documents import line_answer_document, problem_of
 from compare.output.places import check_file
+from compare.output.printed import Table
 from semianalytic import (
     GrowingSlot,
     GrowingSolution,

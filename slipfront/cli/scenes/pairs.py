@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
 from compare.comparison.pair_documents import pair_answer_document
+from compare.output.printed import Table
 from semianalytic import PairSolution, solve_pair
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.results.in_words import digits_apart

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.markup import escape
-from rich.table import Table
 
 from compare.comparison.documents import (
     POINT_DIMENSIONS,
     points_document,
     units_document,
 )
+from compare.output.printed import Table
 from semianalytic import Scene, SceneError
 from semianalytic.results.answer import FIELDS
 from semianalytic.scene.checks import shown

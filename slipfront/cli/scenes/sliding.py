@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.table import Table
 
+from compare.output.printed import Table
 from compare.records.units import si_size
 from semianalytic import Material, sliding_stability
 from semianalytic.scene.checks import shown

@@ -14,8 +14,8 @@ import numpy as np
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
+from compare.output.printed import Table
 from compare.output.progress import progress_bar
 from semianalytic.interface.named import described_interface
 from semianalytic.scene.checks import shown

@@ -140,6 +140,15 @@ def test_a_terminal_of_ascii_is_no_obstacle(arguments):
     assert run.stdout.isascii()
 
 
+def test_a_narrow_terminal_cuts_no_number(monkeypatch, shown):
+    monkeypatch.setenv("COLUMNS", "40")
+    out = shown("solve preloaded --x 0.5 --t 1").out
+    assert max(map(len, out.splitlines())) <= 40
+    assert "…" not in out
+    rows = [line.split("│") for line in out.splitlines() if line.count("│") == 6]
+    assert "0.47107491854" in "".join(row[3].strip() for row in rows)
+
+
 @pytest.mark.slow
 def test_names_that_cannot_be_printed_are_escaped(refused):
     assert r"called '\udcff\n\x1b[31mß'" in refused(["solve", "\udcff\n\x1b[31mß"])

@@ -124,6 +124,18 @@ def test_the_field_is_the_speed_around_the_edge():
     assert view.size[7, 7] == pytest.approx(min(speed, view.largest))
 
 
+def test_pictures_end_near_what_happens_where_the_p_wave_is_far_ahead():
+    """At a Poisson ratio of 0.4999 it is 71 times faster than the shear wave."""
+    usual, rubber = (solved(unit_scene(0.3, (1.0, 0.0), nu=nu)) for nu in (0.25, 0.4999))
+    for solution, far in ((usual, 3**0.5), (rubber, 4 * rubber.zones[-1].outer)):
+        end = views.end_time(solution.scene)
+        assert far * end == pytest.approx(views.field_view(solution, 20).reach / views.BEYOND)
+        assert far * end == pytest.approx(views.space_time_view(solution).reach / views.BEYOND)
+        assert far * end == pytest.approx(views.interface_view(solution).x[-1] / views.BEYOND)
+    assert {"P", "S"} - {name for name, *_ in views.field_view(usual, 20).names} == set()
+    assert "P" not in {name for name, *_ in views.field_view(rubber, 20).names}
+
+
 def test_the_angle_of_a_wave_has_a_slider_and_its_front_is_drawn():
     scene = find_scene("incident-sv")
     (slider,) = (one for one in controls.sliders(scene) if one.name == "angle")
