@@ -279,6 +279,13 @@ def test_no_slip_is_only_said_where_the_first_node_holds():
     assert said > 3
 
 
+@pytest.mark.parametrize("pressure", [-0.05, 0.0, 0.05])
+def test_zone_beside_the_edge_is_as_long_as_the_exact_one(pressure):
+    scene = sf.Scene(UNIT, 9.0, sf.Tractions(1.0, 0.0), sf.Tractions(pressure, 1.0))
+    (zone,) = sf.solve(scene).zones
+    assert zone_at_edge(scene, 1.0) == pytest.approx(zone.outer, rel=5e-3)
+
+
 @pytest.mark.slow
 def test_nodes_that_a_caution_asks_for_resolve_the_zone():
     scene = sheared(sf.Step(), 5.0)
