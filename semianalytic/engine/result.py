@@ -191,9 +191,10 @@ class Run:
         last = x[onset >= onset.max() - SAME_TIME * time]
         if self.interface.even:
             first = np.concatenate([first, -first])
-        ways = np.abs(last[:, None] - first)
         # The line is periodic: a rupture may have come from the next period.
-        return float(np.minimum(ways, length - ways).min(axis=1).max()) / time
+        first = np.sort(np.concatenate([first - length, first, first + length]))
+        after = np.searchsorted(first, last)
+        return float(np.minimum(last - first[after - 1], first[after] - last).max()) / time
 
     def front_speed(self) -> Array:
         """Return the speed of the rupture front at the nodes, (n,) [length / time].

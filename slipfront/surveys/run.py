@@ -7,6 +7,7 @@ the last bit on one process, on many, and on a cluster, with or without interrup
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -221,6 +222,8 @@ def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
         os.replace(part, path)
     except OSError as error:
         raise DataFileError(f"Cannot write {path}: {error.strerror or error}.") from error
+    finally:
+        shutil.rmtree(part, ignore_errors=True)  # what is left if it failed
     return xarray.open_zarr(path, chunks=None)
 
 

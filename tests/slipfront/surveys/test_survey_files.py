@@ -193,6 +193,20 @@ def test_a_full_disk_loses_nothing_finished(how, tmp_path, known):
         assert asked(path).identical(known)
 
 
+def test_a_folder_that_cannot_be_written_leaves_no_part(tmp_path, known, monkeypatch):
+    def fails(part, *rest):
+        part.mkdir()
+        raise OSError(28, "No space left on device")
+
+    path = tmp_path / "a.zarr"
+    with monkeypatch.context() as patch:
+        patch.setattr("slipfront.surveys.dataset.write_zarr", fails)
+        with pytest.raises(DataFileError, match=r"^Cannot write .*: No space left on device\.$"):
+            asked(path)
+    assert [one.name for one in tmp_path.iterdir()] == [store_folder(path).name]
+    assert asked(path).identical(known)
+
+
 def test_one_run_at_a_time(tmp_path):
     path = tmp_path / "a.nc"
 
