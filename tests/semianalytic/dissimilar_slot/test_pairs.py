@@ -205,6 +205,20 @@ def test_tension_next_to_the_edge_opens_it():
     assert answer.zones[0].outer == pytest.approx(0.373588456, abs=3e-9)
 
 
+def test_a_grid_whose_pivoting_goes_astray_is_not_followed():
+    """It shows 16 zones, which take minutes to place; weaker friction shows the right two."""
+    upper = sf.Material(1.8145302730151307, 0.8738621910046238, 0.3144429164612502)
+    lower = sf.Material(1.0, 1.0, 0.34676798720629365)
+    base = sf.Tractions(1.0, -0.0298379203671244)
+    load = sf.Tractions(-1.9398954248279061, -0.9257573724198593)
+    answer = sf.solve_pair(sf.Pair(upper, lower, 0.2147322085626276, base, load))
+    assert answer.status == "converged"
+    assert answer.statistics.zone_sets < 10
+    (slip,), (opening,) = answer.zones, answer.openings
+    assert (opening.inner, slip.inner) == (0.0, opening.outer)
+    assert (opening.outer, slip.outer) == pytest.approx((0.375556, 1.508213), abs=1e-6)
+
+
 @pytest.mark.slow
 def test_a_detached_opening():
     answer = sf.solve_pair(SCENES["detached opening"])
