@@ -20,7 +20,7 @@ from compare.comparison.bars import (
 )
 from compare.comparison.case import Case
 from compare.comparison.measures import NOTHING, norm, within
-from compare.comparison.rows import AGREES, ALARM, DIFFERS, TELLING, UNRESOLVED, Row
+from compare.comparison.rows import AGREES, DIFFERS, TELLING, UNRESOLVED, Row
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer
 from semianalytic.results.sampled import interpolated
@@ -36,7 +36,7 @@ meshes change; with half this value none was beyond 1.5 bars."""
 USUAL = 0.9
 """Part of the slipping nodes and times whose mesh differences are at most the usual one."""
 
-BEYOND = f"it is beyond its error bar, but by less than {ALARM:g} times"
+BEYOND = "it is beyond its error bar, but by less than {:g} times"
 WIDE = f"its error bar is more than {TELLING:g} of what is compared"
 """Obstacles of rows whose meshes converge and still do not decide."""
 
@@ -294,7 +294,7 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
     if not error.converges:
         return held
     if row.verdict == UNRESOLVED:
-        return replace(row, obstacle=BEYOND, resolution=finer)
+        return replace(row, obstacle=BEYOND.format(row.alarm), resolution=finer)
     # what is nothing at the nodes has no size that a bar could be held against
     if row.verdict == AGREES and row.size > NOTHING and row.bar > TELLING * row.size:
         growth = row.bar / (TELLING * row.size)

@@ -17,7 +17,7 @@ from compare.comparison.measures import NOTHING, nearest, onset_time
 from compare.comparison.rows import UNRESOLVED
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES, Record, Records
-from compare.validation.bars import SCATTER, TELLING, Bar, JudgedRow, pooled_bar, station_bar
+from compare.validation.bars import ALARM, SCATTER, TELLING, Bar, JudgedRow, pooled_bar, station_bar
 from compare.validation.exact import Exact
 from compare.validation.grids import Grids, grid_bar
 from compare.validation.norms import Norm, pooled, station_norm, weights
@@ -44,7 +44,7 @@ SLIDING = 0.05
 STRENGTH_FLOOR = 0.005
 MEDIAN_NOISE = math.sqrt(math.pi / 2)
 """Standard deviation of a median of normally distributed samples, over that of their mean."""
-BETWEEN = f"{BEYOND}; a finer grid, or noise that is stated as it is, would tell"
+BETWEEN = f"{BEYOND.format(ALARM)}; a finer grid, or noise that is stated as it is, would tell"
 NO_GRID = "nothing says how fine the grid is; give `spacing`"
 ONE_FACE = (
     "one face moves by more than half of the slip where pressure acts on it; record both faces"

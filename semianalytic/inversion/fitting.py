@@ -259,7 +259,7 @@ def fit(
     if not np.isfinite(ends[0].chi2):
         raise ComputationError("fit: no values within the ranges make a scene that can be solved.")
     size = trials.sizes
-    known = np.array([isinstance(priors.get(name), Normal | LogNormal) for name in names])
+    known = np.array([isinstance(trials.priors.get(name), Normal | LogNormal) for name in names])
     lower: Array | None = None
     for _ in range(ROUNDS):
         if lower is not None:  # the search for an interval has met a lower minimum
@@ -321,9 +321,10 @@ def _trials(
         from semianalytic.interface.named import described_interface
 
         if (described := described_interface(given)) is not None:
-            from semianalytic.inversion.interfaces import interface_name, interface_trials
+            from semianalytic.inversion.interfaces import interface_name, interface_trials, spelled
 
             names = tuple(interface_name(described.interface, name) for name in names)
+            priors = {spelled(name): prior for name, prior in priors.items()}
             _check_priors(gauges, names, priors)
             return interface_trials(gauges, described, names, priors, setup, nodes)
     if nodes is not None:

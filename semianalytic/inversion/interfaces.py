@@ -286,6 +286,13 @@ _OWN = ("nodes", "rtol", "every", "frames", "times")
 """Options of files that fits do not take from them."""
 
 
+def spelled(given: str) -> str:
+    """Return a name that is spelled as in TOML, dotted, or with underscores, with underscores."""
+    if is_of_setup(given):
+        return given
+    return str(given).replace(".", "_").replace("-", "_").removeprefix("material_")
+
+
 def interface_name(interface: Interface, given: str) -> str:
     """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
 
@@ -297,7 +304,7 @@ def interface_name(interface: Interface, given: str) -> str:
     if is_of_setup(given):
         return given
     known = interface_parameters(interface)
-    name = str(given).replace(".", "_").replace("-", "_").removeprefix("material_")
+    name = spelled(given)
     if name not in known:
         raise SceneError(
             f"fit: parameters must be among {', '.join((*known, *SETUP))} and gain:NAME, got "

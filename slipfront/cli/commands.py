@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from importlib import import_module
 from inspect import getdoc
@@ -151,6 +151,13 @@ def command_for(arguments: Sequence[str]) -> Any:
     return _group(words[0] if words and words[0] in COMMANDS else "")
 
 
+def _help_of(command: Callable[..., Any]) -> str:
+    """Return the docstring of a command with a line for each paragraph, which terminals fold."""
+    paragraphs = (getdoc(command) or "").split("\n\n")
+    # names of tables, such as [material], are no markup
+    return escape("\n\n".join(" ".join(words.split()) for words in paragraphs))
+
+
 @cache  # a refusal looks its options up in it again
 def _group(called: str) -> Any:
     """Return the group with one command, or with all of them where none is called."""
@@ -162,8 +169,7 @@ def _group(called: str) -> Any:
         if isinstance(command, typer.Typer):
             app.add_typer(command, name=name)
         else:
-            # names of tables, such as [material], are no markup
-            app.command(name, help=escape(getdoc(command) or ""))(command)
+            app.command(name, help=_help_of(command))(command)
     return typer.main.get_command(app)
 
 

@@ -314,4 +314,6 @@ def test_gauges_of_scenes_stand_on_the_contact():
     punch = sf.find_interface("punch").interface
     off = sf.Gauge(x=2.0, t=[1.0], values=[0.1], noise=0.1, quantity="slip")
     with pytest.raises(sf.SceneError, match="do not touch at x = 2"):
-        sf.fit([off], punch, "law.friction")
+        sf.fit([off], punch, "law.friction", priors={"law.friction": Normal(0.4, 0.1)})
+    with pytest.raises(sf.SceneError, match="prior of 'law_cohesion', which is not fitted"):
+        sf.fit([off], punch, "law.friction", priors={"law.cohesion": Normal(0.4, 0.1)})
