@@ -196,6 +196,18 @@ def resumed(
         raise SceneError(
             f"run: `end_time` must be beyond that of `go_on`, {float(kept['time']):.6g}."
         )
+    if record.slipping != float(kept["slipping"]):
+        raise SceneError(
+            f"run: slip began beyond {float(kept['slipping']):.6g} in the run that `go_on` "
+            "continues; leave out `slipping`, or give the same."
+        )
+    gone = [one for one in record.times or () if one <= earlier.end_time]
+    lost = [one for one in gone if not np.isclose(one, earlier.t, rtol=1e-12, atol=0.0).any()]
+    if lost:
+        raise SceneError(
+            f"run: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
+            "stored it; leave out such `times`, or compute it again."
+        )
     for prefix, memory in _memories(stepper):
         if float(kept[f"{prefix}horizon"]) != memory.horizon:
             raise SceneError(
@@ -214,7 +226,7 @@ def resumed(
             record.fields[name].pop()
     elif record.times is not None:
         record.times = [one for one in record.times if one > earlier.end_time]
-    record.slipping, record.onset = float(kept["slipping"]), earlier.onset.copy()
+    record.onset = earlier.onset.copy()
     record.step_times, record.peak_rates = list(earlier.step_times), list(earlier.peak_rates)
     scalars: dict[str, Any] = {"time": float(kept["time"]), "rung": int(kept["rung"])}
     arrays: dict[str, Any] = {

@@ -129,6 +129,18 @@ def test_another_interface_is_not_gone_on_with(own, other):
         run(own, 0.005, 32, go_on=part)
 
 
+def test_what_an_earlier_run_has_not_kept_is_not_asked_of_it():
+    fault = weakening_fault()
+    asked = {"times": [0.005, 0.01], "slipping": 1e-3, "latest": 0.02}
+    part = run(fault, 0.01, 32, estimate=False, **asked)
+    whole = run(fault, 0.02, 32, estimate=False, go_on=part, times=[0.005, 0.02])
+    assert whole.t.tolist() == [0.005, 0.01, 0.02]
+    with pytest.raises(sf.SceneError, match=r"gone beyond t = 0\.002 and not stored it"):
+        run(fault, 0.02, 32, go_on=part, times=[0.002, 0.02])
+    with pytest.raises(sf.SceneError, match=r"slip began beyond 0\.001 in the run"):
+        run(fault, 0.02, 32, go_on=part, slipping=1e-2)
+
+
 def test_what_is_done_is_kept_after_ctrl_c():
     def press(time, end):
         if time > 0.5:
