@@ -26,6 +26,7 @@ from compare.interfaces.lines import line_of
 from fem.lines import LineSimulation, simulate_line
 from fem.lines.march import planned_work, sample_times
 from semianalytic import Interface, Run, run
+from semianalytic.engine.line import grid_of
 from semianalytic.engine.tuning import LEAST_GAP, NODES
 from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.scene.checks import checked_count, checked_size, shown
@@ -140,9 +141,11 @@ def compare_interface(
         raise SceneError(f"compare: interface must be an Interface, got {shown(interface)}.")
     end_time = checked_size("compare: end_time", end_time)
     if nodes is None:
-        nodes = interface.contact.fitting_nodes(interface.length, NODES, HALVINGS)
+        movable = not interface.even
+        nodes = interface.contact.fitting_nodes(interface.length, NODES, HALVINGS, movable)
     finest = _mesh_nodes(interface, end_time, nodes, mesh_nodes)
-    lines = [line_of(interface, finest >> number) for number in range(MESHES)]
+    shift = grid_of(interface, nodes).shift
+    lines = [line_of(interface, finest >> number, shift) for number in range(MESHES)]
     kept = {name: value for name, value in options.items() if name not in ("every", "frames")}
     # first the run, which refuses friction that has no answer
     done = run(interface, end_time, nodes, **{**kept, "times": sample_times(end_time).tolist()})
@@ -275,7 +278,7 @@ def _row(kind: str, unit: str, ran: Array, meshed: list[Array], doubt: float, st
             return limited
         return replace(row, obstacle="the meshes do not converge; raise `mesh_nodes`")
     if row.verdict == UNRESOLVED:
-        return replace(row, obstacle=BEYOND)
+        return replace(row, obstacle=BEYOND.format(row.alarm))
     if row.verdict == AGREES and row.bar is not None and row.bar > TELLING:
         return replace(row, obstacle=f"{WIDE}; raise `mesh_nodes`")
     return row

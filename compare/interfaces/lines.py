@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.lines import Line
 from semianalytic.engine.acting import ActingLoads
-from semianalytic.engine.line import Grid
+from semianalytic.engine.line import grid_of
 from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.errors import SceneError
@@ -17,7 +18,7 @@ from semianalytic.scene.errors import SceneError
 Array = NDArray[np.float64]
 
 
-def line_of(interface: Interface, nodes: int) -> Line:
+def line_of(interface: Interface, nodes: int, shift: float | None = None) -> Line:
     """Return what finite elements have to know of an interface, at the nodes that `run` has.
 
     Parameters
@@ -25,6 +26,8 @@ def line_of(interface: Interface, nodes: int) -> Line:
     interface : Interface
     nodes : int
         Nodes of the whole period; even interfaces are simulated on all of it.
+    shift : float, optional
+        Distance by which the nodes are moved [length]; what suits the ends of contacts by default.
 
     Raises
     ------
@@ -41,7 +44,8 @@ def line_of(interface: Interface, nodes: int) -> Line:
         raise SceneError(
             "simulate: finite elements have no adhesion; leave it out to compare (docs/engine.md)."
         )
-    grid = Grid(interface.length, nodes, not interface.contact.is_whole)
+    # Even interfaces are simulated on all of the line.
+    grid = replace(grid_of(interface, nodes, shift), even=False)
     x, spacing = grid.x, grid.spacing
     touching = interface.contact.touches(x)
     on = x[touching]

@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.interface.interface import Interface
 from semianalytic.memory.cosines import cosines, from_cosines
 
 Array = NDArray[np.float64]
+
+
+def grid_of(
+    interface: Interface, nodes: int, shift: float | None = None, held: float = 0.0
+) -> Grid:
+    """Return the grid of an interface on a number of nodes of a period.
+
+    It is moved by `shift` [length], or by what suits the ends of its contacts, which no grid of an
+    even interface can be.
+    """
+    contact = interface.contact
+    if shift is None:
+        shift = 0.0 if interface.even else contact.shift(interface.length, nodes)
+    between = not contact.is_whole
+    return Grid(interface.length, nodes, between, interface.even, held, shift)
 
 
 @dataclass(frozen=True)
@@ -29,6 +45,8 @@ class Grid:
         Whether all fields are even in x, so that x >= 0 is enough.
     held : float
         Wavenumber of the stiffness that mean slip meets [1 / length]; 0 for none.
+    shift : float
+        Distance by which the nodes are moved along x [length]; 0 if it is even.
     """
 
     length: float
@@ -36,6 +54,7 @@ class Grid:
     between: bool = False
     even: bool = False
     held: float = 0.0
+    shift: float = field(default=0.0, repr=False)  # fingerprints of earlier runs know none
 
     @property
     def spacing(self) -> float:
@@ -48,7 +67,7 @@ class Grid:
         half, shift = self.nodes // 2, 0.5 if self.between else 0.0
         if self.even:
             return np.asarray(self.spacing * (np.arange(half + (not self.between)) + shift))
-        return np.asarray(self.spacing * (np.arange(self.nodes) - half + shift))
+        return np.asarray(self.spacing * (np.arange(self.nodes) - half + shift) + self.shift)
 
     @cached_property
     def wavenumbers(self) -> Array:

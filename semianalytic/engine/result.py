@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
-from semianalytic.engine.line import Grid
-from semianalytic.engine.tuning import LEAST_GAP
+from semianalytic.engine.line import grid_of
+from semianalytic.engine.tuning import LEAST_GAP, TOLD_MISFIT
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.files import write_bytes
@@ -123,22 +123,28 @@ class Run:
     @property
     def contact_misfit(self) -> float:
         """How far the grid has an end of a contact from its place, over the node distance."""
-        return self.interface.contact.misfit(self.interface.length, self.nodes)
+        return self.interface.contact.misfit(self.interface.length, self.nodes, self.shift)
+
+    @property
+    def shift(self) -> float:
+        """Distance by which the grid is moved for the ends of contacts [length]."""
+        return grid_of(self.interface, self.nodes).shift
 
     @property
     def caution(self) -> str:
         """What limits the accuracy and can be changed, in a sentence; empty if there is nothing.
 
-        A grid knows ends of contacts midway between its nodes.  Elsewhere it displaces them, and
-        the error of slip is that of a contact which is longer or shorter.
+        A grid knows ends of contacts midway between its nodes.  It is moved to have them there
+        (`shift`), and displaces those that lie elsewhere still: the error of slip is then that of a
+        contact which is longer or shorter.
         """
         contact, length = self.interface.contact, self.interface.length
         misfit = self.contact_misfit
-        if misfit == 0:
+        if misfit < TOLD_MISFIT:
             return ""
-        fitting = contact.fitting_nodes(length, self.nodes, halvings=1)
+        fitting = contact.fitting_nodes(length, self.nodes, 1, not self.interface.even)
         remedy = f"choose {fitting} nodes"
-        if contact.misfit(length, fitting):
+        if contact.misfit(length, fitting, grid_of(self.interface, fitting).shift) > misfit / 2:
             remedy = "choose a period of which the ends are simple fractions"
         return (
             f"an end of a contact lies {misfit:.2g} node distances from where the grid has it; "
@@ -359,7 +365,7 @@ def _check_grid(
 ) -> None:
     """Raise DataFileError unless saved arrays lie on the period and the contact of an interface."""
     x, contact = arrays["x"], interface.contact
-    laid = Grid(interface.length, nodes, not contact.is_whole, interface.even).x
+    laid = grid_of(interface, nodes).x
     if not (np.array_equal(x, laid) and np.array_equal(contact.touches(x), arrays["touching"])):
         raise DataFileError(f"{path} is a run of another interface; load it with its own.")
 

@@ -16,6 +16,7 @@ from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.steps import Stepper
 from semianalytic.engine.tuning import (
+    BESIDE_EDGE_ERROR,
     EDGE_NODES,
     ERROR_SAFETY,
     LARGEST_ERROR,
@@ -28,7 +29,7 @@ from semianalytic.engine.tuning import (
     ZONE_NODES,
 )
 from semianalytic.engine.window import doubt_of
-from semianalytic.interface.fields import sampled
+from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
@@ -70,8 +71,9 @@ def run(
     nodes : int, optional
         Nodes of one period, a multiple of 4.  By default they are 512, or as many as the histories
         of loads and the narrowest contact or slot need, and up to twice as many, so that ends of
-        contacts lie midway between nodes; elsewhere a grid displaces them, and `Run.caution` says
-        so.
+        contacts lie midway between nodes or close to it.  The grid is moved to have them there
+        (`Run.shift`) unless the interface is even; what it displaces still counts as error, and
+        `Run.caution` tells it.
     rtol : float, optional
         Wanted relative error of slip and gap; nodes are doubled until the estimates are below it,
         up to 16,384.
@@ -155,7 +157,9 @@ def run(
     if nodes is None:
         least = in_fours(needed) if NODES < needed <= MOST_NODES else NODES
         # the run with half the nodes, which tells the error, needs ends that fit as well
-        nodes = min(interface.contact.fitting_nodes(interface.length, least, 1), MOST_NODES)
+        movable = not interface.even
+        nodes = interface.contact.fitting_nodes(interface.length, least, 1, movable)
+        nodes = min(nodes, MOST_NODES)
     elif rtol is not None and go_on is None and nodes < needed <= MOST_NODES:
         nodes = in_fours(needed)
     count = _checked_nodes(nodes)
@@ -213,11 +217,14 @@ def _one(
     latest = (
         options["latest"] if go_on is None else max(float(go_on.checkpoint["latest"]), end_time)
     )
-    stepper = Stepper(interface, nodes, options["step_ratio"], end_time=latest, **settings)
+    ratio, shift = options["step_ratio"], options.get("shift")
+    stepper = Stepper(interface, nodes, ratio, end_time=latest, shift=shift, **settings)
     if check:
         stepper.check_sliding()
         stepper.ladder.check_longest()
-    begun = _slipping(stepper) if options["slipping"] is None else options["slipping"]
+    begun = options["slipping"]
+    if begun is None:
+        begun = _slipping(stepper) if go_on is None else float(go_on.checkpoint["slipping"])
     record = Record(stepper, options["every"], options["frames"], options["times"], begun)
     print_of = fingerprint(stepper)
     if go_on is None:
@@ -281,24 +288,23 @@ def _estimated(
     settings: dict[str, Any],
     rtol: float | None,
 ) -> Run:
-    """Return a run with estimates of its error from a run with half the nodes."""
+    """Return a run with estimates of its error from runs with half the nodes.
+
+    There is one, and another whose contacts are shorter where the grid displaces their ends.
+    """
     interface = done.interface
-    contact = interface.contact.shortened(interface.length, done.nodes)
-    interface = replace(interface, contact=contact)
-    coarse = _one(
-        interface,
-        end_time,
-        done.nodes // 2,
-        {**options, "times": list(done.t)},
-        settings,
-        None,
-        None,
-    )
+    options = {**options, "times": list(done.t), "shift": done.shift}
+    coarse = _one(interface, end_time, done.nodes // 2, options, settings, None, None)
+    shorter, misplaced = coarse, done.contact_misfit / 2
+    if misplaced:
+        contact = interface.contact.shortened(interface.length, done.nodes, done.shift)
+        cut = replace(interface, contact=contact)
+        shorter = _one(cut, end_time, done.nodes // 2, options, settings, None, None)
     between = not interface.contact.is_whole
     touching = coarse.touching
     if between:
         # a coarse node at the end of a contact may stand for a node of the slot as well
-        touching = touching & done.touching[::2] & done.touching[1::2]
+        touching = shorter.touching & touching & done.touching[::2] & done.touching[1::2]
 
     def thinned(values: Array) -> Array:
         pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
@@ -306,17 +312,22 @@ def _estimated(
 
     spacing = interface.length / done.nodes
     base = thinned(sampled("run: shear", interface.shear, done.x, spacing)[None])
+    beside = _wrong_beside_slots(done)
     errors = {}
     names = ["slip", "slip_rate", "shear_traction"]
     if done.interface.may_open:
         names += ["gap", "pressure"]
     for name in names:
         fine, other = thinned(getattr(done, name)), getattr(coarse, name)[:, touching]
+        moved = getattr(shorter, name)[:, touching] - other
         # Against the base, whichever frames are stored: a sudden load has come at the first.
         scale = fine - base if name == "shear_traction" else fine
+        apart = float((np.abs(fine - other) + misplaced * np.abs(moved)).sum())
         # where the finer grid has nothing and the coarser one something, the error is all of it
-        size = max(float(np.abs(scale).sum()), float(np.abs(fine - other).sum()))
-        errors[name] = ERROR_SAFETY * float(np.abs(fine - other).sum()) / size if size else 0.0
+        size = max(float(np.abs(scale).sum()), apart)
+        # `thinned` has every other node, or the mean of two.
+        apart = ERROR_SAFETY * apart + beside.get(name, 0.0) / 2
+        errors[name] = apart / size if size else 0.0
     largest = LARGEST_ERROR if rtol is None else rtol
     slip, (zone, missed) = float(np.abs(thinned(done.slip)).sum()), _missed(done)
     # `thinned` has every other node, or the mean of two.
@@ -338,6 +349,38 @@ def _estimated(
     return replace(done, error_estimates=errors, status=status)
 
 
+def _beside_slots(done: Run) -> NDArray[np.bool_]:
+    """Return which nodes of the contact have a node of a slot beside them, (n,)."""
+    left, right = np.roll(done.touching, 1), np.roll(done.touching, -1)
+    if done.interface.even:
+        left[0] = right[-1] = True  # mirror images of themselves
+    return np.asarray(done.touching & ~(left & right))
+
+
+def _wrong_beside_slots(done: Run) -> dict[str, float]:
+    """Return errors of traction and pressure beside slots, summed over edges and frames [stress].
+
+    Where they are singular, nodes are off there by the same part on any grid, of which the
+    difference of two grids shows little (`BESIDE_EDGE_ERROR`).
+    """
+    interface, first = done.interface, _beside_slots(done)
+    x, spacing = done.x, interface.length / done.nodes
+    base, pressed = (
+        at_nodes(f"interface: {name}", getattr(interface, name), x, done.touching, spacing)[first]
+        for name in ("shear", "pressure")
+    )
+    shear, pressure = done.shear_traction[:, first], done.pressure[:, first]
+    off = BESIDE_EDGE_ERROR * np.abs(pressure - pressed)
+    # Where it slips, traction follows pressure.
+    ratio = np.divide(np.abs(shear), pressure, out=np.zeros_like(shear), where=pressure > 0)
+    slips = done.slip_rate[:, first] != 0
+    stuck = BESIDE_EDGE_ERROR * np.abs(shear - base)
+    return {
+        "pressure": float(off.sum()),
+        "shear_traction": float(np.where(slips, ratio * off, stuck).sum()),
+    }
+
+
 def _missed(done: Run) -> tuple[float, float]:
     """Return the longest slip beside stuck edges of a contact, and the area of all, over frames.
 
@@ -347,10 +390,7 @@ def _missed(done: Run) -> tuple[float, float]:
     interface, touching = done.interface, done.touching
     if not interface.law.has_threshold or touching.all():
         return 0.0, 0.0
-    left, right = np.roll(touching, 1), np.roll(touching, -1)
-    if interface.even:
-        left[0] = right[-1] = True  # mirror images of themselves
-    first = np.flatnonzero(touching & ~(left & right))
+    first = np.flatnonzero(_beside_slots(done))
     spacing, x = interface.length / done.nodes, done.x
     base = sampled("run: shear", interface.shear, x, spacing)[first]
     law = interface.law.on(x[touching], spacing)

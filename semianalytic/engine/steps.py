@@ -12,7 +12,7 @@ from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.balance import Balance, freed_rate
 from semianalytic.engine.checks import check_even, check_touching
 from semianalytic.engine.ladder import Ladder
-from semianalytic.engine.line import Grid
+from semianalytic.engine.line import grid_of
 from semianalytic.engine.memories import memories
 from semianalytic.engine.pace import LoadPace, in_fours
 from semianalytic.engine.state import State
@@ -48,6 +48,8 @@ class Stepper:
         Shortest step c_t dt / h.
     sweeps, tolerance
         As in `tuning`.
+    shift : float, optional
+        Distance by which the grid is moved [length]; what suits the ends of contacts by default.
     """
 
     def __init__(
@@ -62,11 +64,12 @@ class Stepper:
         state_share: float = STATE_SHARE,
         bound_share: float = BOUND_SHARE,
         longest: float = math.inf,
+        shift: float | None = None,
     ) -> None:
         material, contact = interface.material, interface.contact
         held = 0.0 if interface.held == math.inf else 2 * math.pi / interface.held
         self.interface, self.sweeps = interface, sweeps
-        self.grid = Grid(interface.length, nodes, not contact.is_whole, interface.even, held)
+        self.grid = grid_of(interface, nodes, shift, held)
         x = self.grid.x
         self.touching = contact.touches(x)
         check_touching(interface, self.touching)

@@ -23,6 +23,12 @@ FITS = 1e-3
 by a thousandth of what one node more or less does.  Half and twice the value choose the same nodes
 for ends that are given by three digits."""
 
+CLOSE = 0.02
+"""Distance of ends from their places, over the node distance of half the nodes, that a moved grid
+need not fall below.  Of 400 contacts with random ends 3 % exceed it, on 540 nodes in the median;
+with half of it they take 568 nodes, and with twice it 524.  Slip is off by 0.2 % in the median of
+36 runs with it, of which ends are a small part."""
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -99,40 +105,55 @@ class Contact:
         # the period begins again with its first end
         return float(np.diff([*ends, ends[0] + length]).min())
 
-    def misfit(self, length: float, nodes: int) -> float:
+    def misfit(self, length: float, nodes: int, shift: float = 0.0) -> float:
         """Return how far the grid of a period has an end of a contact from its place.
 
         A grid knows ends midway between two of its nodes.  The result is the largest distance over
-        the node distance, 0 to 1/2.
+        the node distance, 0 to 1/2, on a grid that is moved by `shift` [length].
         """
-        ends = self.ends(length) * nodes / length
+        ends = (self.ends(length) - shift) * nodes / length
         off = np.abs(ends - np.rint(ends))
         return float(np.max(np.where(off > FITS, off, 0.0), initial=0.0))
 
-    def shortened(self, length: float, nodes: int) -> Contact:
-        """Return a contact that half the nodes see shorter, where a grid displaces its ends.
+    def shift(self, length: float, nodes: int) -> float:
+        """Return by how much a grid is to be moved to have ends in their places [length].
 
-        A grid of half the nodes may have an end at the same wrong place as the grid itself; then
-        the difference between the two says nothing about it.  Such ends are moved to the next
-        place inward that only the coarser grid knows, by at least a node distance of the finer one.
+        It is 0 where they fit as it is, and otherwise what suits the ends best on half the nodes,
+        whose cells are those of two nodes each.
         """
-        spacing = length / nodes
+        if self.misfit(length, nodes) == 0:
+            return 0.0
+        cell = 2 * length / nodes
+        parts = np.sort(self.ends(length) / cell % 1.0)
+        # On the circle of a cell, the places of ends lie best about the middle of their arc, which
+        # begins behind the widest gap between them.
+        gaps = np.diff([*parts, parts[0] + 1])
+        widest = int(np.argmax(gaps))
+        middle = parts[(widest + 1) % len(parts)] + (1 - gaps[widest]) / 2
+        return float(middle - round(middle)) * cell
+
+    def shortened(self, length: float, nodes: int, shift: float = 0.0) -> Contact:
+        """Return a contact that half the nodes see shorter by one, where a grid displaces its ends.
+
+        How the answer changes tells what the ends of the grid itself are worth, which lie
+        `misfit` of its node distances off: half that part of one node of the coarser grid.
+        """
+        cell = 2 * length / nodes
 
         def inward(end: float, sign: int) -> float:
             # for an end at the right sign = 1, at the left -1
-            place = sign * end / spacing
-            if not abs(end) < length / 2 or abs(place - round(place)) <= FITS:
+            place = sign * (end - shift) / cell
+            if not abs(end) < length / 2 or abs(2 * place - round(2 * place)) <= FITS:
                 return end
             # the last node inside lies before the end: the grid has it half a distance further on
-            seen = math.ceil(place - 0.5)
-            return sign * 2 * math.floor((seen - 1) / 2) * spacing
+            return sign * (math.ceil(place - 0.5) - 1) * cell + shift
 
         moved = ((inward(begin, -1), inward(end, 1)) for begin, end in self.intervals)
         pairs = zip(self.intervals, moved, strict=True)
         return Contact([new if new[0] < new[1] else old for old, new in pairs])
 
-    def fitting_nodes(self, length: float, least: int, halvings: int) -> int:
-        """Return the fewest nodes, up to twice `least`, on which all ends fit; `least` if none do.
+    def fitting_nodes(self, length: float, least: int, halvings: int, movable: bool = False) -> int:
+        """Return the fewest nodes, up to twice `least`, on which all ends fit.
 
         Parameters
         ----------
@@ -143,13 +164,24 @@ class Contact:
         halvings : int
             How often the number of nodes should be halved with ends that still fit; if none such
             is found, fewer times.
+        movable : bool
+            Whether the grid may be moved (`shift`).  If the ends fit nowhere, a movable one has
+            the nodes, up to one and a half times `least`, on half of which they are close to their
+            places (`CLOSE`) or least misplaced, and any other one has `least`.
         """
         for times in range(halvings, -1, -1):
             unit = max(4, 2**times)
             for nodes in range(-(-least // unit) * unit, 2 * least + 1, unit):
                 if self.misfit(length, nodes >> times) == 0:
                     return nodes
-        return least
+        if not movable:
+            return least
+        near = range(-(-least // 4) * 4, 3 * least // 2 + 1, 4)
+
+        def misplaced(nodes: int) -> float:
+            return max(self.misfit(length, nodes // 2, self.shift(length, nodes)), CLOSE)
+
+        return min(near, key=misplaced)
 
 
 @dataclass(frozen=True, eq=False)

@@ -161,7 +161,7 @@ def test_a_difference_ends_with_1(monkeypatch, capsys):
     monkeypatch.setattr(
         judging,
         "line_of",
-        lambda one, nodes: honest(replace(one, law=sf.Coulomb(0.3)), nodes),
+        lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid),
     )
     assert main([*COMMON, "--compare", "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())

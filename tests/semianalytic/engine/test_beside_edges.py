@@ -114,3 +114,25 @@ def test_what_cannot_be_read_is_refused():
         slipping.beside_edge(0.0)
     with pytest.raises(sf.SceneError, match=r"fewer than 8 nodes lie between x = -3.1 .* more"):
         slipping.beside_edge(-3.1)
+
+
+@pytest.mark.parametrize("pressure", [0.5, -0.3])
+def test_tractions_beside_pressed_slots_are_within_their_errors(pressure):
+    """Pressure is singular where the load presses the slot together; friction follows it."""
+    solid, base = sf.Material(1.0, 1.0, 0.25), sf.Tractions(1.0, 0.0)
+    exact = sf.solve(sf.Scene(solid, 0.4, base, sf.Tractions(pressure, -1.0)))
+    push = sf.InterfaceLoad(-1.0, on="slot", pressure=pressure)
+    half = {"contact": sf.Contact.half_line(), "pressure": 1.0, "loads": [push]}
+    times = [0.3, 0.9]
+    done = sf.run(sf.Interface(solid, sf.Coulomb(0.4), 16.0, **half), 0.9, 512, times=times)
+    on = done.touching & (done.x < 4)
+    known = exact.history(done.x[on], times)
+    for name in ("shear_traction", "pressure"):
+        own, right = getattr(done, name)[:, on], getattr(known, name)
+        # The period has another edge, which is its mirror image.
+        error = 2 * np.abs(own - right).sum() / np.abs(getattr(done, name)[:, done.touching]).sum()
+        assert error < done.error_estimates[name] < 0.1, name
+    slip = (
+        2 * np.abs(done.slip[:, on] - known.slip).sum() / np.abs(done.slip[:, done.touching]).sum()
+    )
+    assert slip < done.error_estimates["slip"] < 0.01
