@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.dissimilar.grid_edge import zone_beside_edge
+from semianalytic.engine.checks import missed_slip, wrong_beside_slots
 from semianalytic.engine.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.steps import Stepper
 from semianalytic.engine.tuning import (
-    BESIDE_EDGE_ERROR,
     EDGE_NODES,
     ERROR_SAFETY,
     LARGEST_ERROR,
@@ -29,7 +28,7 @@ from semianalytic.engine.tuning import (
     ZONE_NODES,
 )
 from semianalytic.engine.window import doubt_of
-from semianalytic.interface.fields import at_nodes, sampled
+from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
@@ -312,7 +311,7 @@ def _estimated(
 
     spacing = interface.length / done.nodes
     base = thinned(sampled("run: shear", interface.shear, done.x, spacing)[None])
-    beside = _wrong_beside_slots(done)
+    beside = wrong_beside_slots(done)
     errors = {}
     names = ["slip", "slip_rate", "shear_traction"]
     if done.interface.may_open:
@@ -329,7 +328,7 @@ def _estimated(
         apart = ERROR_SAFETY * apart + beside.get(name, 0.0) / 2
         errors[name] = apart / size if size else 0.0
     largest = LARGEST_ERROR if rtol is None else rtol
-    slip, (zone, missed) = float(np.abs(thinned(done.slip)).sum()), _missed(done)
+    slip, (zone, missed) = float(np.abs(thinned(done.slip)).sum()), missed_slip(done)
     # `thinned` has every other node, or the mean of two.
     missed = missed / (2 * spacing)
     if missed > 0:
@@ -347,69 +346,6 @@ def _estimated(
         what = "slip" if name == "slip" else "the gap"
         status = f"unresolved: {what} may be off by {errors[name]:.1g} of itself; raise `nodes`."
     return replace(done, error_estimates=errors, status=status)
-
-
-def _beside_slots(done: Run) -> NDArray[np.bool_]:
-    """Return which nodes of the contact have a node of a slot beside them, (n,)."""
-    left, right = np.roll(done.touching, 1), np.roll(done.touching, -1)
-    if done.interface.even:
-        left[0] = right[-1] = True  # mirror images of themselves
-    return np.asarray(done.touching & ~(left & right))
-
-
-def _wrong_beside_slots(done: Run) -> dict[str, float]:
-    """Return errors of traction and pressure beside slots, summed over edges and frames [stress].
-
-    Where they are singular, nodes are off there by the same part on any grid, of which the
-    difference of two grids shows little (`BESIDE_EDGE_ERROR`).
-    """
-    interface, first = done.interface, _beside_slots(done)
-    x, spacing = done.x, interface.length / done.nodes
-    base, pressed = (
-        at_nodes(f"interface: {name}", getattr(interface, name), x, done.touching, spacing)[first]
-        for name in ("shear", "pressure")
-    )
-    shear, pressure = done.shear_traction[:, first], done.pressure[:, first]
-    off = BESIDE_EDGE_ERROR * np.abs(pressure - pressed)
-    # Where it slips, traction follows pressure.
-    ratio = np.divide(np.abs(shear), pressure, out=np.zeros_like(shear), where=pressure > 0)
-    slips = done.slip_rate[:, first] != 0
-    stuck = BESIDE_EDGE_ERROR * np.abs(shear - base)
-    return {
-        "pressure": float(off.sum()),
-        "shear_traction": float(np.where(slips, ratio * off, stuck).sum()),
-    }
-
-
-def _missed(done: Run) -> tuple[float, float]:
-    """Return the longest slip beside stuck edges of a contact, and the area of all, over frames.
-
-    The first node beside an edge may stick on any grid that is too coarse, and slip that is zero on
-    two grids does not differ.
-    """
-    interface, touching = done.interface, done.touching
-    if not interface.law.has_threshold or touching.all():
-        return 0.0, 0.0
-    first = np.flatnonzero(_beside_slots(done))
-    spacing, x = interface.length / done.nodes, done.x
-    base = sampled("run: shear", interface.shear, x, spacing)[first]
-    law = interface.law.on(x[touching], spacing)
-    bodies = (interface.material, interface.lower_material or interface.material)
-    plane = [1.0 if interface.mode == "antiplane" else 1 - body.poisson_ratio for body in bodies]
-    moduli = [body.shear_modulus for body in bodies]
-    compliance = sum(share / modulus for share, modulus in zip(plane, moduli, strict=True)) / 2
-    place = np.searchsorted(np.flatnonzero(touching), first)
-    still = np.zeros(int(touching.sum()))
-    zones = areas = 0.0
-    for frame in range(len(done.t)):
-        felt, state = done.felt_pressure[frame, touching], done.state[frame, touching]
-        strength = law.strength(felt, still, state)[place]
-        change = done.shear_traction[frame, first] - base
-        room = strength - np.sign(change) * base
-        sticks = (done.slip[frame, first] == 0) & (room > 0) & (done.gap[frame, first] <= 0)
-        zone, area = zone_beside_edge(np.abs(change[sticks]), room[sticks], spacing, compliance)
-        zones, areas = max(zones, float(zone.max(initial=0.0))), areas + float(area.sum())
-    return zones, areas
 
 
 def _deciding(done: Run, errors: Mapping[str, float]) -> str:

@@ -18,7 +18,7 @@ from semianalytic import (
     run,
     solve,
 )
-from semianalytic.engine.run import _missed
+from semianalytic.engine.checks import missed_slip
 from semianalytic.results import files
 from semianalytic.scene.errors import DataFileError
 
@@ -38,7 +38,7 @@ def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
     done = run(pushed(friction), 1.0, nodes=512, times=[1.0])
     assert not done.slip[:, done.touching].any()
     assert done.error_estimates["slip"] == done.error_estimates["slip_rate"] == 1.0
-    length, area = _missed(done)
+    length, area = missed_slip(done)
     assert length == pytest.approx(zone.outer, rel=0.1)
     assert f"slips beside an edge over about {length:.2g}" in done.status
     needed = int(done.status.split("use ")[1].split()[0])
@@ -50,8 +50,8 @@ def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
 
 
 def test_edges_that_slip_and_laws_that_never_stick_miss_nothing():
-    assert _missed(run(pushed(3.0), 1.0, nodes=512, times=[1.0])) == (0.0, 0.0)
-    assert _missed(run(Interface(SOLID, Coulomb(0.5), 8.0), 0.5, nodes=64)) == (0.0, 0.0)
+    assert missed_slip(run(pushed(3.0), 1.0, nodes=512, times=[1.0])) == (0.0, 0.0)
+    assert missed_slip(run(Interface(SOLID, Coulomb(0.5), 8.0), 0.5, nodes=64)) == (0.0, 0.0)
 
 
 def patch(even):
