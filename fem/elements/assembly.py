@@ -31,7 +31,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Family:
     """A finite element with a diagonal mass matrix.
 

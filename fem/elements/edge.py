@@ -24,6 +24,7 @@ sides, at a slipping or open contact, the edge is where their shares of node 0 m
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +66,7 @@ def edge_offset(materials: Iterable[Material], family: Family, held: int = 1) ->
     return min(round(float(np.average(offsets, weights=compliance)), 6), FARTHEST)
 
 
+@lru_cache(maxsize=32)
 def _offset(material: Material, family: Family, held: int) -> float:
     ahead = _static_modulus(material, held) * 2 * np.sin(ANGLES / 2)
     components = next(one for one in (IN_PLANE, OUT_OF_PLANE) if held in one)
