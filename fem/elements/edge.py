@@ -30,7 +30,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Family, make_space
+from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, make_space
+from fem.elements.families import Family
 from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32

@@ -6,8 +6,9 @@ import pytest
 from catalogue import REMOTE, UNIT, solved, unit_scene
 
 from fem import Settings, cost, load_simulation, simulate, with_companions
-from fem.elements.assembly import FAMILIES, OUT_OF_PLANE, antiplane_stiffness, make_space
+from fem.elements.assembly import OUT_OF_PLANE, antiplane_stiffness, make_space
 from fem.elements.edge import edge_offset, surface_stiffness
+from fem.elements.families import FAMILIES
 from fem.plan import ANTIPLANE, ANTIPLANE_LOCKSTEP, TWO_MATERIALS, Plan
 from meshes import Blocks, cached_mesh
 from semianalytic import (

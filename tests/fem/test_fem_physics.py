@@ -11,7 +11,8 @@ from catalogue import SHOCK as REMOTE
 import fem.interface
 import fem.model
 from fem import simulate
-from fem.elements.assembly import FAMILIES, make_space, tributary_length
+from fem.elements.assembly import make_space, tributary_length
+from fem.elements.families import FAMILIES
 from fem.interface import coulomb_traction
 from fem.model import build_model
 from fem.plan import LOCKSTEP, Plan
