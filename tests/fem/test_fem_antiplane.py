@@ -107,7 +107,7 @@ def test_slip_converges_to_the_closed_form():
     ids=["shock", "viscous", "slip from the longitudinal front"],
 )
 def test_exact_solutions_are_met(scene, name):
-    sim, exact = run(scene, 64), solved(scene)
+    sim, exact = run(scene, 100), solved(scene)
     assert sim.model == name
     x = sim.interface.x[sim.interface.x > 0.02]
     found = sim.interface.slip[-1, -len(x) :]

@@ -48,7 +48,7 @@ def test_traction_stops_the_pair_or_reaches_the_strength():
     np.testing.assert_allclose(left, [0, 0, 2.0, -1.6], atol=1e-15)
 
 
-@pytest.mark.thinned(13)
+@pytest.mark.thinned(7)
 @any_run
 def test_law_holds_at_every_node_and_step(name):
     """The traction at t_n governs the increment from t_n to t_n+1; states say what nodes do."""
@@ -162,7 +162,7 @@ HALVES = (
 )
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", HALVES)
 def test_half_block_equals_two_blocks(name):
     """Out of plane the last opens: where it does, nothing holds slip along z."""
