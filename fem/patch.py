@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.elements.assembly import STIFFNESS, Family, lumped_mass, make_space
+from fem.elements.assembly import STIFFNESS, lumped_mass, make_space
+from fem.elements.families import Family
 from fem.stepping import highest_frequency, normalised
 from semianalytic.scene.material import Material
 

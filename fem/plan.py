@@ -15,13 +15,12 @@ import numpy as np
 from fem.elements.assembly import (
     IN_PLANE,
     OUT_OF_PLANE,
-    Family,
     X,
     Y,
     Z,
-    find_family,
 )
 from fem.elements.edge import edge_offset
+from fem.elements.families import Family, find_family
 from fem.patch import PATCH, highest_of_patch
 from fem.resolution import check_resolved, mesh_caution
 from fem.settings import Settings

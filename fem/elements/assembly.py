@@ -1,7 +1,4 @@
-"""Stiffness in plane strain and antiplane shear, and lumped mass, for several element families.
-
-scikit-fem integrates the elements.
-"""
+"""Stiffness in plane strain and antiplane shear, and lumped mass, for several element families."""
 
 from __future__ import annotations
 
@@ -13,79 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from skfem import (
-    Basis,
-    BilinearForm,
-    ElementQuad1,
-    ElementQuad2,
-    ElementTriP1,
-    LinearForm,
-    MeshQuad,
-    MeshTri,
-)
-from skfem.element import Element
+from skfem import Basis, MeshQuad, MeshTri
 from skfem.mesh import Mesh
 
+from fem.elements.families import Family, Integrals, apart, integrals_of
 from meshes import side_nodes
-from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
-
-
-@dataclass(frozen=True)
-class Family:
-    """A finite element with a diagonal mass matrix.
-
-    Attributes
-    ----------
-    name : str
-    kind : Element
-        Shape functions, one node each.
-    nodal : (points, weights)
-        Quadrature with its points at the nodes; it is what makes the mass matrix diagonal.
-    order : int
-        Degree that the quadrature of the stiffness integrates exactly.
-    spacing : int
-        Node distances per element side.
-    side : (spacing + 1,) array
-        Fraction of an element side that belongs to each of its nodes.
-    triangular : bool
-    centre : (2, 1) array
-        Middle of the reference element.
-    """
-
-    name: str
-    kind: Element
-    nodal: tuple[NDArray[np.float64], NDArray[np.float64]]
-    order: int
-    spacing: int
-    side: NDArray[np.float64]
-    triangular: bool
-    centre: NDArray[np.float64]
-
-
-def _tensor(
-    points: NDArray[np.float64], weights: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the product rule on the unit square."""
-    x, y = np.meshgrid(points, points)
-    return np.array([x.ravel(), y.ravel()]), np.outer(weights, weights).ravel()
-
-
-_CORNERS = (np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), np.full(3, 1 / 6))
-_ENDS = (np.array([0.0, 1.0]), np.array([0.5, 0.5]))
-_SIMPSON = (np.array([0.0, 0.5, 1.0]), np.array([1.0, 4.0, 1.0]) / 6)
-_MIDDLE = np.full((2, 1), 0.5)
-
-FAMILIES: Mapping[str, Family] = {
-    family.name: family
-    for family in (
-        Family("P1", ElementTriP1(), _CORNERS, 0, 1, _ENDS[1], True, _MIDDLE * 2 / 3),
-        Family("Q1", ElementQuad1(), _tensor(*_ENDS), 2, 1, _ENDS[1], False, _MIDDLE),
-        Family("Q2", ElementQuad2(), _tensor(*_SIMPSON), 4, 2, _SIMPSON[1], False, _MIDDLE),
-    )
-}
-"""Linear triangles, bilinear and biquadratic quadrilaterals, the last with Gauss-Lobatto mass."""
-
 
 ROUNDED = 1e-13
 """Entries of a stiffness matrix below this fraction of the stiffest modulus count as zero."""
@@ -126,8 +56,7 @@ def element_shapes(mesh: Mesh) -> Shapes:
     if 2 * len(first) > mesh.nelements or not np.array_equal(steps, steps[:, first[kind]]):
         first = kind = np.arange(mesh.nelements)
     samples = np.ascontiguousarray(corners[:, :, first].transpose(0, 2, 1)).reshape(2, -1)
-    numbers = np.arange(samples.shape[1]).reshape(len(first), -1)
-    return Shapes(kind, type(mesh)(samples, np.ascontiguousarray(numbers.T)))
+    return Shapes(kind, apart(type(mesh), samples, len(first)))
 
 
 @dataclass(frozen=True)
@@ -165,6 +94,11 @@ class Space:
         """Groups of elements that differ in their position only."""
         return element_shapes(self.mesh)
 
+    @cached_property
+    def integrals(self) -> Integrals:
+        """Integrals over one element of each shape."""
+        return integrals_of(self.family, self.shapes.samples)
+
     def side_nodes(self, side: str) -> NDArray[np.int64]:
         """Return the nodes of a named side, in order of increasing x and then |y|."""
         own = np.zeros(self.points.shape[1], dtype=bool)
@@ -172,48 +106,11 @@ class Space:
         return side_nodes(self.points, np.flatnonzero(own), side)
 
 
-def find_family(element: str, pattern: str) -> Family:
-    """Return the element family of a name, for meshes of a pattern.
-
-    Raises
-    ------
-    SceneError
-        If there is no such family, or it needs quadrilaterals and the pattern has triangles.
-    """
-    if element not in FAMILIES:
-        known = ", ".join(FAMILIES)
-        raise SceneError(f"simulate: element must be one of {known}, got {element!r}.")
-    family = FAMILIES[element]
-    if pattern == "triangles" and not family.triangular:
-        raise SceneError(f"simulate: {element} needs quadrilaterals; choose P1 or another mesh.")
-    return family
-
-
 def make_space(mesh: MeshQuad | MeshTri, family: Family) -> Space:
     """Place the nodes of a family on a mesh; quadrilaterals are cut in two for triangles."""
     if isinstance(mesh, MeshQuad) and family.triangular:
         mesh = mesh.to_meshtri()
     return Space(mesh, family)
-
-
-@BilinearForm
-def _xx(u, v, _):  # type: ignore[no-untyped-def]
-    return u.grad[0] * v.grad[0]
-
-
-@BilinearForm
-def _yy(u, v, _):  # type: ignore[no-untyped-def]
-    return u.grad[1] * v.grad[1]
-
-
-@BilinearForm
-def _xy(u, v, _):  # type: ignore[no-untyped-def]
-    return u.grad[1] * v.grad[0]
-
-
-@LinearForm
-def _one(v, _):  # type: ignore[no-untyped-def]
-    return v
 
 
 def stiffness(
@@ -263,8 +160,7 @@ def antiplane_stiffness(
     -------
     (n, n) CSR array
     """
-    sample = Basis(space.shapes.samples, space.family.kind, intorder=space.family.order)
-    unit = sum(form.elemental(sample).tolocal() for form in (_xx, _yy))
+    unit = space.integrals.xx + space.integrals.yy
     local = np.concatenate([material.shear_modulus * unit for material in materials.values()])
     total = _assembler(space, materials, place)(local)
     least = ROUNDED * min(material.shear_modulus for material in materials.values())
@@ -308,8 +204,7 @@ def lumped_mass(space: Space, materials: Mapping[str, Material]) -> NDArray[np.f
 
     Quadrature at the nodes makes the mass matrix diagonal.
     """
-    sample = Basis(space.shapes.samples, space.family.kind, quadrature=space.family.nodal)
-    area = _one.elemental(sample).tolocal()
+    area = space.integrals.area
     local = np.concatenate([material.density * area for material in materials.values()])
     mass = local[_kinds(space, materials)].T
     total = np.bincount(space.element_nodes.ravel(), mass.ravel(), space.points.shape[1])
@@ -360,8 +255,7 @@ def _element_stiffness(space: Space, material: Material) -> NDArray[np.float64]:
     so three scalar matrices are all that has to be integrated.
     """
     mu, bulk = _moduli(material)
-    sample = Basis(space.shapes.samples, space.family.kind, intorder=space.family.order)
-    dxx, dyy, dxy = (form.elemental(sample).tolocal().swapaxes(1, 2) for form in (_xx, _yy, _xy))
+    dxx, dyy, dxy = (one.swapaxes(1, 2) for one in space.integrals[:3])
     dyx, lame = dxy.swapaxes(1, 2), bulk - 2 * mu
     rows = [[bulk * dxx + mu * dyy, lame * dxy + mu * dyx]]
     rows += [[lame * dyx + mu * dxy, bulk * dyy + mu * dxx]]

@@ -24,12 +24,14 @@ sides, at a slipping or open contact, the edge is where their shares of node 0 m
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Family, make_space
+from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, make_space
+from fem.elements.families import Family
 from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32
@@ -65,6 +67,7 @@ def edge_offset(materials: Iterable[Material], family: Family, held: int = 1) ->
     return min(round(float(np.average(offsets, weights=compliance)), 6), FARTHEST)
 
 
+@lru_cache(maxsize=32)
 def _offset(material: Material, family: Family, held: int) -> float:
     ahead = _static_modulus(material, held) * 2 * np.sin(ANGLES / 2)
     components = next(one for one in (IN_PLANE, OUT_OF_PLANE) if held in one)

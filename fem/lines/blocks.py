@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from skfem import MeshQuad
 
 from fem.elements.assembly import (
-    FAMILIES,
     IN_PLANE,
     OUT_OF_PLANE,
     STIFFNESS,
@@ -22,6 +21,7 @@ from fem.elements.assembly import (
     lumped_mass,
     make_space,
 )
+from fem.elements.families import FAMILIES
 from fem.lines.line import Line
 from fem.patch import PATCH, highest_of_patch
 from fem.stepping import Body, critical_step, normalised

@@ -107,24 +107,53 @@ class Roots:
 class Entries:
     """The compliance matrix [[B, k D], [-k D, A]] times R_1 R_2 at slownesses k.
 
+    Each entry is formed when it is first asked for: growing waves need two of them only.
+
     Attributes
     ----------
     slowness : complex array
         k.
-    normal, tangential, coupling : complex arrays
-        A R_1 R_2, B R_1 R_2 and k D R_1 R_2.
-    determinant : complex array
-        (A B + k^2 D^2) R_1 R_2, which has no Rayleigh pole either.
-    rayleighs : (2, ...) complex array
-        R_1 and R_2.
+    bodies : tuple of Roots
+        Roots of the upper and of the lower body.
     """
 
     slowness: Complex
-    normal: Complex
-    tangential: Complex
-    coupling: Complex
-    determinant: Complex
-    rayleighs: Complex
+    bodies: tuple[Roots, Roots]
+
+    @cached_property
+    def normal(self) -> Complex:
+        """A R_1 R_2."""
+        one, two = self.bodies
+        return np.asarray(one.normal * two.rayleigh + two.normal * one.rayleigh)
+
+    @cached_property
+    def tangential(self) -> Complex:
+        """B R_1 R_2."""
+        one, two = self.bodies
+        return np.asarray(one.tangential * two.rayleigh + two.tangential * one.rayleigh)
+
+    @cached_property
+    def coupling(self) -> Complex:
+        """k D R_1 R_2."""
+        one, two = self.bodies
+        difference = one.coupling * two.rayleigh - two.coupling * one.rayleigh
+        return np.asarray(self.slowness * difference)
+
+    @cached_property
+    def determinant(self) -> Complex:
+        """(A B + k^2 D^2) R_1 R_2, which has no Rayleigh pole either."""
+        one, two = self.bodies
+        # Products of one body's own entries are its determinant, in which its Rayleigh pole
+        # cancels; D = D_1 - D_2 leaves -2 k^2 D_1 D_2 of the others.
+        mixed = one.normal * two.tangential + two.normal * one.tangential
+        own = one.determinant * two.rayleigh + two.determinant * one.rayleigh
+        return np.asarray(own + mixed - 2 * one.square * one.coupling * two.coupling)
+
+    @property
+    def rayleighs(self) -> tuple[Complex, Complex]:
+        """R_1 and R_2."""
+        one, two = self.bodies
+        return one.rayleigh, two.rayleigh
 
     @property
     def rayleigh(self) -> Complex:
@@ -222,7 +251,7 @@ class Compliance:
     def at(self, k: ArrayLike) -> Entries:
         """Return the matrix at complex slownesses k off the cuts |Re k| > `first`."""
         k = np.asarray(k, dtype=complex)
-        return self._entries(k, [s + k for s in self.fronts.tolist()])
+        return Entries(k, self._roots(k, [s + k for s in self.fronts.tolist()]))
 
     def on_cut(self, v: ArrayLike, from_fronts: Array | Complex | None = None) -> Entries:
         """Return the matrix at k = -v + i0, v > 0, or at k = -v with Im v < 0.
@@ -237,17 +266,18 @@ class Compliance:
         if from_fronts is None:
             from_fronts = v - self.fronts.reshape(4, *[1] * v.ndim)
         # A real -(v - s) becomes complex with imaginary part +0: the upper side of the cut.
-        return self._entries(-v.astype(complex), list((-from_fronts).astype(complex)))
+        k = -v.astype(complex)
+        return Entries(k, self._roots(k, list((-from_fronts).astype(complex))))
 
-    def beside(self, place: float, offset: Complex) -> tuple[Entries, tuple[Roots, Roots]]:
-        """Return the matrix at k = place + offset, Re k < 0 <= Im k, and the roots of both bodies.
+    def beside(self, place: float, offset: Complex) -> Entries:
+        """Return the matrix at k = place + offset, Re k < 0 <= Im k.
 
         The distances from a front at -k = `place` are exact.
         """
         k = place + offset
         # s + place is exactly 0 for the front itself, and the offset keeps all its digits.
         plus = [(s + place) + offset for s in self.fronts.tolist()]
-        return self._entries(k, plus), self._roots(k, plus)
+        return Entries(k, self._roots(k, plus))
 
     def _roots(self, k: Complex, plus: list[Complex]) -> tuple[Roots, Roots]:
         """Return the roots of both bodies, given the four sums of front and k."""
@@ -259,22 +289,6 @@ class Compliance:
         )
         return Roots(self.upper, alpha, beta, square), Roots(
             self.lower, alpha_two, beta_two, square
-        )
-
-    def _entries(self, k: Complex, plus: list[Complex]) -> Entries:
-        """Return the sums over both bodies, times R_1 R_2, given the four sums of front and k."""
-        square, (one, two) = k * k, self._roots(k, plus)
-        # Products of one body's own entries are its determinant, in which its Rayleigh pole
-        # cancels; D = D_1 - D_2 leaves -2 k^2 D_1 D_2 of the others.
-        mixed = one.normal * two.tangential + two.normal * one.tangential
-        determinant = one.determinant * two.rayleigh + two.determinant * one.rayleigh + mixed
-        return Entries(
-            k,
-            one.normal * two.rayleigh + two.normal * one.rayleigh,
-            one.tangential * two.rayleigh + two.tangential * one.rayleigh,
-            k * (one.coupling * two.rayleigh - two.coupling * one.rayleigh),
-            determinant - 2 * square * one.coupling * two.coupling,
-            np.array([one.rayleigh, two.rayleigh]),
         )
 
 

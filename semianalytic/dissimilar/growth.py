@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -73,10 +74,13 @@ class GrowingWave:
         return 2 * np.pi * self.growth / abs(self.velocity)
 
 
+@lru_cache(maxsize=64)
 def growing_waves(
     compliance: Compliance, friction: float, delay: float = 0.0
 ) -> tuple[GrowingWave, ...]:
     """Return all waves that grow while the interface slides, the fastest growing first.
+
+    Results are cached, as each run of the same bodies asks for them anew.
 
     Parameters
     ----------
@@ -161,10 +165,8 @@ def _newton(compliance: Compliance, friction: float, delay: float) -> Iterator[c
     }
     for _ in range(_MOST_STEPS):
         for stretch, (x, rested) in moving.items():
-            value, before, after = (
-                _on(compliance, stretch, x + shift, friction, delay)
-                for shift in (0.0, -_DIFFERENCE, _DIFFERENCE)
-            )
+            beside = np.concatenate([x, x - _DIFFERENCE, x + _DIFFERENCE])
+            value, before, after = np.split(_on(compliance, stretch, beside, friction, delay), 3)
             # By differences: the symbol has no closed derivative that would not cancel beside a
             # front.
             slope = (after - before) / (2 * _DIFFERENCE)

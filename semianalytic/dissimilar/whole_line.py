@@ -25,7 +25,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.dissimilar.compliance import Compliance
+from semianalytic.dissimilar.compliance import Complex, Compliance
 from semianalytic.dissimilar.phase import SlipPhase, slip_phase
 from semianalytic.dissimilar.stretch import Stretch, stretches
 from semianalytic.halfplane.polynomials import gauss
@@ -287,8 +287,7 @@ def _two_edges(
         w, weight, _ = right.nodes(edge)
         v, other, _ = left.nodes(other_edge(edge)[0])
         # -ln X at k = i eta, where X(i eta) and X(-i eta) are conjugates: hence the real part.
-        sums = (weight / (w + 1j * eta[:, None])).sum(axis=1)
-        sums = sums + (other / (v - 1j * eta[:, None])).sum(axis=1)
+        sums = _over_distance(weight, w, eta) + _over_distance(other, v, eta).conj()
         below_one = -np.expm1(-sums / np.pi).real  # 1 - Re X falls like 1 / eta^2
         if end is None:
             return float(_ETA_STEP / np.pi * (eta @ below_one)) - drop
@@ -305,6 +304,13 @@ def _two_edges(
     if not (found and balanced):
         raise SceneError(_TOO_FAST)
     return 1 / edge, 1 / other
+
+
+def _over_distance(weight: Array, w: Array, eta: Array) -> Complex:
+    """Return the sums of weight / (w + i eta) over w > 0, at eta (m,)."""
+    # By real numbers: edges of a point force then take half of the time.
+    shares = 1 / (w * w + np.square(eta)[:, None])
+    return np.asarray(shares @ (weight * w) - 1j * eta * (shares @ weight))
 
 
 def _well_posed(compliance: Compliance, friction: float) -> SlipPhase:

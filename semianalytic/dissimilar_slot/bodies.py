@@ -180,11 +180,11 @@ class Face:
     def _from_rates(self, place: float, offset: Complex) -> Complex:
         """Return V_x, V_y in units of the body, T_tau and T_sigma left of k = 0, (4, m)."""
         compliance, k = self.density.interface.compliance, place + offset
-        entries, roots = compliance.beside(place, offset)
+        entries = compliance.beside(place, offset)
         z = self.density.above(place, offset)
         rho = (self.density.glued.rates(-k) @ z[..., None])[..., 0]
         tau, sigma = (entries.inverse @ rho[..., None])[..., 0].T
-        one, other = roots[::-1] if self.below else roots
+        one, other = entries.bodies[::-1] if self.below else entries.bodies
         sign, (slip, part) = -1.0 if self.below else 1.0, rho.T
         own, far = sign * k * one.coupling, sign * k * other.coupling
         first = other.normal * slip + far * part

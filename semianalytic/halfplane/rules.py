@@ -29,6 +29,11 @@ middle: polynomials of degree 19 are off by 5e-16 there; 14 points are off by 1e
 _STEP_TERMS, _MANY_POINTS = 18, 6
 """Terms of the Chebyshev series of the integral of sinc between two nodes, off by 1e-15 at most (16
 by 2e-14), and the number of points from which they are quicker than Si(pi x) at each."""
+_POINTS_TO_CONVOLVE = 120
+"""Number of points, for each density, from which the coefficients of these series are convolved
+with the densities, once for all points.  At 250, 600 and 1500 nodes, 400 points then take 0.46,
+0.98 and 1.2 ms instead of 0.87, 1.6 and 2.9; 60 points would take 1.2 to 1.7 times as long as
+without it, and 240 points take 0.6 to 0.75 of it."""
 _TABLES = 12
 """Tables (n, n) of rules that are kept: they are quickly made again, and one takes 18 MB at 1,500
 nodes."""
@@ -182,10 +187,17 @@ def _stepped(x: Array, first: int, values: Array) -> Array:
         result[~near] = _sinc_step(x[~near, None] - (first + np.arange(count))) @ values
     most = 2 ** int(np.ceil(np.log2(count)))
     orders = np.arange(_STEP_TERMS) * np.arccos(2 * (x[near] - whole)[:, None] - 1)
-    # The integral of sinc from -inf to x - k, for `count` more k on either side.
-    steps = np.cos(orders) @ _step_table(most)[:, most - count : most + count + 1]
-    chosen = np.lib.stride_tricks.sliding_window_view(steps, count, axis=1)
-    result[near] = chosen[np.arange(len(whole)), (count + first - whole).astype(int)] @ values
+    if len(whole) < _POINTS_TO_CONVOLVE * values[0].size:
+        # The integral of sinc from -inf to x - k, for `count` more k on either side.
+        steps = np.cos(orders) @ _step_table(most)[:, most - count : most + count + 1]
+        chosen = np.lib.stride_tricks.sliding_window_view(steps, count, axis=1)
+        result[near] = chosen[np.arange(len(whole)), (count + first - whole).astype(int)] @ values
+        return result
+    # Coefficients of the whole sum between each two nodes.
+    sent = np.fft.rfft(values.T, 2 * most)
+    series = np.fft.irfft(_step_spectra(most) * sent[..., None, :])[..., :count]
+    here = series[..., (whole - first).astype(int)]
+    result[near] = np.einsum("mt,...tm->m...", np.cos(orders), here)
     return result
 
 
@@ -200,6 +212,15 @@ def _step_table(most: int) -> Array:
     values = _sinc_step((1 + np.cos(turn))[:, None] / 2 + np.arange(most, -most - 1, -1.0))
     onto = np.cos(orders[:, None] * turn) * np.where(orders, 2, 1)[:, None] / _STEP_TERMS
     return np.asarray(onto @ values)
+
+
+@lru_cache(maxsize=4)
+def _step_spectra(most: int) -> Array:
+    """Return the discrete Fourier transforms (terms, most + 1) of the rows of `_step_table`.
+
+    They are those of periods of 2 most integers j = 0 ... most - 1, -most ... -1.
+    """
+    return np.asarray(np.fft.rfft(np.roll(_step_table(most)[:, :0:-1], -most, axis=1)))
 
 
 def _sinc_step_at_nodes(most: int) -> Array:

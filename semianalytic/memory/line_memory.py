@@ -109,10 +109,10 @@ class StepTable:
         self.decay, self.end, self.gain = np.empty((3, *shape), dtype=complex)
         for row, (pole, weight) in enumerate(zip(kernels.poles, kernels.weights, strict=True)):
             z = pole * phase
-            first, second = phi(z)
+            self.decay[row], first, second = phi(z)
             share = weight * phase
             # int_0^1 exp(z (1 - s)) V(s) ds for V from V0 to V1: (first - second) V0 + second V1
-            self.decay[row], self.end[row] = np.exp(z), share * second
+            self.end[row] = share * second
             # V0 was the end value of the step before, left out there and so added here, decayed
             self.gain[row] = share * (first - second) + self.decay[row] * self.end[row]
         # the lasting slip by the trapezoidal rule, exact for linear V
@@ -357,14 +357,16 @@ class CoupledMemory(LineMemory):
         self._set(fit, kernels, wavenumbers, rows, tables)
 
 
-def phi(z: Complex) -> tuple[Complex, Complex]:
-    """Return (e^z - 1)/z and (e^z - 1 - z)/z^2, to rounding for all Re z <= 0."""
-    small = np.abs(z) < 0.1
-    large = np.where(small, 1.0, z)
-    first = (np.exp(large) - 1) / large
+def phi(z: Complex) -> tuple[Complex, Complex, Complex]:
+    """Return e^z, (e^z - 1)/z and (e^z - 1 - z)/z^2, to rounding for all Re z <= 0."""
+    grown, small = np.exp(z), np.abs(z) < 0.1
+    large: Complex = np.where(small, 1.0, z)
+    first = (grown - 1) / large
     second = (first - 1) / large
     # For |z| < 0.1 the quotients above cancel digits; this series is exact to rounding.
-    series = np.zeros_like(z)
+    least = z[small]
+    series = np.zeros_like(least)
     for power in range(11, 1, -1):
-        series = (1 + z * series) / power
-    return np.where(small, 1 + z * series, first), np.where(small, series, second)
+        series = (1 + least * series) / power
+    first[small], second[small] = 1 + least * series, series
+    return grown, first, second

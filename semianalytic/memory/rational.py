@@ -71,31 +71,38 @@ def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
     chosen: list[int] = []
     left = np.ones(len(s), dtype=bool)
     approximation = np.zeros(values.shape, dtype=complex)
+    # Columns for each support point, at all points, are formed once.
+    direct, mirrored = np.empty((2, len(s), MOST_PAIRS), dtype=complex)
+    # Parts of weights (2), support points, parts of equations (2), functions, points.
+    loewner = np.empty((2, MOST_PAIRS, 2, *values.shape))
     while True:
         errors = np.abs(values - approximation).max(axis=0)
         chosen.append(int(np.argmax(np.where(left, errors, -1.0))))
         left[chosen[-1]] = False
         support, at_support = s[chosen], values[:, chosen]
-        direct = 1 / (s[left, None] - support)
-        mirrored = 1 / (s[left, None] - support.conj())
-        differences = values[:, left, None] - at_support[:, None]
-        upper = np.concatenate(list(differences * direct))
-        differences = values[:, left, None] - at_support[:, None].conj()
-        lower = np.concatenate(list(differences * mirrored))
+        last, count = len(chosen) - 1, len(chosen)
+        # The support point itself has no row; 1 stands for its distance of 0.
+        direct[:, last] = 1 / np.where(s == support[-1], 1.0, s - support[-1])
+        mirrored[:, last] = 1 / (s - support[-1].conj())
+        upper = (values - at_support[:, -1:]) * direct[:, last]
+        lower = (values - at_support[:, -1:].conj()) * mirrored[:, last]
         # Weights w and conj(w) of a pair as two real unknowns: w U + conj(w) L =
         # Re w (U + L) + i Im w (U - L).
-        loewner = np.hstack([upper + lower, 1j * (upper - lower)])
+        for part, column in enumerate((upper + lower, 1j * (upper - lower))):
+            loewner[part, last] = column.real, column.imag
+        matrix = loewner[:, :count].compress(left, axis=-1).reshape(2 * count, -1).T
         # the weights are the last right singular vector; the triangle of a QR has the same one
-        triangle = np.linalg.qr(np.vstack([loewner.real, loewner.imag]), "r")
-        last = np.linalg.svd(triangle)[2][-1]
-        weights = last[: len(chosen)] + 1j * last[len(chosen) :]
+        triangle = np.linalg.qr(matrix, "r")
+        vector = np.linalg.svd(triangle)[2][-1]
+        weights = vector[:count] + 1j * vector[count:]
         weighted = (weights * at_support).T
-        numerator = direct @ weighted + mirrored @ weighted.conj()
-        denominator = direct @ weights + mirrored @ weights.conj()
+        seen, across = direct[left, :count], mirrored[left, :count]
+        numerator = seen @ weighted + across @ weighted.conj()
+        denominator = seen @ weights + across @ weights.conj()
         approximation[:, left] = numerator.T / denominator
         approximation[:, chosen] = at_support
         error = np.abs(values - approximation).max() / np.abs(values).max()
-        if error < tolerance or len(chosen) == MOST_PAIRS:
+        if error < tolerance or count == MOST_PAIRS:
             break
     # The zeros of the denominator are the finite eigenvalues of an arrowhead pencil (Nakatsukasa,
     # Sete & Trefethen 2018, section 3.2); two are infinite.

@@ -9,8 +9,9 @@ from skfem import Basis, ElementVector, FacetBasis, LinearForm, asm
 from skfem.models.elasticity import linear_elasticity
 
 from fem import Settings, prepare, simulate
-from fem.elements.assembly import FAMILIES, lumped_mass, make_space, stiffness, tributary_length
+from fem.elements.assembly import lumped_mass, make_space, stiffness, tributary_length
 from fem.elements.edge import FARTHEST, edge_offset, surface_stiffness
+from fem.elements.families import FAMILIES
 from fem.plan import Plan
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, cached_mesh, causal_blocks

@@ -93,7 +93,7 @@ def test_pulses_arrive_at_an_angle():
     assert np.abs(run.interface.shear_traction[-1] - expected)[4:].max() < 0.02
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "scene",
     [

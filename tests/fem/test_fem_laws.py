@@ -7,7 +7,7 @@ import pytest
 from catalogue import PRELOADED, SHOCK, unit_scene
 
 from fem import BACKWARD, FORWARD, OPEN, STICK, simulate
-from fem.elements.assembly import FAMILIES
+from fem.elements.families import FAMILIES
 from fem.interface import contact_pressure, coulomb_traction, strength
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, RateWeakening
@@ -162,7 +162,7 @@ HALVES = (
 )
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", HALVES)
 def test_half_block_equals_two_blocks(name):
     """Out of plane the last opens: where it does, nothing holds slip along z."""

@@ -64,8 +64,8 @@ def stuck_errors(history: LoadHistory, resolution: int) -> tuple[float, float, f
         Relative errors; for the last, the exact traction has its edge at the effective edge.
     """
     from fem import simulate
-    from fem.elements.assembly import FAMILIES
     from fem.elements.edge import edge_offset
+    from fem.elements.families import FAMILIES
 
     base, load = Tractions(20.0, 0.0), Tractions(0.5, 0.8)
     scene = Scene(UNIT, 50.0, base, load, pressure_history=history, shear_history=history)

@@ -17,13 +17,13 @@ from tests.semianalytic.field.body_fields import (
 
 SOLID = Material(1.0, 1.0, 0.25)
 KINDS = list(SCENES)
-FEW = ("slip from the slot", "slip and opening", "film")
+FEW = ("slip and opening", "film")
 INTERFACE_FIELDS = ("slip_rate", "gap_rate", "slip", "gap", "shear_traction", "pressure")
 CASES = [
+    ("slip from the slot", "lower_shear_modulus"),
     ("film", "viscosity"),
     ("slip from the slot", "friction"),
     ("slip and opening", "load_shear"),
-    ("slip from the slot", "lower_shear_modulus"),
     ("film", "base_shear"),
     ("slip and opening", "lower_density"),
 ]
@@ -101,7 +101,7 @@ def test_exchanged_bodies_have_mirrored_fields(name):
     answer = answer_of(name)
     pair, far = answer.pair, max(speeds(answer.pair))
     other = solve_pair(pair.exchanged)
-    x, y = np.random.default_rng(3).uniform(-far, far, (2, 100))
+    x, y = np.random.default_rng(3).uniform(-far, far, (2, 40))
     for field, signs in (("velocity", (1, -1)), ("stress", (1, 1, -1)), ("displacement", (1, -1))):
         mirrored = np.array(signs)[:, None] * getattr(other, field)(x, -y, 1.0)
         np.testing.assert_allclose(getattr(answer, field)(x, y, 1.0), mirrored, atol=1e-11)
@@ -298,22 +298,24 @@ def test_identical_bodies_have_the_derivatives_of_the_other_solver(parameter):
 
 
 def test_an_estimate_bounds_the_error_and_is_small():
-    derivative = derivative_of("film", "viscosity")
+    derivative = derivative_of("slip from the slot", "lower_shear_modulus")
     assert 1e-9 <= derivative.error_estimate < 1e-6
-    assert "viscosity" in repr(derivative)
+    assert "lower_shear_modulus" in repr(derivative)
 
 
-def test_open_parts_carry_nothing_and_base_tractions_are_there_from_the_outset():
-    _, derivative = derivatives_of_identical_bodies("base_pressure")
+def test_open_parts_carry_nothing_and_base_tractions_are_there_from_the_outset(monkeypatch):
+    # a loose rule, since what is asked here holds on any
+    monkeypatch.setattr("semianalytic.dissimilar_slot.derivative._TOLERANCE", 1e-7)
+    by_base = of_identical_bodies()[1].derivative("base_pressure")
     (opening,) = of_identical_bodies()[1].openings
     inside, outside = opening.outer / 2, 1.2 * opening.outer
-    assert derivative.pressure(inside, 1.0) == 0
-    assert derivative.shear_traction(inside, 1.0) == 0
-    assert derivative.gap(inside, 1.0) != 0
-    assert derivative.gap(outside, 1.0) == 0
-    assert derivative.pressure(0.5, -1.0) == 1
-    assert derivative.slip_rate(0.5, -1.0) == 0
-    assert derivative.pressure(9.0, 1.0) == pytest.approx(1.0, abs=1e-9)
+    assert by_base.pressure(inside, 1.0) == 0
+    assert by_base.shear_traction(inside, 1.0) == 0
+    assert by_base.gap(inside, 1.0) != 0
+    assert by_base.gap(outside, 1.0) == 0
+    assert by_base.pressure(0.5, -1.0) == 1
+    assert by_base.slip_rate(0.5, -1.0) == 0
+    assert by_base.pressure(9.0, 1.0) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_what_has_no_derivative_is_refused_in_one_sentence():
@@ -323,5 +325,5 @@ def test_what_has_no_derivative_is_refused_in_one_sentence():
     with pytest.raises(SceneError, match="needs ViscousFriction of a positive viscosity"):
         answer.derivative("viscosity")
     with pytest.raises(SceneError, match="positive positions"):
-        derivative_of("film", "viscosity").slip_rate(-1.0, 1.0)
+        derivative_of("slip from the slot", "lower_shear_modulus").slip_rate(-1.0, 1.0)
     assert len(PARAMETERS) == 12

@@ -328,7 +328,8 @@ def patch(contact, friction=0.4):
     )
 
 
-@pytest.mark.parametrize("contact", [sf.Contact(), sf.Contact.half_line()], ids=["line", "slot"])
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("contact", [sf.Contact.half_line(), sf.Contact()], ids=["slot", "line"])
 def test_slip_of_a_patch_does_not_depend_on_where_its_ends_meet_the_grid(contact):
     truth = sf.run(patch(contact), END, 2048, times=[END], estimate=False)
 

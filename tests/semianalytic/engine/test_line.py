@@ -17,10 +17,11 @@ UNIT = sf.Material(1.0, 1.0, 1 / 3)
 
 @pytest.mark.parametrize("z", [1e-6j - 1e-7, 0.0999 - 0.001j, -0.1001 + 0j, -3 + 2j, -500 + 1j])
 def test_phi_functions_keep_all_digits(z):
-    first, second = (one[0] for one in phi(np.array([z])))
+    grown, first, second = (one[0] for one in phi(np.array([z])))
     with mpmath.workdps(40):
         exact = mpmath.mpc(z)
         power = mpmath.exp(exact)
+        assert abs(grown - complex(power)) < 1e-15
         assert abs(first - complex((power - 1) / exact)) < 1e-15 * (1 + abs(first))
         assert abs(second - complex((power - 1 - exact) / exact**2)) < 1e-14 * abs(second)
 

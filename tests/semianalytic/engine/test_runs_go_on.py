@@ -56,6 +56,7 @@ def assert_same(one, other):
     assert one.work == other.work
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("stop_at", [37, 90])
 def test_a_run_goes_on_to_the_last_bit(stop_at, tmp_path):
     """Adaptive steps, thinned frames, through a file: as if it had not been interrupted."""

@@ -169,7 +169,7 @@ def test_stresses_beside_a_stuck_edge_are_those_of_its_intensity():
     np.testing.assert_allclose(solution.stress(*at) / expected, 1, atol=2e-4)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @among("two zones under a shock", "both senses", "pressure on the slot", "slip everywhere")
 def test_both_waves_added_first_are_what_they_are_apart(problem, monkeypatch):
     """Beside the edge, where it matters, at distances where either loses little."""

@@ -133,6 +133,7 @@ def test_a_point_on_a_front_changes_nothing_elsewhere(scene):
         np.testing.assert_allclose(found[:, : len(x)], expected, rtol=3e-9, atol=3e-9)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 def test_faces_under_friction_that_falls_with_slip_rate(mode):
     """They move and carry what the interface does, also at the wave fronts."""

@@ -254,7 +254,7 @@ def test_a_law_is_found_from_slip(truth):
     """Friction within three standard errors, from a guess that is far off."""
     records = gauges(truth, 0.02)
     prior = {"law_dynamic": sf.Uniform(0.0, 0.5)}
-    found = sf.fit(records, fault(0.35), "law.dynamic", nodes=64, priors=prior)
+    found = sf.fit(records, fault(0.35), "law.dynamic", nodes=48, priors=prior)
     assert found.parameters == ("law_dynamic",)
     assert found.status == "converged"
     assert found.values[0] == pytest.approx(0.2, abs=3 * found.standard_errors[0])

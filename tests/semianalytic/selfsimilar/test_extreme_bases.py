@@ -190,7 +190,7 @@ def test_antiplane_slip_that_ends_ahead_of_the_rayleigh_front():
     (zone,) = (zone for zone in solution.zones if zone.outer == scene.fastest_speed)
     assert scene.material.rayleigh_speed < zone.inner < scene.material.shear_speed
     load, stress = scaled_load(scene)
-    grid = slip_on_grid(-0.695, load, 192, "III")
+    grid = slip_on_grid(-0.695, load, 128, "III")
     inside = (grid.xi > zone.inner + 0.02) & (grid.xi < zone.outer - 0.02)
     own = solution.slip_rate(grid.xi[inside], 1.0) * scene.material.shear_impedance / (2 * stress)
     largest = np.abs(own).max()

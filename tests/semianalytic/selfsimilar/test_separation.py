@@ -65,6 +65,7 @@ def test_nothing_moves_along_the_interface_without_shear(scene):
     assert solution.accumulated_slip(1.0) == 0
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("scene", [tapped(held=0.004), lifted(held=0.2), tapped(5.0, 0.1)])
 def test_reversed_shear_reverses_slip(scene):
     base, load = (replace(one, shear=-one.shear) for one in (scene.base, scene.load))

@@ -303,7 +303,7 @@ def test_second_order_for_smooth_loads():
 # --- friction laws --------------------------------------------------------------------------
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("law", "least_gain", "most_gain"),
     [

@@ -37,7 +37,7 @@ def check_honest(marched, truth):
     assert true <= marched.error_estimate < 6 * true
 
 
-@pytest.mark.thinned(12)
+@pytest.mark.thinned(18)
 @over("exact")
 def test_error_is_honest(problem):
     """Measured 1.2 to 3.3 times the true error."""

@@ -80,11 +80,11 @@ def on_interface(marched, name, row, side):
 
 def test_stress_stays_bounded_beside_an_edge_that_slips():
     scene, angle = find_scene("preloaded"), np.array([0.3, 1.5, 2.8, -2.8, -0.3])
-    marched = marched_once(scene, 1.0, 256)
+    exact, marched = sf.solve(scene), marched_once(scene, 1.0, 256)
     for distance in (1e-6, 1e-3, 3e-3):
         at = distance * np.cos(angle), distance * np.sin(angle), 1.0
-        exact = np.abs(sf.solve(scene).stress(*at)).max()
-        assert np.abs(marched.stress(*at)).max() < 3 * exact
+        largest = np.abs(exact.stress(*at)).max()
+        assert np.abs(marched.stress(*at)).max() < 3 * largest
     assert np.isfinite(marched.stress(0.0, [0.0, -0.0], 1.0)).all()
 
 
@@ -180,7 +180,7 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
         pressure_history=sf.Ramp(0.7),
         friction_law=sf.SlipWeakening(0.5, 0.1),
     )
-    marched = sf.march(scene, nodes=128, companion=False)
+    marched = sf.march(scene, nodes=64, companion=False)
     x, y, step = *np.array([[-0.6, -0.3, 0.7], [0.3, -0.35, -0.25]]), 1e-3
 
     def slope(dx, dy, dt):
@@ -238,7 +238,7 @@ def test_estimates_tell_how_close_to_an_edge_stress_is_known():
     """The sum over wavelengths limits it there, on march and companion alike."""
     scene = find_scene("preloaded")
     exact, marched = sf.solve(scene), sf.march(scene, 1.0, 200)
-    angle, cut = np.linspace(-3.1, 3.1, 16), scene.fastest_speed / 64
+    angle, cut = np.linspace(-3.1, 3.1, 8), scene.fastest_speed / 64
     shares = []
     for circle in (1, 2, 3, 10):
         at = circle * cut * np.cos(angle), circle * cut * np.sin(angle), 0.9
@@ -306,8 +306,8 @@ def test_any_units_will_do():
     time = length / solid.shear_speed
     base, load = sf.Tractions(stress, 0.0), sf.Tractions(0.2 * stress, stress)
     large = sf.Scene(solid, 0.3, base, load, shear_history=sf.Ramp(0.5 * time))
-    one, other = sf.march(scene, 1.0, 64), sf.march(large, time, 64)
-    x, y = points(scene, 20)
+    one, other = sf.march(scene, 1.0, 32), sf.march(large, time, 32)
+    x, y = points(scene, 10)
     units = {"velocity": stress / solid.shear_impedance, "stress": stress}
     for name in QUANTITIES:
         unit = units.get(name, stress * length / solid.shear_modulus)

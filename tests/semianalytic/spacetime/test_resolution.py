@@ -378,18 +378,18 @@ def test_too_large_marches_are_refused_at_once(options, capsys):
 
 def test_stored_history_is_thinned_to_fit(capsys, tmp_path):
     scene = find_scene("ramp")
-    whole = sf.march(scene, nodes=400)
-    thin = sf.march(scene, nodes=400, memory=4_000_000)
+    whole = sf.march(scene, nodes=200)
+    thin = sf.march(scene, nodes=200, memory=2_000_000)
     assert thin.every > 1
-    assert 32 * len(thin.interface.t) * 400 < 3_000_000
+    assert 32 * len(thin.interface.t) * 200 < 1_500_000
     assert thin.interface.t[-1] == 1.0
     np.testing.assert_array_equal(thin.interface.slip[-1], whole.interface.slip[-1])
     np.testing.assert_array_equal(thin.interface.slip[1], whole.interface.slip[thin.every])
-    assert main(["solve", "ramp", "--nodes", "400", "--memory", "0.004"]) == 0
+    assert main(["solve", "ramp", "--nodes", "200", "--memory", "0.002"]) == 0
     assert f"Every {thin.every}th level is stored" in capsys.readouterr().err
-    part = sf.march(scene, 0.5, 400, length=2.0, latest=1.0)
+    part = sf.march(scene, 0.5, 200, length=2.0, latest=1.0)
     with pytest.raises(sf.SceneError, match="GB of memory"):
-        sf.march_on(part, 1.0, memory=1_000_000)
+        sf.march_on(part, 1.0, memory=500_000)
 
 
 def test_json_says_what_is_unresolved(capsys):

@@ -8,7 +8,7 @@ import pytest
 from compare.figures.named import OWN_FIGURES
 from compare.figures.quantities import QUANTITIES, find_quantity
 from compare.studies.chart.points import SCENES as CHARTED
-from fem.elements.assembly import FAMILIES
+from fem.elements.families import FAMILIES
 from meshes.blocks import PATTERNS
 from semianalytic import find_scene
 from semianalytic.prediction import chosen_method
