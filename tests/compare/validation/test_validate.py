@@ -31,7 +31,7 @@ def exact(solution):
 @pytest.fixture(scope="module")
 def simulated():
     fem = pytest.importorskip("fem")
-    return history_arrays(fem.simulate(PRELOADED, 1.0, resolution=60).interface, 1.0)
+    return history_arrays(fem.simulate(PRELOADED, 1.0, resolution=40).interface, 1.0)
 
 
 def recorded(answer, t, x):
@@ -77,9 +77,9 @@ def test_what_is_wrong_differs_and_is_no_convention(exact, mistake):
 
 
 def test_finite_elements_agree_and_differ_with_other_friction(simulated):
-    assert validate(simulated, PRELOADED, spacing=1 / 60).verdict == "agrees"
+    assert validate(simulated, PRELOADED, spacing=1 / 40).verdict == "agrees"
     other = replace(PRELOADED, friction=1.03 * PRELOADED.friction)
-    assert validate(simulated, other, spacing=1 / 60).verdict == "differs"
+    assert validate(simulated, other, spacing=1 / 40).verdict == "differs"
 
 
 def changed(data, **factors):
