@@ -1,6 +1,7 @@
 """Who may import whom: the witness stays independent, the product stays light."""
 
 import ast
+import json
 import sys
 from functools import cache
 from pathlib import Path
@@ -73,16 +74,32 @@ def imported_modules(path):
 
 
 @cache
-def nodes_of(text):
-    """Return all nodes of a source, which is parsed once for all tests."""
-    return tuple(ast.walk(ast.parse(text)))
+def parsed(text):
+    """Return the tree of a source, which is parsed once for all tests."""
+    return ast.parse(text)
+
+
+@cache
+def statements_of(text):
+    """Return all statements of a source; of its nodes, most of which are of expressions, a tenth.
+
+    No expression holds a statement, so that all imports are among them.
+    """
+    found, blocks = [], [parsed(text)]
+    for block in blocks:  # which grows meanwhile
+        for name in ("body", "orelse", "finalbody", "handlers", "cases"):
+            inner = getattr(block, name, ())
+            if isinstance(inner, list):  # that of a conditional expression is none
+                blocks += inner
+                found += inner
+    return tuple(found)
 
 
 @cache
 def imports_of(text):
     """Return the modules that a source imports; several tests ask for those of the same files."""
     names = []
-    for node in nodes_of(text):
+    for node in statements_of(text):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -165,7 +182,7 @@ def imports_between_files(package, root=ROOT):
     graph = {}
     for name, path in modules.items():
         taken = set()
-        for node in nodes_of(path.read_text()):
+        for node in statements_of(path.read_text()):
             if isinstance(node, ast.Import):
                 taken |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom):
@@ -280,16 +297,30 @@ def test_what_is_in_place_after_the_load_is_asked_of_the_superposition():
         for package in PACKAGES
         for path in sources(package)
         if not SLOT_ALONE & {*path.relative_to(ROOT).parts}
-        if any(map(of_the_base, nodes_of(path.read_text())))
+        if ".base" in (text := path.read_text())  # few are worth a walk through all nodes
+        if any(map(of_the_base, ast.walk(parsed(text))))
     }
     assert asked == SHOWN
 
 
-def printed_by(code):
-    """What a new process that runs some code prints."""
-    run = packages.run("", "-c", code)
+USES = """
+import json, sys, semianalytic
+loaded = [list(sys.modules)]
+import slipfront
+solution = slipfront.solve(slipfront.find_scene("preloaded"))
+solution.zones
+{use}
+loaded.append(list(sys.modules))
+print(json.dumps(loaded))
+"""
+
+
+@cache
+def loaded_with(use):
+    """The modules that a new process has loaded: with `import semianalytic`, and at its end."""
+    run = packages.run("", "-c", USES.format(use=use))
     assert run.returncode == 0, run.stderr
-    return run.stdout.strip()
+    return json.loads(run.stdout)
 
 
 def test_files_hold_no_numerics():
@@ -303,12 +334,8 @@ def test_product_needs_numpy_and_scipy_only():
     allowed = {"numpy", "scipy", "semianalytic", "h5py", "xarray"} | set(sys.stdlib_module_names)
     for path in sources("semianalytic"):
         assert {name.split(".")[0] for name in imported_modules(path)} <= allowed, path
-    code = (
-        "import sys, semianalytic;"
-        "heavy = {'h5py', 'xarray', 'matplotlib', 'skfem', 'gmsh', 'meshio', 'rich'};"
-        "print(sorted(heavy & set(sys.modules)))"
-    )
-    assert printed_by(code) == "[]"
+    heavy = {"h5py", "xarray", "matplotlib", "skfem", "gmsh", "meshio", "rich"}
+    assert not heavy & set(loaded_with("")[0])
 
 
 _DERIVATIVES = (
@@ -350,20 +377,10 @@ LATER = (
     ],
 )
 def test_what_a_plain_solution_does_without_is_loaded_when_it_is_used(use, loaded):
-    code = (
-        "import sys, slipfront\n"
-        "solution = slipfront.solve(slipfront.find_scene('preloaded'))\n"
-        f"{use}\n"
-        f"print([one for one in {LATER!r} if 'semianalytic.' + one in sys.modules])"
-    )
-    assert printed_by(code) == repr(list(loaded))
+    modules = loaded_with(use)[-1]
+    assert [one for one in LATER if f"semianalytic.{one}" in modules] == list(loaded)
 
 
 def test_zones_are_found_without_scipy():
     """`scipy.special` alone would take half of the time of the first solution in a process."""
-    code = (
-        "import sys, slipfront\n"
-        "slipfront.solve(slipfront.find_scene('preloaded')).zones\n"
-        "print([name for name in sys.modules if name.split('.')[0] == 'scipy'])"
-    )
-    assert printed_by(code) == "[]"
+    assert [name for name in loaded_with("")[-1] if name.split(".")[0] == "scipy"] == []

@@ -41,6 +41,6 @@ def test_a_level_on_the_command_line_prints_messages_once(shown, refused):
 def test_no_color_is_heeded(without):
     coloured = {"FORCE_COLOR": "1", "TERM": "xterm-256color"}
     coloured |= {"NO_COLOR": "1"} if without else {}
-    run = packages.run("", "solve", "--help", **coloured)
+    run = packages.run("", "scenes", "--help", **coloured)
     assert run.returncode == 0, run.stderr
     assert bool(COLOURED.search(run.stdout)) is not without

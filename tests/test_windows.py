@@ -40,18 +40,20 @@ for name in CALLS:
     delattr(os, name)
 """
 IMPORTS = """
-import pkgutil
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
 count, named = 0, re.compile(rf"\\b({'|'.join(MISSING | SIGNALS | CALLS)})\\b")
 for package in OURS:
-    for module in pkgutil.walk_packages(import_module(package).__path__, package + "."):
-        if module.name.split(".")[-1] != "__main__":
+    root = Path(find_spec(package).origin).parent
+    for path in root.rglob("*.py"):
+        if path.stem != "__main__":
             count += 1
-            if named.search(Path(find_spec(module.name).origin).read_text(encoding="utf-8")):
-                import_module(module.name)  # a module that names none of them needs none
+            if named.search(path.read_text(encoding="utf-8")):
+                # a module that names none of them needs none
+                parts = path.relative_to(root.parent).with_suffix("").parts
+                import_module(".".join(parts).removesuffix(".__init__"))
 from slipfront.cli.commands import main
 assert main(["solve", "preloaded", "--json"]) == 0
 print(count)

@@ -322,19 +322,19 @@ def too_narrow(parts: Mask) -> Mask:
 
 def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
     """Accumulated |slip| and frictional work per area of an answer at the end, at nodes."""
-    return own_wear(answer, at_nodes.x, float(at_nodes.t[-1])) or worn(at_nodes)
+    x, end = at_nodes.x, float(at_nodes.t[-1])
+    path, work = (own_wear(answer, x, end, part) for part in (0, 1))
+    return worn(at_nodes) if path is None or work is None else (path, work)
 
 
-def own_wear(answer: Answer, x: Array, end: float) -> tuple[Array, Array] | None:
-    """Accumulated |slip| and frictional work per area at positions until a time, (n,) each, as the
-    answer itself has summed them; None if it has not."""
+def own_wear(answer: Answer, x: Array, end: float, part: int) -> Array | None:
+    """Accumulated |slip| (part 0) or frictional work per area (1) at positions until a time, (n,),
+    as the answer itself has summed it; None if it has not."""
     if isinstance(answer, Solution):
-        return answer.path(x, end), answer.work_density(x, end)
+        return (answer.path, answer.work_density)[part](x, end)
     if isinstance(answer, Marched):
-        own = answer.interface.x
         fields = answer.final_path, answer.final_work_density
-        path, work = (np.interp(x, own, field) for field in fields)
-        return path, work
+        return np.interp(x, answer.interface.x, fields[part])
     return None
 
 

@@ -141,9 +141,10 @@ def command_for(arguments: Sequence[str]) -> Any:
     """Return the command line with the command that the arguments call, else with all of them.
 
     Modules of other commands are not imported, nor are their options read: both together take
-    longer than a solution.  All are needed for the help, and to say which word was meant.
+    longer than a solution.  All are needed for the help, and to say which word was meant.  Where a
+    shell asks for completions, the arguments are those of the line that is being typed.
     """
-    words = list(arguments)
+    words = list(arguments) or _typed()
     if words[:1] == ["--log"]:
         words = words[2:]
     elif words and words[0].startswith("--log="):
@@ -156,6 +157,18 @@ def _help_of(command: Callable[..., Any]) -> str:
     paragraphs = (getdoc(command) or "").split("\n\n")
     # names of tables, such as [material], are no markup
     return escape("\n\n".join(" ".join(words.split()) for words in paragraphs))
+
+
+def _typed() -> list[str]:
+    """Return the words before the one that a shell asks to complete; none if no shell asks."""
+    asked = os.environ.get("_SLIPFRONT_COMPLETE", "")
+    if not asked.startswith("complete_"):
+        return []
+    if asked == "complete_bash":
+        count = int(os.environ.get("COMP_CWORD", "0"))
+        return os.environ.get("COMP_WORDS", "").split()[1:count]
+    line = os.environ.get("_TYPER_COMPLETE_ARGS", "")
+    return line.split()[1:] if line.endswith(" ") else line.split()[1:-1]
 
 
 @cache  # a refusal looks its options up in it again

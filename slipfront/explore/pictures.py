@@ -1,6 +1,8 @@
 """The pictures of the page; they are created once, after which only their numbers are sent.
 
-Changes are collected on a `Board` and sent in one message.
+Changes are collected on a `Board` and sent in one message.  Glyphs are added as such, since methods
+of Bokeh's figures such as `line` and `image` make three of each, for those not selected and muted
+too.
 """
 
 from __future__ import annotations
@@ -14,9 +16,17 @@ from bokeh.models import (
     ColorBar,
     ColumnDataSource,
     HoverTool,
+    Image,
     LabelSet,
+    Line,
     LinearColorMapper,
+    MultiLine,
+    Patches,
+    Quad,
     Range1d,
+    Scatter,
+    Segment,
+    Text,
 )
 from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
@@ -47,6 +57,8 @@ CURVES = {
     "pressure p": (GREEN, "dashed"),
 }
 """Colours and dashes of tractions."""
+GREY = "#595959"
+"""Colour of wave fronts on white."""
 HEIGHT = 260
 WITH_COLOUR_BAR = 1.12
 """Width over height of a picture with equal axes and a colour bar."""
@@ -106,8 +118,19 @@ class InterfacePictures:
         self._zones = _source("left", "right", "colour")
         self._waves = _source("x", "name", "side", "offset")
         for panel in (self.rate, self.tractions, self.slip):
-            panel.quad("left", "right", 1e6, -1e6, source=self._zones, color="colour")
-            panel.segment("x", -1e6, "x", 1e6, source=self._waves, color="#595959", line_dash="4 3")
+            panel.add_glyph(
+                self._zones,
+                Quad(
+                    left="left",
+                    right="right",
+                    top=1e6,
+                    bottom=-1e6,
+                    fill_color="colour",
+                    line_color="colour",
+                ),
+            )
+            front = Segment(x0="x", y0=-1e6, x1="x", y1=1e6, line_color=GREY, line_dash="4 3")
+            panel.add_glyph(self._waves, front)
             panel.add_layout(
                 LabelSet(
                     x="x",
@@ -122,7 +145,7 @@ class InterfacePictures:
                 )
             )
         rate, slip = (
-            panel.line("x", name, source=self._lines, color=BLUE, line_width=2)
+            panel.add_glyph(self._lines, Line(x="x", y=name, line_color=BLUE, line_width=2))
             for panel, name in ((self.rate, "rate"), (self.slip, "slip"))
         )
         place = "@x{0.0000}"
@@ -134,9 +157,8 @@ class InterfacePictures:
             ("lower", *CURVES["± f p"]),
             ("pressure", *CURVES["pressure p"]),
         ):
-            line = self.tractions.line(
-                "x", name, source=self._lines, color=colour, line_dash=dash, line_width=2
-            )
+            curve = Line(x="x", y=name, line_color=colour, line_dash=dash, line_width=2)
+            line = self.tractions.add_glyph(self._lines, curve)
             if name == "shear":
                 bound, pressed = "@upper{0.0000}", "@pressure{0.0000}"
                 told = {"shear_traction": "@shear{0.0000}", "f_p": bound, "pressure": pressed}
@@ -187,30 +209,28 @@ class SpaceTimePicture:
         self.panel.background_fill_color = STICK_SHADE
         self._image = _source("image", "dw")
         mapper = LinearColorMapper(list(SHADES.values()), low=-0.5, high=len(SHADES) - 0.5)
-        self.panel.image("image", 0, 0, "dw", 1, source=self._image, color_mapper=mapper)
+        marched = Image(image="image", x=0, y=0, dw="dw", dh=1, color_mapper=mapper)
+        self.panel.add_glyph(self._image, marched)
         self._wedges = _source("xs", "ys", "colour", "kind")
-        wedges = self.panel.patches(
-            "xs",
-            "ys",
-            source=self._wedges,
-            color="colour",
-            line_color=BLACK,
-            line_width=0.7,
-        )
+        shapes = Patches(xs="xs", ys="ys", fill_color="colour", line_color=BLACK, line_width=0.7)
+        wedges = self.panel.add_glyph(self._wedges, shapes)
         _tell_values(self.panel, wedges, state="@kind", x="$x{0.0000}", t="$y{0.0000}")
         self._waves, self._time = _source("xs", "ys"), _source("y")
-        self.panel.multi_line("xs", "ys", source=self._waves, color="#595959", line_dash="4 3")
-        self.panel.segment(0, "y", 1e3, "y", source=self._time, color=BLACK, line_width=1.5)
+        fronts = MultiLine(xs="xs", ys="ys", line_color=GREY, line_dash="4 3")
+        self.panel.add_glyph(self._waves, fronts)
+        moment = Segment(x0=0, y0="y", x1=1e3, y1="y", line_color=BLACK, line_width=1.5)
+        self.panel.add_glyph(self._time, moment)
         self._names = _source("x", "name", "side")
-        self.panel.text(
-            "x",
-            0.99,
-            "name",
-            source=self._names,
+        names = Text(
+            x="x",
+            y=0.99,
+            text="name",
             text_align="side",
+            text_color=BLACK,
             text_font_size="8pt",
             text_baseline="top",
         )
+        self.panel.add_glyph(self._names, names)
 
     def mark(self, share: float) -> None:
         """Draw a line at the time that the other pictures show."""
@@ -271,24 +291,22 @@ class FieldPicture:
         self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
         self._image = _source("image", "x", "width")
         self._colours = LinearColorMapper(Viridis256, low=0.0, high=1.0)
-        drawn = self.panel.image(
-            "image", "x", "x", "width", "width", source=self._image, color_mapper=self._colours
+        speed = Image(
+            image="image", x="x", y="x", dw="width", dh="width", color_mapper=self._colours
         )
+        drawn = self.panel.add_glyph(self._image, speed)
         _tell_values(self.panel, drawn, value="@image{0.0000}", x="$x{0.000}", y="$y{0.000}")
         self._names = _source("x", "y", "name")
         self._fronts, self._parts = _source("xs", "ys"), _source("xs", "ys", "colour")
-        self.panel.multi_line("xs", "ys", source=self._fronts, color="white", line_dash="4 3")
-        self.panel.segment(-100, 0, 0, 0, color=BLACK, line_width=4)
-        self.panel.multi_line("xs", "ys", source=self._parts, color="colour", line_width=4)
+        fronts = MultiLine(xs="xs", ys="ys", line_color="white", line_dash="4 3")
+        self.panel.add_glyph(self._fronts, fronts)
+        slot = Segment(x0=-100, y0=0, x1=0, y1=0, line_color=BLACK, line_width=4)
+        self.panel.add_glyph(slot)
+        parts = MultiLine(xs="xs", ys="ys", line_color="colour", line_width=4)
+        self.panel.add_glyph(self._parts, parts)
         self.panel.add_layout(ColorBar(color_mapper=self._colours, width=10, padding=4), "right")
-        self.panel.text(
-            "x",
-            "y",
-            "name",
-            source=self._names,
-            text_color="white",
-            text_font_size="8pt",
-        )
+        names = Text(x="x", y="y", text="name", text_color="white", text_font_size="8pt")
+        self.panel.add_glyph(self._names, names)
 
     def draw(self, view: FieldView) -> None:
         """Show a field."""
@@ -328,21 +346,20 @@ class MapPicture:
         mapper = LinearColorMapper(
             [REGIME_COLOURS[name] for name in names], low=-0.5, high=len(names) - 0.5
         )
-        drawn = self.panel.image(
-            "image", "x", "y", "width", "height", source=self._image, color_mapper=mapper
-        )
+        regimes = Image(image="image", x="x", y="y", dw="width", dh="height", color_mapper=mapper)
+        drawn = self.panel.add_glyph(self._image, regimes)
         _tell_values(self.panel, drawn, friction="$x{0.000}", Poisson_ratio="$y{0.000}")
         self._place = _source("x", "y")
-        self.panel.scatter(
-            "x",
-            "y",
-            source=self._place,
+        here = Scatter(
+            x="x",
+            y="y",
             marker="circle_cross",
             size=16,
             fill_color="white",
             line_color=BLACK,
             line_width=2,
         )
+        self.panel.add_glyph(self._place, here)
 
     def place(self, friction: float, poisson_ratio: float) -> None:
         """Mark the position of the scene."""

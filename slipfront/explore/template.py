@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from importlib.resources import files
 
 from bokeh.resources import Resources
@@ -17,6 +18,7 @@ from slipfront.explore.controls import (
 )
 
 
+@cache
 def template() -> Template:
     """Return the template of the page, which escapes all values that are filled in."""
     text = files("slipfront.explore").joinpath("page.html").read_text(encoding="utf-8")
@@ -34,6 +36,7 @@ def bokeh_scripts() -> list[str]:
     return [str(address) for address in resources.js_files]
 
 
+@cache
 def known_queries() -> dict[str, str]:
     """Return the addresses of the named scenes that the page can show, by name."""
     known = {}

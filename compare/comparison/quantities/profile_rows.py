@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compare.comparison.bars import error_bar
-from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narrow, worn_by
+from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narrow
 from compare.comparison.judging import Comparison, judged, profile_row
-from compare.comparison.measures import NOTHING, ROUNDING, norm, within
+from compare.comparison.measures import NOTHING, ROUNDING, norm, within, worn
 from compare.comparison.rows import Row
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
@@ -217,7 +217,8 @@ def _at_end(field: str, answer: Answer, history: InterfaceHistory) -> Array:
 
 def _worn(part: int, answer: Answer, history: InterfaceHistory) -> Array:
     """Accumulated |slip| (part 0) or work per area (1) of an answer, (n,)."""
-    return worn_by(answer, history)[part]
+    own = own_wear(answer, history.x, float(history.t[-1]), part)
+    return worn(history)[part] if own is None else own
 
 
 def _last(case: Case, field: str, number: int) -> Array:
@@ -320,8 +321,8 @@ def _worn_norm(case: Case, part: int, reach: tuple[float, float], scale: float) 
     """L1 norm of predicted accumulated |slip| (part 0) or work per area (1) between two positions
     at the end, over its scale and c_t T; None if the prediction has not summed them itself."""
     x = _between(case, reach)
-    own = own_wear(case.prediction, x, case.end_time)
-    return None if own is None else norm(own[part] / scale, x / case.length, 1)
+    own = own_wear(case.prediction, x, case.end_time, part)
+    return None if own is None else norm(own / scale, x / case.length, 1)
 
 
 def _between(case: Case, reach: tuple[float, float]) -> Array:

@@ -218,7 +218,8 @@ def test_numbers_of_pages_are_those_of_the_interfaces():
         assert float(numbers["pressure p"].split()[0]) * factor == face.pressure
 
 
-def test_exports_hold_the_interface_as_a_file(tmp_path):
+def test_exports_hold_the_interface_as_a_file(tmp_path, monkeypatch):
+    monkeypatch.setattr("compare.benchmarks.export.figure_png", lambda figure, dpi: b"drawn")
     sheet = INTERFACE_SHEETS["two-slots"]
     contents = exported([sheet])
     assert {"two-slots/interface.toml", "two-slots/figure.png", "two-slots/records.csv"} <= set(

@@ -204,19 +204,19 @@ def test_an_error_is_graded_by_the_bounds():
 
 def test_a_league_table_is_ranked_and_has_orders():
     sheets = [SHEETS["antiplane"], SHEETS["lift-off"]]
-    runs = [enter("fem", sheet, cells) for sheet in sheets for cells in (80, 40)]
+    runs = [enter("fem", sheet, cells) for sheet in sheets for cells in (60, 30)]
     rows = league_rows(runs)
     assert [(row.sheet, row.cells) for row in rows] == [
-        ("antiplane", 40),
-        ("antiplane", 80),
-        ("lift-off", 40),
-        ("lift-off", 80),
+        ("antiplane", 30),
+        ("antiplane", 60),
+        ("lift-off", 30),
+        ("lift-off", 60),
     ]
     assert math.isnan(rows[0].order)
     assert math.isnan(rows[2].order)
     assert rows[1].order == pytest.approx(math.log2(rows[0].slip_rate / rows[1].slip_rate))
     assert 0.7 < rows[3].order < 2
-    assert rows[1].arrival_cells == pytest.approx(80 * rows[1].arrival)
+    assert rows[1].arrival_cells == pytest.approx(60 * rows[1].arrival)
 
 
 # --- refusals -------------------------------------------------------------------------------------

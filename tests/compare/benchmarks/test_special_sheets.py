@@ -134,8 +134,12 @@ def test_the_page_states_problem_and_answer(sheet):
 
 
 @pytest.mark.parametrize("name", ["incident-sv", "whole-line-patch", "pair-slip"])
-def test_an_export_has_page_answer_and_figure_and_inputs_of_pairs_alone(name):
-    names = {one.removeprefix(f"{name}/") for one in exported([ALL_SHEETS[name]])}
+def test_an_export_has_page_answer_and_figure_and_inputs_of_pairs_alone(name, monkeypatch):
+    """The figures themselves are those of compare/figures/test_figures.py."""
+    monkeypatch.setattr("compare.benchmarks.export.figure_png", lambda figure, dpi: b"drawn")
+    contents = exported([ALL_SHEETS[name]])
+    assert contents[f"{name}/figure.png"] == b"drawn"
+    names = {one.removeprefix(f"{name}/") for one in contents}
     assert {f"{name}.html", "figure.png", "records.csv", "answers.json"} <= names
     inputs = {one for one in names if one.startswith(("uguca/", "sem2dpack/"))}
     if name in PAIR_SHEETS:

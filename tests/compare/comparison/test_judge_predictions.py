@@ -134,7 +134,7 @@ def test_a_stuck_interface_has_no_onset_and_no_zone():
 
 
 def test_a_march_of_another_load_differs():
-    run = simulated(find_scene("ramp"), 60)
+    run = simulated(find_scene("ramp"), 40)
     other = predict_like(replace(run, scene=find_scene("unload")))
     assert judge(other, run).verdict == "differs"
 

@@ -187,12 +187,12 @@ def test_wear_is_the_answers_own_where_it_has_any_and_else_summed_over_the_times
     for method in ("self-similar", "space-time"):
         prediction = predict_like(run, method)
         case = side_by_side(prediction, run)
-        own[method] = own_wear(prediction, x, end)
+        own[method] = [own_wear(prediction, x, end, part) for part in (0, 1)]
         for mine, at_nodes in zip(own[method], case.worn_at_nodes, strict=True):
             assert mine == pytest.approx(at_nodes, abs=0)
     for exact, marched in zip(*own.values(), strict=True):
         assert marched.sum() == pytest.approx(exact.sum(), rel=0.02)
-    assert own_wear(run, x, end) is None
+    assert own_wear(run, x, end, 0) is own_wear(run, x, end, 1) is None
     summed = worn_by(run, run.interface)
     for exact, values in zip(own["self-similar"], summed, strict=True):
         assert values.sum() == pytest.approx(exact.sum(), rel=0.01)

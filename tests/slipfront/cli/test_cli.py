@@ -80,6 +80,7 @@ def test_a_scene_file_is_as_good_as_a_name(tmp_path, printed):
     assert printed("solve mine.toml")["scene"]["material"]["poisson_ratio"] == 0.3
 
 
+@pytest.mark.slow
 def test_entry_point_as_a_process():
     run = packages.run("", "solve", "nowhere")
     assert run.returncode == 2

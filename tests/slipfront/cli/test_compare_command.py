@@ -139,7 +139,7 @@ def test_compare_from_a_damaged_or_absent_simulation_exits_with_three(tmp_path, 
 
 @pytest.mark.usefixtures("undrawn")
 def test_main_job_writes_everything_under_the_name_of_the_scene(shown):
-    said = shown("compare --resolution 30 --frames 1 --friction 1")
+    said = shown("compare --resolution 20 --frames 1 --friction 1")
     folder = Path("results/preloaded-friction-1")
     names = {path.name for path in folder.iterdir()}
     kept = {"report.json", "simulation.h5", "snapshots"}

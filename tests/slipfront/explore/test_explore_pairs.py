@@ -48,6 +48,7 @@ def test_the_menu_has_pairs_and_controls_are_shown_with_another_body():
     assert set(shown[controls.ANOTHER]) <= set(variables["sliders"])
 
 
+@pytest.mark.thinned(2)
 @every
 def test_a_move_is_answered_by_the_exact_solver_of_pairs(name, alone):
     pair = sf.find_pair(name)

@@ -30,7 +30,7 @@ def of_gain(names, priors=None, noise=NOISE):
 
 def test_what_is_linear_has_the_posterior_of_its_covariance():
     found = found_gain()
-    sampled = posterior(found, seed=3)
+    sampled = posterior(found, walkers=6, seed=3)
     assert sampled.status == "converged"
     assert 0.2 < sampled.acceptance < 0.8
     error = found.standard_errors[0]

@@ -33,25 +33,26 @@ def records(tmp_path_factory):
 
 
 def test_a_fit_is_shown_drawn_and_written(records, tmp_path, shown):
-    line = f"{LINE} --noise {NOISE} --plot fit.png --output fit.json"
+    """Of a gain, which takes one solution."""
+    line = f"--scene preloaded --parameters gain --noise {NOISE} --plot fit.png --output fit.json"
     said = shown(f"fit {records} {line}").out
     assert "Fit: converged" in said
     assert "misfits are as large as the noise" in said
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     found = json.loads((tmp_path / "fit.json").read_text())
-    friction = found["parameters"]["friction"]
-    assert abs(friction["value"] - 0.3) < 4 * friction["standard_error"] < 0.1
+    gain = found["parameters"]["gain"]
+    assert abs(gain["value"] - 1.0) < 4 * gain["standard_error"] < 0.1
     assert found["status"] == "converged"
-    assert found["units"]["parameters"] == {"friction": "1"}
+    assert found["units"]["parameters"] == {"gain": "1"}
     assert found["units"]["gauges"]["x"] == "length"
     assert [gauge["samples"] for gauge in found["gauges"]] == [40, 40]
-    assert found["scene"]["friction"] == friction["value"]
 
 
 def test_json_is_all_that_is_printed_and_priors_count(records, printed):
     line = f"{LINE} --noise slip_rate={NOISE} --prior friction=normal(0.31,1e-4)"
     found = printed(f"fit {records} {line}")
-    assert found["parameters"]["friction"]["value"] == pytest.approx(0.31, abs=3e-4)
+    friction = found["parameters"]["friction"]["value"]
+    assert friction == found["scene"]["friction"] == pytest.approx(0.31, abs=3e-4)
     assert found["known_by_prior"] == ["friction"]
 
 

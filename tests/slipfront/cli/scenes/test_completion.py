@@ -15,6 +15,8 @@ from semianalytic.prediction import chosen_method
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loading import LOADED
 from semianalytic.scene.scene import MODES
+from slipfront.cli import commands
+from slipfront.cli.commands import COMMANDS, _group
 from slipfront.cli.scenes import completion
 
 RUN = "from slipfront.cli.entry import main; raise SystemExit(main())"
@@ -64,6 +66,23 @@ def test_each_shell_is_given_its_script_and_scenes(shell, completed, monkeypatch
 )
 def test_names_are_completed(line, words, completed):
     assert completed("bash", line) == words
+
+
+@pytest.mark.parametrize(
+    ("shell", "line", "count"),
+    [
+        ("bash", "slipfront solve pre", 1),
+        ("zsh", "slipfront --log info solve ", 1),
+        ("fish", "slipfront solve", len(COMMANDS)),  # which may become another word
+    ],
+)
+def test_no_command_is_imported_but_the_one_whose_words_are_completed(
+    shell, line, count, completed, monkeypatch
+):
+    groups = []
+    monkeypatch.setattr(commands, "_group", lambda one: groups.append(_group(one)) or groups[-1])
+    assert completed(shell, line)
+    assert {len(group.commands) for group in groups} == {count}
 
 
 def test_names_of_packages_and_files_are_completed(tmp_path):

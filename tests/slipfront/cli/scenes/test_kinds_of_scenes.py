@@ -170,7 +170,7 @@ load = {pressure = 1e6, shear = 1e6}
 
 @pytest.mark.usefixtures("undrawn")
 def test_compare_agrees_on_the_named_scene(tmp_path, shown):
-    said = shown("compare antiplane --resolution 40 --frames 1 --output out --quiet").out
+    said = shown("compare antiplane --resolution 24 --frames 1 --output out --quiet").out
     document = json.loads((tmp_path / "out" / "report.json").read_text())
     assert document["verdict"] == "agrees"
     rows = {"S front, interface (shear traction)", "zone 1, outer edge", "slip rate, L1"}
