@@ -49,6 +49,10 @@ _NO_SLIP = 1e-6
 """Slip rate, over the largest gap over time, below which no shear is taken to act on an opening."""
 _ROW_POWERS = (0.0, 1.0, 0.5, -1.0, 2.0)
 """Powers of the weights by which the rows are divided, tried one after the other."""
+_MOST_PIVOTS = 3
+"""Pivots, over the number of unknowns, beyond which a path counts as a ray: usual ones take a
+quarter.  One that went on to 7 ended in 16 wrong zones, and others to 20, the limit of `lemke`, in
+18 s."""
 _NEGLIGIBLE = 1e-9
 """Rate or gap, over the largest one, below which it is rounding left by pivoting."""
 
@@ -257,7 +261,7 @@ def _pivoted(matrix: Array, given: Array, weight: Array) -> Array:
     for power in _ROW_POWERS:
         scale = weight**-power
         try:
-            return lemke(matrix * scale[:, None], given * scale).z
+            return lemke(matrix * scale[:, None], given * scale, _MOST_PIVOTS * len(given)).z
         except ComputationError as error:
             last = error
     raise last
