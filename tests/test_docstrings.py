@@ -18,6 +18,8 @@ DESCRIBED = {
     for name in module.__all__
     if inspect.isclass(getattr(module, name)) or inspect.isfunction(getattr(module, name))
 }
+LONGEST = "semianalytic.PairDerivative"
+"""Its example takes more than half of the time of all that the default run takes."""
 WITH_EXAMPLES = [name for name, one in DESCRIBED.items() if ">>>" in (one.__doc__ or "")]
 
 ROOT = Path(__file__).parents[1]
@@ -63,7 +65,10 @@ def pairs_solved_once() -> Iterator[None]:
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize("name", WITH_EXAMPLES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(one, marks=[pytest.mark.slow] * (one == LONGEST)) for one in WITH_EXAMPLES],
+)
 def test_examples_run(name: str) -> None:
     described = DESCRIBED[name]
     (test,) = doctest.DocTestFinder(recurse=False).find(

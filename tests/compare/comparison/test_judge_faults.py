@@ -163,6 +163,7 @@ class TestTractionsBeforeTheWaves:
 
     NAME = "traction before the waves"
 
+    @pytest.mark.thinned(3)
     @pytest.mark.parametrize(
         "name", ["tap", "remote-shock", "incident-sv", "moving-load", "antiplane", "ramp"]
     )

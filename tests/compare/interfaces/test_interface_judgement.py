@@ -44,6 +44,7 @@ def test_different_bodies_agree(judged):
     assert all(abs(one.imbalance) < 1e-12 for one in judged.simulations)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("change", "kind"),
     [

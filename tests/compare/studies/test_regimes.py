@@ -88,6 +88,7 @@ def test_a_zone_at_the_front_alone_makes_the_edge_slip(share):
     assert 1e-9 < edge_threshold(ratio) - alone < 1e-8
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("poisson_ratio", [-0.8, -0.5, THIRD])
 def test_edge_slips_just_below_its_threshold_only(poisson_ratio):
     chi = edge_threshold(poisson_ratio)
@@ -114,6 +115,7 @@ def test_nucleation_under_a_preload_agrees_with_the_closed_form():
     assert quad(density, 0, math.pi / 2, epsabs=1e-12)[0] == pytest.approx(chi, rel=1e-9)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("loading", "poisson_ratio"), [("preload", THIRD), ("preload", 0.0), ("remote", THIRD)]
 )

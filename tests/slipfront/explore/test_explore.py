@@ -169,6 +169,7 @@ INFINITE = {
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["preloaded", "auxetic", "lift-off-shear", "steel", *INFINITE])
 def test_what_is_painted_is_what_the_contact_does(name):
     scene = (SCENES | INFINITE)[name]

@@ -153,6 +153,7 @@ def test_a_part_of_the_places_tells_the_same_in_two_digits(runs):
         assert some.outside == pytest.approx(every.outside, rel=0.1)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("element", "mesh"), [("P1", "squares"), ("Q2", "squares"), ("Q1", "graded")]
 )
