@@ -175,7 +175,7 @@ def chart(
         list[str] | None,
         typer.Argument(
             metavar="[SCENE...]",
-            help="Scenes of the chart, all unless given.",
+            help=f"Scenes of the chart: {', '.join(CHARTED)}; all unless given.",
             autocompletion=one_of(*CHARTED),
         ),
     ] = None,
@@ -241,8 +241,8 @@ def wear(
         for load in LOADS:
             chi, work = most_wear(rows, load, poisson_ratio)
             Console().print(
-                f"{load}, nu = {poisson_ratio:.3g}: most frictional work {work:.4g} at "
-                f"chi = {chi:.3g}",
+                f"{load}, nu = {poisson_ratio:.3g}: of the values of chi, "
+                f"{chi:.3g} gives most frictional work, {work:.4g}",
                 highlight=False,
             )
     _written(f"{directory}/")
