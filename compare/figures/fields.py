@@ -94,6 +94,7 @@ class FieldPicture:
         )
         self.figure.set_layout_engine("compressed")
         self.panel: Axes = self.figure.subplots()
+        self._height: float | None = None  # of the title, which the layout is to find
         values = self._values(time)
         self._norm = Normalize(*_range(values, quantity, self._rest()))
         image = self._draw(values, time)
@@ -110,6 +111,7 @@ class FieldPicture:
         for _ in range(2):  # the sizes of labels are known only at the second time
             layout.execute(self.figure)
         self.figure.set_layout_engine("none")  # the layout stays fixed for all times
+        self._height = self.figure.texts[0].get_position()[1]
 
     @look()
     def show(self, time: float) -> None:
@@ -144,7 +146,7 @@ class FieldPicture:
         panel.set(xlabel=f"x [{length}]", ylabel=f"y [{length}]")
         panel.set(xlim=self.window[:2], ylim=self.window[2:])
         moment = f"t = {time:.4g} {unit('time', scene.units) if scene.units else ''}"
-        describe(self.figure, f"{words_of(self.fields)},  {moment}")
+        describe(self.figure, f"{words_of(self.fields)},  {moment}", self._height)
         return image
 
 

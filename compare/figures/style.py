@@ -173,10 +173,14 @@ def _unit_name(scene: Scene) -> str:
     return "unit"
 
 
-def describe(figure: Figure, what: Scene | str) -> Figure:
-    """Add a title to a figure, `scene_words` or a description of many scenes, and return it."""
+def describe(figure: Figure, what: Scene | str, height: float | None = None) -> Figure:
+    """Add a title to a figure, `scene_words` or a description of many scenes, and return it.
+
+    Its lower end is at a `height`, from 0 to 1, or where the layout of the figure puts it.
+    """
     words = scene_words(what) if isinstance(what, Scene) else what
-    figure.suptitle(words, color=ink(0.75), wrap=True)
+    side = "top" if height is None else "bottom"
+    figure.suptitle(words, y=height, verticalalignment=side, color=ink(0.75), wrap=True)
     return figure
 
 

@@ -198,6 +198,9 @@ def test_frames_of_a_film_lie_on_one_another():
     assert film.panel.get_images()[0].get_clim() == colours
     assert len(film.figure.legends) == 1
     assert "t = 0.2" in film.figure.get_suptitle()
+    frame, title = film.panel.get_window_extent(), film.figure.texts[0].get_window_extent()
+    assert frame.y1 + 2 < title.y0
+    assert title.y1 < film.figure.bbox.y1
 
 
 def test_interrupted_animation_leaves_nothing(tmp_path):
