@@ -118,19 +118,21 @@ class Contact:
     def shift(self, length: float, nodes: int) -> float:
         """Return by how much a grid is to be moved to have ends in their places [length].
 
-        It is 0 where they fit as it is, and otherwise what suits the ends best on half the nodes,
-        whose cells are those of two nodes each.
+        It is 0 where they fit as it is, and otherwise what suits the ends best: on half the nodes,
+        whose cells are those of two nodes each, it is the better one of two such distances.
         """
         if self.misfit(length, nodes) == 0:
             return 0.0
-        cell = 2 * length / nodes
+        cell = length / nodes
         parts = np.sort(self.ends(length) / cell % 1.0)
         # On the circle of a cell, the places of ends lie best about the middle of their arc, which
         # begins behind the widest gap between them.
         gaps = np.diff([*parts, parts[0] + 1])
         widest = int(np.argmax(gaps))
-        middle = parts[(widest + 1) % len(parts)] + (1 - gaps[widest]) / 2
-        return float(middle - round(middle)) * cell
+        middle = float(parts[(widest + 1) % len(parts)] + (1 - gaps[widest]) / 2)
+        nearest = (middle - round(middle)) * cell
+        other = nearest - math.copysign(cell, nearest)
+        return min(nearest, other, key=lambda shift: self.misfit(length, nodes // 2, shift))
 
     def shortened(self, length: float, nodes: int, shift: float = 0.0) -> Contact:
         """Return a contact that half the nodes see shorter by one, where a grid displaces its ends.

@@ -66,7 +66,7 @@ def test_nodes_that_fit_are_the_fewest():
 @settings(deadline=None, max_examples=80)
 @given(st.floats(-9.9, 9), st.floats(0.3, 15), st.integers(16, 300))
 def test_a_moved_grid_has_ends_closer_to_their_places(begin, width, quarter):
-    """On half the nodes too, which see displaced ends of a shortened contact one cell inward."""
+    """Half the nodes see displaced ends of a shortened contact one cell inward."""
     length, nodes = 20.0, 4 * quarter
     contact = Contact([(begin, begin + width)])
     shift = contact.shift(length, nodes)
@@ -76,7 +76,7 @@ def test_a_moved_grid_has_ends_closer_to_their_places(begin, width, quarter):
         assert shift == 0
         return
     # two ends on a circle are never further than a quarter from the middle of their arc
-    assert contact.misfit(length, nodes // 2, shift) <= 0.25 * (1 + 1e-9)
+    assert contact.misfit(length, nodes, shift) <= min(0.25, contact.misfit(length, nodes)) + 1e-9
     grids = [Grid(length, n, True, shift=shift) for n in (nodes, nodes // 2)]
     np.testing.assert_allclose((grids[0].x[::2] + grids[0].x[1::2]) / 2, grids[1].x, atol=1e-12)
     shorter = contact.shortened(length, nodes, shift)
@@ -174,16 +174,8 @@ def test_displaced_ends_are_told_and_estimated(truth):
             assert 1e-2 < error < done.error_estimates["slip"]
     assert "choose 520 nodes" in done.caution
     odd = replace(punch(), length=7.3, even=False, contact=Contact([(-1, 2**0.5)]))
-    assert "choose 72 nodes" in sf.run(odd, 0.1, 64, estimate=False).caution
-    assert (
-        "choose a period"
-        in sf.run(
-            replace(odd, even=False, contact=Contact([(-3.1, -2), (-1, 2**0.5), (2.2, 2.9)])),
-            0.1,
-            64,
-            estimate=False,
-        ).caution
-    )
+    assert "choose 72 nodes" in sf.run(odd, 0.1, 68, estimate=False).caution
+    assert "choose a period" in sf.run(odd, 0.1, 64, estimate=False).caution
 
 
 def test_a_contact_of_few_nodes_is_unresolved_and_gets_enough_by_default():
