@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.case import lower_of
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
+from compare.figures.fronts import reach
 from compare.figures.pairs import words_of
 from compare.figures.style import (
     BLACK,
@@ -45,7 +46,6 @@ from compare.figures.style import (
     styled,
     waves_handle,
 )
-from compare.output.bodies import shown_speed
 from semianalytic import OpenZone, PairSolution, SlipZone, Solution
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.results.interface_history import InterfaceHistory
@@ -209,7 +209,7 @@ def _figure(panel: Axes) -> Figure:
 
 
 def _speed_limit(solution: Exact) -> float:
-    return 1.05 * shown_speed(solution, 1.0)
+    return reach(solution, 1.0)[1]
 
 
 def _right_end(solution: Exact) -> float:

@@ -26,7 +26,7 @@ from compare.interfaces.lines import line_of
 from fem.lines import LineSimulation, simulate_line
 from fem.lines.march import planned_work, sample_times
 from semianalytic import Interface, Run, run
-from semianalytic.engine.line import grid_of
+from semianalytic.engine.line import fitting_nodes, grid_of
 from semianalytic.engine.tuning import LEAST_GAP, NODES
 from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.scene.checks import checked_count, checked_size, shown
@@ -141,8 +141,7 @@ def compare_interface(
         raise SceneError(f"compare: interface must be an Interface, got {shown(interface)}.")
     end_time = checked_size("compare: end_time", end_time)
     if nodes is None:
-        movable = not interface.even
-        nodes = interface.contact.fitting_nodes(interface.length, NODES, HALVINGS, movable)
+        nodes = fitting_nodes(interface, NODES, HALVINGS)
     finest = _mesh_nodes(interface, end_time, nodes, mesh_nodes)
     shift = grid_of(interface, nodes).shift
     lines = [line_of(interface, finest >> number, shift) for number in range(MESHES)]

@@ -29,6 +29,16 @@ def grid_of(
     return Grid(interface.length, nodes, between, interface.even, held, shift)
 
 
+def fitting_nodes(interface: Interface, least: int, halvings: int) -> int:
+    """Return the nodes, `least` or more, on which ends of contacts fit best, as grids can be moved.
+
+    See `Contact.fitting_nodes`.
+    """
+    return interface.contact.fitting_nodes(
+        interface.length, least, halvings, movable=not interface.even
+    )
+
+
 @dataclass(frozen=True)
 class Grid:
     """Evenly spaced nodes on one period of the line, or on half of it if both halves are alike.

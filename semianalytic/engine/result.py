@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
-from semianalytic.engine.line import grid_of
+from semianalytic.engine.line import fitting_nodes, grid_of
 from semianalytic.engine.tuning import LEAST_GAP, TOLD_MISFIT
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
@@ -142,7 +142,7 @@ class Run:
         misfit = self.contact_misfit
         if misfit < TOLD_MISFIT:
             return ""
-        fitting = contact.fitting_nodes(length, self.nodes, 1, not self.interface.even)
+        fitting = fitting_nodes(self.interface, self.nodes, 1)
         remedy = f"choose {fitting} nodes"
         if contact.misfit(length, fitting, grid_of(self.interface, fitting).shift) > misfit / 2:
             remedy = "choose a period of which the ends are simple fractions"

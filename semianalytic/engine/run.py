@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.checks import missed_slip, wrong_beside_slots
+from semianalytic.engine.line import fitting_nodes
 from semianalytic.engine.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
@@ -145,7 +146,7 @@ def run(
         slipping = checked_number("run: slipping", slipping, "be 0 or more", lambda one: one >= 0)
     settings = _checked_settings(settings)
     options = {"step_ratio": step_ratio, "every": every, "frames": frames, "times": times}
-    options["slipping"] = slipping
+    options |= {"slipping": slipping, "shift": None}  # moved as suits the ends of contacts
     latest = end_time if latest is None else checked_size("run: latest", latest)
     options["latest"] = max(latest, end_time)
     if go_on is not None:
@@ -156,9 +157,7 @@ def run(
     if nodes is None:
         least = in_fours(needed) if NODES < needed <= MOST_NODES else NODES
         # the run with half the nodes, which tells the error, needs ends that fit as well
-        movable = not interface.even
-        nodes = interface.contact.fitting_nodes(interface.length, least, 1, movable)
-        nodes = min(nodes, MOST_NODES)
+        nodes = min(fitting_nodes(interface, least, 1), MOST_NODES)
     elif rtol is not None and go_on is None and nodes < needed <= MOST_NODES:
         nodes = in_fours(needed)
     count = _checked_nodes(nodes)
@@ -216,7 +215,7 @@ def _one(
     latest = (
         options["latest"] if go_on is None else max(float(go_on.checkpoint["latest"]), end_time)
     )
-    ratio, shift = options["step_ratio"], options.get("shift")
+    ratio, shift = options["step_ratio"], options["shift"]
     stepper = Stepper(interface, nodes, ratio, end_time=latest, shift=shift, **settings)
     if check:
         stepper.check_sliding()

@@ -61,6 +61,11 @@ class Parameter:
     targets: tuple[tuple[Path, float], ...]
 
 
+def spelled(given: str) -> str:
+    """Return a name that is spelled as in TOML, dotted, or with underscores, with underscores."""
+    return given.replace(".", "_").replace("-", "_").removeprefix("material_")
+
+
 def interface_parameters(interface: Interface) -> dict[str, Parameter]:
     """Return all numbers of an interface by name.
 

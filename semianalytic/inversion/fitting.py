@@ -321,10 +321,14 @@ def _trials(
         from semianalytic.interface.named import described_interface
 
         if (described := described_interface(given)) is not None:
-            from semianalytic.inversion.interfaces import interface_name, interface_trials, spelled
+            from semianalytic.inversion.interfaces import (
+                interface_name,
+                interface_trials,
+                plain_name,
+            )
 
             names = tuple(interface_name(described.interface, name) for name in names)
-            priors = {spelled(name): prior for name, prior in priors.items()}
+            priors = {plain_name(name): prior for name, prior in priors.items()}
             _check_priors(gauges, names, priors)
             return interface_trials(gauges, described, names, priors, setup, nodes)
     if nodes is not None:

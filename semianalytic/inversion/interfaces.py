@@ -21,6 +21,7 @@ from semianalytic.interface.parameters import (
     Parameter,
     interface_at,
     interface_parameters,
+    spelled,
 )
 from semianalytic.inversion.gauges import FIELDS, Gauge
 from semianalytic.inversion.samples import Samples
@@ -286,11 +287,9 @@ _OWN = ("nodes", "rtol", "every", "frames", "times")
 """Options of files that fits do not take from them."""
 
 
-def spelled(given: str) -> str:
-    """Return a name that is spelled as in TOML, dotted, or with underscores, with underscores."""
-    if is_of_setup(given):
-        return given
-    return str(given).replace(".", "_").replace("-", "_").removeprefix("material_")
+def plain_name(given: str) -> str:
+    """Return a name with underscores, but for names of the set-up, which hold those of gauges."""
+    return given if is_of_setup(given) else spelled(str(given))
 
 
 def interface_name(interface: Interface, given: str) -> str:
@@ -301,11 +300,8 @@ def interface_name(interface: Interface, given: str) -> str:
     SceneError
         If the interface has no such number, and the set-up neither.
     """
-    if is_of_setup(given):
-        return given
-    known = interface_parameters(interface)
-    name = spelled(given)
-    if name not in known:
+    known, name = interface_parameters(interface), plain_name(given)
+    if name not in known and not is_of_setup(name):
         raise SceneError(
             f"fit: parameters must be among {', '.join((*known, *SETUP))} and gain:NAME, got "
             f"{shown(given)}."

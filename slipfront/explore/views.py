@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from compare.comparison.case import lower_of
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
-from compare.output.bodies import shown_speed
 from semianalytic import Marched, OpenZone, PairSolution, Scene, SlipZone, Solution
 from semianalytic.results.answer import WholeFields
 
@@ -29,8 +28,6 @@ NODES = 300
 """Number of evenly spread nodes of curves over x; more are added near edges and fronts."""
 BESIDE = np.outer([-1, 1], np.geomspace(1e-6, 3e-2, 9)).ravel()
 """Relative distances of the added nodes from their edge or front."""
-BEYOND = 1.05
-"""Extent of pictures relative to the distance the waves have reached."""
 NAMED = 0.9
 """Part of the picture of both bodies in which names of waves are not cut by its rim."""
 SPEED, DISPLACEMENT = "particle speed", "displacement"
@@ -105,7 +102,7 @@ def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> Int
 def _places(solution: Solution | PairSolution, nodes: int, share: float) -> Array:
     """Return positions [length] that make curves smooth, denser near edges and fronts."""
     scene, fronts = solution.scene, contact_fronts(solution.scene, lower_of(solution))
-    far = BEYOND * shown_speed(solution, end_time(scene))
+    far = reach(solution, end_time(scene))[1] / end_time(scene)
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
     edges = [one for part in parts for one in (part.inner, part.outer) if 0 < one < np.inf]
     near = np.array([*fronts.values(), *edges])
@@ -156,10 +153,10 @@ def space_time_view(answer: Shown) -> SpaceTimeView:
     fronts = contact_fronts(scene, lower_of(answer))
     waves = {name: one / speed for name, one in fronts.items()}
     if isinstance(answer, Marched):
-        reach = float(answer.interface.x[-1]) / (speed * end_time(scene))
-        return SpaceTimeView((), _senses(answer), reach, waves)
+        last = float(answer.interface.x[-1]) / (speed * end_time(scene))
+        return SpaceTimeView((), _senses(answer), last, waves)
     length = speed * end_time(scene)
-    far = BEYOND * shown_speed(answer, end_time(scene)) / speed
+    far = reach(answer, end_time(scene))[1] / length
     wedges = tuple(
         (part.kind, part.start / length, part.end / length)
         for part in moving_parts(answer, end_time(scene))

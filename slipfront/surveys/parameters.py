@@ -16,7 +16,7 @@ from semianalytic.dissimilar.described import find_pair
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.named import described_interface
-from semianalytic.interface.parameters import interface_at, interface_parameters
+from semianalytic.interface.parameters import interface_at, interface_parameters, spelled
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, ViscousFriction
@@ -112,8 +112,7 @@ def parameter_name(subject: Subject, given: str) -> str:
         known, what = interface_parameters(subject.interface), "interface"
     else:
         known, what = parameters_of(subject), "scene"
-    name = given.replace(".", "_").replace("-", "_").removeprefix("material_")
-    name = name.replace("lower_material_", "lower_")
+    name = spelled(given).replace("lower_material_", "lower_")
     name = "viscosity" if name == "friction_law_viscosity" and "viscosity" in known else name
     if name not in known:
         close = difflib.get_close_matches(name, known, n=1)

@@ -13,6 +13,7 @@ import pytest
 from catalogue import solved, unit_scene
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
+from compare.figures.fronts import MARGIN
 from semianalytic import Harmonic, Ramp, SceneError, SlipWeakening, ViscousFriction, march
 from semianalytic.regimes import regime
 from semianalytic.scene.given.finding import find_scene
@@ -129,9 +130,9 @@ def test_pictures_end_near_what_happens_where_the_p_wave_is_far_ahead():
     usual, rubber = (solved(unit_scene(0.3, (1.0, 0.0), nu=nu)) for nu in (0.25, 0.4999))
     for solution, far in ((usual, 3**0.5), (rubber, 4 * rubber.zones[-1].outer)):
         end = views.end_time(solution.scene)
-        assert far * end == pytest.approx(views.field_view(solution, 20).reach / views.BEYOND)
-        assert far * end == pytest.approx(views.space_time_view(solution).reach / views.BEYOND)
-        assert far * end == pytest.approx(views.interface_view(solution).x[-1] / views.BEYOND)
+        assert far * end == pytest.approx(views.field_view(solution, 20).reach / MARGIN)
+        assert far * end == pytest.approx(views.space_time_view(solution).reach / MARGIN)
+        assert far * end == pytest.approx(views.interface_view(solution).x[-1] / MARGIN)
     assert {"P", "S"} - {name for name, *_ in views.field_view(usual, 20).names} == set()
     assert "P" not in {name for name, *_ in views.field_view(rubber, 20).names}
 
