@@ -45,8 +45,8 @@ class SlotHistory:
     Examples
     --------
     >>> from fem import simulate
-    >>> from semianalytic import find_scene
-    >>> slot = simulate(find_scene("preloaded"), resolution=8).slot
+    >>> from semianalytic import find
+    >>> slot = simulate(find("preloaded"), resolution=8).slot
     >>> slot.velocity_x.shape == (len(slot.t), len(slot.x))
     True
     """
@@ -85,8 +85,8 @@ class EnergyHistory:
     Examples
     --------
     >>> from fem import simulate
-    >>> from semianalytic import find_scene
-    >>> simulate(find_scene("preloaded"), resolution=8).energy.residual < 1e-12
+    >>> from semianalytic import find
+    >>> simulate(find("preloaded"), resolution=8).energy.residual < 1e-12
     True
     """
 
@@ -125,8 +125,8 @@ class Opening:
     Examples
     --------
     >>> from fem import simulate
-    >>> from semianalytic import find_scene
-    >>> run = simulate(find_scene("lift-off"), resolution=16)
+    >>> from semianalytic import find
+    >>> run = simulate(find("lift-off"), resolution=16)
     >>> 0 < run.opened.x < run.opened.length < 1
     True
     """
@@ -219,8 +219,8 @@ class Simulation(SampledAnswer):
     Examples
     --------
     >>> from fem import simulate
-    >>> from semianalytic import find_scene
-    >>> run = simulate(find_scene("preloaded"), resolution=8)
+    >>> from semianalytic import find
+    >>> run = simulate(find("preloaded"), resolution=8)
     >>> run.interface.slip.shape == (run.steps + 1, len(run.interface.x))
     True
     >>> run.model, run.opened
@@ -368,9 +368,9 @@ def load_simulation(directory: str | Path) -> Simulation:
     --------
     >>> import tempfile
     >>> from fem import load_simulation, simulate
-    >>> from semianalytic import find_scene
+    >>> from semianalytic import find
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     simulate(find_scene("preloaded"), resolution=8).save(folder)
+    ...     simulate(find("preloaded"), resolution=8).save(folder)
     ...     load_simulation(folder).resolution
     8
     """
@@ -397,8 +397,8 @@ def opening_sentence(simulation: Simulation) -> str:
     Examples
     --------
     >>> from fem import opening_sentence, simulate
-    >>> from semianalytic import find_scene
-    >>> opening_sentence(simulate(find_scene("preloaded"), resolution=8))
+    >>> from semianalytic import find
+    >>> opening_sentence(simulate(find("preloaded"), resolution=8))
     'the contact stayed closed'
     """
     opened = simulation.opened

@@ -8,6 +8,8 @@ import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from semianalytic.finding import find
+from semianalytic.methods import solve
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import Measured, Reading
@@ -28,14 +30,12 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
-from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.solids import find_material
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.scene.tabulated import Tabulated
 from semianalytic.selfsimilar.solution import Solution
-from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
@@ -116,30 +116,20 @@ __all__ = [
     "WholeLine",
     "ZoneDerivative",
     "critical_wavelength",
-    "find_interface",
-    "find_line",
+    "find",
     "find_material",
-    "find_pair",
-    "find_scene",
     "fit",
     "fringe_order",
     "fringes",
-    "march",
     "march_on",
-    "predict",
-    "run",
     "sliding_stability",
     "solve",
-    "solve_growing",
-    "solve_line",
-    "solve_pair",
     "strain",
     "supershear_strength",
     "sweep",
 ]
 
 _LATER = {
-    "semianalytic.dissimilar.described": ("find_pair",),
     "semianalytic.dissimilar.grid_edge": ("EdgeReading",),
     "semianalytic.dissimilar.pair": ("Pair",),
     "semianalytic.dissimilar.stability": (
@@ -149,7 +139,6 @@ _LATER = {
     ),
     "semianalytic.dissimilar_slot.derivative": ("PairDerivative",),
     "semianalytic.dissimilar_slot.solution": ("PairSolution", "PairStatistics"),
-    "semianalytic.dissimilar_slot.solver": ("solve_pair",),
     "semianalytic.interface.contact": ("Adhesion", "Contact"),
     "semianalytic.interface.fields": ("Table",),
     "semianalytic.interface.interface": ("Interface",),
@@ -159,34 +148,28 @@ _LATER = {
     "semianalytic.interface.rate_and_state": ("RateAndState",),
     "semianalytic.interface.weakening": ("ForcedFront", "RateDependent", "SlipDependent"),
     "semianalytic.interface.files": ("InterfaceFile",),
-    "semianalytic.interface.named": ("find_interface",),
     "semianalytic.engine.result": ("Run",),
-    "semianalytic.engine.run": ("run",),
     "semianalytic.reference.ruptures": ("critical_wavelength", "supershear_strength"),
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
     "semianalytic.inversion.fitting": ("Fit", "fit"),
     "semianalytic.inversion.gauges": ("Gauge",),
     "semianalytic.inversion.priors": ("LogNormal", "Normal", "Uniform"),
     "semianalytic.inversion.unknowns": ("Setup",),
-    "semianalytic.prediction": ("predict",),
     "semianalytic.selfsimilar.derivatives.derivative": (
         "Derivative",
         "OpenDerivative",
         "ZoneDerivative",
     ),
-    "semianalytic.spacetime.march": ("march", "march_on"),
+    "semianalytic.spacetime.march": ("march_on",),
     "semianalytic.spacetime.marched": ("Marched",),
     "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
-    "semianalytic.whole_line.growing": ("GrowingSlot", "GrowingSolution", "solve_growing"),
+    "semianalytic.whole_line.growing": ("GrowingSlot", "GrowingSolution"),
     "semianalytic.whole_line.line": ("HalfLine", "Patch", "PointForce", "WholeLine"),
-    "semianalytic.whole_line.named": ("find_line",),
     "semianalytic.whole_line.solution": ("LineSolution",),
-    "semianalytic.whole_line.solver": ("solve_line",),
 }
 """Modules that a plain solution does not need, with the public names they define."""
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
-    from semianalytic.dissimilar.described import find_pair
     from semianalytic.dissimilar.grid_edge import EdgeReading
     from semianalytic.dissimilar.pair import Pair
     from semianalytic.dissimilar.stability import (
@@ -196,9 +179,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     )
     from semianalytic.dissimilar_slot.derivative import PairDerivative
     from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics
-    from semianalytic.dissimilar_slot.solver import solve_pair
     from semianalytic.engine.result import Run
-    from semianalytic.engine.run import run
     from semianalytic.field.derived import fringe_order, fringes, strain
     from semianalytic.interface.contact import Adhesion, Contact
     from semianalytic.interface.coulomb import Coulomb
@@ -207,28 +188,24 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.interface.interface import Interface
     from semianalytic.interface.law import InterfaceLaw
     from semianalytic.interface.loads import FrontLoad, InterfaceLoad
-    from semianalytic.interface.named import find_interface
     from semianalytic.interface.rate_and_state import RateAndState
     from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
     from semianalytic.inversion.fitting import Fit, fit
     from semianalytic.inversion.gauges import Gauge
     from semianalytic.inversion.priors import LogNormal, Normal, Uniform
     from semianalytic.inversion.unknowns import Setup
-    from semianalytic.prediction import predict
     from semianalytic.reference.ruptures import critical_wavelength, supershear_strength
     from semianalytic.selfsimilar.derivatives.derivative import (
         Derivative,
         OpenDerivative,
         ZoneDerivative,
     )
-    from semianalytic.spacetime.march import march, march_on
+    from semianalytic.spacetime.march import march_on
     from semianalytic.spacetime.marched import Marched
     from semianalytic.sweeps.sweep import Sweep, sweep
-    from semianalytic.whole_line.growing import GrowingSlot, GrowingSolution, solve_growing
+    from semianalytic.whole_line.growing import GrowingSlot, GrowingSolution
     from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
-    from semianalytic.whole_line.named import find_line
     from semianalytic.whole_line.solution import LineSolution
-    from semianalytic.whole_line.solver import solve_line
 else:
 
     def __getattr__(name: str) -> Any:

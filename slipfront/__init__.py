@@ -93,24 +93,15 @@ _NAMES = {
         "ViscousFriction",
         "WholeLine",
         "ZoneDerivative",
-        "find_line",
+        "find",
         "find_material",
-        "find_pair",
         "critical_wavelength",
-        "find_interface",
-        "find_scene",
         "fit",
         "fringe_order",
         "fringes",
-        "march",
         "march_on",
-        "predict",
-        "run",
         "sliding_stability",
         "solve",
-        "solve_growing",
-        "solve_line",
-        "solve_pair",
         "strain",
         "supershear_strength",
         "sweep",
@@ -155,7 +146,7 @@ _NEEDED = {"semianalytic": ("semianalytic",), "fem": ("semianalytic", "fem", "me
 
 _MODULES = {"reference": "semianalytic.reference", "regimes": "semianalytic.regimes"}
 """Modules with names that only some users need: closed forms, and thresholds between regimes."""
-_FORMER = {"History": "LoadHistory", "slip_history": "predict"}
+_FORMER = {"History": "LoadHistory", "slip_history": "solve"}
 """Names of 0.1, which 0.3 no longer has, and those in their place."""
 
 _PLACES = {name: module for module, names in _NAMES.items() for name in names}

@@ -26,7 +26,11 @@ FORMER = {
 @pytest.fixture(scope="module")
 def answers():
     scene = unit_scene()
-    made = (sf.solve(scene), sf.march(scene, nodes=40), sf.simulate(scene, resolution=8))
+    made = (
+        sf.solve(scene),
+        sf.solve(scene, method="space-time", nodes=40),
+        sf.simulate(scene, resolution=8),
+    )
     return {type(one).__name__: one for one in made}
 
 

@@ -307,7 +307,7 @@ USES = """
 import json, sys, semianalytic
 loaded = [list(sys.modules)]
 import slipfront
-solution = slipfront.solve(slipfront.find_scene("preloaded"))
+solution = slipfront.solve(slipfront.find("preloaded"))
 solution.zones
 {use}
 loaded.append(list(sys.modules))
@@ -353,7 +353,6 @@ LATER = (
     "interface",
     "inversion",
     "memory",
-    "prediction",
     "reference",
     "regimes",
     *_DERIVATIVES,
@@ -372,7 +371,7 @@ LATER = (
         ("solution.slip_rate(0.3, 1.0)", ()),
         ("solution.derivative('friction')", _DERIVATIVES),
         ("slipfront.fit", ("inversion", *_DERIVATIVES)),
-        ("slipfront.march", ("memory", "spacetime")),
+        ("slipfront.march_on", ("memory", "spacetime")),
         ("slipfront.sweep", ("sweeps",)),
     ],
 )

@@ -22,7 +22,7 @@ import pytest
 from catalogue import unit_scene
 
 from fem import simulate
-from semianalytic import Gauge, ViscousFriction, fit, march, solve, sweep
+from semianalytic import Gauge, ViscousFriction, fit, solve, sweep
 from semianalytic.scene.given.finding import find_scene
 
 THREADS = 4
@@ -161,7 +161,7 @@ def test_threads_hear_of_a_sweep_what_one_hears():
 @pytest.mark.slow
 def test_threads_hear_of_a_march_what_one_hears():
     def make() -> Any:
-        return march(find_scene("ramp"), end_time=1.0, nodes=32, length=2.0)
+        return solve(find_scene("ramp"), method="space-time", end_time=1.0, nodes=32, length=2.0)
 
     asked = dict(questions(make()))
     asked["error_of"] = lambda one: one.error_of(lambda each: each.slip(0.3, 0.8))

@@ -45,10 +45,7 @@ from semianalytic import (
     Scene,
     Solution,
     WholeLine,
-    march,
     solve,
-    solve_line,
-    solve_pair,
 )
 from semianalytic.dissimilar.described import pair_document
 from semianalytic.results.answer import TOTALS
@@ -84,12 +81,16 @@ def answer_to(sheet: Sheet, nodes: int = SCORING_NODES) -> Answered:
         return reference_of(written_document(sheet))
     problem = sheet.problem
     if isinstance(problem, WholeLine):
-        answer = solve_line(problem)
+        answer = solve(problem)
         assert isinstance(answer, LineSolution)  # half-lines are scenes
         return answer
     if isinstance(problem, Pair):
-        return solve_pair(problem, rtol=PAIR_RTOL)
-    return march(sheet.scene, 1.0, nodes) if sheet.is_marched else solve(sheet.scene, rtol=RTOL)
+        return solve(problem, rtol=PAIR_RTOL)
+    return (
+        solve(sheet.scene, method="space-time", end_time=1.0, nodes=nodes)
+        if sheet.is_marched
+        else solve(sheet.scene, rtol=RTOL)
+    )
 
 
 def arrival_level(sheet: Sheet) -> float:

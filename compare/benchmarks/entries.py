@@ -24,7 +24,7 @@ from compare.output.files import write_text
 from compare.records.read import read_records
 from compare.records.record import QUANTITIES, Record, Records
 from compare.records.text import lines_of
-from semianalytic import march
+from semianalytic import solve
 from semianalytic.results.sampled import SampledAnswer
 from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import DataFileError, SceneError
@@ -82,7 +82,9 @@ def _marched(sheet: Sheet, cells: int) -> Stations:
     if sheet.is_interface:
         raise SceneError(f"enter: march takes scenes, and {sheet.name} is an interface; give run.")
     nodes = math.ceil(cells * sheet.scene.fastest_speed)
-    return _stations_of(march(sheet.scene, 1.0, nodes, companion=False))
+    return _stations_of(
+        solve(sheet.scene, method="space-time", end_time=1.0, nodes=nodes, companion=False)
+    )
 
 
 def _run(sheet: Sheet, cells: int) -> Stations:

@@ -22,10 +22,10 @@ from semianalytic import (
     Tractions,
     ViscousFriction,
     WholeLine,
-    find_line,
+    find,
 )
-from semianalytic.dissimilar.described import find_pair, pair_of
-from semianalytic.prediction import chosen_method
+from semianalytic.dissimilar.described import pair_of
+from semianalytic.methods import chosen
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import find_blocks
 from semianalytic.scene.given.named import LINES, NAMED_PAIRS
@@ -138,10 +138,10 @@ class Sheet:
     def problem(self) -> Scene | Pair | WholeLine:
         """The scene, the two bodies or the whole line, in units mu = rho = c_t = 1."""
         if self.is_pair:
-            return find_pair(self.name)
+            return find(self.name)
         if not self.is_line:
             return self.scene
-        line = find_line(self.name)
+        line = find(self.name)
         assert isinstance(line, WholeLine)
         return line
 
@@ -161,7 +161,7 @@ class Sheet:
     @property
     def is_marched(self) -> bool:
         """Whether the answer is marched: not exact, but with an error estimate."""
-        return not self.is_line and chosen_method(self.scene) == "space-time"
+        return not self.is_line and chosen(self.scene).name == "space-time"
 
 
 THRESHOLD = 0.002

@@ -16,7 +16,7 @@ import numpy as np
 
 from compare.benchmarks.sheet import Sheet
 from compare.output.files import filled_template
-from semianalytic import Material, Pulse, Scene, ViscousFriction, find_pair
+from semianalytic import Material, Pulse, Scene, ViscousFriction, find
 
 CELLS = 40
 LENGTH, SLOT = 5.2, 2.2
@@ -68,7 +68,7 @@ def _is_pressed(scene: Scene) -> bool:
 
 def _lower_of(sheet: Sheet) -> Material:
     """Return the solid of the lower body of a sheet."""
-    return find_pair(sheet.name).lower if sheet.is_pair else sheet.scene.material
+    return find(sheet.name).lower if sheet.is_pair else sheet.scene.material
 
 
 def _wider(lower: Material) -> float:

@@ -20,7 +20,7 @@ from compare.figures.style import cycle, describe, new_figure, styled
 from compare.output.tables import write_rows
 from compare.studies.tables import run_studies
 from compare.tasks.workers import Progress, counted
-from semianalytic import LoadHistory, Material, Pulse, Ramp, Scene, Step, Tractions, march
+from semianalytic import LoadHistory, Material, Pulse, Ramp, Scene, Step, Tractions, solve
 
 LOADS: dict[str, LoadHistory] = {"step": Step(), "ramp": Ramp(0.5), "pulse": Pulse(0.4)}
 POISSON_RATIOS = (1 / 3, 0.2)
@@ -63,7 +63,15 @@ def wear_after(load: str, poisson_ratio: float, chi: float, nodes: int) -> WearR
         Tractions(0.0, 1.0),
         shear_history=LOADS[load],
     )
-    marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9, companion=False)
+    marched = solve(
+        scene,
+        method="space-time",
+        end_time=1.0,
+        nodes=nodes,
+        length=LENGTH,
+        every=10**9,
+        companion=False,
+    )
     spacing, scale = marched.grid.spacing, 2 / scene.material.shear_impedance
     return WearRow(
         load,

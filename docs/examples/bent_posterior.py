@@ -13,7 +13,7 @@ import numpy as np
 import slipfront as sf
 from slipfront.fits.figures import fit_figure
 
-SCENE = sf.find_scene("preloaded")
+SCENE = sf.find("preloaded")
 NAMES, NOISE = ("gain", "gain:left"), 0.1
 
 

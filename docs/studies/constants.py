@@ -26,15 +26,7 @@ from rich.console import Console
 
 from compare.studies.tables import shown_rows
 from docs.studies.campaign.scenes import drawn, random_step_scene, random_wide_scene
-from semianalytic import (
-    CoulombFriction,
-    Scene,
-    SlipfrontError,
-    Solution,
-    find_scene,
-    solve,
-    sweep,
-)
+from semianalytic import CoulombFriction, Scene, SlipfrontError, Solution, find, solve, sweep
 from semianalytic.cut.quadrature import panels
 from semianalytic.selfsimilar.zones import tuning as solver_tuning
 from semianalytic.sweeps import tuning as sweep_tuning
@@ -164,7 +156,7 @@ def solved(scenes: Sequence[Scene], rtol: float) -> list[Answer]:
 
 def swept(frictions: Array, rtol: float) -> list[Answer]:
     """Return the answers of sweeps of four scenes over friction."""
-    sweeps = (sweep(find_scene(name), frictions, rtol) for name in SWEPT)
+    sweeps = (sweep(find(name), frictions, rtol) for name in SWEPT)
     return [Answer.of(one[index]) for one in sweeps for index in range(len(frictions))]
 
 

@@ -31,8 +31,10 @@ def main() -> None:
     """Measure all interfaces, then write the table."""
     rows = []
     for name in NAMES:
-        found = sf.find_interface(name)
-        counted = sf.run(found.interface, found.end_time, COUNTED, estimate=False, **ratio(found))
+        found = sf.find(name)
+        counted = sf.solve(
+            found.interface, end_time=found.end_time, nodes=COUNTED, estimate=False, **ratio(found)
+        )
         before = math.nan
         for nodes in NODES:
             step, memory = cost_of_step(found, nodes)

@@ -51,10 +51,10 @@ FIRST = """import numpy, slipfront as sf; from time import process_time as now
 scene = sf.find_scene('preloaded'); sf.solve; began = now()
 sf.solve(scene); print(now() - began)"""
 KINKED: Mapping[str, sf.Scene] = {
-    "a pulse": sf.find_scene("pulse"),
-    "a harmonic": sf.find_scene("harmonic"),
-    "a reversal": sf.find_scene("unload"),
-    "slip weakening": replace(sf.find_scene("preloaded"), friction_law=sf.SlipWeakening(0.5, 0.1)),
+    "a pulse": sf.find("pulse"),
+    "a harmonic": sf.find("harmonic"),
+    "a reversal": sf.find("unload"),
+    "slip weakening": replace(sf.find("preloaded"), friction_law=sf.SlipWeakening(0.5, 0.1)),
 }
 """Scenes whose loads or laws have kinks or jumps."""
 
@@ -76,7 +76,7 @@ def _comparison() -> tuple[float, float]:
     from compare.comparison.comparing import planned
     from slipfront.cli.commands import main
 
-    announced = planned(sf.find_scene("preloaded"), snapshots=True)[1].seconds
+    announced = planned(sf.find("preloaded"), snapshots=True)[1].seconds
     began = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder, redirect_stdout(StringIO()):
         took = _spent(lambda: main(["compare", "preloaded", "--output", f"{folder}/it", "--quiet"]))
@@ -106,33 +106,35 @@ def _by_tolerance() -> Found:
 
     Both errors are those of the whole history, which the estimate bounds.
     """
-    scene = sf.find_scene("preloaded")
+    scene = sf.find("preloaded")
     for nodes in (1664, 1920, 2176, 2432, 2816):
-        if _whole_error(sf.march(scene, nodes=nodes)) <= 1e-4:
+        if _whole_error(sf.solve(scene, method="space-time", nodes=nodes)) <= 1e-4:
             cheapest = _least(partial(ratios.STEP, "march", nodes=nodes), 2)[0]
-            took, error = ratios.timed(lambda _: sf.march(scene, rtol=1e-4), _whole_error)
+            took, error = ratios.timed(
+                lambda _: sf.solve(scene, method="space-time", rtol=1e-4), _whole_error
+            )
             return took / cheapest, error
     raise AssertionError("2,816 nodes miss 1e-4")
 
 
 def _kinked(scene: sf.Scene) -> Found:
-    return ratios.timed(lambda _: sf.march(scene, rtol=1e-3), ratios.estimate)
+    return ratios.timed(lambda _: sf.solve(scene, method="space-time", rtol=1e-3), ratios.estimate)
 
 
 def _grown(many: int = 4096, few: int = 1024) -> Found:
     """Return the exponent by which the time of a march grows with its nodes."""
-    scene = sf.find_scene("preloaded")
-    least = min(_spent(lambda: sf.march(scene, nodes=few)) for _ in range(3))
-    return math.log(_spent(lambda: sf.march(scene, nodes=many)) / least) / math.log(
-        many / few
-    ), math.nan
+    scene = sf.find("preloaded")
+    least = min(_spent(lambda: sf.solve(scene, method="space-time", nodes=few)) for _ in range(3))
+    return math.log(
+        _spent(lambda: sf.solve(scene, method="space-time", nodes=many)) / least
+    ) / math.log(many / few), math.nan
 
 
 def _swept(name: str, side: int = 100) -> Found:
     """Return the milliseconds per scene of a sweep of a plane to 1e-6."""
     friction, ratio = batch_points(name, "grid", side)
     took, error = ratios.timed(
-        lambda _: sf.sweep(sf.find_scene(name), friction, 1e-6, poisson_ratio=ratio),
+        lambda _: sf.sweep(sf.find(name), friction, 1e-6, poisson_ratio=ratio),
         ratios.estimate,
     )
     return 1e3 * took / side**2, error
@@ -144,7 +146,7 @@ def _surveyed() -> Found:
     for workers in (1, 2, 1, 2):
         began = time.perf_counter()
         friction, ratio = np.linspace(0.1, 0.9, 60), np.linspace(0.1, 0.45, 60)
-        scene = sf.find_scene("preloaded")
+        scene = sf.find("preloaded")
         sf.survey(scene, workers=workers, friction=friction, poisson_ratio=ratio)
         took = time.perf_counter() - began
         spent[workers] = min(took, spent.get(workers, math.inf))
@@ -173,7 +175,7 @@ def _products() -> Found:
     import pstats
 
     profile = cProfile.Profile()
-    profile.runcall(sf.simulate, sf.find_scene("preloaded"), resolution=100)
+    profile.runcall(sf.simulate, sf.find("preloaded"), resolution=100)
     stats = pstats.Stats(profile).get_stats_profile()
     products = sum(one.tottime for name, one in stats.func_profiles.items() if "csr_matvec" in name)
     return products / stats.total_tt, math.nan

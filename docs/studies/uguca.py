@@ -40,14 +40,19 @@ def off(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 def main(folder: Path) -> None:
     """Write the table of differences."""
-    found = sf.find_interface("tpv101")
+    found = sf.find("tpv101")
     every = 20 * 0.35 * 50 / found.interface.material.shear_speed
     times = [every * k for k in range(FRAMES)]
     ours, seconds = {}, {}
     for nodes in (360, 720, 1440, 2880):
         began = time.process_time()
-        ours[nodes] = sf.run(
-            found.interface, times[-1], nodes, step_ratio=0.35, times=times, estimate=False
+        ours[nodes] = sf.solve(
+            found.interface,
+            end_time=times[-1],
+            nodes=nodes,
+            step_ratio=0.35,
+            times=times,
+            estimate=False,
         )
         seconds[nodes] = time.process_time() - began
         print(nodes, f"{seconds[nodes]:.1f} s of the processor", flush=True)

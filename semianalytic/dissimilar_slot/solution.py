@@ -59,7 +59,7 @@ class PairStatistics:
     >>> import semianalytic as sa
     >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
     >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-    >>> answer = sa.solve_pair(pair, rtol=1e-6)
+    >>> answer = sa.solve(pair, rtol=1e-6)
     >>> answer.statistics.unknowns  # the edge of slip, and that of an opening
     2
     """
@@ -108,7 +108,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     >>> import semianalytic as sa
     >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
     >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-    >>> answer = sa.solve_pair(pair, rtol=1e-6)
+    >>> answer = sa.solve(pair, rtol=1e-6)
     >>> answer.slip_rate(1.0, 2e-3).round(3), (answer.pressure(1.0, 2e-3) / 1e6).round(3)
     (np.float64(0.25), np.float64(9.633))
     """

@@ -80,10 +80,10 @@ class Run:
 
     Examples
     --------
-    >>> from semianalytic import Coulomb, Interface, InterfaceLoad, Material, run
+    >>> from semianalytic import Coulomb, Interface, InterfaceLoad, Material, solve
     >>> patch = InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
     >>> patched = Interface(Material(1.0, 1.0, 0.25), Coulomb(0.5), 8.0, loads=[patch])
-    >>> done = run(patched, 1.0, nodes=64)
+    >>> done = solve(patched, end_time=1.0, nodes=64)
     >>> done.slip.shape == (len(done.t), len(done.x)), done.status
     (True, 'done')
     """
@@ -282,11 +282,12 @@ class Run:
 
         Examples
         --------
-        >>> from semianalytic import Contact, Coulomb, Interface, InterfaceLoad, Material, run
+        >>> from semianalytic import Contact, Coulomb, Interface, InterfaceLoad, Material, solve
         >>> push = InterfaceLoad(0.1, on="slot")
         >>> contact = Contact([(-2.0, 2.0)])
         >>> held = Interface(Material(1, 1, 0.25), Coulomb(0.5), 8.0, contact=contact, loads=[push])
-        >>> run(held, 0.5, nodes=128).beside_edge(2.0).shear_traction[:2].round(3)
+        >>> done = solve(held, end_time=0.5, nodes=128)
+        >>> done.beside_edge(2.0).shear_traction[:2].round(3)
         array([0.095, 0.054])
         """
         return _beside_edge(self, edge, frame)

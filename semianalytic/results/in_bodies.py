@@ -66,7 +66,7 @@ class AnswerInBodies:
         >>> import semianalytic as sa
         >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
         >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-        >>> answer = sa.solve_pair(pair, rtol=1e-6)
+        >>> answer = sa.solve(pair, rtol=1e-6)
         >>> answer.velocity(1.0, [0.0, -0.0], 2e-3)[0].round(3)  # the slip rate is 0.25
         array([ 0.141, -0.109])
         """

@@ -41,7 +41,7 @@ class LineSolution(SelfSimilarAnswer):
     --------
     >>> import semianalytic as sa
     >>> solid, base = sa.Material(1.0, 1.0, 1 / 3), sa.Tractions(1.0, 0.0)
-    >>> answer = sa.solve_line(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
+    >>> answer = sa.solve(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
     >>> answer.status, round(answer.edge_speed, 9)
     ('converged', 0.395154377)
     >>> answer.slip_rate([-0.2, 0.2, 0.35], 1.0).round(6).tolist()

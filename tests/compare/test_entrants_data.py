@@ -10,7 +10,7 @@ from compare.records.read import read_records
 from compare.validation import validate
 from docs.studies.pages import ROOT, read_data
 from semianalytic.scene.given.named import NAMED_PAIRS
-from slipfront import find_pair, find_scene, predict, solve_pair
+from slipfront import find, solve
 from slipfront.cli.commands import main
 
 ENTRANTS = ROOT / "tests" / "data" / "entrants"
@@ -66,7 +66,7 @@ def runs(folder):
 
 @cache
 def exact(name):
-    return solve_pair(name) if name in NAMED_PAIRS else predict(find_scene(name))
+    return solve(name) if name in NAMED_PAIRS else solve(find(name))
 
 
 def error(path, quantity):
@@ -129,10 +129,10 @@ def test_friction_three_per_cent_off_is_worse(code):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", NAMED_PAIRS)
 def test_an_answer_whose_lower_body_is_three_per_cent_stiffer_is_worse(name, monkeypatch):
-    path, pair = runs(f"uguca/{name}")[-1], find_pair(name)
+    path, pair = runs(f"uguca/{name}")[-1], find(name)
     right = {quantity: error(path, quantity) for quantity in QUANTITIES}
     lower = replace(pair.lower, shear_modulus=1.03 * pair.lower.shear_modulus)
-    monkeypatch.setitem(globals(), "exact", lambda _: solve_pair(replace(pair, lower=lower)))
+    monkeypatch.setitem(globals(), "exact", lambda _: solve(replace(pair, lower=lower)))
     assert error(path, "slip") > 20 * right["slip"]
     assert error(path, "slip_rate") > 2 * right["slip_rate"]
     assert error(path, "pressure") > 1.5 * right["pressure"]
@@ -180,7 +180,7 @@ WRONG = {
 @pytest.mark.parametrize("count", [1, 3])
 @pytest.mark.parametrize("folder", [one for one in (*MOST, CLOSES_EARLY) if "pair" not in one])
 def test_codes_are_judged_as_they_are(folder, count):
-    judged = validate(read_records(runs(folder)[-count:]), find_scene(folder.partition("/")[2]))
+    judged = validate(read_records(runs(folder)[-count:]), find(folder.partition("/")[2]))
     assert judged.verdict == ("differs" if (folder, count) in WRONG else "agrees")
 
 
@@ -190,7 +190,7 @@ def test_codes_are_judged_as_they_are(folder, count):
 def test_friction_three_per_cent_off_differs(code, coarser):
     files = runs(f"{code}/preloaded")[:coarser]
     wrong = ENTRANTS / f"{code}-friction-3-percent-off.csv"
-    judged = validate(read_records([*files, wrong]), find_scene("preloaded"))
+    judged = validate(read_records([*files, wrong]), find("preloaded"))
     assert judged.verdict == "differs"
     assert "strength where it slides" in [row.name for row in judged.having("differs")]
 

@@ -9,7 +9,7 @@ from docs.studies.campaign import answers
 from docs.studies.campaign import study as campaign
 from docs.studies.campaign.scenes import drawn, random_wide_scene
 from docs.studies.pages import read_data
-from semianalytic import march, solve
+from semianalytic import solve
 from semianalytic.scene.given.finding import find_scene
 
 
@@ -54,7 +54,10 @@ def test_it_sees_what_is_wrong(monkeypatch):
     assert campaign._broken_law(spoilt, np.random.default_rng(1))[0] == pytest.approx(
         0.009, rel=0.01
     )
-    weak = replace(march(scene, 1.0, 100), scene=replace(scene, friction=0.29))
+    weak = replace(
+        solve(scene, method="space-time", end_time=1.0, nodes=100),
+        scene=replace(scene, friction=0.29),
+    )
     assert campaign._excess(weak) > 0.01
 
 

@@ -22,7 +22,7 @@ from docs.studies.judge.spoilt_answers import profiled
 from docs.studies.judge.spoilt_trials import SHARES, TRUTH
 from docs.studies.judge.trials import run_trials
 from docs.studies.pages import read_data
-from semianalytic import Answer, CoulombFriction, SlipWeakening, march
+from semianalytic import Answer, CoulombFriction, SlipWeakening, solve
 from semianalytic.cut.load import contact_opens
 from semianalytic.scene.given.finding import find_scene
 from tests.catalogue import REMOTE, SHOCK, over, unit_scene
@@ -110,7 +110,7 @@ def test_friction_ratio_and_base_are_those_of_another_scene():
 
 
 def test_a_marched_answer_is_marched_again():
-    right = march(find_scene("ramp"), 1.0, 100)
+    right = solve(find_scene("ramp"), method="space-time", end_time=1.0, nodes=100)
     other = wrong("friction +3 %", right)
     np.testing.assert_array_equal(other.interface.x, right.interface.x)
     assert other.interface.t[-1] == right.interface.t[-1]
@@ -182,7 +182,10 @@ def test_mistakes_that_make_no_sense_are_not_made():
     assert wrong("friction +3 %", free) is None
     assert wrong("base shear forgotten", free) is None
     assert wrong("article's algorithm", free) is None
-    assert wrong("edge +2 %", march(find_scene("ramp"), 1.0, 50)) is None
+    assert (
+        wrong("edge +2 %", solve(find_scene("ramp"), method="space-time", end_time=1.0, nodes=50))
+        is None
+    )
     assert wrong("ν +0.01", solved(unit_scene(nu=0.495))) is None
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from compare.benchmarks.interfaces.sheets import InterfaceSheet
 from compare.interfaces.lines import line_of
 from compare.records.record import Record
-from semianalytic import run
+from semianalytic import solve
 
 Array = NDArray[np.float64]
 
@@ -24,10 +24,10 @@ def run_stations(sheet: InterfaceSheet, cells: int) -> tuple[Record, ...]:
     times = (
         sheet.end_time * np.arange(1, SAMPLES * len(sheet.times) + 1) / (SAMPLES * len(sheet.times))
     )
-    done = run(
+    done = solve(
         sheet.interface,
-        sheet.end_time,
-        sheet.nodes_of(cells),
+        end_time=sheet.end_time,
+        nodes=sheet.nodes_of(cells),
         times=times.tolist(),
         estimate=False,
         **sheet.options,

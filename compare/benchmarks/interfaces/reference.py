@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compare.benchmarks.interfaces.sheets import InterfaceSheet
 from compare.records.record import Record
-from semianalytic import Run, run
+from semianalytic import Run, solve
 
 Array = NDArray[np.float64]
 
@@ -91,10 +91,10 @@ def _nearest(known: Array, given: ArrayLike) -> NDArray[np.intp]:
 
 def sampled(sheet: InterfaceSheet, nodes: int) -> Reference:
     """Return a run on so many nodes at stations and times of a sheet, with no errors."""
-    done: Run = run(
+    done: Run = solve(
         sheet.interface,
-        sheet.end_time,
-        nodes,
+        end_time=sheet.end_time,
+        nodes=nodes,
         times=list(sheet.times),
         slipping=sheet.level,
         estimate=False,

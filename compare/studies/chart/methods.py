@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from compare.comparison.measures import sampled_zones
 from compare.studies.chart.benchmark import forget_tables
 from compare.tasks.workers import LIFELINE, hang_on
-from semianalytic import Scene, SlipZone, Solution, march, solve
+from semianalytic import Scene, SlipZone, Solution, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.reference import DEFAULT_READING, published_grid, published_slip
@@ -189,7 +189,7 @@ def _published(scene: Scene, size: float) -> Answer:
 
 def _space_time(scene: Scene, nodes: float) -> Answer:
     fit_memory.cache_clear()
-    marched = march(scene, nodes=int(nodes), every=_ONLY_LAST, companion=False)
+    marched = solve(scene, method="space-time", nodes=int(nodes), every=_ONLY_LAST, companion=False)
     seconds, seen = marched.statistics.seconds, marched.interface
     velocity = seen.x / (scene.material.shear_speed * seen.t[-1])
     return Answer(seconds["setup"], seconds["steps"], *sampled(scene, velocity, seen.slip_rate[-1]))

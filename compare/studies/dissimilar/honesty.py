@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compare.studies.dissimilar.pairs import random_pair
-from semianalytic import PairSolution, SceneError, solve_pair
+from semianalytic import PairSolution, SceneError, solve
 from semianalytic.halfplane.rayleigh import Array
 
 EXACT = 1e-10
@@ -77,13 +77,13 @@ def honesty_rows(pairs: int = PAIRS, first: int = 0) -> list[HonestyRow]:
         pair = random_pair(np.random.default_rng([_SEED, seed]))
         seed += 1
         try:
-            exact = solve_pair(pair, rtol=EXACT)
+            exact = solve(pair, rtol=EXACT)
         except SceneError:
             refused += 1
             continue
         solved += 1
         for rtol in TOLERANCES:
-            answer = solve_pair(pair, rtol=rtol)
+            answer = solve(pair, rtol=rtol)
             unconverged[rtol] += answer.status != "converged"
             error = error_of(answer, exact)
             if error is None or not np.isfinite(answer.error_estimate):

@@ -11,7 +11,7 @@ from compare.comparison.judgement import Judgement, judge
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.studies.dissimilar.pairs import SCENES, random_pair
 from fem import Simulation, simulate, with_companions
-from semianalytic import Pair, SceneError, find_pair, solve_pair
+from semianalytic import Pair, SceneError, find, solve
 from semianalytic.scene.given.named import NAMED_PAIRS
 
 RESOLUTION = 100
@@ -45,7 +45,7 @@ class JudgedRow:
 
 def judged_rows() -> list[JudgedRow]:
     """Judge the named pairs, and the scenes that between them have all kinds of zones."""
-    named = {name: find_pair(name) for name in NAMED_PAIRS}
+    named = {name: find(name) for name in NAMED_PAIRS}
     return [judged_row(name, pair) for name, pair in (named | dict(SCENES)).items()]
 
 
@@ -77,7 +77,7 @@ def wrong_ones(pair: Pair) -> Mapping[str, Pair]:
 def verdict_on(pair: Pair, run: Simulation | None) -> str:
     """Return the verdict on the answer for a pair, or whether it is refused; "" without a run."""
     try:
-        answer = solve_pair(pair)
+        answer = solve(pair)
     except SceneError:
         return REFUSED
     return "" if run is None else judge(answer, run).verdict
@@ -88,7 +88,7 @@ def judged_row(name: str, pair: Pair, resolution: int = RESOLUTION) -> JudgedRow
     time = 1 / pair.upper.shear_speed
     run = simulate(pair.alike, time, resolution=resolution, lower_material=pair.lower)
     run = with_companions(run)
-    judgement = judge(solve_pair(pair), run)
+    judgement = judge(solve(pair), run)
     counts, (far, what) = judgement.counts, _farthest(judgement)
     wrong = {which: verdict_on(other, run) for which, other in wrong_ones(pair).items()}
     return JudgedRow(

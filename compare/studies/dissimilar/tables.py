@@ -17,7 +17,7 @@ from compare.studies.dissimilar.pairs import NAMED, SCENES, of_contrast
 from compare.studies.dissimilar.points import ThresholdPoint, threshold_point
 from compare.studies.dissimilar.witness import witness_rows
 from compare.studies.tables import Study, run_studies
-from semianalytic import PairSolution, SceneError, sliding_stability, solve_pair
+from semianalytic import PairSolution, SceneError, sliding_stability, solve
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.whole_line import half_line_exponent, half_line_speed
 
@@ -128,7 +128,7 @@ def slot_rows() -> list[SlotRow]:
     """Exact answers with a slot."""
     rows = []
     for name, pair in SCENES.items():
-        answer = solve_pair(pair, rtol=1e-9)
+        answer = solve(pair, rtol=1e-9)
         rows.append(SlotRow(name, zones_text(answer), answer.error_estimate))
     return rows
 
@@ -148,7 +148,7 @@ def cost_rows() -> list[CostRow]:
         seconds = []
         for _ in range(_REPEATS + 1):
             start = process_time()
-            answer = solve_pair(pair)
+            answer = solve(pair)
             seconds.append(process_time() - start)
         statistics = answer.statistics
         first, *others = seconds

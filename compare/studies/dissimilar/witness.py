@@ -11,7 +11,7 @@ from compare.comparison.fields.changes import PARTS
 from compare.comparison.fields.errors import FieldErrors, field_errors
 from compare.studies.dissimilar.pairs import SCENES
 from fem import Simulation, simulate, with_companions
-from semianalytic import Pair, solve_pair
+from semianalytic import Pair, solve
 
 WITNESSED = ("two zones", "slip and opening", "film")
 RESOLUTION = 64
@@ -57,7 +57,7 @@ def witnessed(pair: Pair, resolution: int, folder: Path) -> tuple[Simulation, Fi
 
 
 def _errors(pair: Pair, run: Simulation, folder: Path) -> FieldErrors:
-    errors = field_errors(solve_pair(pair), run, folder)
+    errors = field_errors(solve(pair), run, folder)
     assert errors is not None  # a solved pair has fields in its bodies
     return errors
 

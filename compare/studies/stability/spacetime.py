@@ -18,7 +18,7 @@ from compare.output.tables import write_rows
 from compare.studies.profiles import last_march, step_error
 from compare.studies.stability.sweeps import StudyRow
 from compare.tasks.workers import Progress, run_tasks
-from semianalytic import Marched, Material, Scene, march
+from semianalytic import Marched, Material, Scene, solve
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -55,7 +55,8 @@ def trials(quick: bool) -> Iterator[Trial]:
             scene = replace(NAMED_SCENES[name].scene, friction=chi)
             yield "friction", name, chi, scene, partial(last_march, scene, nodes)
     for end in END_TIMES[:3] if quick else END_TIMES:
-        run = partial(march, preloaded, end, int(nodes * end / 4), every=10**9)
+        settings = {"end_time": end, "nodes": int(nodes * end / 4), "every": 10**9}
+        run = partial(solve, preloaded, method="space-time", **settings)
         yield "end time", "preloaded", end, preloaded, run
 
 

@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from compare.comparison.measures import norm
 from compare.studies.tables import Study, run_studies
 from docs.studies.accuracy.fem import PROFILE
-from semianalytic import solve
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.friction import RateWeakening, SlipWeakening
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.selfsimilar.solver import solve
 
 if TYPE_CHECKING:
     from fem.plan import Plan

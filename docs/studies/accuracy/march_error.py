@@ -23,7 +23,6 @@ from semianalytic import (
     SlipfrontError,
     SlipWeakening,
     Tractions,
-    march,
     solve,
 )
 from semianalytic.scene.contact import process_zone
@@ -144,14 +143,21 @@ def all_judged(nodes: int = NODES) -> list[Judged]:
     for kind, scene in error_scenes():
         end = 1 / scene.material.shear_speed
         try:
-            marched = march(scene, end, nodes)
+            marched = solve(scene, method="space-time", end_time=end, nodes=nodes)
             if marched.status != "resolved":
                 continue
             if scene.is_self_similar:
-                truth: Answer = solve(scene)
+                truth: Answer = solve(scene, method="self-similar")
             else:
                 length = nodes * marched.grid.spacing
-                truth = march(scene, end, FINER * nodes, length=length, companion=False)
+                truth = solve(
+                    scene,
+                    method="space-time",
+                    end_time=end,
+                    nodes=FINER * nodes,
+                    length=length,
+                    companion=False,
+                )
         except SlipfrontError:
             continue
         rows += judged(kind, marched, truth)
@@ -208,9 +214,17 @@ def weakening() -> list[WeakeningRow]:
         length = scene.material.longitudinal_speed * end
         share = length / process_zone(scene)
         finest = round(FINEST_IN_PROCESS_ZONE * share)
-        truth = march(scene, end, finest, length=length, companion=False)
+        truth = solve(
+            scene, method="space-time", end_time=end, nodes=finest, length=length, companion=False
+        )
         for count in NODES_IN_PROCESS_ZONE:
-            marched = march(scene, end, math.ceil(count * share), length=length)
+            marched = solve(
+                scene,
+                method="space-time",
+                end_time=end,
+                nodes=math.ceil(count * share),
+                length=length,
+            )
             found = {row.quantity: row.true for row in judged(name, marched, truth)}
             rows.append(
                 WeakeningRow(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic import Scene, march, solve
+from semianalytic import Scene, solve
 from semianalytic.scene.given.named import NAMED_SCENES
 
 Array = NDArray[np.float64]
@@ -48,7 +48,10 @@ def fields() -> list[FieldRow]:
 def field_errors(scene: Scene, nodes: int, points: int = POINTS) -> list[float]:
     """Return errors of velocity, stress and displacement where the exact fields are finite."""
     end = 1 / scene.material.shear_speed
-    marched, exact = march(scene, end, nodes, companion=False), solve(scene)
+    marched, exact = (
+        solve(scene, method="space-time", end_time=end, nodes=nodes, companion=False),
+        solve(scene),
+    )
     reach = 1.1 * scene.fastest_speed * end
     at = *np.random.default_rng(1).uniform(-reach, reach, (2, points)), end
     errors = []

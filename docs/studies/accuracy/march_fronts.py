@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic import IncidentWave, Material, MovingLoad, Scene, Tractions, march, solve
+from semianalytic import IncidentWave, Material, MovingLoad, Scene, Tractions, solve
 from semianalytic.scene.given.named import NAMED_SCENES
 
 GRIDS = (128, 256, 512, 1024)
@@ -45,7 +45,7 @@ def fronts() -> list[FrontRow]:
     for name, scene in SCENES.items():
         exact, before = solve(scene), math.nan
         for nodes in GRIDS:
-            marched = march(scene, 1.0, nodes)
+            marched = solve(scene, method="space-time", end_time=1.0, nodes=nodes)
             errors = []
             for quantity in ("slip_rate", "shear_traction", "pressure"):
                 off, size = 0.0, 0.0

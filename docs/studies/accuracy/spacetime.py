@@ -22,7 +22,7 @@ from compare.studies.tables import Study, run_studies
 from docs.studies.accuracy.march_error import error, weakening
 from docs.studies.accuracy.march_fields import fields
 from docs.studies.accuracy.march_fronts import fronts
-from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Tractions, march
+from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Tractions, solve
 from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.reference import static_zone
 from semianalytic.scene.given.named import NAMED_SCENES
@@ -139,7 +139,15 @@ def ramp_errors(rise_time: float, nodes: int = 1500) -> RampRow:
     scene = replace(NAMED_SCENES["ramp"].scene, shear_history=Ramp(rise_time))
     static = static_zone(scene, 1.0)
     length = float(np.clip(4 * static.length, 0.4, 2.0))
-    marched = march(scene, 1.0, nodes, length=length, every=10**9, companion=False)
+    marched = solve(
+        scene,
+        method="space-time",
+        end_time=1.0,
+        nodes=nodes,
+        length=length,
+        every=10**9,
+        companion=False,
+    )
     x, slip = marched.grid.x, marched.interface.slip[-1]
     end = x[slip > 1e-4 * slip.max()].max() + marched.grid.spacing / 2
     return RampRow(
@@ -178,7 +186,15 @@ def _work_row(study: str, scene: Scene, parameter: int, nodes: int) -> Resolutio
 
 def _work(scene: Scene, nodes: int) -> float:
     """Return the frictional work until T = 1 on a length of 2, per unit thickness."""
-    marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9, companion=False)
+    marched = solve(
+        scene,
+        method="space-time",
+        end_time=1.0,
+        nodes=nodes,
+        length=LENGTH,
+        every=10**9,
+        companion=False,
+    )
     return float(marched.final_work_density.sum() * marched.grid.spacing)
 
 

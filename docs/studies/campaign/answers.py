@@ -29,7 +29,8 @@ from compare.studies.tables import shown_rows
 from compare.tasks.workers import run_tasks
 from docs.studies.campaign.scenes import drawn, random_wide_scene
 from docs.studies.campaign.study import SummaryRow, error_between
-from semianalytic import RateWeakening, Scene, SceneError, Solution, TensionError, solve
+from semianalytic import RateWeakening, Scene, SceneError, Solution, TensionError
+from semianalytic.selfsimilar.solver import solve
 
 Array = NDArray[np.float64]
 

@@ -30,16 +30,7 @@ from compare.studies.tables import shown_rows
 from compare.tasks.cluster import connected
 from compare.tasks.workers import Progress, run_tasks
 from docs.studies.campaign.scenes import drawn, random_history_scene, random_step_scene
-from semianalytic import (
-    Marched,
-    Scene,
-    SlipfrontError,
-    SlipZone,
-    Solution,
-    TensionError,
-    march,
-    solve,
-)
+from semianalytic import Marched, Scene, SlipfrontError, SlipZone, Solution, TensionError, solve
 
 Array = NDArray[np.float64]
 
@@ -218,9 +209,9 @@ def marched_row(seed: int, index: int) -> MarchedRow:
     row = partial(MarchedRow, index, loads, type(scene.friction_law).__name__)
     try:
         began = process_time()
-        coarse = march(scene, 1.0, NODES, companion=False)
+        coarse = solve(scene, method="space-time", end_time=1.0, nodes=NODES, companion=False)
         seconds = process_time() - began
-        fine = march(scene, 1.0, 2 * NODES, companion=False)
+        fine = solve(scene, method="space-time", end_time=1.0, nodes=2 * NODES, companion=False)
     except SlipfrontError:
         return row("refused")
     slip = np.abs(fine.interface.slip[-1])

@@ -60,7 +60,7 @@ class Named:
 def named() -> Iterator[Named]:
     """Yield the judged quantities of named interfaces."""
     for name in JUDGED:
-        found = sf.find_interface(name)
+        found = sf.find(name)
         try:
             judged = compare_interface(found.interface, found.end_time, **found.options)
         except SceneError:
@@ -182,7 +182,7 @@ def answers(label: str, number: int, interface: sf.Interface) -> Iterator[Judged
     yield judged_row(label, number, "right", judged)
     for name, spoil in SPOILS.items():
         try:
-            other = sf.run(spoil(interface), END, NODES, times=list(judged.run.t))
+            other = sf.solve(spoil(interface), end_time=END, nodes=NODES, times=list(judged.run.t))
         except SceneError:  # the other interface may be ill-posed
             continue
         yield judged_row(label, number, name, judge_interface(other, list(judged.simulations)))

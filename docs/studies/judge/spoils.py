@@ -20,7 +20,6 @@ from semianalytic import (
     SlipZone,
     Solution,
     Tractions,
-    march,
     solve,
 )
 from semianalytic.reference import Reading, published_slip
@@ -98,7 +97,13 @@ def _with_other(change: Callable[[Scene, float], Scene]) -> Make:
         if not isinstance(prediction, Marched):
             return tabulated(solve(other))
         nodes = prediction.grid.observed
-        return march(other, window.end_time, nodes, length=nodes * prediction.grid.spacing)
+        return solve(
+            other,
+            method="space-time",
+            end_time=window.end_time,
+            nodes=nodes,
+            length=nodes * prediction.grid.spacing,
+        )
 
     return make
 

@@ -59,7 +59,7 @@ def ours(nodes: int) -> tuple[dict[str, Array], float]:
     )
     times = np.linspace(0, END, FRAMES)[1:].tolist()
     began = time.process_time()
-    done = sf.run(face, END, nodes, times=times, estimate=False)
+    done = sf.solve(face, end_time=END, nodes=nodes, times=times, estimate=False)
     seconds = time.process_time() - began
     return {name: getattr(done, name)[:, :: nodes // GRIDS[0]] for name in QUANTITIES}, seconds
 

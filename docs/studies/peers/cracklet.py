@@ -134,7 +134,9 @@ def our_run(problem: Problem, times: Array, nodes: int, near: float) -> tuple[fl
         mode="antiplane",
     )
     began = time.process_time()
-    done = sf.run(fault, float(times[-1]), nodes, times=list(times), estimate=False)
+    done = sf.solve(
+        fault, end_time=float(times[-1]), nodes=nodes, times=list(times), estimate=False
+    )
     seconds = time.process_time() - began
     print(done, done.steps, f"{seconds:.1f} s", flush=True)
     return rate, done.slip_rate.max(axis=1) - done.slip_rate[:, 0], seconds

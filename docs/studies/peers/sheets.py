@@ -73,8 +73,13 @@ def tpv101(folder: Path) -> Iterator[Row]:
         ]
         yield row_of("UGUCA", spacing, sheet.name, records)
     # what reading between so few times costs alone
-    ours = sf.run(
-        sheet.interface, sheet.end_time, 1440, times=t[1:].tolist(), estimate=False, step_ratio=0.35
+    ours = sf.solve(
+        sheet.interface,
+        end_time=sheet.end_time,
+        nodes=1440,
+        times=t[1:].tolist(),
+        estimate=False,
+        step_ratio=0.35,
     )
     read = {name: ours.at(getattr(ours, name), sheet.stations) for name in sheet.report}
     records = [

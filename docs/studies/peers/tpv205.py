@@ -77,11 +77,13 @@ def main(folder: Path) -> None:
     theirs = stations(folder)
     x = 1e3 * np.array(list(theirs))
     t = next(iter(theirs.values()))[:, 0]
-    found = sf.find_interface("tpv205")
+    found = sf.find("tpv205")
     runs, seconds = {}, {}
     for nodes in NODES:
         began = time.process_time()
-        runs[nodes] = sf.run(found.interface, float(t[-1]), nodes, times=list(t), estimate=False)
+        runs[nodes] = sf.solve(
+            found.interface, end_time=float(t[-1]), nodes=nodes, times=list(t), estimate=False
+        )
         seconds[nodes] = time.process_time() - began
         print(nodes, f"{seconds[nodes]:.1f} s of the processor", flush=True)
     # PyLith writes a shear traction of 0 at t = 0; the next one is the initial one except in the

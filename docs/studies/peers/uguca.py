@@ -99,15 +99,20 @@ def our_cost(run: Callable[[float], sf.Run], end: float) -> tuple[sf.Run, float,
 def tpv101(fields: Path, builds: dict[str, Path]) -> Iterator[tuple[Cost, dict[str, Array]]]:
     """Yield what TPV101 costs, and the fields at x >= 0 on 721 nodes or fewer."""
     limit = {name: 2 * theirs(fields, 2880, name) - theirs(fields, 1440, name) for name in TPV101}
-    found = sf.find_interface("tpv101")
+    found = sf.find("tpv101")
     every = 20 * 0.35 * 50 / found.interface.material.shear_speed
     times = [every * k for k in range(FRAMES)]
 
     def ours(nodes: int) -> tuple[sf.Run, float, float]:
         def run(end: float) -> sf.Run:
             stored = [one for one in times if one <= end]
-            return sf.run(
-                found.interface, end, nodes, step_ratio=STEP_RATIO, times=stored, estimate=False
+            return sf.solve(
+                found.interface,
+                end_time=end,
+                nodes=nodes,
+                step_ratio=STEP_RATIO,
+                times=stored,
+                estimate=False,
             )
 
         return our_cost(run, times[-1])
@@ -144,7 +149,7 @@ def _apart(one: Array, other: Array) -> float:
 
 def bimat(builds: dict[str, Path]) -> Iterator[tuple[Cost, dict[str, Array]]]:
     """Yield what `rock-on-gouge` costs, and its fields on 256 nodes; tractions are changes."""
-    found = sf.find_interface("rock-on-gouge")
+    found = sf.find("rock-on-gouge")
     fault, end = found.interface, found.end_time
     times = [end * k / 20 for k in range(21)]
     for nodes in (512, 1024):
@@ -159,7 +164,7 @@ def bimat(builds: dict[str, Path]) -> Iterator[tuple[Cost, dict[str, Array]]]:
 
         def run(until: float, nodes: int = nodes) -> sf.Run:
             stored = [one for one in times if one <= until]
-            return sf.run(fault, until, nodes, times=stored, estimate=False)
+            return sf.solve(fault, end_time=until, nodes=nodes, times=stored, estimate=False)
 
         done, *seconds = our_cost(run, end)
         fields = (done.slip, done.slip_rate, done.shear_traction, done.pressure)

@@ -28,7 +28,7 @@ from compare.validation.bars import JudgedRow
 from compare.validation.rows import PLACES, rows
 from compare.validation.validation import Validation, validate
 from docs.studies.judge.scenes import HISTORIES, OPENINGS, STEPS, draw
-from semianalytic import InterfaceHistory, Material, Scene, Solution, march, solve
+from semianalytic import InterfaceHistory, Material, Scene, Solution, solve
 from semianalytic.scene.errors import ComputationError, SceneError
 
 Arrays = dict[str, Any]
@@ -130,7 +130,13 @@ def _simulated(scene: Scene, cells: int) -> Arrays:
 
 
 def _marched(scene: Scene, cells: int) -> Arrays:
-    marched = march(scene, 1.0, math.ceil(cells * scene.fastest_speed), companion=False)
+    marched = solve(
+        scene,
+        method="space-time",
+        end_time=1.0,
+        nodes=math.ceil(cells * scene.fastest_speed),
+        companion=False,
+    )
     t, x = marched.interface.t, np.array(PLACES)
     values = {name: getattr(marched, name)(x, t[:, None]) for name in QUANTITIES}
     return {"t": t, "x": x, **values}

@@ -11,7 +11,7 @@ import numpy as np
 from compare.records.record import QUANTITIES, Array
 from docs.studies.campaign.scenes import drawn
 from docs.studies.judge.scenes import random_opening, random_steps
-from semianalytic import Material, Pulse, Scene, Tractions, march, solve
+from semianalytic import Material, Pulse, Scene, Tractions, solve
 from semianalytic.cut.load import contact_opens
 from semianalytic.results.answer import Answer
 from semianalytic.scene.loading import REMOTE
@@ -97,7 +97,14 @@ def _answer(name: str) -> Answer:
     if setting.scene.is_self_similar:
         return solve(setting.scene)
     length = setting.length * 1.25
-    return march(setting.scene, setting.end_time, MARCH_NODES, length=length, companion=False)
+    return solve(
+        setting.scene,
+        method="space-time",
+        end_time=setting.end_time,
+        nodes=MARCH_NODES,
+        length=length,
+        companion=False,
+    )
 
 
 def recorded(setting: Setting, answer: Answer | None = None, levels: int = LEVELS) -> Values:

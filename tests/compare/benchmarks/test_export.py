@@ -16,7 +16,7 @@ from compare.benchmarks.pages import Heading, Table, Text, as_html, as_markdown,
 from compare.benchmarks.sheet import STATIONS
 from compare.benchmarks.sheets import PAIR_SHEETS, SHEETS
 from compare.benchmarks.starters import starter_inputs
-from semianalytic import find_pair
+from semianalytic import find
 from semianalytic.scene.errors import DataFileError, SceneError
 
 TWO = [SHEETS["antiplane"], SHEETS["lift-off"]]
@@ -172,7 +172,7 @@ def test_a_step_stays(name):
 
 @pytest.mark.parametrize("name", PAIR_SHEETS)
 def test_the_mesh_of_two_different_bodies_has_both_solids(name):
-    said, lower = starter_inputs(PAIR_SHEETS[name])["sem2dpack/Par.inp"], find_pair(name).lower
+    said, lower = starter_inputs(PAIR_SHEETS[name])["sem2dpack/Par.inp"], find(name).lower
     assert f"rho=1.2d0, cp={lower.longitudinal_speed:.15g}, cs={lower.shear_speed:.15g}" in said
     at, cells, _ = mesh_of(PAIR_SHEETS[name])
     middle = at[cells[:, 1:5] - 1].mean(axis=1)

@@ -226,9 +226,9 @@ def test_exports_hold_the_interface_as_a_file(tmp_path, monkeypatch):
         contents
     )
     (tmp_path / "interface.toml").write_bytes(contents["two-slots/interface.toml"])
-    from semianalytic import find_interface
+    from semianalytic import find
 
-    again = find_interface(tmp_path / "interface.toml").interface
+    again = find(tmp_path / "interface.toml").interface
     assert again.contact == sheet.interface.contact
     document = json.loads(contents["two-slots/answers.json"])
     assert document["units"].startswith("mu = rho = c_t = 1")

@@ -20,7 +20,7 @@ from compare.benchmarks.sheets import (
 )
 from compare.benchmarks.starters import uguca_parameters
 from compare.records.record import QUANTITIES
-from semianalytic import SceneError, find_pair, find_scene, solve, solve_line, solve_pair
+from semianalytic import SceneError, find, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 
 FRONT, LINE = FRONT_SHEETS["incident-sv"], LINE_SHEETS["whole-line-patch"]
@@ -64,7 +64,7 @@ def test_numbers_of_written_answers():
 def test_nine_digits_are_sure(name):
     content, loose = (
         content_of(PAIR_SHEETS[name], answer)
-        for answer in (answer_to(PAIR_SHEETS[name]), solve_pair(name, rtol=1e-9))
+        for answer in (answer_to(PAIR_SHEETS[name]), solve(name, rtol=1e-9))
     )
     for key, values in content.items():
         known = np.isfinite(values)
@@ -76,19 +76,19 @@ def test_load_and_intensity_under_a_wave_are_those_of_the_closed_forms():
     """K_I of a step at t = 1, times M_+(0) / M_+(-p), at nu = 1/3, c_l = 2 c_t."""
     p, factors = math.sin(math.radians(-20.0)), rayleigh_factors(1 / 3)
     pressure, shear = (0.3 * turn(math.radians(40.0)) for turn in (math.sin, math.cos))
-    load = find_scene("incident-sv").superposition.taken_off
+    load = find("incident-sv").superposition.taken_off
     assert (load.pressure, load.shear) == pytest.approx((pressure, -shear), rel=1e-14)
     moving = factors.m_plus(np.array([-p]), "I")[0]
     expected = 3 * pressure * math.sqrt(2 / 3 / math.pi) * factors.m_plus_at_zero["I"] / moving
     assert written_document(FRONT)["answers"]["K_I"] == pytest.approx(expected, rel=1e-11)
 
 
-SOLVERS = {FRONT.name: (solve, 1e-7), LINE.name: (solve_line, 1e-11)}
+SOLVERS = {FRONT.name: (solve, 1e-7), LINE.name: (solve, 1e-11)}
 
 
 @every
 def test_the_si_problem_is_the_same_times_its_scales(sheet):
-    solver, rel = SOLVERS.get(sheet.name, (solve_pair, 1e-7))
+    solver, rel = SOLVERS.get(sheet.name, (solve, 1e-7))
     plain, si = answer_to(sheet), solver(sheet.si_problem)
     x, t = np.array(STATIONS), np.array(TIMES)[:, None] if sheet.name in PAIR_SHEETS else 0.9
     for name in QUANTITIES:
@@ -155,7 +155,7 @@ def test_no_wave_of_the_far_edge_of_a_period_reaches_a_station(name):
     given = {line[1]: line[-1] for line in lines}
     assert (given["lower_shear_modulus"], given["lower_density"]) == ("2.5", "1.2")
     slot = float(given["slot_nodes"]) / float(given["cells"])
-    fastest = find_pair(name).lower.longitudinal_speed
+    fastest = find(name).lower.longitudinal_speed
     assert float(given["length"]) - slot - max(STATIONS) > fastest
     assert slot + min(STATIONS) > fastest
 

@@ -30,7 +30,7 @@ from compare.studies.regimes.figures import RegimeResults
 from compare.studies.regimes.points import BoundaryPoint, MapPoint
 from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
 from docs.studies.schema import DOCUMENTS, schema
-from semianalytic import find_scene
+from semianalytic import find
 from semianalytic.cut.load import contact_opens
 from semianalytic.scene.given.documents import scene_document
 from slipfront.cli.commands import command_for, main
@@ -66,7 +66,7 @@ def test_schema_and_table_are_up_to_date(tmp_path, capsys):
 
 
 def test_a_document_with_another_key_or_without_one_does_not_fit():
-    scene = scene_document(find_scene("ramp"))
+    scene = scene_document(find("ramp"))
     good = envelope("init", {"scene": scene, "text": ""})
     assert VALIDATOR.is_valid(good)
     assert not VALIDATOR.is_valid({**good, "more": 1})
