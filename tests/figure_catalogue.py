@@ -26,6 +26,8 @@ from compare.benchmarks.entries import read_run, told_apart
 from compare.benchmarks.figures import score_figure, sheet_figure
 from compare.benchmarks.scores import score
 from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
+from compare.chart.figure import chart_figure
+from compare.chart.points import read_points
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import judge, side_by_side
 from compare.comparison.rows import AGREES, DIFFERS
@@ -40,9 +42,6 @@ from compare.figures.whole_line import line_figure
 from compare.output.field_files import record_fields
 from compare.studies.article import study as article
 from compare.studies.article.cases import SlotCheck, run_cases
-from compare.studies.chart.figure import chart_figure
-from compare.studies.chart.points import SCENES as CHARTED
-from compare.studies.chart.points import read_points
 from compare.studies.dissimilar.figure import growth_figure
 from compare.studies.dissimilar.pairs import NAMED
 from compare.studies.dissimilar.pairs import SCENES as PAIRS
@@ -367,8 +366,8 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     },
     "compare.studies.article.study.slot_figure": _slot,
     **{
-        f"compare.studies.chart.figure.chart_figure/{name}": partial(_chart, name)
-        for name in CHARTED
+        f"compare.chart.figure.chart_figure/{name}": partial(_chart, name)
+        for name in ("preloaded", "remote-shock", "auxetic", "ramp")
     },
     "docs.studies.judge.figure.judge_figure": _judge,
     **{

@@ -134,7 +134,7 @@ REFUSED = [
     ["simulate", "stuck", "--resolution", "8", "--step-ratio", "1e-12"],
     ["simulate", "stuck", "--resolution", "8", "--damping", "1e12"],
     ["article", "--quick", "--quiet", "--output", "taken"],
-    ["chart", "preloaded", "--quick", "--quiet", "--output", "taken"],
+    ["chart", "preloaded", "--quiet", "--output", "taken"],
     ["wear", "--quick", "--quiet", "--output", "taken"],
     ["evidence", "--quick", "--quiet", "--output", "taken/page.html"],
     ["simulate", "stuck", "--resolution", "8", "--quiet", "--no-snapshots", "--output", "taken"],

@@ -1,7 +1,6 @@
 """Results of studies as plain dictionaries with units, for JSON.
 
 Studies are dimensionless, so most units are "1" or a product of scales such as "V_0 c_t T^2".
-Measurements of the computer are in "s" and "MB".
 """
 
 from __future__ import annotations
@@ -16,7 +15,6 @@ from semianalytic.scene.given.documents import scene_document
 if TYPE_CHECKING:
     from compare.studies.article.claims import Claim
     from compare.studies.article.study import Article
-    from compare.studies.chart.points import Point
     from compare.studies.dissimilar.study import GrowthResults
     from compare.studies.evidence.study import Evidence
     from compare.studies.regimes.figures import RegimeResults
@@ -24,7 +22,6 @@ if TYPE_CHECKING:
     from compare.studies.wear import WearRow
 
 _SCENE = {"poisson_ratio": "1", "chi": "1"}
-_ERRORS = ("error", "edge_error", "reference_error", "reference_edge_error")
 
 
 def regimes_document(results: RegimeResults) -> dict[str, Any]:
@@ -88,20 +85,6 @@ def _claims(claims: Sequence[Claim]) -> list[dict[str, Any]]:
         }
         for claim in claims
     ]
-
-
-def chart_document(points: Sequence[Point]) -> dict[str, Any]:
-    """Return all points, and the power of time by which errors fall, by scene and method."""
-    from compare.studies.chart.figure import slopes
-
-    return {
-        "points": [asdict(point) for point in points],
-        "slopes": slopes(points),
-        "units": {
-            "points": {"setup": "s", "solving": "s", "memory": "MB", **dict.fromkeys(_ERRORS, "1")},
-            "slopes": "1",
-        },
-    }
 
 
 def wear_document(rows: Sequence[WearRow]) -> dict[str, Any]:

@@ -31,8 +31,6 @@ import numpy as np
 
 import slipfront as sf
 from compare.output.tables import write_rows
-from compare.studies.chart.benchmark import batch_points
-from compare.studies.chart.costs import OPENINGS, measure_costs
 from docs.studies import ratios
 from docs.studies.accuracy.march_error import rate_error
 from docs.studies.pages import DATA, read_data
@@ -130,7 +128,9 @@ def _grown(many: int = 4096, few: int = 1024) -> Found:
 
 def _swept(name: str, side: int = 100) -> Found:
     """Return the milliseconds per scene of a sweep of a plane to 1e-6."""
-    friction, ratio = batch_points(name, "grid", side)
+    low, high = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}[name]  # across thresholds
+    friction = np.tile(np.linspace(low, high, side), side)
+    ratio = np.repeat(np.linspace(0.0, 0.45, side), side)
     took, error = ratios.timed(
         lambda _: sf.sweep(sf.find_scene(name), friction, 1e-6, poisson_ratio=ratio),
         ratios.estimate,
@@ -149,11 +149,6 @@ def _surveyed() -> Found:
         took = time.perf_counter() - began
         spent[workers] = min(took, spent.get(workers, math.inf))
     return spent[1] / spent[2], math.nan
-
-
-def _opening(kind: str) -> Found:
-    (cost,) = (one for one in measure_costs({kind: OPENINGS[kind]}) if one.rtol == 1e-8)
-    return cost.median, math.nan
 
 
 def _fields(points: int = 200_000) -> Found:
@@ -227,12 +222,6 @@ GOALS: Mapping[str, Goal] = {
     ),
     "`solve` of `viscous` to 1e-10": Goal(
         "s", 0.056, 0.02, lambda: _least(partial(ratios.SOLVE, "viscous", rtol=1e-10), 12)
-    ),
-    "openings from the edge over closed contacts": Goal(
-        "times", math.nan, 1.5, partial(_opening, "opening from the edge")
-    ),
-    "openings ahead of c_R, as of `tap`, over closed contacts": Goal(
-        "times", 2.9, 1.5, partial(_opening, "opening ahead of c_R")
     ),
     "stress at 200,000 points to 1e-9": Goal("points/s", 2.5e5, 1e6, _fields, more=True),
     "`explore`: coarse field at a move": Goal("ms", 87, 40, _moved),

@@ -130,7 +130,7 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
     "regimes": (_STUDIES, "regimes"),
     "stability": (_STUDIES, "stability"),
     "article": (_STUDIES, "article"),
-    "chart": (_STUDIES, "chart"),
+    "chart": ("chart_command", "chart"),
     "wear": (_STUDIES, "wear"),
     "evidence": (_STUDIES, "evidence"),
 }

@@ -23,10 +23,10 @@ from faults import (
     write_columns,
 )
 
+from compare.chart.points import read_points
 from compare.figures.saving import save_figure
 from compare.output.files import append_text, write_text
 from compare.output.places import LOCK, check_file, save_somewhere, working_folder
-from compare.studies.chart.points import read_points
 from compare.studies.evidence.page import file_date
 from fem import simulate
 from semianalytic import InterfaceHistory
