@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from compare.chart.methods import METHODS
+from compare.chart.methods import METHODS, find_problem
 from compare.chart.points import FILE, Point, made_by
+from compare.figures import style
 from compare.figures.saving import save_figure
-from compare.figures.style import MARCH, PREDICTION, SIMULATION, SMALL, ink, new_figure, styled
 from compare.output.printed import Table
 from compare.output.tables import write_rows
 
-STYLES = {"exact": (PREDICTION, "o"), "march": (MARCH, "D"), "fem": (SIMULATION, "^")}
-"""Colour and marker of every method."""
+COLOURS = {"exact": style.PREDICTION, "march": style.MARCH, "fem": style.SIMULATION}
+MARKERS = {"exact": "o", "march": "D", "fem": "^"}
 FOUND_FILE = "data/chart-found.csv"
 
 
@@ -87,7 +87,7 @@ def judged_by(points: Sequence[Point], label: str) -> str:
     )
 
 
-@styled
+@style.styled
 def chart_figure(points: Sequence[Point], label: str) -> Figure:
     """Draw the error of each method on a scene against its computing time.
 
@@ -97,26 +97,28 @@ def chart_figure(points: Sequence[Point], label: str) -> Figure:
     methods = by_scene(points)[label]
     (one, *_), *_ = methods.values()
     quantity, bar = one.quantity.replace("_", " "), one.reference_error
-    figure = new_figure(7.2, 5.4)
+    figure = style.new_figure(7.2, 5.4)
     panel = figure.subplots()
     for name, group in methods.items():
-        known, method, (colour, marker) = [p for p in group if p.runs], METHODS[name], STYLES[name]
+        known, colour, marker = [p for p in group if p.runs], COLOURS[name], MARKERS[name]
         if not known:
             continue
         time, error = np.array([(p.seconds, max(p.error, bar / 3)) for p in known]).T
         good = np.array([p.status in ("converged", "resolved") for p in known])
-        settings = method.words.format(f"{known[0].setting:g} to {known[-1].setting:g}")
-        words = f"{method.label}, {settings}; slope {slope(known):.2g}".removesuffix("; slope nan")
+        settings = METHODS[name].words.format(f"{known[0].setting:g} to {known[-1].setting:g}")
+        words = f"{METHODS[name].label}, {settings}; slope {slope(known):.2g}"
         panel.plot(time, error, color=colour, marker=marker, mfc="none")
+        words = words.removesuffix("; slope nan")
         panel.plot(time[good], error[good], marker, color=colour, label=words)
     panel.set(xscale="log", yscale="log", xlabel="processor time of one run [s]")
     panel.set_ylabel(f"relative $L_1$ error of the {quantity}")
     low = min(panel.get_ylim()[0], bar / 5)
-    band = {"facecolor": "none", "edgecolor": ink(0.2), "hatch": "//", "linewidth": 0, "zorder": 0}
-    panel.axhspan(low, bar, label="less than the reference is certain", **band)
+    words, pale = "less than the reference is certain", style.ink(0.2)
+    panel.axhspan(low, bar, fc="none", ec=pale, hatch="//", lw=0, zorder=0, label=words)
     panel.set_ylim(low)
-    panel.grid(True, which="major", color=ink(0.15), linewidth=0.6)
-    panel.set_title(judged_by(points, label).replace("; ", ";\n"), size=SMALL, color=ink(0.75))
+    panel.grid(True, which="major", color=pale, linewidth=0.6)
+    facts = f"{style.scene_words(find_problem(one.scene).scene)}\n{judged_by(points, label)}"
+    panel.set_title(facts.replace("; ", ";\n"), size=style.SMALL, color=style.ink(0.75), wrap=True)
     figure.suptitle(f"{label}: error of the {quantity} against computing time")
     figure.legend(loc="outside lower left", frameon=False)
     return figure
@@ -127,10 +129,8 @@ def write_chart(
 ) -> None:
     """Write what all points say as CSV, and the figures of the scenes with these labels."""
     write_rows(directory / FOUND_FILE, findings(points), command=made_by(directory / FILE))
-    folder = directory / "figures"
-    folder.mkdir(exist_ok=True)
     for label in labels:
-        save_figure(chart_figure(points, label), folder / f"chart_{label}.{form}")
+        save_figure(chart_figure(points, label), directory / f"figures/chart_{label}.{form}")
 
 
 def described(points: Sequence[Point]) -> Iterator[Table | str]:
