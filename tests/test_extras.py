@@ -71,7 +71,6 @@ FINE = [
     "solve preloaded --json",
     "solve ramp --nodes 100 --quiet",
     "compare --help",
-    "evidence --help",
     "fit --help",
 ]
 REFUSED = [
@@ -80,14 +79,11 @@ REFUSED = [
     (PLOT, "compare", "plot"),
     (PLOT, "regimes --quick", "plot"),
     (PLOT, "stability --solver", "plot"),
-    (PLOT, "wear --quick", "plot"),
-    (PLOT, "evidence --quick", "plot"),
     (MOST, "solve ramp --save a.h5", "fem"),
     (MOST, "solve ramp --go-on a.h5", "fem"),
     (MOST, "simulate preloaded", "fem"),
     (MOST, "compare --from somewhere", "fem"),
     (MOST, "stability --fem", "fem"),
-    (MOST, "evidence --quick", "fem"),
     (PLOT, "fit a.csv --scene preloaded --parameters friction --plot a.png", "plot"),
     (MOST, "explore", "explore"),
     (MOST, "fit a.csv --scene preloaded --parameters friction --posterior", "bayes"),
