@@ -155,8 +155,6 @@ _NEEDED = {"semianalytic": ("semianalytic",), "fem": ("semianalytic", "fem", "me
 
 _MODULES = {"reference": "semianalytic.reference", "regimes": "semianalytic.regimes"}
 """Modules with names that only some users need: closed forms, and thresholds between regimes."""
-_FORMER = {"History": "LoadHistory", "slip_history": "predict"}
-"""Names of 0.1, which 0.3 no longer has, and those in their place."""
 
 _PLACES = {name: module for module, names in _NAMES.items() for name in names}
 
@@ -197,11 +195,6 @@ else:
         elif name in _MODULES:
             _check_that_none_is_hidden(_NEEDED["semianalytic"])
             value = import_module(_MODULES[name])
-        elif name in _FORMER:
-            from semianalytic.results.renamed import warn_of
-
-            warn_of(f"slipfront.{name}", _FORMER[name], "0.3")
-            return __getattr__(_FORMER[name])
         else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         globals()[name] = value
