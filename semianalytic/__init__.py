@@ -164,7 +164,8 @@ _LATER = {
     "semianalytic.engine.run": ("run",),
     "semianalytic.reference.ruptures": ("critical_wavelength", "supershear_strength"),
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
-    "semianalytic.inversion.fitting": ("Fit", "fit"),
+    "semianalytic.inversion.fitted": ("Fit",),
+    "semianalytic.inversion.fitting": ("fit",),
     "semianalytic.inversion.gauges": ("Gauge",),
     "semianalytic.inversion.priors": ("LogNormal", "Normal", "Uniform"),
     "semianalytic.inversion.unknowns": ("Setup",),
@@ -210,7 +211,8 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.interface.named import find_interface
     from semianalytic.interface.rate_and_state import RateAndState
     from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
-    from semianalytic.inversion.fitting import Fit, fit
+    from semianalytic.inversion.fitted import Fit
+    from semianalytic.inversion.fitting import fit
     from semianalytic.inversion.gauges import Gauge
     from semianalytic.inversion.priors import LogNormal, Normal, Uniform
     from semianalytic.inversion.unknowns import Setup

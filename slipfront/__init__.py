@@ -3,7 +3,7 @@
 ``import slipfront as sf`` gives every public name of the package.  Scenes and semi-analytic solvers
 come from `semianalytic`, finite elements from `fem`, which needs the extra ``slipfront[fem]``, the
 judge of other codes' results from `compare.validation`, many scenes at once from
-`slipfront.surveys`, readers of gauges and samples of posteriors from `slipfront.fits`; closed forms
+`slipfront.surveys`, readers of gauges from `slipfront.fits`; closed forms
 are in `sf.reference`, thresholds between regimes in `sf.regimes`.  A module is imported when one of
 its names is first used, so that the command line starts at once.
 """
@@ -140,11 +140,7 @@ _NAMES = {
         "Validation",
         "validate",
     ),
-    "slipfront.fits": (
-        "Posterior",
-        "posterior",
-        "read_gauges",
-    ),
+    "slipfront.fits": ("read_gauges",),
     "slipfront.surveys": ("survey",),
 }
 """All public names by the module that they come from."""

@@ -18,7 +18,6 @@ import slipfront
 from compare import interfaces, validation
 from semianalytic import MissingLibraryError
 from semianalytic.scene.extras import (
-    BAYES,
     CLUSTER,
     EXPLORE,
     FEM,
@@ -61,9 +60,9 @@ for Slim.blocked, line in {lines}:
 """
 SOURCES = (fem, interfaces, validation, fits, surveys, semianalytic)
 """Packages from which slipfront takes its public names."""
-MOST = (*FEM, *EXPLORE, *CLUSTER, *BAYES)
+MOST = (*FEM, *EXPLORE, *CLUSTER)
 """Left out together: no command needs both finite elements and any of the others."""
-ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES, *UNITS)
+ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *UNITS)
 FINE = [
     "--help",
     "scenes",
@@ -86,7 +85,6 @@ REFUSED = [
     (MOST, "stability --fem", "fem"),
     (PLOT, "fit a.csv --scene preloaded --parameters friction --plot a.png", "plot"),
     (MOST, "explore", "explore"),
-    (MOST, "fit a.csv --scene preloaded --parameters friction --posterior", "bayes"),
     (MOST, "survey preloaded --friction 0.1,0.2 --scheduler tcp://127.0.0.1:1", "cluster"),
     (MOST, "stability --space-time --scheduler tcp://127.0.0.1:1", "cluster"),
     (ALL, "survey preloaded --friction 0.1,0.2", "xarray"),
@@ -191,12 +189,12 @@ def test_extras_hold_what_they_are_said_to():
     extras = PROJECT["project"]["optional-dependencies"]
     names = {"skfem": "scikit-fem", "PIL": "pillow"}
     brought = {"fem": FEM, "plot": PLOT, "explore": EXPLORE, "xarray": XARRAY}
-    brought |= {"cluster": CLUSTER, "bayes": BAYES, "units": UNITS}
+    brought |= {"cluster": CLUSTER, "units": UNITS}
     for extra, modules in brought.items():
         listed = {requirement.split(">")[0] for requirement in extras[extra]}
         assert listed - {"slipfront[plot]"} == {names.get(module, module) for module in modules}
     assert "slipfront[plot]" in extras["explore"]
-    assert extras["all"] == ["slipfront[fem,plot,xarray,explore,cluster,bayes,units]"]
+    assert extras["all"] == ["slipfront[fem,plot,xarray,explore,cluster,units]"]
     assert "slipfront[all]" in extras["test"]
     needed = {requirement.split(">")[0] for requirement in PROJECT["project"]["dependencies"]}
     assert needed == {"numpy", "scipy", "rich", "typer"}
