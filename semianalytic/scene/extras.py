@@ -17,7 +17,7 @@ PLOT = ("matplotlib", "PIL")
 """Modules that figures need."""
 EXPLORE = ("bokeh",)
 """Modules that the page in the browser needs, besides those of figures."""
-XARRAY = ("xarray", "h5netcdf", "h5py", "zarr")
+XARRAY = ("xarray", "h5netcdf", "h5py")
 """Modules that datasets and their files need."""
 CLUSTER = ("dask", "distributed")
 """Modules that runs on several machines need."""
