@@ -30,7 +30,7 @@ from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import side_by_side
 from compare.comparison.rows import AGREES, DIFFERS
 from compare.figures import histories, interface
-from compare.figures.fields import field_figure
+from compare.figures.fields import FieldPicture
 from compare.figures.fronts import reach
 from compare.figures.pairs import pair_figure
 from compare.figures.quantities import find_quantity
@@ -107,13 +107,13 @@ def _snapshots():
 def _field(name, of):
     solution = solved(name)
     quantity = find_quantity(of, solution.scene)
-    return field_figure(solution, quantity, 1.0, reach(solution, 1.0), 40)
+    return FieldPicture(solution, quantity, reach(solution, 1.0), 40, 1.0).figure
 
 
 def _field_of_pair():
     answer = solve_pair(PAIRS["slip and opening"])
     quantity = find_quantity("max-shear", answer.pair.alike)
-    return field_figure(answer, quantity, 1.0, reach(answer, 1.0), 40)
+    return FieldPicture(answer, quantity, reach(answer, 1.0), 40, 1.0).figure
 
 
 def _record():
