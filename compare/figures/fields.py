@@ -50,8 +50,14 @@ class FieldPicture:
 
     Parameters
     ----------
-    fields, quantity, window, points
-        Arguments of `field_figure`.
+    fields : Fields
+    quantity : Quantity
+        Quantity to draw, from `find_quantity`.
+    window : (x0, x1, y0, y1)
+        Part of the plane to draw [length]; `reach` gives everything the waves have reached.
+    points : int
+        Number of points along the longer side of the window; the spacing is the same along the
+        shorter one.
     time : float
         Time shown first, whose values determine the range of colours [time].
     """
