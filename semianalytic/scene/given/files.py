@@ -128,10 +128,6 @@ def _headings(text: str) -> list[str]:
     return [line for line in lines if re.fullmatch(r"\[[A-Za-z_][\w.-]*\]", line)]
 
 
-_NAMED_OTHERWISE = {"step": "what is loaded goes into the table [load]."}
-"""Hints for keys that may be mistaken for others but are spelt too differently to be guessed."""
-
-
 def _check_keys(
     path: str | Path,
     prefix: str,
@@ -146,7 +142,6 @@ def _check_keys(
             close = difflib.get_close_matches(key, known, n=1)
             others = f"known are {', '.join(known)} (docs/not_here.md)."
             hint = f"did you mean {close[0]}?" if close else others
-            hint = _NAMED_OTHERWISE.get(prefix + key, hint)
             raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
         if key in (*TABLES, *OPTIONAL_TABLES):
             if not isinstance(value, dict):
