@@ -22,10 +22,6 @@ from compare_cases import sampled_run
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from compare.benchmarks.entries import read_run, told_apart
-from compare.benchmarks.figures import score_figure, sheet_figure
-from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import judge, side_by_side
 from compare.comparison.rows import AGREES, DIFFERS
@@ -74,7 +70,6 @@ from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "docs" / "data"
-ENTRANTS = ROOT / "tests" / "data" / "entrants"
 
 
 @cache
@@ -132,12 +127,6 @@ def _validation():
     names = ("slip_rate", "slip", "shear_traction", "pressure")
     data = {"t": t, "x": x, **{name: getattr(seen, name) for name in names}}
     return validation_figure(validate(data, solution.scene, spacing=0.02))
-
-
-def _scores():
-    paths = [*ENTRANTS.glob("uguca/preloaded/*.csv"), *ENTRANTS.glob("sem2dpack/preloaded/*.csv")]
-    runs = told_apart([read_run(path) for path in sorted(paths)])
-    return score_figure([one for run in runs for one in score(run)])
 
 
 @cache
@@ -347,12 +336,6 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     },
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
-    "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
-    **{
-        f"compare.benchmarks.figures.reference_figure/{name}": partial(sheet_figure, sheet)
-        for name, sheet in INTERFACE_SHEETS.items()
-    },
-    "compare.benchmarks.figures.score_figure": _scores,
     **{
         f"compare.studies.evidence.figures.{name}_figure": lambda draw=name: getattr(
             evidence, f"{draw}_figure"

@@ -18,7 +18,6 @@ from catalogue import UNIT_FILE, unit_scene
 from tornado.httpclient import AsyncHTTPClient, HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
-from compare.benchmarks.pages import Code, Heading, Picture, Table, Text, as_html
 from compare.output.files import filled_template
 from compare.studies.evidence import html
 from compare.studies.evidence.page import _program_digest
@@ -260,13 +259,6 @@ def test_the_evidence_page_names_the_one_program_it_runs():
     assert policy.startswith("default-src 'none';")
 
 
-def test_pieces_of_problem_sheets_are_text():
-    blocks = (Heading(ATTACK), Text(ATTACK), Code((ATTACK,)), Table((ATTACK,), ((ATTACK,),)))
-    picture = Picture("a.png", ATTACK)
-    pieces = check_harmless(as_html([*blocks, picture], {"a.png": b""}))
-    assert "script" not in [tag for tag, _ in pieces.tags]
-
-
 def test_pages_of_html_are_known():
     """Each has a test of what is filled into it: above, and in test_evidence.py."""
     written = {
@@ -278,7 +270,6 @@ def test_pages_of_html_are_known():
         "slipfront/explore/help.html",
         "slipfront/explore/page.html",
         "compare/studies/evidence/evidence.html",
-        "compare/benchmarks/sheet.html",
     }
     for path in (ROOT / "compare").rglob("*.py"):
         assert "<!doctype html" not in path.read_text().lower(), path
