@@ -12,7 +12,7 @@ import json
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -192,9 +192,10 @@ def stored_text(name: str, folder: Path = DATA) -> str:
     return data.decode()
 
 
-def _sheets() -> dict[str, Sheet]:
-    """Return the sheets that data/sheets.toml describes."""
-    described = tomllib.loads((DATA / "sheets.toml").read_text(encoding="utf-8"))
+@cache
+def sheets() -> Mapping[str, Sheet]:
+    """All sheets by name; raises as `stored_text`."""
+    described = tomllib.loads(stored_text("sheets.toml"))
     phrases, classes = described.pop("phrases"), json.loads(stored_text("classes.json"))
     found = {}
     for name, given in described.items():
@@ -210,9 +211,6 @@ def _sheets() -> dict[str, Sheet]:
     return found
 
 
-SHEETS: Mapping[str, Sheet] = _sheets()
-
-
 def find_sheet(name: str) -> Sheet:
     """Sheet of a name.
 
@@ -221,8 +219,9 @@ def find_sheet(name: str) -> Sheet:
     SceneError
         If there is none.
     """
-    if name in SHEETS:
-        return SHEETS[name]
-    close = difflib.get_close_matches(name, SHEETS, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(SHEETS)}."
+    known = sheets()
+    if name in known:
+        return known[name]
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(known)}."
     raise SceneError(f"There is no benchmark called {name!r}; {hint}")

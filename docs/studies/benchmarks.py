@@ -1,8 +1,9 @@
-"""The data of compare/benchmarks: ``python -m docs.studies.benchmarks answers|classes [NAME ...]``.
+"""The data of compare/benchmarks: ``python -m docs.studies.benchmarks answers|classes [NAME]``.
 
 ``answers`` computes the limits of runs of the interfaces, with the difference from the limit of the
 next coarser two grids as their error (minutes each).  ``classes`` runs our finite elements on 200,
-100 and 50 cells (an hour for all sheets).  Both sign what they have written.
+100 and 50 cells (an hour for all sheets).  Both sign what they have written; ``sums`` signs alone,
+after data/sheets.toml was edited.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 
 from compare.benchmarks.answers import checksums
 from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import DATA, SHEETS, SUMS, Sheet, find_sheet
+from compare.benchmarks.sheets import DATA, SUMS, Sheet, find_sheet, sheets
 from compare.interfaces.lines import line_of
 from compare.output.files import write_text
 from compare.records.record import QUANTITIES, Record, Records
@@ -145,33 +146,40 @@ def _shortened(row: Array) -> list[float | None]:
 
 
 def write(name: str, document: Any, folder: Path = DATA) -> None:
-    """Write a JSON file, a row of numbers a line, and sign all of the folder."""
+    """Write a JSON file, a row of numbers a line, and sign the folder."""
     rows = re.compile(r"\[\s+([^\[\]{}]*?)\s+\]")
     text = json.dumps(document, indent=0, allow_nan=False)
     write_text(folder / name, rows.sub(lambda row: f"[{''.join(row[1].split())}]", text) + "\n")
-    files = sorted(folder.glob("*.json"))
+    sign(folder)
+
+
+def sign(folder: Path = DATA) -> None:
+    """Write the checksums of all files of a folder."""
+    files = sorted(path for path in folder.iterdir() if path.suffix in (".json", ".toml"))
     write_text(folder / SUMS, checksums({path.name: path.read_bytes() for path in files}))
 
 
 def _chosen(names: list[str], interfaces: bool) -> Iterator[Sheet]:
     """Yield the sheets of the names; all that have stored answers, or classes, without any."""
-    for sheet in map(find_sheet, names) if names else SHEETS.values():
+    for sheet in map(find_sheet, names) if names else sheets().values():
         if sheet.is_interface if interfaces else sheet.classes:
             yield sheet
 
 
 def main() -> None:
-    """Write answers or classes."""
+    """Write answers, classes or checksums."""
     parser = argparse.ArgumentParser(prog="python -m docs.studies.benchmarks", description=__doc__)
-    parser.add_argument("what", choices=("answers", "classes"))
+    parser.add_argument("what", choices=("answers", "classes", "sums"))
     parser.add_argument("names", nargs="*", metavar="NAME")
     options = parser.parse_args()
+    if options.what == "sums":
+        return sign()
     if options.what == "answers":
         for sheet in _chosen(options.names, interfaces=True):
             write(f"{sheet.name}.json", written(*extrapolated(sheet, sheet.nodes)))
         return
     known: dict[str, Any] = {
-        sheet.name: sheet.classes for sheet in SHEETS.values() if sheet.classes
+        sheet.name: sheet.classes for sheet in sheets().values() if sheet.classes
     }
     for sheet in _chosen(options.names, interfaces=False):
         known[sheet.name] = bounds(sheet)

@@ -12,7 +12,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
 
-from compare.benchmarks.sheets import SHEETS, SI, Sheet, find_sheet
+from compare.benchmarks.sheets import SI, Sheet, find_sheet, sheets
 from compare.output.printed import Table
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.units import unit
@@ -55,11 +55,11 @@ def benchmark(context: typer.Context, as_json: AsJson = False) -> None:
             name = context.invoked_subcommand
             raise SceneError(f"--json follows the command: slipfront benchmark {name} --json.")
     elif as_json:
-        sheets = [{**asdict(sheet), "scene": sheet.document} for sheet in SHEETS.values()]
-        print_json("benchmark", {"sheets": sheets})
+        listed = [{**asdict(sheet), "scene": sheet.document} for sheet in sheets().values()]
+        print_json("benchmark", {"sheets": listed})
     else:
         table = Table("sheet", "problem", "to report", title="Benchmarks")
-        for name, sheet in SHEETS.items():
+        for name, sheet in sheets().items():
             table.add_row(name, sheet.title, ", ".join(sheet.report).replace("_", " "))
         Console().print(table)
 
@@ -111,10 +111,10 @@ def export(
     """Write sheets: a page, a table of the answer and the problem as a file, with checksums."""
     from compare.benchmarks.export import export as export_sheets
 
-    sheets = [find_sheet(name) for name in dict.fromkeys(names or SHEETS)]
-    files = export_sheets(directory, sheets, overwrite=overwrite)
+    chosen = [find_sheet(name) for name in dict.fromkeys(names or sheets())]
+    files = export_sheets(directory, chosen, overwrite=overwrite)
     if as_json:
-        document = {"sheets": [sheet.name for sheet in sheets]}
+        document = {"sheets": [sheet.name for sheet in chosen]}
         print_json("benchmark export", document, files=files)
         return
     Console().print(f"Written to {directory}/", highlight=False, markup=False)

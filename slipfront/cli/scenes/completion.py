@@ -60,9 +60,9 @@ def figure_names(incomplete: str) -> list[str]:
 
 def sheet_names(incomplete: str) -> list[str]:
     """Complete names of benchmark sheets."""
-    from compare.benchmarks.sheets import SHEETS
+    from compare.benchmarks.sheets import sheets
 
-    return _starting(SHEETS, incomplete)
+    return _starting(sheets(), incomplete)
 
 
 def _toml_files(incomplete: str) -> list[str]:

@@ -9,7 +9,7 @@ import pytest
 
 from compare.benchmarks.answers import answer_to, values_of
 from compare.benchmarks.scores import class_of, score, score_file
-from compare.benchmarks.sheets import SHEETS
+from compare.benchmarks.sheets import sheets
 from compare.records.record import AFTER, QUANTITIES, Record, Records, Stated
 from compare.validation import validate
 from docs.studies.benchmarks import run_of, simulated
@@ -17,6 +17,7 @@ from semianalytic import solve
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.overriding import override_scene
 
+SHEETS = sheets()
 PRELOADED = SHEETS["preloaded"]
 TIMES = np.arange(1, 601) / 600 - 1e-5
 """At none of which a front passes a station."""
