@@ -28,7 +28,6 @@ from compare.comparison.rows import AGREES, DIFFERS
 from compare.figures import histories, interface
 from compare.figures.fields import field_figure
 from compare.figures.fronts import reach
-from compare.figures.pairs import pair_figure
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
@@ -328,12 +327,6 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))
     },
     "compare.figures.fields.FieldPicture/max-shear of a pair": _field_of_pair,
-    **{
-        f"compare.figures.pairs.pair_figure/{name}": lambda name=name: pair_figure(
-            solve_pair(PAIRS[name])
-        )
-        for name in ("slip and opening", "film")
-    },
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
     **{
