@@ -1,10 +1,12 @@
 """``slipfront benchmark``: what it shows, writes and refuses."""
 
+import hashlib
 import json
 
 import pytest
 
-from compare.benchmarks.sheets import sheets
+from compare.benchmarks.answers import table_of
+from compare.benchmarks.sheets import find_sheet, sheets
 from slipfront.cli.commands import main
 
 
@@ -16,7 +18,11 @@ def test_sheets_are_listed_shown_exported_and_scored(tmp_path, capsys):
     assert "0 to 0.1875" in capsys.readouterr().out
     assert main(["benchmark", "export", str(tmp_path / "[/x]"), "antiplane", "stuck"]) == 0
     table = tmp_path / "[/x]" / "antiplane" / "antiplane.csv"
-    assert table.with_suffix(".md").is_file()
+    signed = [line.split() for line in (tmp_path / "[/x]" / "SHA256SUMS").read_text().splitlines()]
+    assert len(signed) == 6
+    for digest, name in signed:
+        assert hashlib.sha256((tmp_path / "[/x]" / name).read_bytes()).hexdigest() == digest
+    assert table.read_text() == table_of(find_sheet("antiplane"))
     table.write_text("mine")
     assert main(["benchmark", "export", str(tmp_path / "[/x]"), "antiplane", "--overwrite"]) == 0
     capsys.readouterr()

@@ -1,6 +1,5 @@
 """Problem sheets: their answers, what is known of these otherwise, and files that say all."""
 
-import hashlib
 import shutil
 from dataclasses import replace
 from functools import cache
@@ -99,16 +98,13 @@ def test_at_an_arrival_the_level_is_passed_and_no_front_passes_at_a_time_of_the_
 def test_a_march_is_as_far_off_as_it_says(monkeypatch):
     sheet = SHEETS["pulse"]
     assert [name for name, one in SHEETS.items() if one.is_marched] == ["pulse", *INTERFACES]
-    errors, fine = {}, fields_of(sheet, march(sheet.problem, 1.0, 1600, companion=False))
-    for nodes in (400, 800):
-        monkeypatch.setattr(answers, "NODES", nodes)
-        answer_to.cache_clear()
-        errors[nodes] = stated_errors(sheet)
-        coarse = fields_of(sheet, answer_to(sheet))
-        for name in sheet.report:
-            assert benchmarks.apart(name, coarse[name], fine[name]) < 2 * errors[nodes][name]
-    answer_to.cache_clear()
-    assert all(errors[800][name] < 0.8 * errors[400][name] for name in sheet.report)
+    fine = fields_of(sheet, march(sheet.problem, 1.0, 1600, companion=False))
+    monkeypatch.setattr(answers, "NODES", 600)
+    monkeypatch.setattr(answers, "answer_to", cache(answer_to.__wrapped__))
+    coarse, errors = fields_of(sheet, answers.answer_to(sheet)), stated_errors(sheet)
+    for name in sheet.report:
+        off = benchmarks.apart(name, coarse[name], fine[name])
+        assert 0.1 * errors[name] < off < 2 * errors[name]
 
 
 def test_in_si_the_answer_is_the_same_times_what_the_page_says():
@@ -224,18 +220,6 @@ def test_a_page_says_problem_stations_units_errors_and_classes(name):
         said = f"p = {pressure / 1e6:g} MPa" if sheet.units == "SI" else f"p = {pressure:g}"
         assert said in sheet.statement
         assert f"T = {sheet.end_time:g}" in sheet.statement
-
-
-def test_an_export_is_whole_and_signed(tmp_path):
-    sheets = [SHEETS[name] for name in ("antiplane", "two-slots")]
-    files = export.export(tmp_path / "out", sheets)
-    assert len(files) == 7
-    assert (tmp_path / "out/two-slots/two-slots.csv").read_text() == table_of(sheets[1])
-    lines = (tmp_path / "out" / SUMS).read_text().splitlines()
-    assert len(lines) == 6
-    for line in lines:
-        digest, name = line.split()
-        assert hashlib.sha256((tmp_path / "out" / name).read_bytes()).hexdigest() == digest
 
 
 def test_an_export_that_fails_leaves_nothing(tmp_path, monkeypatch):
