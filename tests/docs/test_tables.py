@@ -12,7 +12,7 @@ from compare.studies import wear
 from compare.studies.article import study as article
 from compare.studies.regimes import tables
 from compare.studies.tables import run_studies
-from docs.studies import constants, goals, ratios
+from docs.studies import constants, ratios
 from docs.studies.accuracy import scenes
 from docs.studies.constants import constant_rows, random_scenes, solved
 from docs.studies.pages import read_data
@@ -194,19 +194,3 @@ def test_jobs_that_were_not_run_keep_their_row(monkeypatch, tmp_path):
         (SOLVE, 0.6),
         ("`march` with 256 nodes", 0.4),
     ]
-
-
-def test_all_goals_are_in_the_table_and_judged():
-    _, rows = read_data("speed-goals")
-    assert [row["job"] for row in rows] == list(goals.GOALS)
-    for row in rows:
-        goal, now = goals.GOALS[row["job"]], float(row["now"])
-        here = goal.here(goals.pace_of(goals.DATA))
-        assert float(row["here"]) == pytest.approx(here)
-        assert (row["met"] == "yes") == (now >= here if goal.more else now <= here)
-
-
-def test_goals_in_seconds_follow_the_pace_of_the_machine():
-    jobs = {"`solve` of `viscous` to 1e-10": 2.0, "stress at 200,000 points to 1e-9": 0.5}
-    for job, factor in {**jobs, "survey on two processes": 1.0}.items():
-        assert goals.GOALS[job].here(2.0) == pytest.approx(factor * goals.GOALS[job].goal)

@@ -20,14 +20,14 @@ from statistics import median
 from compare.benchmarks.entries import enter
 from compare.benchmarks.sheets import find_sheet
 from compare.output.tables import write_rows
-from docs.studies.pages import read_data
-from docs.studies.peers.rows import DATA, rounded
-from docs.studies.peers.uguca import BUILDS, their_cost
+from docs.studies.pages import DATA, read_data
+from docs.studies.peers.rows import rounded, seconds_of
 
 COMMAND = "python -m docs.studies.peers.league DEFAULT FAST"
 CELLS = (50, 100, 200)
 TURNS = 3
 """Runs of each program, in turn with ours; the median counts."""
+BUILDS, REPEATS = ("default", "fast"), 3
 FIRST = {"UGUCA, default build": "UGUCA", "UGUCA, fast build": "UGUCA", "slipfront march": ""}
 
 
@@ -41,6 +41,15 @@ class SheetCost:
     slip: float
     setup: float
     stepping: float
+
+
+def their_cost(program: Path, whole: list[str], once: list[str], here: Path) -> tuple[float, float]:
+    """Return the seconds of a program before its steps and in them, from a run with one step."""
+    setup, steps = (
+        min(seconds_of([program.resolve(), *line], here) for _ in range(REPEATS))
+        for line in (once, whole)
+    )
+    return setup, max(steps - setup, 0.0)
 
 
 def costs(builds: dict[str, Path]) -> Iterator[SheetCost]:

@@ -22,9 +22,10 @@ from compare.benchmarks.scores import GRADED, score
 from compare.benchmarks.sheets import INTERFACE_SHEETS, find_sheet
 from compare.output.tables import write_rows
 from compare.records.record import Record, Records
-from docs.studies.peers.rows import DATA, Array, rounded
+from docs.studies.pages import DATA
+from docs.studies.peers.rows import Array, rounded
 from docs.studies.peers.tpv205 import MEGA, stations
-from docs.studies.uguca import FRAMES, theirs
+from docs.studies.peers.uguca import FRAMES, published
 
 COMMAND = "python -m docs.studies.peers.sheets UGUCA FARMS"
 SPACING = {1440: 50.0, 2880: 25.0}
@@ -61,7 +62,9 @@ def tpv101(folder: Path) -> Iterator[Row]:
     # their steps, of which every 20th is kept
     t: Array = 20 * 0.35 * 50 / 3464.0 * np.arange(float(FRAMES))
     fields = {
-        nodes: {name: theirs(folder, nodes, name) for name in ("slip_rate", "slip")}
+        nodes: {
+            name: published(folder, nodes)[name.replace("_", " ")] for name in ("slip_rate", "slip")
+        }
         for nodes in SPACING
     }
     limit = {name: 2 * fields[2880][name] - fields[1440][name] for name in fields[1440]}
