@@ -7,8 +7,8 @@ import pytest
 
 from docs.studies.campaign import answers
 from docs.studies.campaign import study as campaign
-from docs.studies.campaign.scenes import drawn, random_wide_scene
 from docs.studies.pages import read_data
+from docs.studies.trials.draws import drawn, random_wide_scene
 from semianalytic import march, solve
 from semianalytic.scene.given.finding import find_scene
 

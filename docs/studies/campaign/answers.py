@@ -27,8 +27,8 @@ from compare.output.progress import progress_bar
 from compare.output.tables import append_rows, started_rows, write_rows
 from compare.studies.tables import shown_rows
 from compare.tasks.workers import run_tasks
-from docs.studies.campaign.scenes import drawn, random_wide_scene
 from docs.studies.campaign.study import SummaryRow, error_between
+from docs.studies.trials.draws import drawn, random_wide_scene
 from semianalytic import RateWeakening, Scene, SceneError, Solution, TensionError, solve
 
 Array = NDArray[np.float64]

@@ -29,7 +29,7 @@ from compare.output.tables import append_rows, started_rows, write_rows
 from compare.studies.tables import shown_rows
 from compare.tasks.cluster import connected
 from compare.tasks.workers import Progress, run_tasks
-from docs.studies.campaign.scenes import drawn, random_history_scene, random_step_scene
+from docs.studies.trials.draws import drawn, random_history_scene, random_step_scene
 from semianalytic import (
     Marched,
     Scene,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from docs.studies.campaign.scenes import random_history_scene
+from docs.studies.trials.draws import random_history_scene
 from semianalytic import (
     CoulombFriction,
     Harmonic,

@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 
 from compare.records.record import QUANTITIES, Array
-from docs.studies.campaign.scenes import drawn
 from docs.studies.judge.scenes import random_opening, random_steps
+from docs.studies.trials.draws import drawn
 from semianalytic import Material, Pulse, Scene, Tractions, march, solve
 from semianalytic.cut.load import contact_opens
 from semianalytic.results.answer import Answer
