@@ -24,7 +24,6 @@ from matplotlib.figure import Figure
 
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import side_by_side
-from compare.comparison.rows import AGREES, DIFFERS
 from compare.figures import histories, interface
 from compare.figures.fields import FieldPicture
 from compare.figures.fronts import reach
@@ -56,10 +55,6 @@ from compare.studies.supershear.points import RupturePoint, TransitionPoint
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
-from docs.studies.judge.figure import judge_figure
-from docs.studies.judge.rows import JudgedRow, SpoiltRow
-from docs.studies.judge.scenes import STEPS
-from docs.studies.judge.spoils import SPOILS
 from fem import simulate
 from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line, solve_pair
 from slipfront.fits.figures import fit_figure
@@ -139,22 +134,6 @@ def _slot():
 
 def _chart(name):
     return chart_figure(read_points(DATA / "chart.csv"), name)
-
-
-def _judge():
-    judged = [
-        JudgedRow(
-            STEPS, i, 1, 0, 40, False, 1.0, AGREES, kind, kind, "1", 1.0, i / 20, 1.0, True, AGREES
-        )
-        for kind in ("slip rate", "traction", "edge", "arrival", "gap", "work", "path", "wear")
-        for i in range(20)
-    ]
-    spoilt = [
-        SpoiltRow("tap", 0, 1, spoil.name, 1.0, 0.1, 0.1, size, verdict, "")
-        for spoil in SPOILS
-        for size, verdict in ((4.0, DIFFERS), (0.6, AGREES))
-    ]
-    return judge_figure(judged, spoilt)
 
 
 @cache
@@ -319,7 +298,6 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         f"compare.studies.chart.figure.chart_figure/{name}": partial(_chart, name)
         for name in CHARTED
     },
-    "docs.studies.judge.figure.judge_figure": _judge,
     **{
         f"compare.studies.regimes.figures.regimes_figure/{loading}": lambda of=loading: (
             regimes.regimes_figure(of, _regimes())
