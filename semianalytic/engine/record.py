@@ -171,7 +171,12 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
         values = [getattr(stepper.law, one.name) for one in fields(stepper.law)]
     parts += [value for value in values if isinstance(value, str | bool)]
     digest = hashlib.sha256(repr(parts).encode())
-    laid = [stepper.pressure, stepper.shear, stepper.touching, *stepper.loads(stepper.shortest)]
+    laid: list[Any] = [
+        stepper.pressure,
+        stepper.shear,
+        stepper.touching,
+        *stepper.loads(stepper.shortest),
+    ]
     for load in stepper.interface.loads:
         laid += [
             load.traction(stepper.grid.x, float(time), of=of)
