@@ -22,17 +22,13 @@ from compare_cases import sampled_run
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from compare.benchmarks.entries import read_run, told_apart
-from compare.benchmarks.figures import score_figure, sheet_figure
-from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
+from compare.chart.figure import chart_figure
+from compare.chart.points import read_points
 from compare.comparison.fields.errors import field_errors
-from compare.comparison.judgement import judge, side_by_side
-from compare.comparison.rows import AGREES, DIFFERS
+from compare.comparison.judgement import side_by_side
 from compare.figures import histories, interface
-from compare.figures.fields import field_figure
+from compare.figures.fields import FieldPicture
 from compare.figures.fronts import reach
-from compare.figures.pairs import pair_figure
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
@@ -40,15 +36,10 @@ from compare.figures.whole_line import line_figure
 from compare.output.field_files import record_fields
 from compare.studies.article import study as article
 from compare.studies.article.cases import SlotCheck, run_cases
-from compare.studies.chart.figure import chart_figure
-from compare.studies.chart.points import SCENES as CHARTED
-from compare.studies.chart.points import read_points
 from compare.studies.dissimilar.figure import growth_figure
 from compare.studies.dissimilar.pairs import NAMED
 from compare.studies.dissimilar.pairs import SCENES as PAIRS
 from compare.studies.dissimilar.points import GrowthPoint, NamedPoint, ThresholdPoint
-from compare.studies.evidence import figures as evidence
-from compare.studies.evidence.study import SceneEvidence, published_answer
 from compare.studies.regimes import figures as regimes
 from compare.studies.regimes import viscosity
 from compare.studies.regimes.openings import AHEAD, EDGE, OpeningPoint, openings_figure
@@ -60,21 +51,15 @@ from compare.studies.stability import spacetime
 from compare.studies.stability.sweeps import StudyRow
 from compare.studies.supershear.figure import rupture_figure
 from compare.studies.supershear.points import RupturePoint, TransitionPoint
-from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow, sweep_figure
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
-from docs.studies.judge.figure import judge_figure
-from docs.studies.judge.rows import JudgedRow, SpoiltRow
-from docs.studies.judge.scenes import STEPS
-from docs.studies.judge.spoils import SPOILS
 from fem import simulate
 from semianalytic import Gauge, find, fit, solve
 from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "docs" / "data"
-ENTRANTS = ROOT / "tests" / "data" / "entrants"
 
 
 @cache
@@ -110,13 +95,13 @@ def _snapshots():
 def _field(name, of):
     solution = solved(name)
     quantity = find_quantity(of, solution.scene)
-    return field_figure(solution, quantity, 1.0, reach(solution, 1.0), 40)
+    return FieldPicture(solution, quantity, reach(solution, 1.0), 40, 1.0).figure
 
 
 def _field_of_pair():
     answer = solve(PAIRS["slip and opening"])
     quantity = find_quantity("max-shear", answer.pair.alike)
-    return field_figure(answer, quantity, 1.0, reach(answer, 1.0), 40)
+    return FieldPicture(answer, quantity, reach(answer, 1.0), 40, 1.0).figure
 
 
 def _record():
@@ -134,19 +119,6 @@ def _validation():
     return validation_figure(validate(data, solution.scene, spacing=0.02))
 
 
-def _scores():
-    paths = [*ENTRANTS.glob("uguca/preloaded/*.csv"), *ENTRANTS.glob("sem2dpack/preloaded/*.csv")]
-    runs = told_apart([read_run(path) for path in sorted(paths)])
-    return score_figure([one for run in runs for one in score(run)])
-
-
-@cache
-def _evidence():
-    run = _run("remote-shock")
-    judgement = judge(solved("remote-shock"), run)
-    return SceneEvidence("remote-shock", run, (judgement,), published_answer(run.scene), "")
-
-
 @cache
 def _cases():
     return run_cases(12)
@@ -161,22 +133,6 @@ def _slot():
 
 def _chart(name):
     return chart_figure(read_points(DATA / "chart.csv"), name)
-
-
-def _judge():
-    judged = [
-        JudgedRow(
-            STEPS, i, 1, 0, 40, False, 1.0, AGREES, kind, kind, "1", 1.0, i / 20, 1.0, True, AGREES
-        )
-        for kind in ("slip rate", "traction", "edge", "arrival", "gap", "work", "path", "wear")
-        for i in range(20)
-    ]
-    spoilt = [
-        SpoiltRow("tap", 0, 1, spoil.name, 1.0, 0.1, 0.1, size, verdict, "")
-        for spoil in SPOILS
-        for size, verdict in ((4.0, DIFFERS), (0.6, AGREES))
-    ]
-    return judge_figure(judged, spoilt)
 
 
 @cache
@@ -268,17 +224,6 @@ def _spacetime():
     return spacetime.stability_figure([*rows, refused])
 
 
-def _wear():
-    return sweep_figure(
-        [
-            WearRow(load, nu, chi, 1 + at - chi / 3, chi * (2.5 - chi), 1.0)
-            for at, load in enumerate(LOADS)
-            for nu in POISSON_RATIOS
-            for chi in (0.0, 0.5, 1.0, 2.0)
-        ]
-    )
-
-
 @cache
 def _example(name):
     """The figure that an example saves."""
@@ -339,26 +284,8 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))
     },
     "compare.figures.fields.FieldPicture/max-shear of a pair": _field_of_pair,
-    **{
-        f"compare.figures.pairs.pair_figure/{name}": lambda name=name: pair_figure(
-            solve(PAIRS[name])
-        )
-        for name in ("slip and opening", "film")
-    },
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
-    "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
-    **{
-        f"compare.benchmarks.figures.reference_figure/{name}": partial(sheet_figure, sheet)
-        for name, sheet in INTERFACE_SHEETS.items()
-    },
-    "compare.benchmarks.figures.score_figure": _scores,
-    **{
-        f"compare.studies.evidence.figures.{name}_figure": lambda draw=name: getattr(
-            evidence, f"{draw}_figure"
-        )(_evidence())
-        for name in ("rates", "tractions", "energy", "opening")
-    },
     **{
         f"compare.studies.article.study.figure_{number}": lambda draw=number: getattr(
             article, f"figure_{draw}"
@@ -367,10 +294,9 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     },
     "compare.studies.article.study.slot_figure": _slot,
     **{
-        f"compare.studies.chart.figure.chart_figure/{name}": partial(_chart, name)
-        for name in CHARTED
+        f"compare.chart.figure.chart_figure/{name}": partial(_chart, name)
+        for name in ("preloaded", "remote-shock", "auxetic", "ramp")
     },
-    "docs.studies.judge.figure.judge_figure": _judge,
     **{
         f"compare.studies.regimes.figures.regimes_figure/{loading}": lambda of=loading: (
             regimes.regimes_figure(of, _regimes())
@@ -393,6 +319,5 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     },
     "compare.studies.stability.fem.stability_figure": _fem_stability,
     "compare.studies.stability.spacetime.stability_figure": _spacetime,
-    "compare.studies.wear.sweep_figure": _wear,
     **{f"docs.examples.{name}.main": partial(_example, name) for name in EXAMPLES},
 }

@@ -27,7 +27,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRST = """from time import process_time as now; began = now()
-import slipfront as sf; sf.solve(sf.find_scene('preloaded')); print(now() - began)"""
+import slipfront as sf; sf.solve('preloaded'); print(now() - began)"""
 COMMAND = """import atexit, sys, time; atexit.register(lambda: print('', time.process_time()))
 from slipfront.cli.entry import main; sys.argv[1:] = ['solve', 'preloaded']; main()"""
 

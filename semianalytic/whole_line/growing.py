@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array, Mode, rayleigh_factors
 from semianalytic.results.places import contact_points
+from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, MODES, Material, Tractions
@@ -173,6 +174,11 @@ class GrowingSolution(SelfSimilarAnswer):
         return f"<GrowingSolution: {where}, n = {self.slot.power}; {self.status}, {estimate}>"
 
     @property
+    def scene(self) -> GrowingSlot:
+        """The slot that was asked."""
+        return self.slot
+
+    @property
     def edge_speed(self) -> float:
         """Speed of the edge of slip [length / time]."""
         return self.slot.material.shear_speed / self.zone.edge
@@ -230,6 +236,14 @@ class GrowingSolution(SelfSimilarAnswer):
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return zeros [length]: nothing opens; raises as `slip_rate`."""
         return np.zeros(self._velocity(x, t)[0].shape)
+
+    def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
+        """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""
+        slot, time = self.slot, np.maximum(np.asarray(t, dtype=float), 0.0)
+        stress = (slot.load.pressure + abs(slot.load.shear)) * time**slot.power
+        scales = {"slip": self.max_slip(t), "slip_rate": abs(self.edge_slip_rate(t)), "gap": 0.0}
+        scales |= {"shear_traction": stress, "pressure": stress}
+        return self_similar_reading(self, x, t, slot.material.shear_speed, scales)
 
     def edge_slip_rate(self, t: ArrayLike) -> Array:
         """Relative slip rate at the contact edge, x -> 0+, at times t [length / time]."""

@@ -8,6 +8,7 @@ import pytest
 import semianalytic as sf
 from compare.interfaces import compare_interface, judging
 from compare.interfaces.judging import judge_interface
+from semianalytic.interface.named import find_interface
 from semianalytic.scene.errors import SceneError
 from slipfront.cli.commands import main
 
@@ -91,7 +92,7 @@ def test_slots_openings_and_halves_agree():
 
 
 def test_a_contact_that_opens_beside_a_slot_agrees():
-    tap = sf.find("tap")
+    tap = find_interface("tap")
     judged = compare_interface(tap.interface, tap.end_time, 256)
     assert judged.verdict == "agrees"
     assert [row.kind for row in judged.rows if row.verdict == "agrees"] == ["gap", "pressure"]
