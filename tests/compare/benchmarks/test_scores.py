@@ -226,7 +226,6 @@ def test_a_league_table_is_ranked_and_has_orders():
     ("text", "message"),
     [
         ("# benchmark: preloaded\n# cells: many\nt,x,slip\n0,1,2\n", "no number"),
-        ("# benchmark: preloaded\n# cells: -5\nt,x,slip\n0,1,2\n", "no number of cells"),
         ("# benchmark: preloaded\nt,x,slip [mm]\n0,1,2\n1,1,2\n", "slip is in mm; hand it in"),
         ("# benchmark: preloaded\nt,x,slip\n0,1,here\n", "line 3: 'here' is not a number"),
         ("# benchmark: preloaded\nt,x,slip\n0,1\n", "line 3: there are 2 entries"),
