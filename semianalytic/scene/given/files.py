@@ -15,6 +15,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.load_tables import with_tables
 from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.text_files import text_of
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
@@ -103,7 +104,7 @@ def read_document(path: str | Path) -> dict[str, Any]:
     """Read a TOML file; raise SceneError if it cannot be read, or is none."""
     text = ""
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = text_of(path)
         return tomllib.loads(text)
     except OSError as error:
         reason = error.strerror or str(error)
