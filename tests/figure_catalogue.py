@@ -22,17 +22,11 @@ from compare_cases import sampled_run
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from compare.benchmarks.entries import read_run, told_apart
-from compare.benchmarks.figures import score_figure, sheet_figure
-from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import side_by_side
-from compare.comparison.rows import AGREES, DIFFERS
 from compare.figures import histories, interface
 from compare.figures.fields import FieldPicture
 from compare.figures.fronts import reach
-from compare.figures.pairs import pair_figure
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
@@ -61,17 +55,12 @@ from compare.studies.supershear.points import RupturePoint, TransitionPoint
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
-from docs.studies.judge.figure import judge_figure
-from docs.studies.judge.rows import JudgedRow, SpoiltRow
-from docs.studies.judge.scenes import STEPS
-from docs.studies.judge.spoils import SPOILS
 from fem import simulate
 from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line, solve_pair
 from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "docs" / "data"
-ENTRANTS = ROOT / "tests" / "data" / "entrants"
 
 
 @cache
@@ -131,12 +120,6 @@ def _validation():
     return validation_figure(validate(data, solution.scene, spacing=0.02))
 
 
-def _scores():
-    paths = [*ENTRANTS.glob("uguca/preloaded/*.csv"), *ENTRANTS.glob("sem2dpack/preloaded/*.csv")]
-    runs = told_apart([read_run(path) for path in sorted(paths)])
-    return score_figure([one for run in runs for one in score(run)])
-
-
 @cache
 def _cases():
     return run_cases(12)
@@ -151,22 +134,6 @@ def _slot():
 
 def _chart(name):
     return chart_figure(read_points(DATA / "chart.csv"), name)
-
-
-def _judge():
-    judged = [
-        JudgedRow(
-            STEPS, i, 1, 0, 40, False, 1.0, AGREES, kind, kind, "1", 1.0, i / 20, 1.0, True, AGREES
-        )
-        for kind in ("slip rate", "traction", "edge", "arrival", "gap", "work", "path", "wear")
-        for i in range(20)
-    ]
-    spoilt = [
-        SpoiltRow("tap", 0, 1, spoil.name, 1.0, 0.1, 0.1, size, verdict, "")
-        for spoil in SPOILS
-        for size, verdict in ((4.0, DIFFERS), (0.6, AGREES))
-    ]
-    return judge_figure(judged, spoilt)
 
 
 @cache
@@ -318,20 +285,8 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))
     },
     "compare.figures.fields.FieldPicture/max-shear of a pair": _field_of_pair,
-    **{
-        f"compare.figures.pairs.pair_figure/{name}": lambda name=name: pair_figure(
-            solve_pair(PAIRS[name])
-        )
-        for name in ("slip and opening", "film")
-    },
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
-    "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
-    **{
-        f"compare.benchmarks.figures.reference_figure/{name}": partial(sheet_figure, sheet)
-        for name, sheet in INTERFACE_SHEETS.items()
-    },
-    "compare.benchmarks.figures.score_figure": _scores,
     **{
         f"compare.studies.article.study.figure_{number}": lambda draw=number: getattr(
             article, f"figure_{draw}"
@@ -343,7 +298,6 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         f"compare.studies.chart.figure.chart_figure/{name}": partial(_chart, name)
         for name in CHARTED
     },
-    "docs.studies.judge.figure.judge_figure": _judge,
     **{
         f"compare.studies.regimes.figures.regimes_figure/{loading}": lambda of=loading: (
             regimes.regimes_figure(of, _regimes())

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from compare.studies.tables import shown_rows
-from docs.studies.campaign.scenes import drawn, random_step_scene, random_wide_scene
+from docs.studies.trials.draws import drawn, random_step_scene, random_wide_scene
 from semianalytic import (
     CoulombFriction,
     Scene,

@@ -10,11 +10,12 @@ from catalogue import PRELOADED, SHOCK, over, problems, unit_scene
 
 import semianalytic as sf
 from compare.comparison.documents import march_document
-from docs.studies.accuracy.march_error import (
+from docs.studies.accuracy.march import (
     WEAKENING,
-    all_judged,
-    error_scenes,
+    error_points,
+    error_scene,
     judged,
+    judged_march,
     rate_error,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -64,7 +65,8 @@ def test_errors_of_random_scenes_are_honest():
 
     Measured 100 % of slip rates, 93 % of accumulated slip and 98 % or more of the rest.
     """
-    rows = [row for row in all_judged() if row.scenes != "rate weakening"]
+    judged_rows = (row for point in error_points(False) for row in judged_march(*point))
+    rows = [row for row in judged_rows if row.scenes != "rate weakening"]
     assert len(rows) > 200
     for quantity in {row.quantity for row in rows}:
         ratios = np.array([r.estimate / r.true for r in rows if r.quantity == quantity])
@@ -295,8 +297,9 @@ def test_nodes_are_chosen_for_the_process_zone():
 
 
 def test_scenes_of_the_measurement_are_of_every_kind():
-    kinds = {kind for kind, _ in error_scenes()}
-    assert kinds == {"self-similar", "histories and slip weakening", "rate weakening"}
+    scenes = [error_scene(*point) for point in error_points(False)]
+    assert {scene.is_self_similar for scene in scenes} == {True, False}
+    assert {type(one.friction_law) for one in scenes} >= {sf.RateWeakening, sf.SlipWeakening}
     assert len(problems("exact")) > 15
 
 
