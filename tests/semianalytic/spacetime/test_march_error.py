@@ -22,7 +22,9 @@ from semianalytic.memory.impedance import InPlane
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime import march_plan
-from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, MOST_NODES, READING_SAFETY
+from semianalytic.spacetime.march_error import ERROR_SAFETY, MEMORY_SAFETY
+from semianalytic.spacetime.march_plan import MOST_NODES
+from semianalytic.spacetime.marched import READING_SAFETY
 from slipfront.cli.commands import main
 
 WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, friction_law=sf.SlipWeakening(2 / 3, 0.05))
