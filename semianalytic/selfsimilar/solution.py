@@ -421,7 +421,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
 
         fields = on_any_panels(self.profile)
         # Transforms that grow like k^(1/2) lose some digits far out: the bodies use a finer rule.
-        # transforms that grow like k^1/2 lose some of it far out
         tolerance = max(0.1 * fields.rule.tolerance, 1e-14)
         opened = None if self.normal is None else self.normal.profile.fields
         return Bodies(self.scene, fields, opened, self.stress_unit, tolerance)

@@ -123,8 +123,8 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     # The opening uses up a part of the wanted accuracy; the slip zones have the rest.
     wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     clock = [perf_counter()]
-    # Under a strong film slip is so small that a loose rule would not show it.
-    # beyond 1e8 mu b the errors of loose rules exceed what drives slip
+    # Under a strong film slip is so small that a loose rule would not show it: from
+    # 1e10 [mu b] on no search on loose rules found zones.
     strong = load.resistance is not None and load.resistance > 1e8
     trial, pivots = (strict_search if strong else loose_search)(factors, load, rtol)
     clock.append(perf_counter())
@@ -239,7 +239,7 @@ def _nearly_at_friction(load: Load) -> str:
     strength = float(load.friction) * load.base_pressure
     step = max(abs(load.load_shear), float(load.friction) * abs(load.load_pressure))
     lack = strength - abs(load.base_shear)
-    # bases at friction, and all that lack 1e-8 of it or more, converge (18 kinds of scene)
+    # Bases at friction, and all that lack 1e-8 of it or more, converge (18 kinds of scene).
     nearly = 0 < lack < 1e-8 * strength
     if load.critical or not nearly or not step < 1e-2 * strength:
         return ""

@@ -13,10 +13,6 @@ from semianalytic.whole_line.spreading import Spreading, least_missing, spread
 
 _TOLERANCE = 1e-9
 """Largest error estimate of an answer that has converged."""
-_COARSE = 0.3
-"""Spacing of the quadrature whose difference from the usual one counts as an error."""
-_ROUNDING = 1e-14
-"""Rounding error that both evaluations share, added to the error estimate."""
 _STEP = 1e-4
 """Relative change of the edge by which the slope of the condition is formed."""
 
@@ -112,7 +108,8 @@ def _error(found: Spreading, missing: float) -> float:
 
     The scale of slip rate, the patch's impedance, is exact to rounding; its shape follows the edge.
     """
-    residual = abs(found.missing_again - missing) + abs(found.missing(_COARSE) - missing)
+    # A coarser quadrature, whose difference counts as an error.
+    residual = abs(found.missing_again - missing) + abs(found.missing(0.3) - missing)
     nearer = (found.edge + found.lead * _STEP, found.lead * (1 - _STEP))
     if not found.patch:
         nearer = (found.edge * (1 + _STEP), found.lead)
@@ -121,4 +118,5 @@ def _error(found: Spreading, missing: float) -> float:
     slope = abs(other.missing() - found.missing()) / share
     # Beside a patch that is nearly as fast as the edge, fields change with their distance.
     distance = 1.0 if not found.patch else found.lead / (found.lead + found.edge)
-    return float(residual / (slope * distance) + _ROUNDING / distance)
+    # Rounding that both evaluations share.
+    return float(residual / (slope * distance) + 1e-14 / distance)

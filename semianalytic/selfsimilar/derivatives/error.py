@@ -22,13 +22,12 @@ def difference_error(fine: VariedProfile, coarse: VariedProfile, size: float) ->
     worst = _share(edges_moved(fine), edges_moved(coarse), 1 / size)
     worst = max(worst, _largest_share(fine, coarse, u, size))
     if profile.edge_slips:
-        # A film may slip at the contact edge alone, nearer than any of these points.
-        # a film of resistance 65 slipped on 0.046 c_t alone, between all velocities from 0.03 c_t
-        # on: its estimate was 2.4 times too small
+        # A film may slip at the contact edge alone, nearer than any of these points: one of
+        # resistance 65 slipped on 0.046 c_t, and its estimate was 2.4 times too small.
         near = _compared(profile, 1e-6)
         worst = max(worst, _largest_share(fine, coarse, near, size))
-    # no compared velocity lies between the edges: with 5 one of 60 random films was 1.7 times its
-    # estimate off, with 10 0.6 times
+    # No compared velocity lies between the edges: with 5 one of 60 random films was 1.7 times its
+    # estimate off, with 10 0.6 times.
     safety = 20.0 if _passes_over_a_strip(profile, u) else tuning.SAFETY
     return 1e-10 + safety * worst  # 1e-10 is rounding of differences
 

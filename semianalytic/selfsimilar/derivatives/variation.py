@@ -163,7 +163,7 @@ class Surroundings:
     @cached_property
     def _loose_rule(self) -> Rule:
         """Rule on which directions are found, to the digits of a Jacobian."""
-        # as good as a Jacobian from one-sided differences
+        # As good as a Jacobian from one-sided differences.
         return rule_for(max(1e-6, self._fields.rule.tolerance))
 
     @cached_property
@@ -272,15 +272,15 @@ class Surroundings:
             steps.append(1 / float(np.abs(moved).max()))
         # Fields are singular at nu = 1/2, where a = 0, and at nu = -1.
         if rates.poisson_ratio:
-            # the longitudinal front moves, and fields right behind it bend faster than the ratio
-            # itself
+            # The longitudinal front moves, and fields right behind it bend faster than the ratio
+            # itself.
             steps.append(0.25 * min(0.5 - nu, 1 + nu))
         if rates.resistance:
             steps.append(float(np.max(self._fields.load.resistance or 0.0)))
         if rates.slowness:
             # the pole of the load at v = p keeps its distance from the first front
             distance = self._fields.panels.ends.v[0].flat[0] - self._fields.load.slowness
-            # fields bend before the front of the load reaches the first front
+            # Fields bend before the front of the load reaches the first front.
             steps.append(0.5 * float(distance) / abs(rates.slowness))
         steps.extend(self._steps_of_opening(rates))
         return self._share_of_step * min(steps)
@@ -302,7 +302,7 @@ class Surroundings:
 
     @property
     def _share_of_step(self) -> float:
-        # truncation, of fourth order, shows by three quarters
+        # Truncation, of fourth order, shows by three quarters.
         shorter = 1.0 if self.finer is None else 0.7
         return 3e-3 * shorter  # truncation and rounding are each some 1e-11
 

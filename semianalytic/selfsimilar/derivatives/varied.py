@@ -337,5 +337,5 @@ def _growth(pair: Array) -> float:
     growth = float(np.log(pair[0] / pair[1]))
     # Where the power is a multiple of 1/2, as beside most edges, rounding makes it exact.
     halves = round(2 * growth) / 2
-    # powers at ends are multiples of one half
+    # Powers at ends are multiples of one half.
     return halves if abs(growth - halves) < 1e-2 else growth

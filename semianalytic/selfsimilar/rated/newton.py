@@ -69,7 +69,7 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
     # The rule is held: it must not change with the edges, since V_k lives on its nodes.
     rule = held_rule(beginning, law, tolerance)
     step = RateStep.about(law, replace(beginning, rule=rule), SlipRate.of(start))
-    # at most 12 of 60 scenes; next to c_R forty took seconds in vain
+    # One of 60 scenes took 12 steps, all others 8 at most; next to c_R forty were in vain.
     about, most = replace(load, linearised=step), 16
     placement = locate_edges(factors, zones, about, rule, 1e-7, most)
     changes: list[float] = []
@@ -115,7 +115,7 @@ def _iterated(
             break
         new = profile.slip_rate_at_nodes
         moved = float(np.abs(new - step.last).max()) / float(profile.largest_rate)
-        # change of the slip rate, over the largest, that ends the iterations
+        # Change of the slip rate, over the largest, that ends the iterations.
         if not 1e-13 < moved < np.inf:
             break
         mixed = [*mixed[-6:], (step.last, new)]

@@ -50,7 +50,7 @@ def _across_shear_front(
     segment = factors.c - 1 if factors.has_rayleigh_wave else 1.0
     if opening is not None and opening.left is not None and opening.left.from_b[0] > 0:
         segment = min(segment, float(opening.left.from_b[0]))
-    # shares of the segments there; half and twice lead to the same answers
+    # Shares of the segments there; half and twice lead to the same answers.
     behind = 1 + 0.1 * segment
     ahead = 1 - 0.02 * (1 - factors.a)
 
@@ -115,7 +115,7 @@ def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
     kept: list[Zone] = []
     for zone in zones:
         left, right = zone.left, zone.right
-        # Newton's method has not closed it
+        # Newton's method has not closed it.
         if left is None or right is None or right.minus(left)[0] > 1e-4 * left.v[0]:
             kept.append(zone)
         elif kept and kept[-1].held:
@@ -232,7 +232,7 @@ def _begins_at(closing: CutPoints, behind: Zone) -> bool:
     """
     if behind.left is None:
         return False
-    # on loose rules slip was seen to begin 0.003 of its width behind the closing
+    # On loose rules slip began up to 0.003 of its width behind the closing.
     least = 1e-6 * float(closing.v[0])
     if behind.right is not None:
         least = max(least, 0.05 * float(behind.right.minus(behind.left)[0]))

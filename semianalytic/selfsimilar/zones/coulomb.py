@@ -60,7 +60,7 @@ def largest_excess(profile: Profile, rounding: float, mismatch: Array) -> Array:
     real, imag = profile.fields.factors.impedance_ahead(panels.at[ahead])
     # The bound from below keeps an impedance near zero from making any rounding count.
     impedance = tuning.SLIP_PER_EXCESS * np.hypot(real, imag)
-    # it falls to 0 at the longitudinal front for nu near 0
+    # The impedance falls to 0 at the longitudinal front for nu near 0.
     excess[: len(ahead)] /= np.clip(impedance, 1e-3, 1.0)
     slipping = np.pad(layout.slipping, 1)
     beside = (slipping[:-2] | slipping[2:])[layout.stick]
@@ -297,9 +297,9 @@ def doubtful(profile: Profile) -> np.ndarray:
     # The parabola through three nodes has its maximum at `top`.
     bend = 2 * middle - before - after
     top = middle + np.square(after - before) / (8 * np.where(bend > 0, bend, np.inf))
-    # a parabola through three nodes is off by less
+    # A parabola through three nodes is off by less.
     result = (middle >= before) & (middle > after) & (top > -3e-3)
-    # farther out nodes are closer together than what could hide between them
+    # Farther out nodes are closer together than what could hide between them.
     result &= np.abs(y[1:-1]) < 8.0
     if profile.panels.layout.pole >= 0:
         # V is unbounded at c, where a parabola says nothing.

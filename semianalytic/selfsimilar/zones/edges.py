@@ -143,7 +143,7 @@ class Edges:
         for index, (p, q) in enumerate(pairwise(self.points(np.where(near, unknowns, 0.0)))):
             # Segments between the edges of one zone alternate with those between zones.
             inside = (index % 2 == 0) != opens
-            # rounding spoils narrower zones
+            # Rounding spoils narrower zones.
             least = 1e-10 * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
             near &= (q.minus(p) > least)[..., 0]
         return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))
@@ -161,8 +161,8 @@ class Edges:
         for side, point in zip(self.sides, self.points(unknowns), strict=True):
             bound = self.opening.left if side < 0 else self.opening.right
             if side and bound is not None:
-                # no panel fits between an edge and an end of the opening that differ by rounding, 1
-                # ulp once
+                # No panel fits between an edge and an end of the opening that differ by rounding, 1
+                # ulp once.
                 least = 16 * np.finfo(float).eps * bound.v
                 keeps &= (side * point.minus(bound) > least)[..., 0]
         return keeps
@@ -178,7 +178,7 @@ class Edges:
         for edge in np.flatnonzero(self._gaps):
             outward = points[edge - 1]
             gap = points[edge].minus(outward)[..., 0]
-            # a nudge of a narrow gap exceeds the rounding of its distance from a front
+            # A nudge of a narrow gap exceeds the rounding of its distance from a front.
             rounding = 1e-13 * np.abs(outward.parts[outward.nearest])[..., 0]
             result[edge] = np.clip(rounding / gap, tuning.NUDGE, tuning.LONGEST_NUDGE)
         return result
@@ -297,7 +297,7 @@ def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     scales = np.abs(np.log(after[3] / before[3]))
     faster = np.flatnonzero(np.array(edges.segments) == 0)
     scales[faster] = 0.0
-    # the slip rate at a narrow stick gap follows the logarithm of its width
+    # The slip rate at a narrow stick gap follows the logarithm of its width.
     counted = np.maximum(shifts, 0.1 * scales)
     roots = np.abs(np.sqrt(after[1, faster]) - np.sqrt(before[1, faster]))
     counted[faster] = np.maximum(counted[faster], roots)

@@ -21,7 +21,8 @@ from semianalytic.selfsimilar.zones.placement import Placement
 
 def loose_tolerance(rtol: float) -> float:
     """Return the tolerance of the rule on which zones are searched for."""
-    return max(rtol / tuning.RULE_SHARE, tuning.LOOSEST_RULE)
+    # Half, twice: work 11 % and 3 % less in 48 random scenes, of which 20 and 13 change.
+    return max(rtol / tuning.RULE_SHARE, 1e-4)
 
 
 def narrowness(edges: Edges, unknowns: Array) -> float:
@@ -31,7 +32,7 @@ def narrowness(edges: Edges, unknowns: Array) -> float:
     """
     if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
         return 1.0
-    # what is left then takes a fifth of rtol
+    # What is left then takes a fifth of rtol.
     return min(1.0, 3.0 * float(_width_ahead(edges, unknowns)))
 
 
@@ -75,7 +76,7 @@ def numerical_error(
     error = float(difference(placement.edges, unknowns, moved, fields, coarse))
     gain = intensity_gain(fields)
     error = max(error, gain * float(edge_shift(placement.edges, unknowns, moved)))
-    # without this part two random films were 5.9 times their estimates off, with it 0.15
+    # Without this part two random films were 5.9 times their estimates off, with it 0.15.
     error = max(error, 2.0 * _share_of_film(fields, coarse))
     error = max(error, _share_of_power(fields, coarse))
     return error + max(tuning.LEFT_SAFETY * tuning.SAFETY, gain) * left
@@ -168,7 +169,6 @@ def missed_slip(profile: Profile) -> Array:
     largest = profile.largest_rate
     mismatch = np.abs(profile.fields.mismatch()).max(axis=0, initial=0.0)
     # Excess that rounding or the edges explain is not slip that is missed.
-    # rounding of tractions at nodes, relative to strength plus load
     excess = largest_excess(profile, 5e-15, mismatch)
     missed = tuning.SLIP_PER_EXCESS * excess / np.where(largest > 0, largest, np.inf)
     wrong = profile.wrong_at_nodes[profile.panels.layout.slip].max(axis=(0, -1), initial=0.0)
@@ -212,7 +212,8 @@ def difference(
     if fine.load.resistance is not None:  # under strong films V towers at the contact edge alone
         rates = np.maximum(rates, change[:-1].max(axis=0) / np.where(inner > 0, inner, scale))
     covers_c = fine.layout.pole >= 0
-    share = tuning.BETWEEN_NODES_AT_POLE if covers_c else tuning.BETWEEN_NODES
+    # At most 0.1 was measured elsewhere, and 5.7 where slip covers c in 300 scenes that open.
+    share = 7.0 if covers_c else 0.3
     # The third part of the estimate: points between nodes.
     least = share * fine.rule.tolerance
     if len(unknowns):
@@ -247,7 +248,7 @@ def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
         return worst
     edge = _edge_ahead(edges)
     change = np.abs(edges.parts(moved)[0, edge] - edges.parts(unknowns)[0, edge])
-    # friction takes about the third power of the width ahead of an opening
+    # Friction takes about the third power of the width ahead of an opening.
     return np.asarray(3.0 * change / _width_ahead(edges, unknowns))
 
 

@@ -121,7 +121,7 @@ def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[A
         beside = np.concatenate([np.zeros((len(unknowns), 1)), np.diag(nudges)], axis=1)
         values = edges.mismatch(unknowns[:, None] + beside, load, rule)
         changes = values[:, 1:] - values[:, :1]
-        # below it rounding counts: Jacobians at 1e-18 from the longitudinal front were 30 times off
+        # Below it rounding counts: Jacobians at 1e-18 from the longitudinal front were 30 times off
         unseen = np.abs(changes).max(axis=0) < 1e-13
         unseen &= nudges < tuning.LONGEST_NUDGE
         if not unseen.any():
@@ -138,7 +138,7 @@ def _rooted(edges: Edges, unknowns: Array, load: Load) -> np.ndarray:
     """
     if not load.load_pressure:
         return np.zeros(len(unknowns), dtype=bool)
-    # a strip of 1e-18 is found in three steps by the root of its width, in twenty by its logarithm
+    # A strip of 1e-18 is found in three steps by the root of its width, in twenty by its logarithm.
     near = edges.parts(unknowns)[1] < 1e-3
     return near & (np.array(edges.segments, dtype=int) == 0)
 
@@ -173,7 +173,7 @@ def _damped(
     largest, rooted = float(np.abs(move).max()), _rooted(edges, unknowns, load)
     cautious = largest > 1.0  # longer moves are checked for natural monotonicity
     longest = float(np.abs(move[~rooted]).max(initial=0.0))
-    # no unknown, a logit or logarithm, moves further in one step
+    # No unknown, a logit or logarithm, moves further in one step.
     move = move * min(1.0, 1.5 / longest if longest else 1.0)
     for _ in range(8):  # halvings of a step that does not reduce the mismatch
         trial = _moved(unknowns, move, rooted)

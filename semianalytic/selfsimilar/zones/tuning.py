@@ -9,17 +9,11 @@ values of Cauchy's kernel.  Numbers without such an effect stand where they are 
 # The search: which zones, on which rules (search, guesses)
 
 GRIDS = (48, 96, 192, 384)
-"""Nodes of the complementarity grids, one after the other until zones hold: about fifty show the
-zones of most scenes (docs/solver.md), the finer ones are for the rest."""
-LOOSEST_RULE = 1e-4
-"""Loosest rule on which zones are looked for. Half, twice: work 11 % and 3 % less, 20 and 13 of 48
-scenes change."""
+"""Nodes of the grids until zones hold: about fifty show those of most scenes (docs/solver.md)."""
 STRONGEST_RESISTANCE = 1e15
 """Resistance of slip to its rate, eta [mu b], beyond which slip is rounding of the traction."""
-RULE_SHARE, RULE_SHARE_AT_POLE = 10.0, 20.0
-"""rtol over the tolerance of a rule that is to reach it, elsewhere and where slip covers c: there
-`BETWEEN_NODES_AT_POLE` leaves room for the rest of an estimate.  Half, twice of the first: work the
-same, 8 % more."""
+RULE_SHARE = 10.0
+"""rtol over the tolerance of a rule that is to reach it. Half, twice: work the same, 8 % more."""
 LAW_TOLERANCE = 10
 """Tolerance of Coulomb's law over that of the rule: the noise at nodes is below 1."""
 
@@ -28,56 +22,41 @@ LAW_TOLERANCE = 10
 MOST_BROYDEN_STEPS = 8
 """Broyden steps on one rule. Half: one of 30 hard scenes changes; twice: no effect."""
 LEFT_SHIFT, LEAST_LEFT_SHIFT = 0.02, 1e-13
-"""Shift of edges that another Broyden step would bring, over rtol and at least. Half, twice: work 1
-% more, 3 % less."""
+"""Shift of edges left, over rtol and at least. Half, twice: work 1 % more, 3 % less."""
 HOPED_ERROR = 0.1
 """Error over rtol that a finer rule is chosen for; below it none is tried."""
 FINEST_RULE = 1e-16
-"""Tolerance of the finest rule: estimates of a film of viscosity 6,800 rise again from 1e-15
-(1.2e-11) to 1e-16 (5.1e-11)."""
+"""Finest rule: a film of viscosity 6,800 has 1.2e-11 at 1e-15, 5.1e-11 at 1e-16."""
 MOST_NODES = 12_000
-"""Nodes of the finest rule, all panels: cost grows with their square; 7,000 take 1 s, 19,000 half a
-minute."""
+"""Nodes of the finest rule: cost grows with their square, 7,000 take 1 s, 19,000 half a minute."""
 COARSER_COMPANION = 5.0
-"""Tolerance of a companion over a rule's own. Errors of edges over estimates: 0.05; half: 0.12,
-twice: 0.02, work 7 % more."""
+"""Companion's tolerance over a rule's: edges are 0.05 of estimates off; half: 0.12, twice: 0.02."""
 SAFETY = 5.0
-"""Estimate over the difference of two rules: slip rates near edges and fronts change more than what
-is compared."""
+"""Estimate over the difference of two rules: near edges and fronts slip rates change more."""
 LEFT_SAFETY = 4.0
-"""Safety factor for edge shifts that are left, over `SAFETY`: slip rates change fastest at
-edges."""
-BETWEEN_NODES, BETWEEN_NODES_AT_POLE = 0.3, 7.0
-"""Error between nodes over the tolerance, elsewhere and where slip covers c: 0.1 and 5.7 at most in
-300 scenes that open."""
+"""Safety for edge shifts left, over `SAFETY`: slip rates change fastest at edges."""
 SLIP_PER_EXCESS = 0.3
-"""Slip rate over the traction that exceeds friction where slip is missed: 0.1 at most was
-measured."""
+"""Slip rate over the traction that exceeds friction where slip is missed: 0.1 at most."""
 LEAST_INTENSITY = 1e-6
-"""Share of what friction bears at a stuck edge in the scale of its intensity, which may be far
-smaller."""
+"""Share of friction's intensity at a stuck edge in the scale of the edge's own."""
 
 # Newton's method for the edges (edges, placement)
 
 FARTHEST = 300.0
 """Unknowns beyond put an edge on a wave front or at the contact edge: exp(300) is 1e130."""
 NUDGE = 1e-6
-"""Change of an unknown for its column of the Jacobian: the root of 1e-12, the rounding of the
-mismatch."""
+"""Change of an unknown for its column of the Jacobian: the root of its rounding, 1e-12."""
 LONGEST_NUDGE = 0.3
 """Largest nudge of a narrow gap, over its width."""
 
 # Strength that depends on slip rate (folder rated)
 
 MOST_RATE_FIELDS = 200
-"""Fields of all Newton steps for a slip rate: at most 40 were needed; next to c_R a thousand took a
-minute in vain."""
+"""Fields of all Newton steps for a slip rate: 40 at most; next to c_R 1,000 were in vain."""
 RATE_SETTLED = 1e-11
-"""Change of the slip rate, over the largest, that ends Newton's method: the next one is its
-square."""
+"""Change of the slip rate over the largest that ends Newton's method: the next is its square."""
 FARTHEST_RATE_REACH = 120.0
-"""Longest reach in y of rules for slip rates of small exponent: at 200 products of distances
-underflow."""
+"""Longest reach of rules for slip rates of small exponent: at 200 products underflow."""
 LEAST_RATE_SHARE = 1 / 32
 """Shortest step from constant friction to a law of friction, over the whole difference."""
 STEEP_EXPONENT = 0.06
@@ -101,8 +80,7 @@ POINTS_PER_E = 3
 FRONT_STEP = 0.1
 """Step of the logarithm of the distance behind the longitudinal front. Half: one answer changes."""
 GAUSS_PER_ELEMENT = 6
-"""Gauss points per element of the grid. Half, twice: eight or nine answers change, work does
-not."""
+"""Gauss points per element of the grid. Half, twice: eight or nine answers change."""
 
 # Zones after a failure (corrections)
 
@@ -116,5 +94,4 @@ NEAR_OPENING = 0.05
 CLEAR_OF_EDGES = 0.03
 """Distance [c_t] from edges and fronts beyond which the error of a derivative is estimated."""
 AT_BORDER = 1e-7
-"""Margin of Coulomb's law, width or slip rate over the largest, below which zones are about to
-change."""
+"""Margin of Coulomb's law, width or slip rate below which zones are about to change."""

@@ -42,7 +42,7 @@ def slip_senses(profile: Profile) -> tuple[list[int], list[CutPoints]]:
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
     factors = profile.fields.factors
-    # noise over tolerance; V is no less just behind the front
+    # Noise over tolerance; V is no less just behind the front.
     least = 1e-2 * profile.fields.rule.tolerance * float(profile.largest_rate)
     low, ahead = np.log(tuning.NEAREST_TO_C), factors.c - factors.a * (1 + 1e-6)
     senses: list[int] = []
@@ -111,7 +111,7 @@ def _gaps(
     which is twice as wide as the strip would be (docs/solver.md, "Weak friction and thresholds").
     """
     widths = [_gap_width(profile, load, change) for change in changes]
-    # beside a narrow strip the ratio is below 4 / pi
+    # Beside a narrow strip the ratio is below 4 / pi.
     if len(changes) == 2 and widths[0] > 1.2 * abs(changes[0].from_c[0]):
         strip = [2 * change.from_c[0] for change in changes]
         if -strip[0] < 2 * tuning.NARROWEST_GAP:
