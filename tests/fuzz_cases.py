@@ -117,12 +117,6 @@ WRONG_COMMANDS = [
     ["stability", "--solver", "extra"],
     ["article", "preloaded"],
     ["chart", "nowhere"],
-    ["wear", "--size", "3"],
-    ["evidence", "nowhere"],
-    ["evidence", "absent.toml"],
-    ["evidence", "--output"],
-    ["evidence", "--output", ""],
-    ["evidence", "--output", "/"],
     ["solve", "ramp", "--nodes", "16", "--save", "", "--quiet"],
 ]
 
@@ -135,8 +129,6 @@ REFUSED = [
     ["simulate", "stuck", "--resolution", "8", "--damping", "1e12"],
     ["article", "--quick", "--quiet", "--output", "taken"],
     ["chart", "preloaded", "--quick", "--quiet", "--output", "taken"],
-    ["wear", "--quick", "--quiet", "--output", "taken"],
-    ["evidence", "--quick", "--quiet", "--output", "taken/page.html"],
     ["simulate", "stuck", "--resolution", "8", "--quiet", "--no-snapshots", "--output", "taken"],
     ["solve", "ramp", "--nodes", "16", "--quiet", "--save", "taken/march.h5"],
     ["field", "preloaded", "--quiet", "--output", "taken"],

@@ -11,19 +11,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from semianalytic.scene.given.documents import scene_document
-
 if TYPE_CHECKING:
     from compare.studies.article.claims import Claim
     from compare.studies.article.study import Article
     from compare.studies.chart.points import Point
     from compare.studies.dissimilar.study import GrowthResults
-    from compare.studies.evidence.study import Evidence
     from compare.studies.regimes.figures import RegimeResults
     from compare.studies.supershear.study import RuptureResults
-    from compare.studies.wear import WearRow
 
-_SCENE = {"poisson_ratio": "1", "chi": "1"}
 _ERRORS = ("error", "edge_error", "reference_error", "reference_edge_error")
 
 
@@ -100,52 +95,5 @@ def chart_document(points: Sequence[Point]) -> dict[str, Any]:
         "units": {
             "points": {"setup": "s", "solving": "s", "memory": "MB", **dict.fromkeys(_ERRORS, "1")},
             "slopes": "1",
-        },
-    }
-
-
-def wear_document(rows: Sequence[WearRow]) -> dict[str, Any]:
-    """Return the wear of each transient, and the friction at which each load gives most work."""
-    from compare.studies.wear import most_of
-
-    work = {"frictional_work": "Q_0 V_0 c_t T^2"}
-    return {
-        "rows": [asdict(row) for row in rows],
-        "most": [asdict(row) for row in most_of(rows)],
-        "units": {
-            "rows": {
-                **_SCENE,
-                "accumulated_slip": "V_0 c_t T^2",
-                **work,
-                "slipped_length": "c_t T",
-            },
-            "most": {**_SCENE, **work},
-        },
-    }
-
-
-def evidence_document(evidence: Evidence) -> dict[str, Any]:
-    """Return verdicts of all scenes, closed forms and claims of the evidence page."""
-    return {
-        "verdict": evidence.verdict,
-        "counts": evidence.counts,
-        "scenes": [
-            {
-                "scene": one.label,
-                "parameters": scene_document(one.scene),
-                "verdict": one.verdict if one.judgements else None,
-                "counts": one.counts,
-                "methods": list(one.methods),
-                "obstacle": one.obstacle,
-            }
-            for one in evidence.scenes
-        ],
-        "closed_forms": [asdict(one) for one in evidence.closed_forms],
-        "claims": _claims(evidence.claims),
-        "stamp": evidence.stamp,
-        "seconds": evidence.seconds,
-        "units": {
-            "closed_forms": {"errors": "1", "edge": "c_t", "solved_edge": "c_t"},
-            "seconds": "s",
         },
     }

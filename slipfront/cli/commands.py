@@ -131,8 +131,6 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
     "stability": (_STUDIES, "stability"),
     "article": (_STUDIES, "article"),
     "chart": (_STUDIES, "chart"),
-    "wear": (_STUDIES, "wear"),
-    "evidence": (_STUDIES, "evidence"),
 }
 """Commands in the order of the help, with the module of this package and the name in it."""
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from compare.studies import wear
 from compare.studies.article import study as article
 from compare.studies.regimes import tables
 from compare.studies.tables import run_studies
@@ -110,15 +109,6 @@ def test_tables_of_regimes(monkeypatch):
     one, other = tables.reverse_rows()
     assert one.threshold > other.threshold > 0
     assert one.half_width > other.half_width > 0
-
-
-def test_most_wear_of_every_load(monkeypatch):
-    monkeypatch.setattr(wear, "NODES", 60)
-    monkeypatch.setattr(wear, "frictions", lambda count: [0.05, 0.2, 0.6, 1.5])
-    rows = wear.most_rows()
-    assert len(rows) == len(wear.LOADS) * len(wear.POISSON_RATIOS)
-    chi = {(row.load, row.poisson_ratio): row.chi for row in rows}
-    assert chi["pulse", 1 / 3] < chi["step", 1 / 3]
 
 
 def test_rows_of_the_article(monkeypatch):

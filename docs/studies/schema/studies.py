@@ -10,19 +10,14 @@ from compare.benchmarks.sheet import Sheet
 from compare.studies.article.claims import Verdict
 from compare.studies.chart.points import Point
 from compare.studies.dissimilar.points import NamedPoint, ThresholdPoint
-from compare.studies.evidence.study import ClosedForm
 from compare.studies.regimes.points import BoundaryPoint
 from compare.studies.supershear.points import TransitionPoint
-from compare.studies.wear import MostRow, WearRow
 from docs.studies.schema.parts import (
-    COUNTS,
     MATERIAL,
     PROBLEM,
-    VERDICT,
 )
 from docs.studies.schema.vocabulary import (
     NUMBER,
-    SCENE,
     TEXT,
     TRUTH,
     WHOLE,
@@ -124,39 +119,6 @@ STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
         {
             "points": Key("points measured, as in data/chart.csv", list_of(row_of(Point))),
             "slopes": Key("slope of error against time, by scene and method", named(named(NUMBER))),
-        },
-    ),
-    "wear": (
-        {
-            "rows": Key("results of each transient", list_of(row_of(WearRow))),
-            "most": Key(
-                "friction at which the frictional work is largest", list_of(row_of(MostRow))
-            ),
-        },
-    ),
-    "evidence": (
-        {
-            "verdict": VERDICT,
-            "counts": COUNTS,
-            "scenes": Key(
-                "results of all methods for each scene",
-                list_of(
-                    object_of(
-                        scene=TEXT,
-                        parameters=SCENE,
-                        verdict=or_null(TEXT),
-                        counts=named(WHOLE),
-                        methods=list_of(TEXT),
-                        obstacle=TEXT,
-                    )
-                ),
-            ),
-            "closed_forms": Key(
-                "errors of all methods against closed forms", list_of(row_of(ClosedForm))
-            ),
-            "claims": _CLAIMS,
-            "stamp": Key("versions, machine and date", named({"type": ["string", "number"]})),
-            "seconds": Key("time taken in seconds", NUMBER),
         },
     ),
 }

@@ -154,7 +154,7 @@ def test_an_interruption_is_one_line_at_any_time(before, module, numbers, code, 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("command", ["regimes", "stability --solver", "chart", "wear"])
+@pytest.mark.parametrize("command", ["regimes", "stability --solver", "chart"])
 def test_studies_are_interrupted_at_any_time(command, number, tmp_path):
     rng = random.Random(f"{command} {number}")
     for _ in range(2):
@@ -263,8 +263,6 @@ COMMANDS = {
     "stability --space-time --output": "folder",
     "article --output": "folder",
     "chart --output": "folder",
-    "wear --output": "folder",
-    "evidence --output": "file",
 }
 
 
@@ -290,8 +288,6 @@ def no_computing(monkeypatch):
         "compare.studies.stability.spacetime.stability_rows",
         "compare.studies.article.study.run_cases",
         "compare.studies.chart.study.run_task",
-        "compare.studies.wear.swept_rows",
-        "compare.studies.evidence.page.collect",
     ):
         monkeypatch.setattr(name, compute)
 

@@ -20,15 +20,11 @@ from compare.studies.chart.points import read_points
 from compare.studies.documents import (
     article_document,
     chart_document,
-    evidence_document,
     regimes_document,
     stability_document,
-    wear_document,
 )
-from compare.studies.evidence.study import ClosedForm, Evidence
 from compare.studies.regimes.figures import RegimeResults
 from compare.studies.regimes.points import BoundaryPoint, MapPoint
-from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
 from semianalytic.cut.load import contact_opens
@@ -183,40 +179,27 @@ def test_files_are_what_is_new_or_changed(tmp_path):
 
 
 def test_documents_of_studies_fit_their_schema():
-    wear = [
-        WearRow(load, nu, chi, 1.0, chi, 0.5)
-        for load in LOADS
-        for nu in POISSON_RATIOS
-        for chi in (0.1, 0.2)
-    ]
     claim = Claim("1", "all", "preload", {"exact": Verdict("holds", "by 1")})
     point = MapPoint("preload", 0.3, 0.1, "two", "0:1:+1", "converged", 1e-9)
     curve = BoundaryPoint("preload", "gap", 0.3, -1.0)
     maps = RegimeResults({"preload": [point, point]}, [curve], [], [])
-    forms = (ClosedForm("words", {"march": 0.1}, None, None),)
-    evidence = Evidence((), forms, None, (claim,), True, {"numpy": "2"}, 1.0)
     documents = {
-        "wear": wear_document(wear),
         "article": article_document(Article((claim,), (), 0.1, ())),
         "regimes": regimes_document(maps),
         "chart": chart_document(read_points(ROOT / "docs" / "data" / "chart.csv")),
-        "stability": stability_document({"solver": {"rows": wear[:1]}}),
-        "evidence": evidence_document(evidence),
+        "stability": stability_document({"solver": {"rows": [point]}}),
     }
     for command, document in documents.items():
         checked(json_text(envelope(command, document)))
     assert documents["regimes"]["regimes"] == {"preload": Counter(two=2)}
-    assert documents["wear"]["most"][0]["chi"] == 0.2
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "among"),
     [
-        ("wear --quick", "wear.csv"),
         ("regimes --quick --size 4", "boundaries.csv"),
         ("stability --space-time --quick", "stability-space-time.csv"),
-        ("evidence preloaded --quick --output evidence.html", "evidence.html"),
     ],
 )
 def test_studies_write_files_and_print_what_their_schema_says(arguments, among, capsys):
