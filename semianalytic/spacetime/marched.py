@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from semianalytic.memory.exponentials import Memory
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.notebook import html_table
+from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
@@ -25,9 +26,6 @@ from semianalytic.spacetime.grid.resolution import Shortfall, advice, coarse_wea
 from semianalytic.spacetime.march_error import Departure, slip_rate_error
 from semianalytic.spacetime.march_files import read_march, write_march
 from semianalytic.spacetime.state import Extremes, MarchState, MarchStatistics
-
-READING_SAFETY = 1.6
-"""The same of other readings, which converge less evenly: errors are 0.1 to 1.7 of it."""
 
 Array = NDArray[np.float64]
 
@@ -160,7 +158,8 @@ class Marched(SampledAnswer):
         """
         if self.companion is None:
             return np.full(np.shape(reading(self)), np.nan)
-        return READING_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
+        # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
+        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
 
     @cached_property
     def _coarser(self) -> Marched:

@@ -11,8 +11,6 @@ from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
 from semianalytic.whole_line.solution import LineSolution
 from semianalytic.whole_line.spreading import Spreading, least_missing, spread
 
-_TOLERANCE = 1e-9
-"""Largest error estimate of an answer that has converged."""
 _STEP = 1e-4
 """Relative change of the edge by which the slope of the condition is formed."""
 
@@ -77,8 +75,8 @@ def solve_line(line: WholeLine) -> LineSolution | Solution:
         _check_one_zone(line, found, unit)
     error = _error(found, line.missing / unit)
     status = "converged"
-    if error > _TOLERANCE:
-        status = f"the error estimate {error:.1e} exceeds {_TOLERANCE:.0e}"
+    if error > 1e-9:
+        status = f"the error estimate {error:.1e} exceeds 1e-09"
     return LineSolution(line, status, error, found)
 
 
