@@ -105,13 +105,6 @@ def sound_rows(path: Path, kind: type[Row]) -> list[Row]:
     ]
 
 
-def started_rows(path: Path, kind: type[Row]) -> list[Row]:
-    """Return the undamaged rows of a growing table; start the table if there is none."""
-    if not path.exists():
-        write_text(path, ",".join([*_names(kind), "checksum"]) + "\n")
-    return sound_rows(path, kind)
-
-
 def markdown_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table of texts in Markdown, ending in a newline."""
     lines = (heading, ["---"] * len(heading), *rows)
