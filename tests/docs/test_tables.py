@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import pytest
@@ -10,12 +9,10 @@ import pytest
 from compare.studies.article import study as article
 from compare.studies.regimes import tables
 from compare.studies.tables import run_studies
-from docs.studies import constants, ratios
+from docs.studies import ratios
 from docs.studies.accuracy import scenes
-from docs.studies.constants import constant_rows, random_scenes, solved
 from docs.studies.pages import read_data
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.selfsimilar.zones import tuning
 
 SOLVE = "`solve` of `preloaded` to 1e-9"
 
@@ -110,25 +107,6 @@ def test_rows_of_the_article(monkeypatch):
     claims = article.claim_rows()
     assert len(claims) == len(article.CLAIMS)
     assert claims[0].exact.startswith("fails: ")
-
-
-def test_a_constant_that_matters_is_told_from_one_that_does_not():
-    compute = partial(solved, random_scenes(1))
-    rows = list(constant_rows(tuning, ["FINEST_RULE", "RULE_SHARE"], compute))
-    assert [row.value for row in rows] == [5e-17, 2e-16, 5.0, 20.0]
-    idle, finer = rows[0], rows[3]
-    assert (idle.failed, idle.changed, idle.work) == (0, 0, 1.0)
-    assert finer.work > 1.0
-    assert finer.changed
-    assert all(row.worst < 1 for row in rows)
-
-
-def test_an_unknown_constant_is_refused(capsys):
-    with pytest.raises(SystemExit, match="2"):
-        constants.main(["NO_SUCH_NUMBER"])
-    assert "NO_SUCH_NUMBER is no number of semianalytic.selfsimilar.zones.tuning" in (
-        capsys.readouterr().err
-    )
 
 
 def test_a_job_runs_in_both_checkouts():

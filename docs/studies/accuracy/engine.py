@@ -1,16 +1,14 @@
 """The engine against exact numbers, statics, dispersion relations, and finer grids of its own.
 
-``python -m docs.studies.engine`` writes docs/data/engine-checks.csv in some minutes; the growth
-rates are computed by Newton's method from the dispersion relation, the marches by `run`.
+``python -m docs.studies.accuracy.engine --output docs`` computes the table of docs/engine.md in
+some minutes; growth rates come from the dispersion relation by Newton's method, marches from `run`.
 """
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,15 +16,14 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid, quad
 
 import semianalytic as sf
-from semianalytic.engine.record import past_of
+from docs.studies.runner import Study, main
 from semianalytic.engine.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
 from semianalytic.reference.ruptures import critical_wavenumber, growth
 
-DATA = Path(__file__).resolve().parents[1] / "data" / "engine-checks.csv"
-COMMAND = "python -m docs.studies.engine"
 Row = tuple[str, str, str, str, str]
+"""Case, quantity, reference, the value here, and the difference."""
 Array = NDArray[np.float64]
 MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 UNIT = sf.Material(1.0, 1.0, 0.25)
@@ -35,33 +32,6 @@ SHARES = (0.3, 0.5, 0.7, 0.9)
 """Wavenumbers over the critical one: the growing waves of the notes."""
 WEAKEST = 0.004
 """Slowest growth that is marched [V / L]; half of it would need marches of 1,250 L / V."""
-
-
-def main() -> None:
-    """Compute all rows, then write the table."""
-    rows = []
-    parts = (
-        exact,
-        patches,
-        jumps,
-        fronts,
-        cracks,
-        statics,
-        edges,
-        openings,
-        events,
-        benchmark,
-        dispersion,
-    )
-    for part in parts:
-        for row in part():
-            print(*row, sep=" | ", flush=True)
-            rows.append(row)
-    with DATA.open("w", newline="", encoding="utf-8") as stream:
-        stream.write(f"# {COMMAND}\n")
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(["case", "quantity", "reference", "here", "difference"])
-        writer.writerows(rows)
 
 
 def compared(case: str, quantity: str, reference: float, here: float, digits: int = 8) -> Row:
@@ -169,7 +139,7 @@ def patches() -> Iterator[Row]:
         strength = 2 * p * root / abs(impedance(np.array([1e-300 - 1j / p]))[0].imag)
         for nodes in (1024, 4096):
 
-            def shear(x: NDArray[np.float64], t: float, n: int = nodes) -> NDArray[np.float64]:
+            def shear(x: Array, t: float, n: int = nodes) -> Array:
                 rise = np.clip((0.3 * t - np.abs(x)) * n / 20 + 0.5, 0, 1)
                 return np.asarray(rise * rise * (3 - 2 * rise))
 
@@ -323,9 +293,7 @@ def statics() -> Iterator[Row]:
         )  # fmt: skip
 
 
-def profile(
-    case: str, quantity: str, known: NDArray[np.float64], found: NDArray[np.float64]
-) -> Row:
+def profile(case: str, quantity: str, known: Array, found: Array) -> Row:
     """Return a row of the relative L1 difference of two profiles."""
     off = float(np.abs(found - known).sum() / np.abs(known).sum())
     return case, quantity, "exact profile", "L1", f"{off:.1e}"
@@ -411,41 +379,33 @@ def benchmark() -> Iterator[Row]:
         yield compared(f"tpv101, 2880 nodes, x = {at / 1000:g} km", "last slip [m]", known, slip, 8)
 
 
-def events() -> Iterator[Row]:
-    """Yield an event in a run of adaptive steps against the same with fixed short ones."""
-    found = sf.find_interface("rate-and-state")
-    done = sf.run(found.interface, found.end_time, estimate=False, **found.options)
-    begins = ", ".join(f"{begin:.3f}" for begin, _ in done.events(1e-2))
-    steps = np.diff(done.step_times)
-    yield (
-        "rate-and-state, 100 s",
-        "events [s]",
-        "fixed steps would be 12 million",
-        begins,
-        f"{done.steps} steps, {steps.min():.1e} to {steps.max():.1e} s",
-    )
-    begin = done.events(1e-2)[0][0] - 0.02
-    before = sf.run(found.interface, begin, estimate=False, **found.options)
-    ends = []
-    for longest in (math.inf, 4e-6):
-        # shorter steps than the lowest rung: a lower rung
-        ratio = 0.4 if longest == math.inf else 0.4 * 4e-6 / (0.4 * 16 / 256 / 3000)
-        stepper = Stepper(found.interface, 256, ratio, end_time=100.0, longest=longest)
-        kept, now = before.checkpoint, stepper.begin()
-        stepper.memory.put_back(past_of(kept))
-        now = type(now)(**{name: kept[name] for name in now.__dataclass_fields__})
-        count, first, peak = 0, now, 0.0
-        while now.time < begin + 0.06:
-            length, rung = stepper.length(now)
-            left = begin + 0.06 - now.time
-            now = stepper.step(now, min(length, left), rung)
-            peak, count = max(peak, float(np.abs(now.rate).max())), count + 1
-        ends.append((now.slip - first.slip, peak, count))
-    (slip, peak, count), (known, high, many) = ends
-    off = float(np.abs(slip - known).sum() / np.abs(known).sum())
-    yield "its first event", "slip, L1", f"{many} steps of 4 µs", f"{count} steps", f"{off:.1e}"
-    yield compared("its first event", "largest slip rate", high, peak, 4)
+PARTS: Mapping[str, Callable[[], Iterator[Row]]] = {
+    "exact": exact,
+    "patches": patches,
+    "jumps": jumps,
+    "fronts": fronts,
+    "cracks": cracks,
+    "statics": statics,
+    "edges": edges,
+    "openings": openings,
+    "benchmark": benchmark,
+    "dispersion": dispersion,
+}
+"""Parts of the table."""
+COLUMNS = ("case", "quantity", "reference", "here", "difference")
 
+
+def rows_of(part: str) -> list[dict[str, str]]:
+    """Return the rows of a part."""
+    return [dict(zip(COLUMNS, row, strict=True)) for row in PARTS[part]()]
+
+
+def points(quick: bool) -> list[tuple[str]]:
+    """Return all parts; those that take some seconds for a quick look."""
+    return [(part,) for part in (("exact", "statics", "edges") if quick else PARTS)]
+
+
+STUDIES = [Study("engine-checks", points, rows_of)]
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main("docs.studies.accuracy.engine", STUDIES))
