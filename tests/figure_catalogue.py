@@ -22,16 +22,11 @@ from compare_cases import sampled_run
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from compare.benchmarks.entries import read_run, told_apart
-from compare.benchmarks.figures import score_figure, sheet_figure
-from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import side_by_side
 from compare.figures import histories, interface
 from compare.figures.fields import FieldPicture
 from compare.figures.fronts import reach
-from compare.figures.pairs import pair_figure
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
@@ -66,7 +61,6 @@ from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "docs" / "data"
-ENTRANTS = ROOT / "tests" / "data" / "entrants"
 
 
 @cache
@@ -124,12 +118,6 @@ def _validation():
     names = ("slip_rate", "slip", "shear_traction", "pressure")
     data = {"t": t, "x": x, **{name: getattr(seen, name) for name in names}}
     return validation_figure(validate(data, solution.scene, spacing=0.02))
-
-
-def _scores():
-    paths = [*ENTRANTS.glob("uguca/preloaded/*.csv"), *ENTRANTS.glob("sem2dpack/preloaded/*.csv")]
-    runs = told_apart([read_run(path) for path in sorted(paths)])
-    return score_figure([one for run in runs for one in score(run)])
 
 
 @cache
@@ -297,20 +285,8 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))
     },
     "compare.figures.fields.FieldPicture/max-shear of a pair": _field_of_pair,
-    **{
-        f"compare.figures.pairs.pair_figure/{name}": lambda name=name: pair_figure(
-            solve_pair(PAIRS[name])
-        )
-        for name in ("slip and opening", "film")
-    },
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
-    "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
-    **{
-        f"compare.benchmarks.figures.reference_figure/{name}": partial(sheet_figure, sheet)
-        for name, sheet in INTERFACE_SHEETS.items()
-    },
-    "compare.benchmarks.figures.score_figure": _scores,
     **{
         f"compare.studies.article.study.figure_{number}": lambda draw=number: getattr(
             article, f"figure_{draw}"

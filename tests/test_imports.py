@@ -42,7 +42,7 @@ ARROWS = {
         "interfaces": "comparison",
         "figures": "comparison output",
         "validation": "records comparison figures output",
-        "benchmarks": "records comparison interfaces figures output",
+        "benchmarks": "records comparison validation output",
         "studies": "comparison figures output tasks",
     },
     "slipfront": {

@@ -357,7 +357,7 @@ class Run:
             If the file is missing, damaged or not a run, or a run on another contact or period.
         """
         try:
-            check_seal(path)
+            check_seal(Path(path))
             with np.load(path, allow_pickle=False) as file:
                 if str(file["format"]) != FORMAT:
                     raise DataFileError(

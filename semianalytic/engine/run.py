@@ -145,7 +145,12 @@ def run(
     if slipping is not None:
         slipping = checked_number("run: slipping", slipping, "be 0 or more", lambda one: one >= 0)
     settings = _checked_settings(settings)
-    options = {"step_ratio": step_ratio, "every": every, "frames": frames, "times": times}
+    options: dict[str, Any] = {
+        "step_ratio": step_ratio,
+        "every": every,
+        "frames": frames,
+        "times": times,
+    }
     options |= {"slipping": slipping, "shift": None}  # moved as suits the ends of contacts
     latest = end_time if latest is None else checked_size("run: latest", latest)
     options["latest"] = max(latest, end_time)

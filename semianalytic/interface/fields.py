@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.text_files import text_of
+from semianalytic.scene.given.text_files import text_of
 
 Array = NDArray[np.float64]
 

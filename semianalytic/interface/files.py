@@ -22,11 +22,11 @@ from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDep
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import INTERFACE_KEY
+from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.incident import load_from_document
 from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
-from semianalytic.scene.text_files import text_of
 
 LAWS: Mapping[str, type[InterfaceLaw]] = {
     "coulomb": Coulomb,

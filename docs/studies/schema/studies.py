@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from compare.benchmarks.classes import Tolerance
 from compare.benchmarks.scores import Score
-from compare.benchmarks.sheet import Sheet
+from compare.benchmarks.sheets import Sheet
 from compare.studies.article.claims import Verdict
 from compare.studies.chart.points import Point
 from compare.studies.dissimilar.points import NamedPoint, ThresholdPoint
@@ -25,7 +24,6 @@ from docs.studies.schema.vocabulary import (
     list_of,
     named,
     object_of,
-    or_null,
     row_of,
 )
 from semianalytic import SlidingWave
@@ -34,40 +32,21 @@ _CLAIMS = Key(
     "claims of the article, with the verdict of each method",
     list_of(object_of(section=TEXT, claim=TEXT, base=TEXT, verdicts=named(row_of(Verdict)))),
 )
+_SHEET = row_of(Sheet, scene=PROBLEM)
 
 STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
-    "benchmark": (
-        {"sheets": Key("all problem sheets", list_of(row_of(Sheet, marched=TRUTH, scene=PROBLEM)))},
-    ),
+    "benchmark": ({"sheets": Key("all problem sheets", list_of(_SHEET))},),
     "benchmark show": (
         {
-            "sheet": Key("name of the sheet", TEXT),
-            "title": Key("title of the sheet", TEXT),
-            "system": Key("system of units", TEXT),
-            "scene": Key("the scene, pair or whole line, or the file of the interface", PROBLEM),
-            "si_scene": Key("the same scene in SI units; null for interfaces", or_null(PROBLEM)),
-            "si_scales": Key("factors that convert answers to SI units", named(NUMBER)),
-            "stations": Key("positions of the stations; of scenes over c_t T", list_of(NUMBER)),
+            "sheet": Key("the sheet; its scene is that, or the file of the interface", _SHEET),
             "times": Key("times; of scenes over T", list_of(NUMBER)),
-            "arrival": Key("event whose arrival time is asked for", TEXT),
-            "sure": Key("how many digits are reliable, in words", TEXT),
             "answers": Key("answers by quantity", {"type": "object"}),
-            "errors": Key("errors of marched answers, of interfaces relative", {"type": "object"}),
-            "tolerances": Key("tolerances by class", list_of(row_of(Tolerance))),
+            "errors": Key("stated relative errors of marched answers", named(NUMBER)),
         },
     ),
     "benchmark export": ({"sheets": Key("names of the sheets", list_of(TEXT))},),
     "benchmark score": (
         {"scores": Key("scores of each run and quantity", list_of(row_of(Score)))},
-    ),
-    "benchmark enter": (
-        {
-            "sheet": Key("name of the sheet", TEXT),
-            "code": Key("code that was run", TEXT),
-            "cells": Key("number of cells over c_t T", NUMBER),
-            "stations": Key("stations recorded", list_of(NUMBER)),
-            "seconds": Key("time taken in seconds", NUMBER),
-        },
     ),
     "regimes": (
         {

@@ -10,7 +10,7 @@ from typing import Any
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.text_files import text_of
+from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.units import SI, size_of, units_shown
 
 FILE = "file"

@@ -19,7 +19,6 @@ MESH_NAMES = {
     "mesh": ("squares", "graded", "triangles"),
 }
 CHARTED = ("preloaded", "remote-shock", "auxetic", "ramp")
-CODES = ("fem", "march", "run")
 LOADINGS = ("both", "preload", "remote")
 FORMATS = ("gif", "mp4")
 """Choices of options.  They repeat those of the functions, whose modules import numpy: importing
@@ -61,9 +60,9 @@ def figure_names(incomplete: str) -> list[str]:
 
 def sheet_names(incomplete: str) -> list[str]:
     """Complete names of benchmark sheets."""
-    from compare.benchmarks.sheets import ALL_SHEETS
+    from compare.benchmarks.sheets import sheets
 
-    return _starting(ALL_SHEETS, incomplete)
+    return _starting(sheets(), incomplete)
 
 
 def _toml_files(incomplete: str) -> list[str]:

@@ -112,12 +112,13 @@ def test_scenes_and_init_fit_their_schema(printed):
 def test_benchmark_fits_its_schema(printed):
     assert printed("benchmark")["sheets"]
     assert printed("benchmark show tap")["units"]["answers"]["pressure"] == "stress"
-    printed("benchmark enter march stuck --cells 20 --output a.csv")
-    scored = printed("benchmark score a.csv --output scores")
-    assert scored["files"] == [f"scores/scores.{form}" for form in ("csv", "json", "png")]
+    shown = printed("benchmark show tpv101")
+    assert shown["units"]["answers"]["shear_traction"] == "Pa"
+    assert "rate-and-state" in shown["sheet"]["scene"]["interface"]
     written = printed("benchmark export out stuck")["files"]
     assert "out/stuck/stuck.md" in written
     assert all(Path(path).is_file() for path in written)
+    assert printed("benchmark score out/stuck/stuck.csv")["scores"]
 
 
 @pytest.mark.parametrize(
@@ -157,9 +158,9 @@ def test_simulate_compare_and_validate_fit_their_schema(printed, capsys):
     assert "run/simulation.h5" not in document["files"]
     report = json.loads(Path("run/report.json").read_text())
     assert report == {key: document[key] for key in report}
-    main(["benchmark", "enter", "march", "stuck", "--cells", "20", "--output", "a.csv"])
+    main(["benchmark", "export", "out", "stuck"])
     capsys.readouterr()
-    main(["validate", "a.csv", "--scene", "stuck", "--json"])
+    main(["validate", "out/stuck/stuck.csv", "--scene", "stuck", "--json"])
     document = checked(capsys.readouterr().out)
     assert document["files"][-1].endswith("validation.png")
 
