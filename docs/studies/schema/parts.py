@@ -12,10 +12,10 @@ from docs.studies.schema.vocabulary import (
     Schema,
     named,
     object_of,
+    shape,
 )
 
-MATERIAL = object_of(shear_modulus=NUMBER, density=NUMBER, poisson_ratio=NUMBER)
-TRACTIONS = object_of(pressure=NUMBER, shear=NUMBER)
+MATERIAL, TRACTIONS = shape("shear_modulus density poisson_ratio"), shape("pressure shear")
 KIND: Schema = {"type": "object", "properties": {"kind": TEXT}, "required": ["kind"]}
 _OPTIONAL = ("pressure_history", "shear_history", "friction_law", "mode", "load_on", "units")
 DEFINITIONS: Schema = {
