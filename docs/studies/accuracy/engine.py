@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -159,28 +158,6 @@ def patches() -> Iterator[Row]:
                 yield compared(
                     f"over-stressed patch, {mode}, {nodes} nodes", "edge", edge, found, 6
                 )
-
-
-def jumps() -> Iterator[Row]:
-    """Yield slip of a patch and of a contact whose ends meet the grid anywhere."""
-    load, end = sf.InterfaceLoad(lambda x: 0.8 * (np.abs(x - 3) < 1)), 1.5
-    shape: dict[str, Any] = {"length": 20.0, "pressure": 1.0}
-    patch = sf.Interface(UNIT, sf.Coulomb(0.4), **shape, loads=[load])
-    strip = sf.Contact([(-2.0, 2.0)])
-    pushed = sf.InterfaceLoad(0.2)
-    punch = sf.Interface(UNIT, sf.Coulomb(0.4), **shape, contact=strip, loads=[pushed])
-    for name, at, interface, counts in (
-        ("patch of constant stress", 4.0, patch, (400, 408, 416, 512)),
-        ("contact of finite width", 2.0, punch, (256, 260, 512, 520)),
-    ):
-        fine = sf.run(interface, end, 8000, times=[end], estimate=False)
-        for nodes in counts:
-            done = sf.run(interface, end, nodes, times=[end])
-            exact = np.interp(done.x, fine.x, fine.slip[-1])[done.touching]
-            off = np.abs(done.slip[-1][done.touching] - exact).sum() / np.abs(exact).sum()
-            case = f"{name}, {nodes} nodes, end at x/h = {at * nodes / interface.length:.4g}"
-            estimate = f"estimate {done.error_estimates['slip']:.1e}"
-            yield case, "slip", "8000 nodes", estimate, f"{off:.1e}"
 
 
 def fronts() -> Iterator[Row]:
@@ -354,41 +331,14 @@ def openings() -> Iterator[Row]:
         yield f"{name}, {nodes} nodes", "work lost in closing", "0 or more", f"{closing:.1e}", ""
 
 
-def benchmark() -> Iterator[Row]:
-    """Yield TPV101 in two dimensions on three grids, and its slip against 5,760 nodes."""
-    found = sf.find_interface("tpv101")
-    every = 20 * 0.35 * 50 / found.interface.material.shear_speed
-    times = [every * k for k in range(149)]
-    runs = {
-        n: sf.run(found.interface, 15.0, n, step_ratio=0.35, times=times, estimate=False)
-        for n in (720, 1440, 2880)
-    }
-    for name in ("slip", "slip_rate"):
-        fields = {n: getattr(one, name)[:, :: n // 720] for n, one in runs.items()}
-        offs = [
-            float(np.abs(fields[n] - fields[2 * n]).sum() / np.abs(fields[2 * n]).sum())
-            for n in (720, 1440)
-        ]
-        order = math.log2(offs[0] / offs[1])
-        shown = f"{offs[0]:.2e}, then {offs[1]:.2e}"
-        quantity = f"L1 of {name.replace('_', ' ')} to the next finer grid"
-        yield "tpv101, 720, 1440, 2880 nodes", quantity, "second order", shown, f"order {order:.2f}"
-    fine = runs[2880]
-    for at, known in ((0, 16.717576), (6000, 13.566330), (12000, 11.314320), (15000, 9.790005)):
-        slip = float(fine.slip[-1, round(at / 25)])
-        yield compared(f"tpv101, 2880 nodes, x = {at / 1000:g} km", "last slip [m]", known, slip, 8)
-
-
 PARTS: Mapping[str, Callable[[], Iterator[Row]]] = {
     "exact": exact,
     "patches": patches,
-    "jumps": jumps,
     "fronts": fronts,
     "cracks": cracks,
     "statics": statics,
     "edges": edges,
     "openings": openings,
-    "benchmark": benchmark,
     "dispersion": dispersion,
 }
 """Parts of the table."""
