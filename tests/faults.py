@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from fault_tasks import history
 
+from compare.chart.points import COMMAND, read_points
 from compare.comparison.fields.frames import last_frame
 from compare.output.tables import append_rows, write_rows
-from compare.studies.chart.points import COMMAND, read_points
 from compare.studies.regimes.points import MapPoint, kept_columns, poisson_ratios
 from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint

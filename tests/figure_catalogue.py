@@ -22,6 +22,8 @@ from compare_cases import sampled_run
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+from compare.chart.figure import chart_figure
+from compare.chart.points import read_points
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import side_by_side
 from compare.figures import histories, interface
@@ -34,9 +36,6 @@ from compare.figures.whole_line import line_figure
 from compare.output.field_files import record_fields
 from compare.studies.article import study as article
 from compare.studies.article.cases import SlotCheck, run_cases
-from compare.studies.chart.figure import chart_figure
-from compare.studies.chart.points import SCENES as CHARTED
-from compare.studies.chart.points import read_points
 from compare.studies.dissimilar.figure import growth_figure
 from compare.studies.dissimilar.pairs import NAMED
 from compare.studies.dissimilar.pairs import SCENES as PAIRS
@@ -295,8 +294,8 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     },
     "compare.studies.article.study.slot_figure": _slot,
     **{
-        f"compare.studies.chart.figure.chart_figure/{name}": partial(_chart, name)
-        for name in CHARTED
+        f"compare.chart.figure.chart_figure/{name}": partial(_chart, name)
+        for name in ("preloaded", "remote-shock", "auxetic", "ramp")
     },
     **{
         f"compare.studies.regimes.figures.regimes_figure/{loading}": lambda of=loading: (

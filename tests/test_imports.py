@@ -43,6 +43,7 @@ ARROWS = {
         "figures": "comparison output",
         "validation": "records comparison figures output",
         "benchmarks": "records comparison validation output",
+        "chart": "comparison figures output tasks",
         "studies": "comparison figures output tasks",
     },
     "slipfront": {

@@ -1,7 +1,6 @@
 """Results of studies as plain dictionaries with units, for JSON.
 
 Studies are dimensionless, so most units are "1" or a product of scales such as "V_0 c_t T^2".
-Measurements of the computer are in "s" and "MB".
 """
 
 from __future__ import annotations
@@ -14,12 +13,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from compare.studies.article.claims import Claim
     from compare.studies.article.study import Article
-    from compare.studies.chart.points import Point
     from compare.studies.dissimilar.study import GrowthResults
     from compare.studies.regimes.figures import RegimeResults
     from compare.studies.supershear.study import RuptureResults
-
-_ERRORS = ("error", "edge_error", "reference_error", "reference_edge_error")
 
 
 def regimes_document(results: RegimeResults) -> dict[str, Any]:
@@ -83,17 +79,3 @@ def _claims(claims: Sequence[Claim]) -> list[dict[str, Any]]:
         }
         for claim in claims
     ]
-
-
-def chart_document(points: Sequence[Point]) -> dict[str, Any]:
-    """Return all points, and the power of time by which errors fall, by scene and method."""
-    from compare.studies.chart.figure import slopes
-
-    return {
-        "points": [asdict(point) for point in points],
-        "slopes": slopes(points),
-        "units": {
-            "points": {"setup": "s", "solving": "s", "memory": "MB", **dict.fromkeys(_ERRORS, "1")},
-            "slopes": "1",
-        },
-    }

@@ -130,7 +130,7 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
     "regimes": (_STUDIES, "regimes"),
     "stability": (_STUDIES, "stability"),
     "article": (_STUDIES, "article"),
-    "chart": (_STUDIES, "chart"),
+    "chart": ("chart_command", "chart"),
 }
 """Commands in the order of the help, with the module of this package and the name in it."""
 

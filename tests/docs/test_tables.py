@@ -1,4 +1,4 @@
-"""Studies as rows, on the terminal and in data files; small studies, of constants and of speed."""
+"""Studies as rows, on the terminal and in data files; small studies, of speed."""
 
 import math
 from dataclasses import dataclass

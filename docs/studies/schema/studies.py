@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from compare.benchmarks.scores import Score
 from compare.benchmarks.sheets import Sheet
+from compare.chart.figure import Found
+from compare.chart.points import Point
 from compare.studies.article.claims import Verdict
-from compare.studies.chart.points import Point
 from compare.studies.dissimilar.points import NamedPoint, ThresholdPoint
 from compare.studies.regimes.points import BoundaryPoint
 from compare.studies.supershear.points import TransitionPoint
@@ -97,7 +98,7 @@ STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "chart": (
         {
             "points": Key("points measured, as in data/chart.csv", list_of(row_of(Point))),
-            "slopes": Key("slope of error against time, by scene and method", named(named(NUMBER))),
+            "found": Key("what they say, as in data/chart-found.csv", list_of(row_of(Found))),
         },
     ),
 }

@@ -16,7 +16,7 @@ from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import CLUSTER, FEM, PLOT, require
 from slipfront.cli.options import AsJson, FiguresForm, Quiet
-from slipfront.cli.scenes.completion import CHARTED, LOADINGS, one_of
+from slipfront.cli.scenes.completion import LOADINGS, one_of
 from slipfront.cli.terminal import print_json
 
 Output = Annotated[
@@ -166,55 +166,6 @@ def article(
         print_json("article", article_document(found), files=files)
         return
     Console().print(claims_table(found.claims), highlight=False, markup=False)
-    _written(f"{directory}/")
-
-
-def chart(
-    scenes: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[SCENE...]",
-            help=f"Scenes of the chart: {', '.join(CHARTED)}; all unless given.",
-            autocompletion=one_of(*CHARTED),
-        ),
-    ] = None,
-    output: Output = None,
-    figures: FiguresForm = "png",
-    quick: Quick = False,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Repeat finished measurements.")] = False,
-    scheduler: Scheduler = None,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-) -> None:
-    """Chart error against time of every method; an interrupted chart resumes when restarted.
-
-    --output docs refreshes the page of the documentation.
-    """
-    require("slipfront chart", *FEM, *PLOT)
-    from compare.studies.chart.figure import slopes_table, write_chart
-    from compare.studies.chart.points import FILE_NAME, SCENES
-    from compare.studies.chart.study import measure_all
-    from compare.studies.documents import chart_document
-
-    directory = output or Path("results", "chart-quick" if quick else "chart")
-    notes = Console(stderr=True)
-    with on_scheduler(scheduler) as client, working_folder(directory) as files:
-        with progress_bar(notes, quiet, "measuring") as progress:
-            points = measure_all(
-                directory / FILE_NAME,
-                scenes or SCENES,
-                quick=quick,
-                fresh=fresh,
-                progress=progress,
-                tell=_teller(notes, quiet),
-                client=client,
-            )
-        text = write_chart(directory, points, figures)
-    if as_json:
-        print_json("chart", chart_document(points), files=files)
-        return
-    Console().print(text, highlight=False, markup=False, soft_wrap=True)
-    Console().print(slopes_table(points), highlight=False, markup=False)
     _written(f"{directory}/")
 
 

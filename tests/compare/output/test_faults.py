@@ -22,10 +22,10 @@ from faults import (
     write_columns,
 )
 
+from compare.chart.points import read_points
 from compare.figures.saving import save_figure
 from compare.output.files import append_text, write_text
 from compare.output.places import LOCK, check_file, save_somewhere, working_folder
-from compare.studies.chart.points import read_points
 from fem import simulate
 from semianalytic import InterfaceHistory
 from semianalytic.results.files import check_seal, new_file, whole_hdf5

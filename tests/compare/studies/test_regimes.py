@@ -38,8 +38,8 @@ from semianalytic.regimes import (
     reverse_threshold,
     scene_of,
 )
-from semianalytic.regimes.thresholds import NARROWEST
 from semianalytic.scene.errors import SceneError
+from semianalytic.selfsimilar.zones.tuning import NARROWEST_GAP
 
 THIRD = 1 / 3
 
@@ -130,7 +130,7 @@ def test_the_stick_gap_at_the_rayleigh_front_is_four_reversed_half_widths():
     solution = solve(scene_of("remote", THIRD, chi * (1 + 1e-12)), rtol=1e-10)
     outward, inward = solution.profile.fields.zones
     # c is known to 1e-16, the gap to the solver's tolerance of its logarithm.
-    assert inward.left.minus(outward.right)[0] == pytest.approx(4 * NARROWEST, rel=1e-3)
+    assert inward.left.minus(outward.right)[0] == pytest.approx(4 * NARROWEST_GAP, rel=1e-3)
     assert regime(solve(scene_of("remote", THIRD, 0.99 * chi))) == "one"
     assert gap_threshold("preload", THIRD) is None
     assert gap_threshold("preload", 0.49) > 0

@@ -5,12 +5,10 @@ import pickle
 import signal
 import sys
 from importlib.metadata import PackageNotFoundError
-from pathlib import Path
 
 import pytest
 from distributed import Client, LocalCluster
 from fault_tasks import kill_me
-from json_checks import checked
 
 import slipfront as sf
 from compare.tasks import cluster
@@ -144,7 +142,6 @@ STUDIES = {
     "stability --quick --solver": "stability.solver",
     "stability --quick --fem": "stability.fem",
     "stability --quick --space-time": "stability.spacetime",
-    "chart preloaded --quick": "chart.study",
 }
 
 
@@ -165,7 +162,7 @@ def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, mo
 
 @pytest.mark.slow
 @in_processes
-def test_a_chart_and_a_map_made_by_a_cluster(client, two_workers, tmp_path, capsys):
+def test_a_map_made_by_a_cluster(client, two_workers, tmp_path):
     client.wait_for_workers(2, timeout=60)  # those that another test has ended are back
     scheduler = ["--scheduler", two_workers.scheduler_address, "--quiet"]
     for folder, options in (("here", ["--quiet"]), ("there", scheduler)):
@@ -174,9 +171,3 @@ def test_a_chart_and_a_map_made_by_a_cluster(client, two_workers, tmp_path, caps
     for name in ("regimes-remote.csv", "boundaries.csv", "front-speeds.csv", "openings.csv"):
         here, there = ((tmp_path / folder / name).read_text() for folder in ("here", "there"))
         assert here == there
-    to = ["--output", str(tmp_path / "chart")]
-    capsys.readouterr()
-    assert main(["chart", "preloaded", "--quick", "--json", *to, *scheduler]) == 0
-    files = {Path(one).name for one in checked(capsys.readouterr().out)["files"]}
-    assert {"chart.md", "data", "figures"} <= files
-    assert (tmp_path / "chart" / "data" / "chart.csv").read_text().count("preloaded") > 3

@@ -5,21 +5,18 @@ from collections import Counter
 from pathlib import Path
 
 import jsonschema
-import numpy as np
 import pytest
 from json_checks import VALIDATOR, checked
 
 import docs.studies.schema
+from compare.chart.figure import chart_document
+from compare.chart.points import read_points
 from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
 from compare.studies.article.claims import METHODS, Claim, Verdict
 from compare.studies.article.study import Article
-from compare.studies.chart.benchmark import TOLERANCES, measure, median_times
-from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
-from compare.studies.chart.points import read_points
 from compare.studies.documents import (
     article_document,
-    chart_document,
     regimes_document,
     stability_document,
 )
@@ -27,7 +24,6 @@ from compare.studies.regimes.figures import RegimeResults
 from compare.studies.regimes.points import BoundaryPoint, MapPoint
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
-from semianalytic.cut.load import contact_opens
 from semianalytic.scene.given.documents import scene_document
 from slipfront.cli.commands import command_for, main
 
@@ -204,7 +200,7 @@ def test_documents_of_studies_fit_their_schema():
     ],
 )
 def test_studies_write_files_and_print_what_their_schema_says(arguments, among, capsys):
-    """Charts and the article in the tests of a cluster and of the article, which make them too."""
+    """Charts and the article in tests of their own, which make them too."""
     capsys.readouterr()
     assert main([*arguments.split(), "--json"]) in (0, 1)
     files = [Path(one) for one in checked(capsys.readouterr().out)["files"]]
@@ -222,32 +218,3 @@ def test_claims_of_the_article_are_a_table(shown, monkeypatch):
     assert "claim" in said
     assert "words of it" in said
     assert "Written to results/article/" in said
-
-
-# --- what studies of speed report ---------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_benchmark_reports_time_next_to_error():
-    assert len(median_times([lambda: None, lambda: sum(range(1000))], 3)) == 2
-    rows = measure(repetitions=1)
-    assert {row.rtol for row in rows} == set(TOLERANCES)
-    for row in rows:
-        assert row.error < row.rtol
-        assert row.warm > 0
-        assert row.cold > 0
-
-
-@pytest.mark.parametrize("kind", OPENINGS)
-def test_scenes_that_open_are_timed_beside_some_that_do_not(kind):
-    for _, (scene, plain) in zip(range(20), OPENINGS[kind](np.random.default_rng(1)), strict=False):
-        assert contact_opens(scene)
-        assert not contact_opens(plain)
-        assert (scene.friction, scene.material) == (plain.friction, plain.material)
-
-
-@pytest.mark.slow
-def test_costs_are_reported_next_to_errors():
-    for row in measure_costs(FILMS | OPENINGS, scenes=4):
-        assert 0 < row.median <= row.ninth_decile <= row.worst
-        assert 0 < row.error < 1
