@@ -19,14 +19,10 @@ from numpy.typing import NDArray
 from compare.comparison.scales import wave_speeds
 from compare.figures.style import (
     BLACK,
-    BLUE,
-    ORANGE,
     PREDICTION,
     PURPLE,
+    REGIME_COLOURS,
     SIMULATION,
-    SKY,
-    SLIP_SHADE,
-    STICK_SHADE,
     VERMILLION,
     LineStyle,
     cycle,
@@ -55,16 +51,6 @@ from semianalytic.results.in_words import kind_of_slip
 
 Array = NDArray[np.float64]
 
-COLOURS = {
-    "stuck": STICK_SHADE,
-    "slow": SLIP_SHADE,
-    "front": "#f6ec9f",
-    "two": SKY,
-    "one": BLUE,
-    "everywhere": "#8fd3bf",
-    "reverse": ORANGE,
-    "failed": BLACK,
-}
 CURVES: dict[str, tuple[str, LineStyle, str]] = {
     "edge": ("edge sticks above", "-", BLACK),
     "nucleation": ("slip at the shear front below", "--", PURPLE),
@@ -102,8 +88,8 @@ def regimes_figure(loading: Loading, results: RegimeResults) -> Figure:
     else:
         figure = new_figure(11, 5.8)
         panels = list(figure.subplots(1, 2))
-        panels[0].set_facecolor(COLOURS["stuck"])
-        panels[0].axhspan(0, 1, color=COLOURS["everywhere"], linewidth=0, zorder=0)
+        panels[0].set_facecolor(REGIME_COLOURS["stuck"])
+        panels[0].axhspan(0, 1, color=REGIME_COLOURS["everywhere"], linewidth=0, zorder=0)
         panels[0].set_ylim(0.97, 1.85)
         panels[1].set_ylim(-0.09, 1.09)
     describe(figure, FRICTION[loading])
@@ -118,7 +104,7 @@ def regimes_figure(loading: Loading, results: RegimeResults) -> Figure:
         panel.set(xlabel=r"Poisson ratio $\nu$", ylabel=share_label if share else CHI[loading])
         panel.set_xlim(*POISSON_RATIOS)
     present = [name for name in REGIMES if any(p.regime == name for p in points)]
-    patches = [Patch(color=COLOURS[name], label=REGIMES[name]) for name in present]
+    patches = [Patch(color=REGIME_COLOURS[name], label=REGIMES[name]) for name in present]
     _legend_below(figure, [*patches, *panels[0].get_lines()], 3)
     return figure
 
@@ -160,7 +146,7 @@ def _draw_map(panel: Axes, loading: Loading, points: Sequence[MapPoint], share: 
         np.broadcast_to(nu[:, None], chi.shape),
         chi,
         index,
-        cmap=ListedColormap([COLOURS[name] for name in names]),
+        cmap=ListedColormap([REGIME_COLOURS[name] for name in names]),
         norm=BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)),
         rasterized=True,
     )

@@ -18,8 +18,17 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from compare.figures.saving import save_figure
-from compare.figures.style import BLACK, PURPLE, cycle, describe, new_figure, outline, styled
-from compare.studies.regimes.figures import CHI, COLOURS, FRICTION
+from compare.figures.style import (
+    BLACK,
+    PURPLE,
+    REGIME_COLOURS,
+    cycle,
+    describe,
+    new_figure,
+    outline,
+    styled,
+)
+from compare.studies.regimes.figures import CHI, FRICTION
 from compare.studies.regimes.points import REGIMES
 from semianalytic import ViscousFriction, solve
 from semianalytic.regimes import (
@@ -101,7 +110,7 @@ def viscosity_figure(
         10 ** (DECADES[0] + (DECADES[1] - DECADES[0]) * borders),
         MOST_FRICTION * borders,
         [[names.index(name) for name in row] for row in regimes],
-        cmap=ListedColormap([COLOURS[name] for name in names]),
+        cmap=ListedColormap([REGIME_COLOURS[name] for name in names]),
         norm=BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)),
         rasterized=True,
     )
@@ -116,7 +125,9 @@ def viscosity_figure(
         "failed": REGIMES["failed"],
     }
     present = {name for row in regimes for name in row}
-    patches = [Patch(color=COLOURS[name], label=labels[name]) for name in labels if name in present]
+    patches = [
+        Patch(color=REGIME_COLOURS[name], label=labels[name]) for name in labels if name in present
+    ]
     left.legend(handles=patches, loc="upper right")
     left.set_title(rf"$\nu = {MAP_POISSON_RATIO:.3g}$")
     for (nu, rows), colour in zip(curves.items(), cycle(), strict=False):
