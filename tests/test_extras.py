@@ -86,17 +86,13 @@ REFUSED = [
     (MOST, "solve ramp --go-on a.h5", "fem"),
     (MOST, "simulate preloaded", "fem"),
     (MOST, "compare --from somewhere", "fem"),
-    (MOST, "stability --fem", "fem"),
     (MOST, "evidence --quick", "fem"),
     (PLOT, "fit a.csv --scene preloaded --parameters friction --plot a.png", "plot"),
     (MOST, "explore", "explore"),
     (MOST, "fit a.csv --scene preloaded --parameters friction --posterior", "bayes"),
     (MOST, "survey preloaded --friction 0.1,0.2 --scheduler tcp://127.0.0.1:1", "cluster"),
-    (MOST, "stability --space-time --scheduler tcp://127.0.0.1:1", "cluster"),
     (ALL, "survey preloaded --friction 0.1,0.2", "xarray"),
-    (ALL, "regimes --scheduler tcp://127.0.0.1:1", "plot"),
     (ALL, "compare", "fem,plot"),
-    (ALL, "article", "fem,plot"),
     (ALL, "chart", "fem,plot"),
 ]
 

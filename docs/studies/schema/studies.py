@@ -9,10 +9,7 @@ from compare.benchmarks.scores import Score
 from compare.benchmarks.sheet import Sheet
 from compare.studies.article.claims import Verdict
 from compare.studies.chart.points import Point
-from compare.studies.dissimilar.points import NamedPoint, ThresholdPoint
 from compare.studies.evidence.study import ClosedForm
-from compare.studies.regimes.points import BoundaryPoint
-from compare.studies.supershear.points import TransitionPoint
 from compare.studies.wear import MostRow, WearRow
 from docs.studies.schema.parts import (
     COUNTS,
@@ -74,23 +71,6 @@ STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "seconds": Key("time taken in seconds", NUMBER),
         },
     ),
-    "regimes": (
-        {
-            "regimes": Key("number of points of each map in each regime", named(named(WHOLE))),
-            "boundaries": Key("curves between the regimes", list_of(row_of(BoundaryPoint))),
-        },
-        {
-            "thresholds": Key(
-                "with --dissimilar: friction above which waves grow",
-                list_of(row_of(ThresholdPoint)),
-            ),
-            "named": Key("growth per wavelength of pairs of solids", list_of(row_of(NamedPoint))),
-            "transitions": Key(
-                "with --supershear: where ruptures overtake shear waves",
-                list_of(row_of(TransitionPoint)),
-            ),
-        },
-    ),
     "sliding": (
         {
             "upper": Key("upper body", MATERIAL),
@@ -105,19 +85,6 @@ STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "generalised_rayleigh_speed": Key("null without such a wave", NUMBER),
             "stoneley_speed": Key("null without such a wave", NUMBER),
             "dundurs": Key("Dundurs' parameter beta", NUMBER),
-        },
-    ),
-    "stability": (
-        {
-            "studies": Key(
-                "tables of each study, as in its files", named(named(list_of({"type": "object"})))
-            )
-        },
-    ),
-    "article": (
-        {
-            "claims": _CLAIMS,
-            "disagreement": Key("mean difference between solver and simulation", NUMBER),
         },
     ),
     "chart": (

@@ -20,7 +20,6 @@ MESH_NAMES = {
 }
 CHARTED = ("preloaded", "remote-shock", "auxetic", "ramp")
 CODES = ("fem", "march", "run")
-LOADINGS = ("both", "preload", "remote")
 FORMATS = ("gif", "mp4")
 """Choices of options.  They repeat those of the functions, whose modules import numpy: importing
 them would make completion slow."""

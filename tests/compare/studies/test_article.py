@@ -7,9 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from json_checks import checked
 
-from compare.comparison.documents import envelope, json_text
 from compare.studies.article.cases import (
     Cases,
     article_material,
@@ -29,7 +27,6 @@ from compare.studies.article.study import (
     slot_table,
     write_article,
 )
-from compare.studies.documents import article_document
 from semianalytic.reference import DEFAULT_READING, Reading, examine_reading
 from semianalytic.scene.errors import SceneError
 
@@ -93,7 +90,6 @@ def test_write_article(tmp_path):
     assert len(article.readings) == 144
     assert len(lines) == 12
     assert article.disagreement < 0.02
-    checked(json_text(envelope("article", article_document(article))))
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from compare.studies.dissimilar.honesty import honesty_rows
 from compare.studies.dissimilar.pairs import NAMED, SCENES
 from compare.studies.dissimilar.points import column, threshold_point
 from compare.studies.dissimilar.witness import witness_rows
-from compare.studies.documents import growth_document
 from docs.studies.pages import read_data
 
 
@@ -36,7 +35,6 @@ def test_a_small_map_is_written(tmp_path, monkeypatch):
     ]
     with (tmp_path / "dissimilar.csv").open() as stream:
         assert len(list(csv.DictReader(stream))) == 16
-    assert len(growth_document(results)["thresholds"]) == len(results.thresholds)
 
 
 @pytest.mark.parametrize("name", ["thresholds", pytest.param("halflines", marks=pytest.mark.slow)])

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from compare.studies.documents import ruptures_document
 from compare.studies.supershear.points import (
     SUB_RAYLEIGH,
     SUPERSHEAR,
@@ -73,10 +72,6 @@ def test_a_quick_map_is_written(tmp_path):
     names = ["supershear-transitions.csv", "supershear.csv", "supershear.png"]
     assert sorted(path.name for path in tmp_path.iterdir()) == names
     assert len(results.points) == 16
-    document = ruptures_document(results)
-    assert [one["strength"] for one in document["transitions"]] == sorted(
-        {point.strength for point in results.points}
-    )
 
 
 def test_transitions_of_docs_change_by_less_than_three_per_cent_between_grids():

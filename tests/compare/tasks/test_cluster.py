@@ -140,10 +140,6 @@ class Asked(BaseException):
 
 
 STUDIES = {
-    "regimes --quick": "regimes.study",
-    "stability --quick --solver": "stability.solver",
-    "stability --quick --fem": "stability.fem",
-    "stability --quick --space-time": "stability.spacetime",
     "chart preloaded --quick": "chart.study",
 }
 
@@ -165,15 +161,9 @@ def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, mo
 
 @pytest.mark.slow
 @in_processes
-def test_a_chart_and_a_map_made_by_a_cluster(client, two_workers, tmp_path, capsys):
+def test_a_chart_made_by_a_cluster(client, two_workers, tmp_path, capsys):
     client.wait_for_workers(2, timeout=60)  # those that another test has ended are back
     scheduler = ["--scheduler", two_workers.scheduler_address, "--quiet"]
-    for folder, options in (("here", ["--quiet"]), ("there", scheduler)):
-        to = ["--output", str(tmp_path / folder)]
-        assert main(["regimes", "--loading", "remote", "--quick", *to, *options]) == 0
-    for name in ("regimes-remote.csv", "boundaries.csv", "front-speeds.csv", "openings.csv"):
-        here, there = ((tmp_path / folder / name).read_text() for folder in ("here", "there"))
-        assert here == there
     to = ["--output", str(tmp_path / "chart")]
     capsys.readouterr()
     assert main(["chart", "preloaded", "--quick", "--json", *to, *scheduler]) == 0

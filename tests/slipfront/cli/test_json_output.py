@@ -1,7 +1,6 @@
 """What commands print with --json: one envelope, a schema, nothing else on standard output."""
 
 import json
-from collections import Counter
 from pathlib import Path
 
 import jsonschema
@@ -12,22 +11,16 @@ from json_checks import VALIDATOR, checked
 import docs.studies.schema
 from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
-from compare.studies.article.claims import METHODS, Claim, Verdict
-from compare.studies.article.study import Article
+from compare.studies.article.claims import Claim, Verdict
 from compare.studies.chart.benchmark import TOLERANCES, measure, median_times
 from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
 from compare.studies.chart.points import read_points
 from compare.studies.documents import (
-    article_document,
     chart_document,
     evidence_document,
-    regimes_document,
-    stability_document,
     wear_document,
 )
 from compare.studies.evidence.study import ClosedForm, Evidence
-from compare.studies.regimes.figures import RegimeResults
-from compare.studies.regimes.points import BoundaryPoint, MapPoint
 from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
@@ -190,22 +183,15 @@ def test_documents_of_studies_fit_their_schema():
         for chi in (0.1, 0.2)
     ]
     claim = Claim("1", "all", "preload", {"exact": Verdict("holds", "by 1")})
-    point = MapPoint("preload", 0.3, 0.1, "two", "0:1:+1", "converged", 1e-9)
-    curve = BoundaryPoint("preload", "gap", 0.3, -1.0)
-    maps = RegimeResults({"preload": [point, point]}, [curve], [], [])
     forms = (ClosedForm("words", {"march": 0.1}, None, None),)
     evidence = Evidence((), forms, None, (claim,), True, {"numpy": "2"}, 1.0)
     documents = {
         "wear": wear_document(wear),
-        "article": article_document(Article((claim,), (), 0.1, ())),
-        "regimes": regimes_document(maps),
         "chart": chart_document(read_points(ROOT / "docs" / "data" / "chart.csv")),
-        "stability": stability_document({"solver": {"rows": wear[:1]}}),
         "evidence": evidence_document(evidence),
     }
     for command, document in documents.items():
         checked(json_text(envelope(command, document)))
-    assert documents["regimes"]["regimes"] == {"preload": Counter(two=2)}
     assert documents["wear"]["most"][0]["chi"] == 0.2
 
 
@@ -214,30 +200,16 @@ def test_documents_of_studies_fit_their_schema():
     ("arguments", "among"),
     [
         ("wear --quick", "wear.csv"),
-        ("regimes --quick --size 4", "boundaries.csv"),
-        ("stability --space-time --quick", "stability-space-time.csv"),
         ("evidence preloaded --quick --output evidence.html", "evidence.html"),
     ],
 )
 def test_studies_write_files_and_print_what_their_schema_says(arguments, among, capsys):
-    """Charts and the article in the tests of a cluster and of the article, which make them too."""
+    """Charts in the tests of a cluster, which make them too."""
     capsys.readouterr()
     assert main([*arguments.split(), "--json"]) in (0, 1)
     files = [Path(one) for one in checked(capsys.readouterr().out)["files"]]
     assert among in {one.name for one in files}
     assert all(one.is_dir() or one.stat().st_size for one in files)
-
-
-def test_claims_of_the_article_are_a_table(shown, monkeypatch):
-    """Without --json; the study itself is run by the test above."""
-    verdict = Verdict("holds", "by 1")
-    claim = Claim("6.1", "words of it", "preload", dict.fromkeys(METHODS, verdict))
-    found = Article((claim,), (), 0.1, ())
-    monkeypatch.setattr("compare.studies.article.study.write_article", lambda *_: found)
-    said = shown("article --quick").out
-    assert "claim" in said
-    assert "words of it" in said
-    assert "Written to results/article/" in said
 
 
 # --- what studies of speed report ---------------------------------------------------------------
