@@ -58,8 +58,6 @@ from compare.studies.stability import fem as fem_stability
 from compare.studies.stability import figures as stability
 from compare.studies.stability import spacetime
 from compare.studies.stability.sweeps import StudyRow
-from compare.studies.supershear.figure import rupture_figure
-from compare.studies.supershear.points import RupturePoint, TransitionPoint
 from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow, sweep_figure
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
@@ -68,6 +66,7 @@ from docs.studies.judge.figure import judge_figure
 from docs.studies.judge.rows import JudgedRow, SpoiltRow
 from docs.studies.judge.scenes import STEPS
 from docs.studies.judge.spoils import SPOILS
+from docs.studies.supershear import rupture_figure
 from fem import simulate
 from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line, solve_pair
 from slipfront.fits.figures import fit_figure
@@ -211,13 +210,9 @@ def _growth():
 
 
 def _ruptures():
-    transitions = [TransitionPoint(s, 16, 5 * s if s < 1.4 else np.nan, 12) for s in (0.5, 1, 1.5)]
-    points = [
-        RupturePoint(one.strength, d, 1.7 if d > one.transition else 0.9, "")
-        for one in transitions
-        for d in (2.0, 6.0, 10.0)
-    ]
-    return rupture_figure(points, transitions)
+    names = ("strength", "transition", "distance", "speed")
+    rows = [(s, 5 * s if s < 1.4 else np.nan, d) for s in (0.5, 1, 1.5) for d in (2.0, 6.0, 10.0)]
+    return rupture_figure([dict(zip(names, (*row, row[2] / 9), strict=True)) for row in rows])
 
 
 def _viscosity():
@@ -382,7 +377,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     ),
     "compare.studies.regimes.figures.reverse_figure": lambda: regimes.reverse_figure(_regimes()),
     "compare.studies.dissimilar.figure.growth_figure": _growth,
-    "compare.studies.supershear.figure.rupture_figure": _ruptures,
+    "docs.studies.supershear.rupture_figure": _ruptures,
     "compare.studies.regimes.viscosity.viscosity_figure": _viscosity,
     "compare.studies.regimes.openings.openings_figure": _openings,
     **{

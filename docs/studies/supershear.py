@@ -1,19 +1,23 @@
-"""Spontaneous ruptures under linear slip weakening: onset of slip, speed of the front, transition.
+"""Spontaneous ruptures under linear slip weakening: speed of the front, where it is supershear.
 
 The strength parameter S = (peak strength - shear) / (shear - dynamic strength) sets how far a
 rupture runs before it overtakes shear waves.  Lengths are in units of L_c, the half-length at which
 a static crack of the same fracture energy becomes critical,
 L_c = mu (peak - dynamic) distance / (pi (1 - nu) (shear - dynamic)^2), after Andrews (1976).
+
+``python -m docs.studies.supershear --output docs`` makes the table and the figure of engine.md.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from compare.figures.style import BLACK, SMALL, outline
+from docs.studies.runner import Point, Row, Study, drawn, main
 from semianalytic import Interface, InterfaceLoad, Material, SlipDependent
 from semianalytic.engine.steps import Stepper
 from semianalytic.engine.tuning import STEP_RATIO
@@ -31,8 +35,13 @@ S = 0.8 and 1 are 0.2 L_c farther out, with twice its value 0.4 L_c farther in."
 NUCLEUS, NUCLEATION_SPEED = 1.5, 0.3
 """The rupture is forced out to 1.5 L_c, at 0.3 c_t.  At S = 1 a speed of 0.2 moves the transition
 by -4 %, one of 0.5 by 4 %, and a radius of 2 not at all."""
-_LEFT = 1e-9
-"""Share of the pressure that is left in the nucleus: strength is gone, the contact stays closed."""
+DISTANCES = {0.8: 12.0, 0.9: 16.0, 1.0: 21.0, 1.1: 28.0, 1.2: 38.0, 1.3: 54.0}
+"""How far to follow the rupture of each S [L_c]: a fifth beyond its transition."""
+STRENGTHS = (0.5, 1.6)
+"""S of the first and the last column of the map.  Above 1.6 the transition is beyond 300 L_c, where
+a map to 100 L_c shows sub-Rayleigh ruptures alone."""
+_REST = 1e-9
+"""Share of the pressure that remains in the nucleus: strength is gone, the contact stays closed."""
 _RATE = 1e-9
 """Slip rate at which a node counts as slipping, over the rate stress drop / impedance."""
 _SLOWEST = 0.85
@@ -40,50 +49,6 @@ _SLOWEST = 0.85
 all of them reach the farthest point."""
 _MARGIN = 4.0
 """Distance [L_c] that waves of the neighbouring period keep from the farthest point."""
-
-
-@dataclass(frozen=True)
-class RupturePoint:
-    """A rupture at one distance: its style and the speed of its front over c_t.
-
-    Attributes
-    ----------
-    strength : float
-        S.
-    distance : float
-        Distance from the centre, in the middle of a cell of the map [L_c].
-    speed : float
-        Mean speed of the front over c_t in that cell.
-    style : str
-        "sub-Rayleigh" or "supershear": whether the rupture has overtaken shear waves there.
-    """
-
-    strength: float
-    distance: float
-    speed: float
-    style: str
-
-
-@dataclass(frozen=True)
-class TransitionPoint:
-    """The distance at which a rupture overtakes shear waves.
-
-    Attributes
-    ----------
-    strength : float
-        S.
-    nodes : int
-        Nodes per L_c.
-    transition : float
-        Distance from the centre [L_c]; nan if the rupture stays sub-Rayleigh.
-    farthest : float
-        Distance to which the rupture was followed [L_c].
-    """
-
-    strength: float
-    nodes: int
-    transition: float
-    farthest: float
 
 
 def rupture(strength: float, half_length: float) -> Interface:
@@ -94,15 +59,12 @@ def rupture(strength: float, half_length: float) -> Interface:
     """
 
     def nucleus(x: Array, t: float) -> Array:
-        return np.where(np.abs(x) < min(NUCLEATION_SPEED * t, NUCLEUS), _LEFT - 1, 0.0)
+        return np.where(np.abs(x) < min(NUCLEATION_SPEED * t, NUCLEUS), _REST - 1, 0.0)
 
+    distance = math.pi * (1 - SOLID.poisson_ratio) / (1 + strength)
     return Interface(
         SOLID,
-        SlipDependent(
-            static=1 + strength,
-            dynamic=0.0,
-            distance=math.pi * (1 - SOLID.poisson_ratio) / (1 + strength),
-        ),
+        SlipDependent(static=1 + strength, dynamic=0.0, distance=distance),
         2 * half_length,
         pressure=1.0,
         shear=1.0,
@@ -114,17 +76,8 @@ def rupture(strength: float, half_length: float) -> Interface:
 def onsets(strength: float, nodes: int, farthest: float) -> tuple[Array, Array]:
     """Return positions x >= 0 [L_c] and the times at which slip begins there [L_c / c_t].
 
-    The march ends when slip reaches the farthest position; where it has not begun, the time is
-    inf.
-
-    Parameters
-    ----------
-    strength : float
-        S.
-    nodes : int
-        Nodes per L_c.
-    farthest : float
-        Distance that the rupture has to reach [L_c].
+    There are so many `nodes` per L_c.  The march ends when slip reaches the farthest position
+    [L_c]; where it has not begun, the time is inf.
     """
     end = NUCLEUS / NUCLEATION_SPEED + farthest / _SLOWEST
     # Waves of the nucleus of the next period must not arrive before the rupture does.
@@ -167,23 +120,74 @@ def transition(x: Array, speeds: Array) -> float:
     return float(x[slow[-1] + 1])
 
 
-def transition_point(strength: float, nodes: int, farthest: float) -> TransitionPoint:
-    """Follow a rupture and find where it overtakes shear waves."""
-    x, speeds = front_speeds(*onsets(strength, nodes, farthest))
-    return TransitionPoint(strength, nodes, transition(x, speeds), farthest)
-
-
-def rupture_points(
-    strength: float, nodes: int, farthest: float, count: int
-) -> tuple[list[RupturePoint], TransitionPoint]:
-    """Follow a rupture and give its style and speed in cells of equal length."""
+def rupture_rows(strength: float, nodes: int, farthest: float, count: int) -> list[Row]:
+    """Follow a rupture; return its style and speed over c_t in cells of equal length [L_c]."""
     begun = onsets(strength, nodes, farthest)
-    change = transition(*front_speeds(*begun))
-    cell = farthest / count
+    change, cell = transition(*front_speeds(*begun)), farthest / count
     x, speeds = front_speeds(*begun, cell)
-    points = []
-    for distance in (cell * (np.arange(count) + 0.5)).tolist():
-        style = SUPERSHEAR if distance >= change else SUB_RAYLEIGH
-        at = int(np.argmin(np.abs(x - distance)))
-        points.append(RupturePoint(strength, distance, float(speeds[at]), style))
-    return points, TransitionPoint(strength, nodes, change, farthest)
+    return [
+        {
+            "strength": strength,
+            "distance": distance,
+            "speed": float(speeds[np.argmin(np.abs(x - distance))]),
+            "style": SUPERSHEAR if distance >= change else SUB_RAYLEIGH,
+            "transition": change,
+        }
+        for distance in (cell * (np.arange(count) + 0.5)).tolist()
+    ]
+
+
+def map_points(quick: bool) -> list[Point]:
+    """Return one rupture for each S, the longest, at high S, first."""
+    nodes, farthest, count = (8, 12.0, 4) if quick else (16, 100.0, 12)
+    strengths = np.linspace(*STRENGTHS, count).tolist()[::-1]
+    return [(one, nodes, farthest, count) for one in strengths]
+
+
+def transition_row(strength: float, farthest: float, coarse: int, fine: int) -> Row:
+    """Return the transition [L_c] of a rupture on two grids, given by their nodes per L_c."""
+    found = [transition(*front_speeds(*onsets(strength, n, farthest))) for n in (coarse, fine)]
+    return {
+        "strength": strength,
+        "coarse": found[0],
+        "fine": found[1],
+        "difference": abs(found[0] / found[1] - 1),
+    }
+
+
+def rupture_figure(rows: list[Row]) -> Figure:
+    """Draw the speed of rupture fronts over S and distance, with the transition as a curve."""
+    words = "speed of spontaneous ruptures whose friction falls linearly with slip"
+    mapped = {
+        "x": "strength",
+        "y": "distance",
+        "value": "speed",
+        "label": "speed of the front / $c_t$",
+        "style": {"vmin": 0.5, "vmax": SOLID.longitudinal_speed, "cmap": "viridis"},
+        "xlabel": "$S$ = (peak strength $-$ shear) / (shear $-$ dynamic strength)",
+        "ylabel": "distance from the centre / $L_c$",
+    }
+    figure = drawn(rows, [mapped], f"{words} (in-plane, ν = 1/4)")
+    panel = figure.axes[0]
+    changes = sorted({(row["strength"], row["transition"]) for row in rows})
+    style = {"color": BLACK, "ms": 3, "path_effects": outline()}
+    panel.plot(*zip(*changes, strict=True), "o-", label="overtakes shear waves", **style)
+    for text, place in ((SUPERSHEAR, (0.28, 0.75)), (SUB_RAYLEIGH, (0.8, 0.15))):
+        where = {"transform": panel.transAxes, "ha": "center", "fontsize": SMALL}
+        panel.text(*place, text, path_effects=outline(), **where)
+    panel.set_ylim(0)
+    panel.legend(loc="upper right", fontsize=SMALL)
+    return figure
+
+
+STUDIES = [
+    Study("supershear", map_points, rupture_rows, figures={"supershear": rupture_figure}),
+    Study(
+        "supershear-transitions",
+        lambda quick: [(*one, *((16, 32) if quick else (32, 64))) for one in DISTANCES.items()],
+        transition_row,
+    ),
+]
+
+if __name__ == "__main__":
+    raise SystemExit(main("docs.studies.supershear", STUDIES))

@@ -5,21 +5,24 @@ import math
 import numpy as np
 import pytest
 
-from compare.studies.supershear.points import (
+from docs.studies.pages import read_data
+from docs.studies.supershear import (
     SUB_RAYLEIGH,
     SUPERSHEAR,
     front_speeds,
-    rupture_points,
+    onsets,
+    rupture_rows,
     transition,
-    transition_point,
+    transition_row,
 )
-from compare.studies.supershear.study import write_ruptures
-from compare.studies.supershear.tables import transition_rows
-from docs.studies.pages import read_data
 
 MARCHED = {0.8: (8.44, 8.47), 0.9: (11.88, 11.88), 1.0: (16.50, 16.09)}
 """Transitions [L_c] of an independent march, 16 and 32 nodes per L_c
 (../shared/theory-engine-checks.md, section 5)."""
+
+
+def found_transition(strength, nodes, farthest):
+    return transition(*front_speeds(*onsets(strength, nodes, farthest)))
 
 
 def test_the_speed_of_a_front_is_read_from_the_first_onset_at_or_beyond():
@@ -36,42 +39,34 @@ def test_the_speed_of_a_front_is_read_from_the_first_onset_at_or_beyond():
 
 def test_a_weak_fault_is_overtaken_soon():
     """3.25 to 3.38 L_c in the march of the notes, with 8 to 32 nodes per L_c."""
-    assert transition_point(0.5, 8, 5.0).transition == pytest.approx(3.3, abs=0.2)
+    assert found_transition(0.5, 8, 5.0) == pytest.approx(3.3, abs=0.2)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("strength", MARCHED)
 def test_transitions_are_those_of_an_independent_march(strength):
     """The rules at the front of slip differ, so that the grids' errors do: 5 % with 16 nodes."""
-    found = transition_point(strength, 16, 1.2 * MARCHED[strength][0]).transition
+    found = found_transition(strength, 16, 1.2 * MARCHED[strength][0])
     assert found == pytest.approx(MARCHED[strength][1], rel=0.05)
 
 
 @pytest.mark.slow
 def test_stronger_faults_carry_ruptures_farther_before_they_overtake_shear_waves():
-    changes = [transition_point(strength, 8, 14.0).transition for strength in (0.5, 0.7, 0.9)]
+    changes = [found_transition(strength, 8, 14.0) for strength in (0.5, 0.7, 0.9)]
     assert changes == sorted(changes)
-    assert math.isnan(transition_point(1.4, 8, 14.0).transition)
+    assert math.isnan(found_transition(1.4, 8, 14.0))
 
 
 @pytest.mark.slow
 def test_fronts_are_slower_than_rayleigh_waves_before_and_faster_than_shear_waves_after():
-    points, change = rupture_points(0.7, 8, 12.0, 12)
-    assert 4 < change.transition < 8
-    for point in points:
-        assert point.style == (SUPERSHEAR if point.distance >= change.transition else SUB_RAYLEIGH)
-        if point.distance > change.transition + 1:
-            assert 1.02 < point.speed < 1.8
-        elif 3 < point.distance < change.transition - 1:
-            assert 0.5 < point.speed < 0.95
-
-
-@pytest.mark.slow
-def test_a_quick_map_is_written(tmp_path):
-    results = write_ruptures(tmp_path, 4, quick=True)
-    names = ["supershear-transitions.csv", "supershear.csv", "supershear.png"]
-    assert sorted(path.name for path in tmp_path.iterdir()) == names
-    assert len(results.points) == 16
+    for row in rupture_rows(0.7, 8, 12.0, 12):
+        distance, change = row["distance"], row["transition"]
+        assert 4 < change < 8
+        assert row["style"] == (SUPERSHEAR if distance >= change else SUB_RAYLEIGH)
+        if distance > change + 1:
+            assert 1.02 < row["speed"] < 1.8
+        elif 3 < distance < change - 1:
+            assert 0.5 < row["speed"] < 0.95
 
 
 def test_transitions_of_docs_change_by_less_than_three_per_cent_between_grids():
@@ -88,9 +83,6 @@ def test_transitions_of_docs_change_by_less_than_three_per_cent_between_grids():
 
 
 @pytest.mark.slow
-def test_the_table_of_docs_is_what_its_command_makes(monkeypatch):
-    monkeypatch.setattr("compare.studies.supershear.tables.DISTANCES", {0.8: 12.0})
-    monkeypatch.setattr("compare.studies.supershear.tables._FINE", 32)
-    (row,) = transition_rows()
-    kept = read_data("supershear-transitions")[1][0]
-    assert row.coarse == pytest.approx(float(kept["coarse"]), abs=1 / 32)
+def test_the_table_of_docs_is_what_its_command_makes():
+    row, kept = transition_row(0.8, 12.0, 32, 32), read_data("supershear-transitions")[1][0]
+    assert row["coarse"] == row["fine"] == pytest.approx(float(kept["coarse"]), abs=1 / 32)
