@@ -16,9 +16,8 @@ import pytest
 from fault_tasks import history
 
 from compare.comparison.fields.frames import last_frame
-from compare.output.tables import append_rows, write_rows
+from compare.output.tables import append_rows, sound_rows, write_rows
 from compare.studies.chart.points import COMMAND, read_points
-from compare.studies.regimes.points import MapPoint, kept_columns, poisson_ratios
 from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from meshes import Blocks, cached_mesh
@@ -80,10 +79,17 @@ def write_index(folder):
     write_bytes(folder / "fields.pvd", text.encode(), Seal.XML)
 
 
+@dataclass(frozen=True)
+class MapPoint:
+    poisson_ratio: float
+    chi: float
+    regime: str
+
+
 def columns():
     return [
-        MapPoint("preload", nu, chi, "slow", "0.0:0.5:1", "converged", 1e-9)
-        for nu in poisson_ratios(20).tolist()
+        MapPoint(nu, chi, "slow")
+        for nu in np.linspace(-0.9, 0.49, 20).tolist()
         for chi in np.geomspace(0.001, 1, 20).tolist()
     ]
 
@@ -138,7 +144,11 @@ def write_columns(folder):
 
 
 def read_columns(path):
-    return kept_columns(path, "preload", 20)
+    """Whole columns of 20 rows by their Poisson ratio."""
+    found = {}
+    for point in sound_rows(path, MapPoint):
+        found.setdefault(point.poisson_ratio, []).append(point)
+    return {nu: points for nu, points in found.items() if len(points) == 20}
 
 
 def flip_bits(data, number, rng):

@@ -9,7 +9,6 @@ import contextlib
 import csv
 import importlib
 import io
-import math
 import tempfile
 from collections.abc import Callable
 from functools import cache, partial
@@ -49,15 +48,6 @@ from compare.studies.dissimilar.pairs import SCENES as PAIRS
 from compare.studies.dissimilar.points import GrowthPoint, NamedPoint, ThresholdPoint
 from compare.studies.evidence import figures as evidence
 from compare.studies.evidence.study import SceneEvidence, published_answer
-from compare.studies.regimes import figures as regimes
-from compare.studies.regimes import viscosity
-from compare.studies.regimes.openings import AHEAD, EDGE, OpeningPoint, openings_figure
-from compare.studies.regimes.points import REGIMES, MapPoint, map_points, poisson_ratios, trace
-from compare.studies.regimes.viscosity import ViscosityRow
-from compare.studies.stability import fem as fem_stability
-from compare.studies.stability import figures as stability
-from compare.studies.stability import spacetime
-from compare.studies.stability.sweeps import StudyRow
 from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow, sweep_figure
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
@@ -66,6 +56,9 @@ from docs.studies.judge.figure import judge_figure
 from docs.studies.judge.rows import JudgedRow, SpoiltRow
 from docs.studies.judge.scenes import STEPS
 from docs.studies.judge.spoils import SPOILS
+from docs.studies.regimes import figures as regimes
+from docs.studies.regimes.points import map_rows, trace
+from docs.studies.stability import __main__ as stability
 from docs.studies.supershear import rupture_figure
 from fem import simulate
 from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line, solve_pair
@@ -180,21 +173,20 @@ def _judge():
 
 @cache
 def _regimes():
-    ratios = poisson_ratios(len(REGIMES)).tolist()
-    points = {
-        loading: [
-            MapPoint(loading, nu, 0.1, regime, "", "converged", 0.0)
-            for nu in ratios
-            for regime in REGIMES
-        ]
-        for loading in ("preload", "remote")
-    }
-    curves = [one for loading in points for nu in (-0.5, 0.4) for one in trace(loading, nu)]
-    curves.sort(key=lambda point: (point.loading, point.curve, point.poisson_ratio))
+    ratios = np.linspace(-0.7, 0.4, len(regimes.REGIMES)).tolist()
+    rows = [
+        {"part": "map", "loading": one, "poisson_ratio": nu, "chi": 1.1 + n / 9, "regime": name}
+        for one in ("preload", "remote")
+        for nu in ratios
+        for n, name in enumerate(regimes.REGIMES)
+    ]
+    rows += [trace(one, nu) for one in ("preload", "remote") for nu in (-0.5, 0.4)]
     shown = {"preload": [0.05, 0.1, 0.2, 0.4, 0.8], "remote": [1.02, 1.1, 1.2, 1.3]}
-    fronts = [p for loading, chi in shown.items() for p in map_points(loading, 1 / 3, chi)]
-    reverse = [p for nu in (-0.5, -0.2) for p in map_points("preload", nu, [1e-3, 5e-3, 0.02])]
-    return regimes.RegimeResults(points, curves, fronts, reverse)
+    for one, chi in shown.items():
+        rows += map_rows("fronts", one, 1 / 3, chi)
+    for nu in (-0.5, -0.2):
+        rows += map_rows("reverse", "preload", nu, [1e-3, 5e-3, 0.02])
+    return rows
 
 
 def _growth():
@@ -216,51 +208,37 @@ def _ruptures():
 
 
 def _viscosity():
-    curves = {
-        nu: [ViscosityRow(nu, 10.0**n, 0.1 - nu / 10, 0.3 - nu / 10) for n in range(-6, 3)]
-        for nu in viscosity.POISSON_RATIOS
-    }
-    return viscosity.viscosity_figure([list(REGIMES)] * len(REGIMES), curves)
+    rows = [
+        {"part": "curves", "poisson_ratio": nu, "viscosity": 10.0**n}
+        | {"nucleation": 0.1 - nu / 10, "closing": 0.3 - nu / 10}
+        for nu in (-0.2, 1 / 3)
+        for n in range(-6, 3)
+    ]
+    rows += [
+        {"part": "map", "viscosity": 10.0**n, "chi": at / 20, "regime": name}
+        for n in (-4, 0)
+        for at, name in enumerate(regimes.REGIMES)
+    ]
+    return regimes.viscosity_figure(rows)
 
 
 def _openings():
-    columns = [OpeningPoint(nu, AHEAD, 0.1, 0.0, 1 + nu) for nu in (-0.55, 0.14) for _ in range(2)]
-    speeds = [
-        OpeningPoint(1 / 3, sign, 10.0**n, 0.9 if sign == AHEAD else 0.0, 0.95)
-        for sign in (AHEAD, EDGE)
+    names = ("part", "poisson_ratio", "sign", "ratio", "inner", "outer")
+    rows = [("map", nu, 1, 10.0**n, 0.0, 1 + nu) for nu in (-0.55, 0.14) for n in (-2, 0)]
+    rows += [
+        ("speeds", 1 / 3, sign, 10.0**n, max(0.0, 0.9 * sign), 0.95)
+        for sign in (1, -1)
         for n in (-3, -2, -1)
     ]
-    return openings_figure(columns, speeds)
+    return regimes.openings_figure([dict(zip(names, row, strict=True)) for row in rows])
 
 
 @cache
-def _solver_rows():
-    with (DATA / "stability-solver.csv").open(encoding="utf-8") as stream:
-        rows = csv.DictReader(line for line in stream if not line.startswith("#"))
-        numbers = ("parameter", "value")
-        return [StudyRow(**row | {name: float(row[name]) for name in numbers}) for row in rows]
-
-
-def _fem_stability():
-    return fem_stability.stability_figure(
-        [
-            fem_stability.Outcome(
-                trial.study, trial.element, trial.mesh, trial.resolution,
-                trial.scene.material.poisson_ratio, trial.step_ratio, trial.damping, 1.0,
-                "completed", 80, 100, 0.01, 0.0, 0, 0.0, "",
-            )
-            for trial in fem_stability.trials(False)
-        ]
-    )  # fmt: skip
-
-
-def _spacetime():
-    rows = [
-        StudyRow(study, case, "space-time", value, "slip rate error", 0.01, spacetime.RAN)
-        for study, case, value, *_ in spacetime.trials(True)
-    ]
-    refused = StudyRow("step ratio", "damping 0", 0.9, "space-time", "slip rate error", math.nan)
-    return spacetime.stability_figure([*rows, refused])
+def _rows_of_docs(name):
+    with (DATA / f"{name}.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    numbers = {"parameter", "value", "error"} & rows[0].keys()
+    return [row | {one: float(row[one]) for one in numbers} for row in rows]
 
 
 def _wear():
@@ -367,27 +345,22 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     },
     "docs.studies.judge.figure.judge_figure": _judge,
     **{
-        f"compare.studies.regimes.figures.regimes_figure/{loading}": lambda of=loading: (
-            regimes.regimes_figure(of, _regimes())
-        )
-        for loading in ("preload", "remote")
+        f"docs.studies.regimes.figures.{name}": lambda draw=draw: draw(_regimes())
+        for name, draw in regimes.MAPS.items()
     },
-    "compare.studies.regimes.figures.front_speeds_figure": lambda: regimes.front_speeds_figure(
-        _regimes()
-    ),
-    "compare.studies.regimes.figures.reverse_figure": lambda: regimes.reverse_figure(_regimes()),
     "compare.studies.dissimilar.figure.growth_figure": _growth,
     "docs.studies.supershear.rupture_figure": _ruptures,
-    "compare.studies.regimes.viscosity.viscosity_figure": _viscosity,
-    "compare.studies.regimes.openings.openings_figure": _openings,
+    "docs.studies.regimes.figures.viscosity_figure": _viscosity,
+    "docs.studies.regimes.figures.openings_figure": _openings,
     **{
-        f"compare.studies.stability.figures.{name}_figure": lambda draw=name: getattr(
+        f"docs.studies.stability.{name}_figure": lambda draw=name: getattr(
             stability, f"{draw}_figure"
-        )(_solver_rows())
+        )(_rows_of_docs("stability-solver"))
         for name in ("limits", "thresholds", "grids", "rules")
     },
-    "compare.studies.stability.fem.stability_figure": _fem_stability,
-    "compare.studies.stability.spacetime.stability_figure": _spacetime,
+    "docs.studies.stability.march_figure": lambda: stability.march_figure(
+        _rows_of_docs("stability-space-time")
+    ),
     "compare.studies.wear.sweep_figure": _wear,
     **{f"docs.examples.{name}.main": partial(_example, name) for name in EXAMPLES},
 }

@@ -57,7 +57,7 @@ class Study:
     row : callable
         Function of a module: ``row(*point)`` is a dictionary, a dataclass instance, or a list.
     table : callable, optional
-        Returns the rows of the table from those of all points.
+        Returns the rows of the table, maybe none, from those of all points.
     figures : mapping, optional
         Functions that draw a figure from the rows of all points, by the names of the files.
     """
@@ -123,13 +123,15 @@ def written(study: Study, rows: list[Row], output: Path, command: str) -> None:
     table = [as_row(row) for row in study.table(rows)]
     for folder in ("data", "figures"):
         (output / folder).mkdir(parents=True, exist_ok=True)
-    stream = io.StringIO(newline="")
+    for name, draw in study.figures.items():
+        save_figure(draw(rows), output / "figures" / f"{name}.png")
+    if not table:
+        return
+    stream = io.StringIO()
     writer = csv.DictWriter(stream, list(table[0]), lineterminator="\n")
     writer.writeheader()
     writer.writerows(table)
     write_text(output / "data" / f"{study.name}.csv", f"# {command}\n{stream.getvalue()}")
-    for name, draw in study.figures.items():
-        save_figure(draw(rows), output / "figures" / f"{name}.png")
     shown = Table(*(name.replace("_", " ") for name in table[0]), title=study.name)
     for row in table[:60]:  # a map of ten thousand points is for the file
         shown.add_row(*(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values()))

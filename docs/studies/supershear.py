@@ -11,6 +11,7 @@ L_c = mu (peak - dynamic) distance / (pi (1 - nu) (shear - dynamic)^2), after An
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -170,10 +171,10 @@ def rupture_figure(rows: list[Row]) -> Figure:
     figure = drawn(rows, [mapped], f"{words} (in-plane, ν = 1/4)")
     panel = figure.axes[0]
     changes = sorted({(row["strength"], row["transition"]) for row in rows})
-    style = {"color": BLACK, "ms": 3, "path_effects": outline()}
+    style: dict[str, Any] = {"color": BLACK, "ms": 3, "path_effects": outline()}
     panel.plot(*zip(*changes, strict=True), "o-", label="overtakes shear waves", **style)
     for text, place in ((SUPERSHEAR, (0.28, 0.75)), (SUB_RAYLEIGH, (0.8, 0.15))):
-        where = {"transform": panel.transAxes, "ha": "center", "fontsize": SMALL}
+        where: dict[str, Any] = {"transform": panel.transAxes, "ha": "center", "fontsize": SMALL}
         panel.text(*place, text, path_effects=outline(), **where)
     panel.set_ylim(0)
     panel.legend(loc="upper right", fontsize=SMALL)

@@ -10,7 +10,6 @@ import pytest
 
 from compare.studies import wear
 from compare.studies.article import study as article
-from compare.studies.regimes import tables
 from compare.studies.tables import run_studies
 from docs.studies import constants, goals, ratios
 from docs.studies.accuracy import scenes
@@ -103,16 +102,6 @@ def test_every_quantity_of_every_scene_is_in_its_report():
         backward = ("lift-off", "tap", "incident-p", "incident-sv", "incident-pulse")
         slips = ["largest forward V"] if scene not in backward else []
         assert found == slips + [name for name, _ in quantities]
-
-
-def test_tables_of_regimes(monkeypatch):
-    monkeypatch.setattr(tables, "POISSON_RATIOS", (1 / 3,))
-    monkeypatch.setattr(tables, "REVERSE_POISSON_RATIOS", (-0.5, 0.0))
-    [row] = tables.threshold_rows()
-    assert row.preload_nucleation < 1 < row.gap < row.stuck_front < row.remote_nucleation < row.edge
-    one, other = tables.reverse_rows()
-    assert one.threshold > other.threshold > 0
-    assert one.half_width > other.half_width > 0
 
 
 def test_most_wear_of_every_load(monkeypatch):

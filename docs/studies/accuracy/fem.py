@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import norm
-from compare.studies.profiles import (
+from compare.studies.tables import Study, run_studies
+from docs.studies.profiles import (
     PROFILE,
     Errors,
     averaged_profile,
@@ -23,7 +24,6 @@ from compare.studies.profiles import (
     last_profile,
     profile_errors,
 )
-from compare.studies.tables import Study, run_studies
 from semianalytic import solve
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.scene import Material, Scene, Tractions

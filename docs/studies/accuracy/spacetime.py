@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import relative_error
-from compare.studies.profiles import LENGTH, last_march, step_error
 from compare.studies.tables import Study, run_studies
 from docs.studies.accuracy.march_error import error, weakening
 from docs.studies.accuracy.march_fields import fields
 from docs.studies.accuracy.march_fronts import fronts
+from docs.studies.profiles import LENGTH, last_march, step_error
 from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Tractions, march
 from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.reference import static_zone

@@ -23,7 +23,7 @@ from compare.figures import style
 
 SLOW = {
     "compare.benchmarks.figures.score_figure",
-    "compare.studies.regimes.figures.regimes_figure/remote",
+    "docs.studies.regimes.figures.regimes_remote",
     "slipfront.fits.figures.fit_figure",
     *(name for name in CATALOGUE if name.startswith("docs.examples.")),
 }

@@ -5,7 +5,6 @@ import csv
 import numpy as np
 import pytest
 
-from compare.studies.stability.spacetime import stability_rows
 from compare.studies.wear import LOADS, most_wear, wear_after
 from docs.studies.accuracy import spacetime
 from docs.studies.accuracy.march_fields import field_errors
@@ -53,20 +52,6 @@ def test_field_errors_fall_with_the_grid():
     coarse, fine = (field_errors(scene, nodes, points=40) for nodes in (32, 64))
     assert all(2 * after < before for before, after in zip(coarse, fine, strict=True))
     assert max(fine) < 3e-3
-
-
-@pytest.mark.slow
-def test_refusals_and_errors_of_the_stability_study():
-    rows = list(stability_rows(quick=True))
-    for row in rows:
-        assert (row.status == "ran") == np.isfinite(row.value)
-        assert row.status == "ran" or "lower it by" in row.status
-    damped, plain = (
-        [row.value for row in rows if row.study == "step ratio" and row.case == case][:4]
-        for case in ("damping 0.7", "damping 0")
-    )
-    assert max(damped) < min(plain)
-    assert len(rows) == 69
 
 
 @pytest.mark.slow

@@ -1,17 +1,20 @@
-"""Studies of the losses of digits and the failures of the solver and of alternative methods.
+"""Losses of digits and failures of the solver and of alternative methods, as rows of one table.
 
-Each function returns rows; for loadings and units see `semianalytic.regimes`.
+For loadings and units see `semianalytic.regimes`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from compare.comparison.measures import relative_error
-from compare.studies.stability.methods import (
+from docs.studies.runner import Point, Row
+from docs.studies.stability.grids import (
+    PLACEMENTS,
     Array,
     GridAnswer,
     by_active_set,
@@ -37,31 +40,69 @@ from semianalytic.selfsimilar.zones.tuning import CLEAR_OF_EDGES
 RTOL = 1e-10
 
 
-@dataclass(frozen=True)
-class StudyRow:
-    """One measured value.
+GRID_SCENES = (("preload", 1 / 3, 0.2), ("preload", 0.0, 0.1), ("remote", 1 / 3, 1.1))
+ESTIMATE_SCENES = (
+    ("preload", 1 / 3, 1.0),
+    ("preload", 1 / 3, 0.2),
+    ("preload", -0.5, 0.02),
+    ("remote", 1 / 3, 1.25),
+    ("remote", 1 / 3, 1.1),
+)
+RULE_POISSON_RATIOS = (-0.99, 0.0, 1 / 3, 0.499)
+SIZES, LARGE_SIZES = (20, 40, 80, 160, 320, 640), (1000, 2000)
+DEEPEST = 9
+"""Poisson ratios approach their limits to 10 to the minus this."""
 
-    Attributes
-    ----------
-    study, case, method : str
-        Study, its scene or limit, and the solution method.
-    parameter : float
-        Varied parameter: a distance from a limit, a number of nodes, a tolerance.
-    quantity : str
-        Name of the measured quantity.
-    value : float
-        Measured value.
-    status : str
-        Status at the end of the computation.
-    """
 
-    study: str
-    case: str
-    method: str
-    parameter: float
-    quantity: str
-    value: float
-    status: str = "converged"
+def solver_points(quick: bool) -> list[Point]:
+    """Return all computations, each as the name of its function and the arguments of this."""
+    loading, nu, chi = GRID_SCENES[0]
+    large = () if quick else LARGE_SIZES
+    points: list[Point] = [
+        ("grid", *scene, size, placement, True)
+        for size in SIZES[: 3 if quick else None]
+        for scene in GRID_SCENES[: 1 if quick else None]
+        for placement in PLACEMENTS
+    ]
+    points += [("grid", loading, nu, chi, size, "galerkin", False) for size in large]
+    points += [
+        ("threshold", name, *scene)
+        for name, scene in thresholds().items()
+        if not quick or "1/3" in name
+    ]
+    depths = range(1, 4 if quick else DEEPEST + 1)
+    points += [("limit", limit, depth) for limit in ("0.5", "0+", "0-", "-1") for depth in depths]
+    points += [("estimate", *scene) for scene in ESTIMATE_SCENES[: 1 if quick else None]]
+    points += [("rule", nu) for nu in RULE_POISSON_RATIOS]
+    narrow = ("near c_R", "narrow gap")
+    return [*points, *((kind, nu) for nu in RULE_POISSON_RATIOS[1:3] for kind in narrow)]
+
+
+def solver_rows(kind: str, *arguments: Any) -> list[Row]:
+    """Return the rows of one computation."""
+    return COMPUTED[kind](*arguments)
+
+
+def table(rows: list[Row]) -> list[Row]:
+    """Return the rows in the order of the table."""
+    names = ("study", "case", "method", "quantity", "parameter")
+    return sorted(rows, key=lambda row: tuple(row[name] for name in names))
+
+
+def _rows(
+    study: str,
+    case: str,
+    parameter: float,
+    values: Mapping[str, float],
+    status: str = "converged",
+    method: str = "solver",
+) -> list[Row]:
+    """Return a row for each measured value."""
+    names = ("study", "case", "method", "parameter", "quantity", "value", "status")
+    return [
+        dict(zip(names, (study, case, method, parameter, *one, status), strict=True))
+        for one in values.items()
+    ]
 
 
 def closed_form(poisson_ratio: float, chi: float) -> tuple[float, float]:
@@ -79,11 +120,11 @@ def attempt(loading: Loading, poisson_ratio: float, chi: float, rtol: float) -> 
         return str(error)
 
 
-def limit_rows(limit: str, exponent: int) -> list[StudyRow]:
+def limit_rows(limit: str, exponent: int) -> list[Row]:
     """Solve scenes at a Poisson ratio 10^-exponent away from 0.5, 0 (either side) or -1."""
     distance = 10.0**-exponent
     nu = {"0.5": 0.5 - distance, "0+": distance, "0-": -distance, "-1": -1 + distance}[limit]
-    rows = []
+    rows: list[Row] = []
     shares = {"remote, 30 %": 0.3, "remote, 90 %": 0.9}
     scenes: dict[str, tuple[Loading, float]] = {
         "preload, χ = 1": ("preload", 1.0),
@@ -102,10 +143,7 @@ def limit_rows(limit: str, exponent: int) -> list[StudyRow]:
                 front, edge_rate = closed_form(nu, chi)
                 values["edge error"] = abs(solution.zones[0].outer - front)
                 values["slip rate error"] = abs(solution.edge_slip_rate / edge_rate - 1)
-        rows += [
-            StudyRow(f"nu to {limit}", name, "solver", distance, quantity, value, status)
-            for quantity, value in values.items()
-        ]
+        rows += _rows(f"nu to {limit}", name, distance, values, status)
     return rows
 
 
@@ -136,26 +174,23 @@ def thresholds() -> dict[str, tuple[Loading, float, float]]:
     return chosen
 
 
-def threshold_rows(name: str, loading: Loading, nu: float, chi: float) -> list[StudyRow]:
+def threshold_rows(name: str, loading: Loading, nu: float, chi: float) -> list[Row]:
     """Solve scenes at relative distances 10^-1.5 to 10^-10, and 0, on both sides of a threshold."""
-    rows = []
+    rows: list[Row] = []
     for signed in (*(s * 10.0**-k for s in (1, -1) for k in (1.5, *range(2, 11))), 0.0):
         solution = attempt(loading, nu, chi * (1 + signed), 1e-8)
         if isinstance(solution, str):
-            rows.append(StudyRow("threshold", name, "solver", signed, "zones", math.nan, solution))
+            rows += _rows("threshold", name, signed, {"zones": math.nan}, solution)
             continue
-        values = {"zones": len(solution.zones), "error estimate": solution.error_estimate}
+        values = {"zones": float(len(solution.zones)), "error estimate": solution.error_estimate}
         values["seconds"] = sum(solution.statistics.seconds.values())
-        rows += [
-            StudyRow("threshold", name, "solver", signed, quantity, float(value), solution.status)
-            for quantity, value in values.items()
-        ]
+        rows += _rows("threshold", name, signed, values, solution.status)
     return rows
 
 
 def grid_rows(
     loading: Loading, nu: float, chi: float, size: int, placement: str, active: bool
-) -> list[StudyRow]:
+) -> list[Row]:
     """Solve the first stage on a grid; return error, odd-even mode, condition, pivots, rounds."""
     exact = solve(scene_of(loading, nu, chi), rtol=RTOL)
     problem = grid_problem(loading, nu, chi, size, placement)
@@ -174,17 +209,11 @@ def grid_rows(
         "rounds": pivoted.rounds,
         **_errors(xi, pivoted, rate),
     }
-    rows = [
-        StudyRow("grid", case, f"{placement}, pivoting", size, quantity, value, pivoted.status)
-        for quantity, value in values.items()
-    ]
+    rows = _rows("grid", case, size, values, pivoted.status, f"{placement}, pivoting")
     if active:
         other = by_active_set(problem)
         values = {"rounds": other.rounds, **_errors(xi, other, rate)}
-        rows += [
-            StudyRow("grid", case, f"{placement}, active set", size, quantity, value, other.status)
-            for quantity, value in values.items()
-        ]
+        rows += _rows("grid", case, size, values, other.status, f"{placement}, active set")
     return rows
 
 
@@ -196,13 +225,13 @@ def _errors(xi: Array, answer: GridAnswer, exact: Array) -> dict[str, float]:
     return {"slip rate error": error, "odd-even mode": zigzag(xi, answer.slip_rate, exact)}
 
 
-def rule_rows(nu: float) -> list[StudyRow]:
+def rule_rows(nu: float) -> list[Row]:
     """Test quadrature rules on the closed form of one slow zone, chi = 1: balance and slip rate."""
     factors = rayleigh_factors(nu)
     front, exact = closed_form(nu, 1.0)
     edge = factors.beside("c", [1 / front - factors.c])
     load = Load(1.0, 1.0, 0.0, 0.0, 1.0, 0.0)
-    rows = []
+    rows: list[Row] = []
     for exponent in range(1, 15):
         fields = ZoneFields(factors, load, (Zone(edge, None, 1),), rule_for(10.0**-exponent))
         profile = Profile(fields)
@@ -212,14 +241,11 @@ def rule_rows(nu: float) -> list[StudyRow]:
             "slip rate error": abs(2 * profile.edge_slip_rate / exact - 1),
             "tolerance": 10.0**-exponent,
         }
-        rows += [
-            StudyRow("rule", f"ν = {nu:.3g}", "solver", nodes, quantity, value)
-            for quantity, value in values.items()
-        ]
+        rows += _rows("rule", f"ν = {nu:.3g}", nodes, values)
     return rows
 
 
-def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
+def estimate_rows(loading: Loading, nu: float, chi: float) -> list[Row]:
     """Compare errors of edges and slip rate with the solver's estimate.
 
     The reference is a solution at 1e-12.  Slip rates are compared only at the distances from
@@ -233,7 +259,7 @@ def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
     near = np.abs(speeds[:, None] - marks).min(axis=1) < CLEAR_OF_EDGES * material.shear_speed
     speeds = speeds[~near]
     rate = np.append(reference.slip_rate(speeds, 1.0), reference.edge_slip_rate)
-    rows = []
+    rows: list[Row] = []
     for exponent in range(2, 12):
         solution = solve(scene_of(loading, nu, chi), rtol=10.0**-exponent)
         if len(solution.zones) != len(reference.zones):
@@ -247,18 +273,15 @@ def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
         other_rate = np.append(solution.slip_rate(speeds, 1.0), solution.edge_slip_rate)
         error = max([float(np.abs(other_rate - rate).max() / np.abs(rate).max()), *edges])
         values = {"true error": error, "error estimate": solution.error_estimate}
-        rows += [
-            StudyRow("estimate", case, "solver", 10.0**-exponent, name, value, solution.status)
-            for name, value in values.items()
-        ]
+        rows += _rows("estimate", case, 10.0**-exponent, values, solution.status)
     return rows
 
 
-def near_rayleigh_rows(nu: float) -> list[StudyRow]:
+def near_rayleigh_rows(nu: float) -> list[Row]:
     """Return relative errors of the impedance at c + d, from the Rayleigh polynomial, v and d."""
     factors = rayleigh_factors(nu)
     c, a = factors.c, factors.a
-    rows = []
+    rows: list[Row] = []
     for exponent in np.arange(1, 16.5, 0.5):
         d = 10.0**-exponent
         exact = float(factors.impedance_on_cut(factors.beside("c", [d])).imag[0])
@@ -266,17 +289,15 @@ def near_rayleigh_rows(nu: float) -> list[StudyRow]:
         z = v * v
         polynomial = 4 * z * math.sqrt(z - a * a) - (1 - 2 * z) ** 2 / math.sqrt(z - 1)
         by_slowness = float(factors.impedance_on_cut(factors.cut([v])).imag[0])
-        values = {"polynomial": polynomial, "from v": by_slowness}
-        rows += [
-            StudyRow("near c_R", f"ν = {nu:.3g}", name, d, "impedance error", abs(x / exact - 1))
-            for name, x in values.items()
-        ]
+        for name, x in (("polynomial", polynomial), ("from v", by_slowness)):
+            error = {"impedance error": abs(x / exact - 1)}
+            rows += _rows("near c_R", f"ν = {nu:.3g}", d, error, method=name)
     return rows
 
 
-def narrow_gap_rows(nu: float) -> list[StudyRow]:
+def narrow_gap_rows(nu: float) -> list[Row]:
     """Compare the half-width of the stick gap at c_R with its closed form as the gap narrows."""
-    rows = []
+    rows: list[Row] = []
     for unknown in np.arange(1.0, -0.6, -0.2):
         front = regimes.past_rayleigh(nu, float(unknown))
         zone = one_zone("remote", nu, front)
@@ -290,9 +311,17 @@ def narrow_gap_rows(nu: float) -> list[StudyRow]:
         assert outward is not None
         gap = float(inward.minus(outward)[0])
         half = math.exp(log_width)
-        values = {"gap error": abs(gap / (4 * half) - 1)}
-        rows += [
-            StudyRow("narrow gap", f"ν = {nu:.3g}", "solver", gap, name, value, solution.status)
-            for name, value in values.items()
-        ]
+        error = {"gap error": abs(gap / (4 * half) - 1)}
+        rows += _rows("narrow gap", f"ν = {nu:.3g}", gap, error, solution.status)
     return rows
+
+
+COMPUTED: dict[str, Callable[..., list[Row]]] = {
+    "grid": grid_rows,
+    "threshold": threshold_rows,
+    "limit": limit_rows,
+    "estimate": estimate_rows,
+    "rule": rule_rows,
+    "near c_R": near_rayleigh_rows,
+    "narrow gap": narrow_gap_rows,
+}

@@ -1,26 +1,29 @@
-"""Regimes: classification, boundary curves against solved scenes, tables, restart."""
+"""Regimes: classification, boundary curves against solved scenes, maps and tables of docs."""
 
-import csv
 import math
 
-import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from compare.output.tables import append_rows
-from compare.studies.regimes import study as regimes
-from compare.studies.regimes.openings import opening_point
-from compare.studies.regimes.points import (
-    MapPoint,
-    frictions,
-    kept_columns,
-    map_column,
-    poisson_ratios,
-    trace,
-    zone_speeds,
-)
-from compare.studies.regimes.study import write_regimes
 from compare.tasks.workers import run_tasks
+from docs.studies.regimes.__main__ import (
+    counts,
+    map_points,
+    opening_points,
+    regime_rows,
+    reverse_row,
+    threshold_row,
+    viscous_points,
+)
+from docs.studies.regimes.figures import MAPS, openings_figure, viscosity_figure
+from docs.studies.regimes.points import (
+    frictions,
+    map_rows,
+    opening_row,
+    opening_rows,
+    trace,
+    viscous_rows,
+)
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.reference import edge_speed_of_opening, edge_speed_under_shear_step
@@ -39,7 +42,6 @@ from semianalytic.regimes import (
     scene_of,
 )
 from semianalytic.regimes.thresholds import NARROWEST
-from semianalytic.scene.errors import SceneError
 
 THIRD = 1 / 3
 
@@ -174,115 +176,62 @@ def test_a_remote_load_never_reverses_slip(poisson_ratio):
 
 
 def test_map_column_is_ascending_and_solved():
-    column = map_column("preload", THIRD, 4)
-    assert [point.chi for point in column] == sorted(point.chi for point in column)
-    assert "failed" not in {point.regime for point in column}
-    inner, outer, sense = zone_speeds(column[-1])[0]
+    column = map_rows("map", "preload", THIRD, frictions("preload", THIRD, 4))
+    assert [row["chi"] for row in column] == sorted(row["chi"] for row in column)
+    assert "failed" not in {row["regime"] for row in column}
+    inner, outer, sense = column[-1]["zones"][0]
     assert (inner, sense) == (0.0, 1)
-    exact = edge_speed_under_shear_step(Material(1.0, 1.0, THIRD), column[-1].chi)
+    exact = edge_speed_under_shear_step(Material(1.0, 1.0, THIRD), column[-1]["chi"])
     assert outer == pytest.approx(exact, rel=1e-6)
-
-
-def test_cells_of_a_map_have_their_points_in_the_middle():
-    corners = np.log(frictions("preload", 0.0, 5, corners=True))
-    assert np.log(frictions("preload", 0.0, 5)) == pytest.approx((corners[1:] + corners[:-1]) / 2)
-
-
-def test_unfinished_tables_keep_whole_columns_only(tmp_path):
-    path = tmp_path / "part"
-    first, second = poisson_ratios(2).tolist()
-    rest = ("slow", "0:0.5:+1", "converged", 1e-9)
-    whole = [MapPoint("preload", first, chi, *rest) for chi in (1.0, 2.0)]
-    append_rows(path, whole)
-    append_rows(path, [MapPoint("preload", second, 1.0, *rest)])
-    with path.open("a") as stream:
-        stream.write("preload,0.1")
-    kept = kept_columns(path, "preload", 2)
-    assert kept == {first: whole}
-    assert len(path.read_text().splitlines()) == 2
-    assert kept_columns(tmp_path / "absent", "preload", 2) == {}
-
-
-def quickly(monkeypatch):
-    """One Poisson ratio per kind of task, in this process."""
-    monkeypatch.setattr(regimes, "FRONT_POISSON_RATIOS", (THIRD,))
-    monkeypatch.setattr(regimes, "REVERSE_POISSON_RATIOS", (-0.5,))
-    monkeypatch.setattr(regimes, "_OPENING_COUNTS", {True: (2, 3)})
-
-    def here(tasks, *, progress=None, client=None):
-        return run_tasks(tasks, 1, progress)
-
-    monkeypatch.setattr(regimes, "run_tasks", here)
 
 
 @pytest.mark.parametrize("poisson_ratio", [-0.5, THIRD])
 def test_the_contact_opens_below_its_threshold_and_from_the_edge(poisson_ratio):
     threshold, material = opening_threshold(poisson_ratio), Material(1.0, 1.0, poisson_ratio)
-    above, below = (opening_point(poisson_ratio, 1, part * threshold) for part in (1.001, 0.999))
-    assert (above.inner, above.outer) == (0, 0)
-    assert below.inner < material.rayleigh_speed < below.outer
-    assert below.outer - below.inner < 0.1
-    edge = opening_point(poisson_ratio, -1, 0.7)
-    assert edge.inner == 0
-    assert edge.outer == pytest.approx(edge_speed_of_opening(material, 0.7), rel=1e-8)
+    above, below = (opening_row(poisson_ratio, 1, part * threshold) for part in (1.001, 0.999))
+    assert (above["inner"], above["outer"]) == (0, 0)
+    assert below["inner"] < material.rayleigh_speed < below["outer"]
+    assert below["outer"] - below["inner"] < 0.1
+    edge = opening_row(poisson_ratio, -1, 0.7)
+    assert edge["inner"] == 0
+    assert edge["outer"] == pytest.approx(edge_speed_of_opening(material, 0.7), rel=1e-8)
 
 
 @pytest.mark.slow
-def test_an_interrupted_map_continues(tmp_path, monkeypatch):
-    quickly(monkeypatch)
-    monkeypatch.setattr(regimes, "_COUNTS", {True: (2, 6, 2)})
-
-    def interrupt(done: int, total: int) -> None:
-        if done == total:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        write_regimes(tmp_path, size=2, loading="remote", quick=True, progress=interrupt)
-    (part,) = tmp_path.iterdir()
-    assert part.suffix == ".part"
-    kept = part.read_text().splitlines()
-    assert len(kept) == 2  # the column before the one that was interrupted
-    seen: list[tuple[int, int]] = []
-    write_regimes(
-        tmp_path, 2, "remote", quick=True, progress=lambda done, total: seen.append((done, total))
-    )
-    assert seen[-1][0] == seen[-1][1] == len(seen)
-    assert not part.exists()
-    with (tmp_path / "regimes-remote.csv").open() as stream:
-        rows = list(csv.DictReader(stream))
-    assert len(rows) == 4
-    assert all(
-        any(line.startswith(f"remote,{row['poisson_ratio']}") for row in rows) for line in kept
-    )
-    written = {path.name for path in tmp_path.iterdir()}
-    assert written == {
-        "regimes-remote.csv",
-        "regimes-remote.png",
-        "boundaries.csv",
-        "front-speeds.csv",
-        "front-speeds.png",
-        "openings.csv",
-        "openings.png",
-    }
+def test_points_of_a_map_are_in_the_regimes_that_the_traced_curves_allow():
+    points = [point for point in map_points(True) if point[0] in ("map", "curves")]
+    for part, loading, nu, chi in points[::3]:
+        if part == "map":
+            curves = {k: v for k, v in trace(loading, nu).items() if isinstance(v, float)}
+            levels = {name: 10**value for name, value in curves.items()}
+            for row in map_rows(part, loading, nu, chi):
+                assert row["regime"] in expected(loading, row["chi"], levels)
 
 
 @pytest.mark.slow
-def test_all_figures_and_tables_are_written_and_agree(tmp_path, monkeypatch):
-    monkeypatch.setattr(regimes, "_OPENING_COUNTS", {False: (6, 9)})
-    monkeypatch.setattr(regimes, "_COUNTS", {False: (17, 36, 9)})
-    write_regimes(tmp_path, size=12)
-    names = {path.name for path in tmp_path.iterdir()}
-    tables = {"regimes-preload", "regimes-remote", "front-speeds", "reverse-slip", "openings"}
-    assert names == {f"{name}.{form}" for name in tables for form in ("csv", "png")} | {
-        "boundaries.csv"
-    }
-    for loading in ("preload", "remote"):
-        with (tmp_path / f"regimes-{loading}.csv").open() as stream:
-            rows = list(csv.DictReader(stream))
-        assert len(rows) == 144
-        for row in rows:
-            curves = {p.curve: 10**p.log10_chi for p in trace(loading, float(row["poisson_ratio"]))}
-            assert row["regime"] in expected(loading, float(row["chi"]), curves)
+def test_figures_of_regimes_show_their_points():
+    """A few points of each part; curves that are not there are left out."""
+    chosen = {(part, loading): () for part, loading, *_ in map_points(True)}
+    for part, loading, nu, chi in map_points(True):
+        chosen[part, loading] += ((part, loading, nu, chi[:3]),)
+    points = [point for several in chosen.values() for point in several[-8:]]
+    rows = [row for point in points for row in regime_rows(*point)]
+    assert sum(row["points"] for row in counts(rows)) == 2 * 8 * 3
+    for draw in MAPS.values():
+        assert all(panel.lines or panel.collections for panel in draw(rows).axes)
+    opened = [row for point in opening_points(True) for row in opening_rows(*point)]
+    assert len(openings_figure(opened).axes) == 5  # a map, its colour bar, three Poisson ratios
+    few = [point for point in viscous_points(True) if point[0] == "curves" or point[1] > 0.1]
+    assert len(viscosity_figure([row for one in few for row in viscous_rows(*one)]).axes) == 2
+
+
+def test_tables_of_regimes():
+    row = threshold_row(THIRD)
+    names = ("preload_nucleation", "gap", "stuck_front", "remote_nucleation", "edge")
+    assert [row[name] for name in names] == sorted(row[name] for name in names)
+    one, other = (reverse_row(nu) for nu in (-0.5, 0.0))
+    assert one["threshold"] > other["threshold"] > 0
+    assert one["half_width"] > other["half_width"] > 0
 
 
 def expected(loading, chi, curves):
@@ -297,13 +246,6 @@ def expected(loading, chi, curves):
     if chi < curves["nucleation"]:
         return {"two"} if slips_at_edge else {"front"}
     return {"slow"} if slips_at_edge else {"stuck"}
-
-
-def test_sizes_and_loadings_out_of_range_are_refused(tmp_path):
-    with pytest.raises(SceneError, match="size"):
-        write_regimes(tmp_path, size=1)
-    with pytest.raises(SceneError, match="loading"):
-        write_regimes(tmp_path, loading="sideways")
 
 
 def test_tasks_run_in_processes_and_report_progress_and_errors():
