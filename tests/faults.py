@@ -1,5 +1,7 @@
 """Disks that are full, rights that are missing, and one of every kind of file that is read back."""
 
+from __future__ import annotations
+
 import os
 import random
 import subprocess

@@ -26,10 +26,10 @@ from compare.benchmarks.figures import score_figure, sheet_figure
 from compare.benchmarks.scores import score
 from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
 from compare.comparison.fields.errors import field_errors
-from compare.comparison.judgement import judge, side_by_side
+from compare.comparison.judgement import side_by_side
 from compare.comparison.rows import AGREES, DIFFERS
 from compare.figures import histories, interface
-from compare.figures.fields import field_figure
+from compare.figures.fields import FieldPicture
 from compare.figures.fronts import reach
 from compare.figures.pairs import pair_figure
 from compare.figures.quantities import find_quantity
@@ -46,9 +46,6 @@ from compare.studies.dissimilar.figure import growth_figure
 from compare.studies.dissimilar.pairs import NAMED
 from compare.studies.dissimilar.pairs import SCENES as PAIRS
 from compare.studies.dissimilar.points import GrowthPoint, NamedPoint, ThresholdPoint
-from compare.studies.evidence import figures as evidence
-from compare.studies.evidence.study import SceneEvidence, published_answer
-from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow, sweep_figure
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
@@ -102,13 +99,13 @@ def _snapshots():
 def _field(name, of):
     solution = solved(name)
     quantity = find_quantity(of, solution.scene)
-    return field_figure(solution, quantity, 1.0, reach(solution, 1.0), 40)
+    return FieldPicture(solution, quantity, reach(solution, 1.0), 40, 1.0).figure
 
 
 def _field_of_pair():
     answer = solve_pair(PAIRS["slip and opening"])
     quantity = find_quantity("max-shear", answer.pair.alike)
-    return field_figure(answer, quantity, 1.0, reach(answer, 1.0), 40)
+    return FieldPicture(answer, quantity, reach(answer, 1.0), 40, 1.0).figure
 
 
 def _record():
@@ -130,13 +127,6 @@ def _scores():
     paths = [*ENTRANTS.glob("uguca/preloaded/*.csv"), *ENTRANTS.glob("sem2dpack/preloaded/*.csv")]
     runs = told_apart([read_run(path) for path in sorted(paths)])
     return score_figure([one for run in runs for one in score(run)])
-
-
-@cache
-def _evidence():
-    run = _run("remote-shock")
-    judgement = judge(solved("remote-shock"), run)
-    return SceneEvidence("remote-shock", run, (judgement,), published_answer(run.scene), "")
 
 
 @cache
@@ -241,17 +231,6 @@ def _rows_of_docs(name):
     return [row | {one: float(row[one]) for one in numbers} for row in rows]
 
 
-def _wear():
-    return sweep_figure(
-        [
-            WearRow(load, nu, chi, 1 + at - chi / 3, chi * (2.5 - chi), 1.0)
-            for at, load in enumerate(LOADS)
-            for nu in POISSON_RATIOS
-            for chi in (0.0, 0.5, 1.0, 2.0)
-        ]
-    )
-
-
 @cache
 def _example(name):
     """The figure that an example saves."""
@@ -327,12 +306,6 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     },
     "compare.benchmarks.figures.score_figure": _scores,
     **{
-        f"compare.studies.evidence.figures.{name}_figure": lambda draw=name: getattr(
-            evidence, f"{draw}_figure"
-        )(_evidence())
-        for name in ("rates", "tractions", "energy", "opening")
-    },
-    **{
         f"compare.studies.article.study.figure_{number}": lambda draw=number: getattr(
             article, f"figure_{draw}"
         )(_cases())
@@ -361,6 +334,5 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "docs.studies.stability.march_figure": lambda: stability.march_figure(
         _rows_of_docs("stability-space-time")
     ),
-    "compare.studies.wear.sweep_figure": _wear,
     **{f"docs.examples.{name}.main": partial(_example, name) for name in EXAMPLES},
 }

@@ -111,12 +111,6 @@ WRONG_COMMANDS = [
     ["field", "preloaded", "--gauge", "ß,"],
     ["field", "preloaded", "--animate", "2.5"],
     ["chart", "nowhere"],
-    ["wear", "--size", "3"],
-    ["evidence", "nowhere"],
-    ["evidence", "absent.toml"],
-    ["evidence", "--output"],
-    ["evidence", "--output", ""],
-    ["evidence", "--output", "/"],
     ["solve", "ramp", "--nodes", "16", "--save", "", "--quiet"],
 ]
 
@@ -128,8 +122,6 @@ REFUSED = [
     ["simulate", "stuck", "--resolution", "8", "--step-ratio", "1e-12"],
     ["simulate", "stuck", "--resolution", "8", "--damping", "1e12"],
     ["chart", "preloaded", "--quick", "--quiet", "--output", "taken"],
-    ["wear", "--quick", "--quiet", "--output", "taken"],
-    ["evidence", "--quick", "--quiet", "--output", "taken/page.html"],
     ["simulate", "stuck", "--resolution", "8", "--quiet", "--no-snapshots", "--output", "taken"],
     ["solve", "ramp", "--nodes", "16", "--quiet", "--save", "taken/march.h5"],
     ["field", "preloaded", "--quiet", "--output", "taken"],

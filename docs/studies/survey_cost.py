@@ -11,8 +11,6 @@ import resource
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from typing import Any
 
@@ -22,7 +20,7 @@ from compare.studies.tables import Study, run_studies
 from compare.tasks.cluster import on_cluster
 from compare.tasks.workers import run_tasks
 from semianalytic.scene.given.named import NAMED_SCENES
-from slipfront.surveys.dataset import dataset_of, netcdf_bytes, write_zarr
+from slipfront.surveys.dataset import dataset_of, netcdf_bytes
 from slipfront.surveys.plan import SWEPT, Plan, Question, planned
 from slipfront.surveys.points import solved_chunk
 
@@ -53,9 +51,9 @@ class PointCost:
         Processor time of the longest task [s].
     starting : float
         Processor time of a process until its first point [s].
-    writing, zarr_writing : float
-        Processor time to write a point as NetCDF and as Zarr [µs].
-    raw, packed, netcdf, zarr : float
+    writing : float
+        Processor time to write a point as NetCDF [µs].
+    raw, packed, netcdf : float
         Size of a point in memory, of a packed result, and on the disk [B].
     memory : float
         Largest resident memory of a process that solves [MB].
@@ -73,11 +71,9 @@ class PointCost:
     longest: float
     starting: float
     writing: float
-    zarr_writing: float
     raw: float
     packed: float
     netcdf: float
-    zarr: float
     memory: float
     wall: float
     load: float
@@ -166,12 +162,6 @@ def cost_of(name: str, plan: Plan) -> PointCost:
     data = dataset_of(plan, chunks, plan.call)
     netcdf = len(netcdf_bytes(data))
     writing, wall = process_time() - start, perf_counter() - began
-    with TemporaryDirectory() as folder:
-        start = process_time()
-        write_zarr(Path(folder, "a.zarr"), plan, chunks, plan.call)
-        zarr_writing = process_time() - start
-        files = [path for path in Path(folder).rglob("*") if path.is_file()]
-        zarr = sum(path.stat().st_size for path in files)
     count = plan.count
     return PointCost(
         survey=name,
@@ -182,11 +172,9 @@ def cost_of(name: str, plan: Plan) -> PointCost:
         longest=max(part[2] for part in parts),
         starting=min(part[1] for part in parts),
         writing=1e6 * writing / count,
-        zarr_writing=1e6 * zarr_writing / count,
         raw=data.nbytes / count,
         packed=sum(len(part[0]) for part in parts) / count,
         netcdf=netcdf / count,
-        zarr=zarr / count,
         memory=max(part[3] for part in parts),
         wall=wall,
         load=_load(),
@@ -247,7 +235,7 @@ def plan() -> list[PlanRow]:
     wall = POINTS * cost.solving / 1e3 / CORES
     scheduling = tasks * task.scheduling / 1e3
     traffic = POINTS * cost.packed / _MEGABYTE
-    writing = POINTS * cost.zarr_writing / 1e6
+    writing = POINTS * cost.writing / 1e6
     slowest = cost.longest
     rows = (
         ("points", "10⁸", "10,000 frictions × 10,000 Poisson ratios"),
@@ -268,9 +256,13 @@ def plan() -> list[PlanRow]:
         ("results", f"{cost.packed * cost.chunk / 1e3:.0f} kB a task", "measured, packed"),
         ("traffic to the client", f"{traffic / 1e3:.1f} GB", f"{traffic / wall:.0f} MB/s"),
         ("chunks on the disk", f"{tasks:,} files", "beside the path, until the end"),
-        ("Zarr store", f"{POINTS * cost.zarr / 1e9:.1f} GB", f"{cost.zarr:.0f} B a point"),
-        ("in memory", f"{POINTS * cost.raw / 1e9:.0f} GB", "never at once: read where looked at"),
-        ("writing the Zarr store", f"{writing:.0f} s", "in one process, at the end"),
+        ("NetCDF file", f"{POINTS * cost.netcdf / 1e9:.1f} GB", f"{cost.netcdf:.0f} B a point"),
+        (
+            "in memory",
+            f"{POINTS * cost.raw / 1e9:.0f} GB",
+            "of the client; twice as much while it writes",
+        ),
+        ("writing the file", f"{writing:.0f} s", "in one process, at the end"),
         ("memory of a worker", f"{cost.memory:.0f} MB", "measured, largest"),
         ("lost with a worker", f"{slowest:.0f} s of one core", "its task goes to another"),
         ("lost with scheduler or client", f"at most {CORES:,} tasks", "those under way"),

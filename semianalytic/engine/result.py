@@ -18,7 +18,7 @@ from semianalytic.engine.line import fitting_nodes, grid_of
 from semianalytic.engine.tuning import LEAST_GAP, TOLD_MISFIT
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
-from semianalytic.results.files import write_bytes
+from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import needing
 
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes begin to slip at once: above rounding, and
 far below a step."""
-FORMAT = "slipfront interface run 6"
+FORMAT = "slipfront interface run 7"
 _UNITS = {
     "slip": ("length", "relative slip, upper minus lower side"),
     "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
@@ -74,7 +74,8 @@ class Run:
         shear traction, and of gap and pressure if loads change the pressure, from a second run with
         half the nodes; empty if there was no such run.
     status : str
-        "done", "unresolved: ..." or "interrupted at t = ...".
+        "done", "unresolved: ...", "interrupted at t = ...", or "interrupted in the estimate of its
+        error: ...", whose fields are complete.
     checkpoint : mapping of arrays
         Everything that `run` needs to continue this run.
 
@@ -121,6 +122,11 @@ class Run:
         return float(self.step_times[-1])
 
     @property
+    def is_interrupted(self) -> bool:
+        """Whether the run, or the estimate of its error, was ended early."""
+        return self.status.startswith("interrupted")
+
+    @property
     def contact_misfit(self) -> float:
         """How far the grid has an end of a contact from its place, over the node distance."""
         return self.interface.contact.misfit(self.interface.length, self.nodes, self.shift)
@@ -139,6 +145,13 @@ class Run:
         contact which is longer or shorter.
         """
         contact, length = self.interface.contact, self.interface.length
+        run_through = self.interface.fastest * self.end_time
+        if contact.ends_with_period and run_through > length / 4:
+            free = max(length / 2 - run_through, 0.0)
+            return (
+                f"the contact ends with the period, and waves from there have arrived beyond |x| = "
+                f"{free:.3g}; raise `length` to {4 * run_through:.3g}"
+            )
         misfit = self.contact_misfit
         if misfit < TOLD_MISFIT:
             return ""
@@ -331,7 +344,8 @@ class Run:
         kept |= {f"error_{name}": value for name, value in self.error_estimates.items()}
         stream = BytesIO()
         np.savez_compressed(stream, **kept)
-        write_bytes(Path(path), stream.getbuffer())
+        # A file of zip may be followed by anything, and so by the seal of an HDF5 file.
+        write_bytes(Path(path), stream.getbuffer(), Seal.TRAILING)
 
     @classmethod
     def load(cls, path: str | PathLike[str], interface: Interface) -> Run:
@@ -343,6 +357,7 @@ class Run:
             If the file is missing, damaged or not a run, or a run on another contact or period.
         """
         try:
+            check_seal(path)
             with np.load(path, allow_pickle=False) as file:
                 if str(file["format"]) != FORMAT:
                     raise DataFileError(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.checks import missed_slip, wrong_beside_slots
+from semianalytic.engine.checks import missed_slip, too_short, wrong_beside_slots
 from semianalytic.engine.line import fitting_nodes
 from semianalytic.engine.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
@@ -162,10 +162,12 @@ def run(
         nodes = in_fours(needed)
     count = _checked_nodes(nodes)
     while True:
-        done = _one(interface, end_time, count, options, settings, go_on, progress, check=True)
-        if done.status.startswith("interrupted") or not (estimate or rtol is not None):
+        with deferred_interrupt() as options["interruption"]:
+            done = _one(interface, end_time, count, options, settings, go_on, progress, check=True)
+            if not done.is_interrupted and (estimate or rtol is not None):
+                done = _estimated(done, end_time, options, settings, rtol)
+        if not done.error_estimates:
             return done
-        done = _estimated(done, end_time, options, settings, rtol)
         error = done.error_estimates[_deciding(done, done.error_estimates)]
         if rtol is None or error <= rtol or 2 * count > MOST_NODES or go_on is not None:
             return done
@@ -224,31 +226,31 @@ def _one(
     if begun is None:
         begun = _slipping(stepper) if go_on is None else float(go_on.checkpoint["slipping"])
     record = Record(stepper, options["every"], options["frames"], options["times"], begun)
-    print_of = fingerprint(stepper)
     if go_on is None:
         now = stepper.begin()
         record.begin(now)
     else:
-        now = resumed(stepper, record, go_on, print_of, end_time)
+        now = resumed(stepper, record, go_on, end_time)
         if now.time in interface.jumps:
             # the earlier run ended with the values before the jump
             now = stepper.jump(now)
     stops = [at for at in interface.jumps if now.time < at < end_time] + [end_time]
     stopped = False
-    with deferred_interrupt() as interruption:
-        while stops and not stopped:
-            before, (now, last) = now, stepper.advance(now, stops[0])
-            if last:
-                stops.pop(0)
-            record.add(before, now)
-            if last and stops:
-                now = stepper.jump(now)
-            asked = progress is not None and progress(now.time, end_time)
-            stopped = bool(interruption.pressed or asked) and bool(stops)
+    while stops and not stopped:
+        before, (now, last) = now, stepper.advance(now, stops[0])
+        if last:
+            stops.pop(0)
+        record.add(before, now)
+        if last and stops:
+            now = stepper.jump(now)
+        asked = progress is not None and progress(now.time, end_time)
+        stopped = bool(options["interruption"].pressed or asked) and bool(stops)
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
     most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])
-    status = _resolution(stepper, most, now.state, max(record.peak_rates), options["histories"])
+    status = too_short(interface, now.time) or _resolution(
+        stepper, most, now.state, max(record.peak_rates), options["histories"]
+    )
     if stopped:
         status = f"interrupted at t = {now.time:.6g}"
     return Run(
@@ -268,7 +270,8 @@ def _one(
         step_times=np.array(record.step_times),
         peak_rates=np.array(record.peak_rates),
         status=status,
-        checkpoint=checkpoint(stepper, record, now, print_of) | {"latest": latest},
+        checkpoint=checkpoint(stepper, record, now, fingerprint(stepper, latest))
+        | {"latest": latest},
     )
 
 
@@ -294,10 +297,14 @@ def _estimated(
     options = {**options, "times": list(done.t), "shift": done.shift}
     coarse = _one(interface, end_time, done.nodes // 2, options, settings, None, None)
     shorter, misplaced = coarse, done.contact_misfit / 2
-    if misplaced:
+    if misplaced and not coarse.is_interrupted:
         contact = interface.contact.shortened(interface.length, done.nodes, done.shift)
         cut = replace(interface, contact=contact)
         shorter = _one(cut, end_time, done.nodes // 2, options, settings, None, None)
+    if coarse.is_interrupted or shorter.is_interrupted:
+        return replace(
+            done, status="interrupted in the estimate of its error: complete, without one"
+        )
     between = not interface.contact.is_whole
     touching = coarse.touching
     if between:

@@ -87,7 +87,7 @@ class Stepper:
         fastest = material.shear_speed if self.pair is None else self.pair.fastest
         self.shortest = step_ratio * self.grid.spacing / fastest
         if interface.even:
-            check_even(interface, self.grid, self.shortest)
+            check_even(interface, self.grid, end_time)
         loads = interface.loads
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
         self._balance = Balance(self.law, self.impedance, self.touching, self.grid)

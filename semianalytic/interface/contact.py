@@ -97,6 +97,15 @@ class Contact:
         ends = np.array(self.intervals).ravel()
         return np.asarray(ends[np.abs(ends) < length / 2])
 
+    @property
+    def ends_with_period(self) -> bool:
+        """Whether a part that goes on without end meets a slot that does: one half-line of two.
+
+        The contact of a periodic line then ends where the period does.
+        """
+        ends = self.intervals[0][0], self.intervals[-1][1]
+        return math.isinf(ends[0]) != math.isinf(ends[1])
+
     def narrowest(self, length: float) -> float:
         """Return the width of the narrowest contact, or slot between two, in a period [length]."""
         ends = self.ends(length)

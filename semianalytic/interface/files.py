@@ -26,6 +26,7 @@ from semianalytic.scene.incident import load_from_document
 from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
+from semianalytic.scene.text_files import text_of
 
 LAWS: Mapping[str, type[InterfaceLaw]] = {
     "coulomb": Coulomb,
@@ -102,9 +103,11 @@ def read_interface(path: str | PathLike[str]) -> InterfaceFile:
         file and key.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise SceneError(f"Cannot read the file {path}: {error}.") from error
+        text = text_of(path)
+    except OSError as error:
+        raise SceneError(f"Cannot read the file {path}: {error.strerror or error}.") from error
+    except ValueError as error:
+        raise SceneError(f"{path} is not a text file in UTF-8.") from error
     return parsed(text, str(path), Path(path).parent)
 
 

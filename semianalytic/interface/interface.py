@@ -211,6 +211,13 @@ class Interface:
         return self.material.shear_impedance / 2 if self.pair is None else self.pair.impedances[0]
 
     @property
+    def fastest(self) -> float:
+        """Speed of the fastest wave [length / time], in antiplane shear without pressure c_t."""
+        bodies = (self.material, self.lower_material or self.material)
+        sheared = self.mode == "antiplane"
+        return max(one.shear_speed if sheared else one.longitudinal_speed for one in bodies)
+
+    @property
     def opening_impedance(self) -> float:
         """Pressure per rate of the gap [stress time / length]; rho c_l / 2 if bodies are alike."""
         if self.pair is not None:

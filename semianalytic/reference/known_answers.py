@@ -16,7 +16,6 @@ from semianalytic.reference.closed_forms import (
     slip_rate_under_shear_step,
     slip_rate_without_friction,
 )
-from semianalytic.reference.published import PublishedSlip, published_slip
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
@@ -105,15 +104,6 @@ def published_obstacle(scene: Scene) -> str:
     if held != load:
         return "its only load is a sudden remote one, on no base"
     return "" if scene.friction * load.pressure * load.shear > 0 else "f P_0 is zero"
-
-
-def published_answer(scene: Scene) -> PublishedSlip | None:
-    """Return the result of the published algorithm in its default reading, where it applies."""
-    if published_obstacle(scene):
-        return None
-    load = scene.superposition.taken_off
-    ratio = scene.friction * load.pressure / load.shear
-    return published_slip(ratio, poisson_ratio=scene.material.poisson_ratio)
 
 
 def published_unit(scene: Scene) -> float:

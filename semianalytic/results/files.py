@@ -30,7 +30,7 @@ NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _SEALED = re.compile(
     rb"(?:\$Comments\n|<!-- |\n)slipfront sha256 ([0-9a-f]{64})(?:\n\$EndComments| -->|)\n\Z"
 )
-_UNSEALED = "it has lost its checksum, or an earlier version wrote it"
+_UNSEALED = "it has lost its checksum"
 _LONGEST_SEAL = 160
 _CHUNK = 1 << 20
 _KEEPS_WHAT_IS_OPEN = sys.platform == "win32"

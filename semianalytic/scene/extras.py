@@ -17,12 +17,10 @@ PLOT = ("matplotlib", "PIL")
 """Modules that figures need."""
 EXPLORE = ("bokeh",)
 """Modules that the page in the browser needs, besides those of figures."""
-XARRAY = ("xarray", "h5netcdf", "h5py", "zarr")
+XARRAY = ("xarray", "h5netcdf", "h5py")
 """Modules that datasets and their files need."""
 CLUSTER = ("dask", "distributed")
 """Modules that runs on several machines need."""
-BAYES = ("emcee",)
-"""Modules that sampling of posteriors needs."""
 UNITS = ("pint",)
 """Modules that parse the names of units in files."""
 
@@ -35,7 +33,6 @@ _EXTRAS = {
     "explore": EXPLORE,
     "xarray": XARRAY,
     "cluster": CLUSTER,
-    "bayes": BAYES,
     "units": UNITS,
 }
 """Modules of each extra.  A module of two extras is asked for by the first of them, unless another

@@ -23,7 +23,6 @@ from semianalytic.results.reading import (
     first_times,
     self_similar_reading,
 )
-from semianalytic.results.renamed import renamed
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions
@@ -370,11 +369,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         """Power, work and slip of the whole contact."""
         scene, rate, stress = self.scene, self._rate_unit, self.stress_unit
         return ContactTotals(scene, self.profile, self._motion, rate, stress)
-
-    front_speeds = renamed("front_speeds", "edge_speeds", "0.3")
-    heat = renamed("heat", "frictional_work", "0.3")
-    friction_work = renamed("friction_work", "work_density", "0.3")
-    energy_flux = renamed("energy_flux", "frictional_power", "0.3")
 
     @cached_property
     def _surroundings(self) -> Surroundings:

@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from semianalytic.memory.exponentials import Memory
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.notebook import html_table
-from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
@@ -321,9 +320,6 @@ class Marched(SampledAnswer):
     def final_work_density(self) -> Array:
         """Energy turned to heat at the observed nodes until the end, per area [stress length]."""
         return self.state.work[: self.grid.observed]
-
-    path = renamed("path", "final_path", "0.3")
-    friction_work = renamed("friction_work", "final_work_density", "0.3")
 
     def __repr__(self) -> str:
         grid, estimate = self.grid, self.error_estimate

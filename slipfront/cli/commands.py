@@ -128,8 +128,6 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
     "docs": ("docs_command", "docs"),
     "sliding": ("scenes.sliding", "sliding"),
     "chart": (_STUDIES, "chart"),
-    "wear": (_STUDIES, "wear"),
-    "evidence": (_STUDIES, "evidence"),
 }
 """Commands in the order of the help, with the module of this package and the name in it."""
 

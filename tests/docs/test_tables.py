@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 import pytest
 
-from compare.studies import wear
 from compare.studies.article import study as article
 from compare.studies.tables import run_studies
 from docs.studies import constants, goals, ratios
@@ -102,15 +101,6 @@ def test_every_quantity_of_every_scene_is_in_its_report():
         backward = ("lift-off", "tap", "incident-p", "incident-sv", "incident-pulse")
         slips = ["largest forward V"] if scene not in backward else []
         assert found == slips + [name for name, _ in quantities]
-
-
-def test_most_wear_of_every_load(monkeypatch):
-    monkeypatch.setattr(wear, "NODES", 60)
-    monkeypatch.setattr(wear, "frictions", lambda count: [0.05, 0.2, 0.6, 1.5])
-    rows = wear.most_rows()
-    assert len(rows) == len(wear.LOADS) * len(wear.POISSON_RATIOS)
-    chi = {(row.load, row.poisson_ratio): row.chi for row in rows}
-    assert chi["pulse", 1 / 3] < chi["step", 1 / 3]
 
 
 def test_rows_of_the_article(monkeypatch):

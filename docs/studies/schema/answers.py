@@ -190,7 +190,6 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "derivative_error": Key("relative error of the derivatives", NUMBER),
             "solutions": Key("number of solutions computed", WHOLE),
             "misfit": Key("a sentence that compares the misfits with the noise", TEXT),
-            "posterior": Key("the samples of --posterior, if given", {"type": "object"}, False),
         },
     ),
     "explore": (

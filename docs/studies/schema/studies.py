@@ -7,35 +7,22 @@ from collections.abc import Mapping, Sequence
 from compare.benchmarks.classes import Tolerance
 from compare.benchmarks.scores import Score
 from compare.benchmarks.sheet import Sheet
-from compare.studies.article.claims import Verdict
 from compare.studies.chart.points import Point
-from compare.studies.evidence.study import ClosedForm
-from compare.studies.wear import MostRow, WearRow
 from docs.studies.schema.parts import (
-    COUNTS,
     MATERIAL,
     PROBLEM,
-    VERDICT,
 )
 from docs.studies.schema.vocabulary import (
     NUMBER,
-    SCENE,
     TEXT,
     TRUTH,
-    WHOLE,
     Key,
     list_of,
     named,
-    object_of,
     or_null,
     row_of,
 )
 from semianalytic import SlidingWave
-
-_CLAIMS = Key(
-    "claims of the article, with the verdict of each method",
-    list_of(object_of(section=TEXT, claim=TEXT, base=TEXT, verdicts=named(row_of(Verdict)))),
-)
 
 STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "benchmark": (
@@ -91,39 +78,6 @@ STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
         {
             "points": Key("points measured, as in data/chart.csv", list_of(row_of(Point))),
             "slopes": Key("slope of error against time, by scene and method", named(named(NUMBER))),
-        },
-    ),
-    "wear": (
-        {
-            "rows": Key("results of each transient", list_of(row_of(WearRow))),
-            "most": Key(
-                "friction at which the frictional work is largest", list_of(row_of(MostRow))
-            ),
-        },
-    ),
-    "evidence": (
-        {
-            "verdict": VERDICT,
-            "counts": COUNTS,
-            "scenes": Key(
-                "results of all methods for each scene",
-                list_of(
-                    object_of(
-                        scene=TEXT,
-                        parameters=SCENE,
-                        verdict=or_null(TEXT),
-                        counts=named(WHOLE),
-                        methods=list_of(TEXT),
-                        obstacle=TEXT,
-                    )
-                ),
-            ),
-            "closed_forms": Key(
-                "errors of all methods against closed forms", list_of(row_of(ClosedForm))
-            ),
-            "claims": _CLAIMS,
-            "stamp": Key("versions, machine and date", named({"type": ["string", "number"]})),
-            "seconds": Key("time taken in seconds", NUMBER),
         },
     ),
 }

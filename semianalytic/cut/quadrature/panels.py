@@ -240,7 +240,6 @@ class Panels:
         unbounded = [i for i, right in enumerate(self.right) if right is None]
         if over_c < 0:
             return tuple(unbounded)
-        # what slips beside a strip around c begins beyond the stick gaps on either side of it
         # Slip beside a narrow zone around c begins beyond the stick gaps on either side of that
         # zone.
         slips = 0 <= self.layout.pole < last

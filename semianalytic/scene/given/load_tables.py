@@ -10,6 +10,7 @@ from typing import Any
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.text_files import text_of
 from semianalytic.scene.units import SI, size_of, units_shown
 
 FILE = "file"
@@ -120,8 +121,7 @@ def _size(table: Path, heading: tuple[str, str], dimension: str, units: str) -> 
 def _rows(table: Path) -> tuple[list[tuple[str, str]], list[list[float]]]:
     """Return the headings of a table, each a name and a unit, and its numbers."""
     try:
-        # Spreadsheets put a mark before UTF-8, which would become part of the first name.
-        text = table.read_text(encoding="utf-8-sig")
+        text = text_of(table)
     except OSError as error:
         raise SceneError(f"Cannot read the table {table}: {error.strerror or error}.") from error
     except ValueError as error:

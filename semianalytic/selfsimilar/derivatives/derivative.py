@@ -344,7 +344,7 @@ def _zones(
     # The strip that sticks behind the front has a width like the 2/3 power of the excess; under a
     # step of pressure like its square.
     excess = varied.variation.rates.front_excess
-    if excess and not fields.load.load_pressure:  # as the 2/3 power; under a step of pressure, 2
+    if excess and not fields.load.load_pressure:
         known[scene.fastest_speed] = float(np.copysign(np.inf, excess * fields.zones[0].sense))
 
     def moved(speed: float) -> float:

@@ -95,7 +95,6 @@ def locate_edges(
         if not largest < np.inf:
             break
         last = _moved(unknowns, move, rooted)
-        # the next move is smaller by a factor of this one
         # Newton's method converges quadratically, so that the error after this move is about its
         # square.
         if largest < 1 and largest * edge_shift(edges, unknowns, last) < 2 * tolerance:

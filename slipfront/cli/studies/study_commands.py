@@ -1,4 +1,4 @@
-"""The longer commands of ``slipfront``: maps of regimes, stability studies, the article redone."""
+"""``slipfront chart``, and the option of studies that run on a cluster."""
 
 from __future__ import annotations
 
@@ -11,12 +11,11 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from compare.comparison.rows import DIFFERS
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic.scene.extras import CLUSTER, FEM, PLOT, require
 from slipfront.cli.options import AsJson, FiguresForm, Quiet
-from slipfront.cli.scenes.completion import CHARTED, one_of, scene_names
+from slipfront.cli.scenes.completion import CHARTED, one_of
 from slipfront.cli.terminal import print_json
 
 Output = Annotated[
@@ -84,70 +83,6 @@ def chart(
     _written(f"{directory}/")
 
 
-def wear(
-    output: Output = None,
-    figures: FiguresForm = "png",
-    quick: Quick = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-) -> None:
-    """Sweep friction for a step, a ramp and a pulse: accumulated slip and frictional work."""
-    require("slipfront wear", *PLOT)
-    from compare.studies.documents import wear_document
-    from compare.studies.wear import LOADS, POISSON_RATIOS, most_wear, write_wear
-
-    directory = output or Path("results", "wear")
-    with working_folder(directory) as files, _progress(quiet, "sweeping") as progress:
-        rows = write_wear(directory, quick, progress, figures)
-    if as_json:
-        print_json("wear", wear_document(rows), files=files)
-        return
-    for poisson_ratio in POISSON_RATIOS:
-        for load in LOADS:
-            chi, work = most_wear(rows, load, poisson_ratio)
-            Console().print(
-                f"{load}, nu = {poisson_ratio:.3g}: of the values of chi, "
-                f"{chi:.3g} gives most frictional work, {work:.4g}",
-                highlight=False,
-            )
-    _written(f"{directory}/")
-
-
-def evidence(
-    scenes: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[SCENE...]",
-            help="Names or TOML files; all scenes unless given.",
-            autocompletion=scene_names,
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Page to write, results/evidence.html if not given."),
-    ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Four scenes and fewer figures.")] = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
-) -> None:
-    """Write one self-contained HTML page that sets all methods side by side, scene by scene.
-
-    The exit code is 0 if nothing differs by more than the error bars allow, 1 if something does.
-    """
-    require("slipfront evidence", *FEM, *PLOT)
-    from compare.studies.documents import evidence_document
-    from compare.studies.evidence.page import write_evidence
-
-    path = output or Path("results", "evidence.html")
-    with _progress(quiet, "collecting") as progress:
-        found = write_evidence(path, scenes or (), quick=quick, progress=progress)
-    if as_json:
-        print_json("evidence", evidence_document(found), found.verdict, [path])
-    else:
-        _written(path)
-    raise typer.Exit(1 if found.verdict == DIFFERS else 0)
-
-
 def on_scheduler(address: str | None) -> AbstractContextManager[Any]:
     """A client of the scheduler at an address; None without an address."""
     from compare.tasks.cluster import connected
@@ -155,10 +90,6 @@ def on_scheduler(address: str | None) -> AbstractContextManager[Any]:
     if address is not None:
         require("--scheduler", *CLUSTER)
     return connected(address)
-
-
-def _progress(quiet: bool, doing: str) -> AbstractContextManager[Callable[[int, int], None]]:
-    return progress_bar(Console(stderr=True), quiet, doing)
 
 
 def _teller(notes: Console, quiet: bool) -> Callable[[str], None] | None:

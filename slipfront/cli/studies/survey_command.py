@@ -113,7 +113,7 @@ def survey_command(
     output: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="File to write, .nc or .zarr; results/SCENE-survey.nc by default."
+            metavar="FILE", help="NetCDF file to write; results/SCENE-survey.nc by default."
         ),
     ] = None,
     chunk: Annotated[
@@ -127,7 +127,7 @@ def survey_command(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Solve a scene or run an interface at many values of its parameters, into NetCDF or Zarr.
+    """Solve a scene or run an interface at many values of its parameters, into NetCDF.
 
     SCENE may also be the name or file of an interface, as for slipfront run.  Two different bodies
     with a slot are solved exactly: the lower one is lower_material of the file, or is like

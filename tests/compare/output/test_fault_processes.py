@@ -153,7 +153,7 @@ def test_an_interruption_is_one_line_at_any_time(before, module, numbers, code, 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("command", ["chart", "wear"])
+@pytest.mark.parametrize("command", ["chart"])
 def test_studies_are_interrupted_at_any_time(command, number, tmp_path):
     rng = random.Random(f"{command} {number}")
     for _ in range(2):
@@ -255,8 +255,6 @@ COMMANDS = {
     "simulate preloaded --output": "folder",
     "compare preloaded --output": "folder",
     "chart --output": "folder",
-    "wear --output": "folder",
-    "evidence --output": "file",
 }
 
 
@@ -277,8 +275,6 @@ def no_computing(monkeypatch):
         "fem.simulate",
         "compare.studies.chart.reference.solve",
         "compare.studies.chart.study.run_task",
-        "compare.studies.wear.swept_rows",
-        "compare.studies.evidence.page.collect",
     ):
         monkeypatch.setattr(name, compute)
 

@@ -2,7 +2,6 @@
 
 import os
 import shutil
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,7 +26,6 @@ from compare.figures.saving import save_figure
 from compare.output.files import append_text, write_text
 from compare.output.places import LOCK, check_file, save_somewhere, working_folder
 from compare.studies.chart.points import read_points
-from compare.studies.evidence.page import file_date
 from fem import simulate
 from semianalytic import InterfaceHistory
 from semianalytic.results.files import check_seal, new_file, whole_hdf5
@@ -277,14 +275,6 @@ def test_dates_of_files_from_a_wrong_clock_change_nothing(time, tmp_path, kinds,
     os.utime(leftover, (time, time))
     write_text(tmp_path / "text", "new")
     assert not leftover.exists()
-
-
-@pytest.mark.parametrize(
-    ("time", "date"), [(-1e9, "1938-04-24"), (4e9, "2096-10-02"), (1e15, "unknown date")]
-)
-def test_a_date_that_no_calendar_has_is_unknown(time, date):
-    path = SimpleNamespace(stat=lambda: SimpleNamespace(st_mtime=time))
-    assert file_date(path) == date
 
 
 def test_writers_in_the_same_process_do_not_meet(tmp_path):

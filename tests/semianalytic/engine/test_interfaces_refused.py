@@ -65,6 +65,30 @@ def wave_beyond_a_critical_angle(history):
         ),
         ({"contact": sf.Contact([(1, 3)]), "even": True}, "the contact is not even in x"),
         ({"shear": lambda x: 0.1 * x, "even": True}, "the shear is not even in x"),
+        ({"pressure": lambda x: 1 + (x > 1), "even": True}, "the pressure is not even in x"),
+        (
+            {**CREEPING, "rate": lambda x: 1e-9 * (1 + (x > 1)), "even": True},
+            "the rate is not even in x",
+        ),
+        (
+            {"law": sf.Coulomb(lambda x: 0.8 - 0.3 * (x > 0)), "even": True},
+            "the friction: friction is not even in x",
+        ),
+        (
+            {
+                "loads": [sf.InterfaceLoad(pressure=-3.0)],
+                "adhesion": sf.Adhesion(lambda x: 1 + (x > 0), 0.3),
+                "even": True,
+            },
+            "the adhesion: strength is not even in x",
+        ),
+        (
+            {
+                "loads": [sf.InterfaceLoad(lambda x, t: 0.1 * (x > 1) * (t > 0.3), history=None)],
+                "even": True,
+            },
+            "the shear of a load is not even in x",
+        ),
         # loads of pressure
         ({"mode": "antiplane", "loads": [PULL]}, "antiplane interface have no pressure"),
         (

@@ -1,5 +1,7 @@
 """Interfaces in files: expressions, tables with units, named ones, refusals."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -220,6 +222,46 @@ def test_expressions():
     for bad in ("x.real", "[1]", "x if x else 1", "'a'", "y", "exp", "exp(x=1)", "1j", "True"):
         with pytest.raises(sf.SceneError):
             Expression(bad, ("x",))
+
+
+def test_functions_of_expressions_count_their_arguments():
+    """A further argument of a function of numpy is where it writes to, so that x would change."""
+    x = np.array([-3.0, 0.5, 2.0])
+    for text, expected in (
+        ("max(1, 0.2, 3 - abs(x))", np.maximum(1.0, 3 - np.abs(x))),
+        ("min(1, x, 2, x**2)", np.minimum(np.minimum(1.0, x), x**2)),
+        ("where(x < 0, 1, 2)", np.where(x < 0, 1, 2)),
+    ):
+        kept = x.copy()
+        np.testing.assert_array_equal(Expression(text, ("x",))(x), expected)
+        np.testing.assert_array_equal(x, kept)
+    for name, given in (("exp", "x, x"), ("abs", "x, x"), ("tanh", ""), ("where", "x, 1")):
+        with pytest.raises(sf.SceneError, match=f"{name} takes (1|3) argument"):
+            Expression(f"{name}({given})", ("x",))
+    with pytest.raises(sf.SceneError, match="max takes two or more arguments, got 1"):
+        Expression("max(x)", ("x",))
+    with pytest.raises(sf.SceneError, match="more than 250 operations"):
+        Expression("-" * 1500 + "x", ("x",))
+
+
+@pytest.mark.parametrize(
+    ("x", "values"), [(["a", "b"], [1, 2]), ([[1], [2, 3]], [1, 2]), ([0, 1], [None, {}])]
+)
+def test_tables_of_anything_but_numbers_are_refused(x, values):
+    with pytest.raises(sf.SceneError, match="must be two or more finite numbers"):
+        sf.Table(x, values)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes with names")
+def test_pipes_devices_and_huge_files_are_refused_at_once(folder, monkeypatch):
+    os.mkfifo("pipe.toml")
+    for find in (sf.find_scene, sf.find_interface, sf.find_pair, sf.find_line, sf.Table.read):
+        with pytest.raises(sf.SceneError, match="not an ordinary file"):
+            find("pipe.toml")
+    with monkeypatch.context() as patch:
+        patch.setattr("semianalytic.scene.text_files.LARGEST", 10)
+        with pytest.raises(sf.SceneError, match="has more than"):
+            sf.find_interface("a.toml")
 
 
 def test_files_of_scenes_and_of_interfaces_are_told_apart(tmp_path, capsys):

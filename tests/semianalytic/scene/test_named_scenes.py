@@ -94,7 +94,6 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
         ("density = 7800", "density = -1", "density must be positive"),
         ("pressure = 1e6", "presure = 1e6", "base.presure; did you mean pressure?"),
         ("[load]", "[laod]", "unknown key laod; did you mean load?"),
-        ("[load]", "[step]", r"unknown key step; what is loaded goes into the table \[load\]\."),
         ("friction = 0.4", "friction = ", "not a valid TOML file"),
         ("[base]", "[base]  # once\n[base]", r"the table \[base\] twice"),
         ("friction = 0.4", "friction = \n[[a]]\n[[a]]", "not a valid TOML file"),

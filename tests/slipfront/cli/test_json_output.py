@@ -11,17 +11,12 @@ from json_checks import VALIDATOR, checked
 import docs.studies.schema
 from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
-from compare.studies.article.claims import Claim, Verdict
 from compare.studies.chart.benchmark import TOLERANCES, measure, median_times
 from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
 from compare.studies.chart.points import read_points
 from compare.studies.documents import (
     chart_document,
-    evidence_document,
-    wear_document,
 )
-from compare.studies.evidence.study import ClosedForm, Evidence
-from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
 from semianalytic.cut.load import contact_opens
@@ -176,40 +171,8 @@ def test_files_are_what_is_new_or_changed(tmp_path):
 
 
 def test_documents_of_studies_fit_their_schema():
-    wear = [
-        WearRow(load, nu, chi, 1.0, chi, 0.5)
-        for load in LOADS
-        for nu in POISSON_RATIOS
-        for chi in (0.1, 0.2)
-    ]
-    claim = Claim("1", "all", "preload", {"exact": Verdict("holds", "by 1")})
-    forms = (ClosedForm("words", {"march": 0.1}, None, None),)
-    evidence = Evidence((), forms, None, (claim,), True, {"numpy": "2"}, 1.0)
-    documents = {
-        "wear": wear_document(wear),
-        "chart": chart_document(read_points(ROOT / "docs" / "data" / "chart.csv")),
-        "evidence": evidence_document(evidence),
-    }
-    for command, document in documents.items():
-        checked(json_text(envelope(command, document)))
-    assert documents["wear"]["most"][0]["chi"] == 0.2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("arguments", "among"),
-    [
-        ("wear --quick", "wear.csv"),
-        ("evidence preloaded --quick --output evidence.html", "evidence.html"),
-    ],
-)
-def test_studies_write_files_and_print_what_their_schema_says(arguments, among, capsys):
-    """Charts in the tests of a cluster, which make them too."""
-    capsys.readouterr()
-    assert main([*arguments.split(), "--json"]) in (0, 1)
-    files = [Path(one) for one in checked(capsys.readouterr().out)["files"]]
-    assert among in {one.name for one in files}
-    assert all(one.is_dir() or one.stat().st_size for one in files)
+    document = chart_document(read_points(ROOT / "docs" / "data" / "chart.csv"))
+    checked(json_text(envelope("chart", document)))
 
 
 # --- what studies of speed report ---------------------------------------------------------------

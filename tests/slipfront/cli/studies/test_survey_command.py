@@ -91,7 +91,7 @@ def test_a_survey_is_written_and_summed_up(shown, monkeypatch):
 
 def test_json_holds_numbers_with_units(printed):
     line = "survey preloaded --friction 0.2,0.9 --vary base.pressure=1,2 --load-shear 1.5"
-    document = printed(f"{line} --x 0.2,0.4 --t 1 --rtol 1e-7 --output a.zarr")
+    document = printed(f"{line} --x 0.2,0.4 --t 1 --rtol 1e-7 --output a.nc")
     assert document["points"] == 4
     assert document["statuses"] == {"converged": 4}
     assert document["parameters"]["base_pressure"] == {"least": 1.0, "largest": 2.0, "count": 2}
