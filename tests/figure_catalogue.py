@@ -42,13 +42,12 @@ from compare.studies.article.cases import SlotCheck, run_cases
 from compare.studies.chart.figure import chart_figure
 from compare.studies.chart.points import SCENES as CHARTED
 from compare.studies.chart.points import read_points
-from compare.studies.dissimilar.figure import growth_figure
-from compare.studies.dissimilar.pairs import NAMED
-from compare.studies.dissimilar.pairs import SCENES as PAIRS
-from compare.studies.dissimilar.points import GrowthPoint, NamedPoint, ThresholdPoint
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
+from docs.studies.dissimilar.__main__ import growth_figure
+from docs.studies.dissimilar.pairs import NAMED
+from docs.studies.dissimilar.pairs import SCENES as PAIRS
 from docs.studies.judge.figure import judge_figure
 from docs.studies.judge.rows import JudgedRow, SpoiltRow
 from docs.studies.judge.scenes import STEPS
@@ -181,14 +180,22 @@ def _regimes():
 
 def _growth():
     contrasts, frictions = (1.02, 1.5, 4.0), (0.01, 0.1, 1.25)
-    points = [GrowthPoint(c, f, f, 2 * f * (c > 2)) for c in contrasts for f in frictions]
-    curves = [ThresholdPoint(c, 0.3 * c, 1 / c, np.nan) for c in contrasts]
-    named = [
-        NamedPoint(name, f, np.nan if f < 0.1 else f, 1.0 if f > 1 else -1.0)
+    rows = [
+        {"part": "map", "of": c, "friction": f, "with": f, "against": 2 * f * (c > 2)}
+        for c in contrasts
+        for f in frictions
+    ]
+    rows += [
+        {"part": "curves", "contrast": c, "threshold_with": 0.3 * c, "threshold_against": 1 / c}
+        for c in contrasts
+    ]
+    rows += [
+        {"part": "named", "of": name, "friction": f, "velocity": 1.0 if f > 1 else -1.0}
+        | {"growth": np.nan if f < 0.1 else f}
         for name in NAMED
         for f in frictions
     ]
-    return growth_figure(points, curves, named)
+    return growth_figure(rows)
 
 
 def _ruptures():
@@ -321,7 +328,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         f"docs.studies.regimes.figures.{name}": lambda draw=draw: draw(_regimes())
         for name, draw in regimes.MAPS.items()
     },
-    "compare.studies.dissimilar.figure.growth_figure": _growth,
+    "docs.studies.dissimilar.growth_figure": _growth,
     "docs.studies.supershear.rupture_figure": _ruptures,
     "docs.studies.regimes.figures.viscosity_figure": _viscosity,
     "docs.studies.regimes.figures.openings_figure": _openings,

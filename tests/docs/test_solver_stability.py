@@ -251,7 +251,7 @@ def test_all_thresholds_converge_but_next_to_that_of_the_edge(kept):
 
 
 @pytest.mark.parametrize(
-    ("limits", "edge", "rate"), [(("-1",), 1.1e-14, 4e-12), (("0+", "0-"), 1e-12, 1e-11)]
+    ("limits", "edge", "rate"), [(("-1",), 2e-16, 2e-15), (("0+", "0-"), 3e-13, 5e-13)]
 )
 def test_accuracy_is_kept_at_limits_of_the_poisson_ratio(limits, edge, rate, kept):
     rows = [row for row in kept if row["study"].removeprefix("nu to ") in limits]
@@ -262,10 +262,12 @@ def test_accuracy_is_kept_at_limits_of_the_poisson_ratio(limits, edge, rate, kep
 
 def test_next_to_one_half_only_some_remote_scenes_are_without_zones(kept):
     rows = [row for row in kept if row["study"] == "nu to 0.5"]
-    assert max(values(rows, "edge error") + values(rows, "slip rate error")) < 1e-11
+    assert max(values(rows, "edge error")) < 2e-15
+    assert max(values(rows, "slip rate error")) < 1e-14
     failed = [row for row in rows if row["status"] != "converged"]
     assert all(row["case"].startswith("remote") and row["parameter"] < 1.1e-5 for row in failed)
     for row in failed:
-        nothing = "no set of slip zones was found" in row["status"]
-        assert nothing == (row["parameter"] < 1.1e-6)
-        assert nothing or row["value"] < 1e-8
+        if "no set of slip zones was found" in row["status"]:
+            assert row["parameter"] < 1.1e-6
+        else:
+            assert row["value"] < 2.2e-4

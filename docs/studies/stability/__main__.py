@@ -37,8 +37,8 @@ def unconverged(row: Row) -> bool:
 
 
 def _positive(rows: list[Row]) -> list[Row]:
-    """Return rows whose values have a place on a logarithmic axis."""
-    return [row | {"value": max(row["value"], _FLOOR)} for row in rows]
+    """Return rows whose values have a place on a logarithmic axis, or are nan."""
+    return [row | {"value": row["value"] or math.nan} for row in rows]
 
 
 def limits_figure(rows: list[Row]) -> Figure:
@@ -91,7 +91,7 @@ def grids_figure(rows: list[Row]) -> Figure:
     cases = [f"{loading}, ν = {nu:.3g}, χ = {chi:g}" for loading, nu, chi in GRID_SCENES]
     shown = [(case, name) for case in cases for name in ("slip rate error", "odd-even mode")]
     panel = {"x": "parameter", "y": "value", "by": ("method",), "failed": unconverged}
-    panel |= {"xscale": "log", "yscale": "log", "xlabel": "nodes"}
+    panel |= {"xscale": "log", "yscale": "log", "xlabel": "nodes", "xlim": (15, 2500)}
     return drawn(
         _positive(rows),
         [

@@ -1,49 +1,48 @@
 """Studies of different bodies: a small map, its figure, and the tables of docs."""
 
-import csv
-
-import numpy as np
 import pytest
 
-from compare.studies.dissimilar import study, tables
-from compare.studies.dissimilar.honesty import honesty_rows
-from compare.studies.dissimilar.pairs import NAMED, SCENES
-from compare.studies.dissimilar.points import column, threshold_point
-from compare.studies.dissimilar.witness import witness_rows
+from docs.studies.dissimilar.__main__ import (
+    FIELDS,
+    STUDIES,
+    growth_figure,
+    map_rows,
+    slot_row,
+    threshold_row,
+)
+from docs.studies.dissimilar.judged import fields_rows, honesty, stated_rows
 from docs.studies.pages import read_data
 
 
 def test_waves_grow_above_the_thresholds_alone():
     for contrast in (1.1, 1.5, 2.5):
-        curve = threshold_point(contrast)
-        for point in column(contrast, 6):
-            assert (point.growth_with > 0) == (point.friction > curve.threshold_with)
-            assert (point.growth_against > 0) == (point.friction > curve.threshold_against)
+        curve = threshold_row(contrast)
+        for row in map_rows("map", contrast, 6):
+            assert (row["with"] > 0) == (row["friction"] > curve["threshold_with"])
+            assert (row["against"] > 0) == (row["friction"] > curve["threshold_against"])
 
 
-@pytest.mark.slow
-def test_a_small_map_is_written(tmp_path, monkeypatch):
-    monkeypatch.setattr(study, "_NAMED_FRICTIONS", 3)
-    results = study.write_growth(tmp_path, 4)
-    assert len(results.points) == 16
-    assert {point.pair for point in results.named} == set(NAMED)
-    assert sorted(path.name for path in tmp_path.iterdir()) == [
-        "dissimilar-named.csv",
-        "dissimilar-thresholds.csv",
-        "dissimilar.csv",
-        "dissimilar.png",
+def test_pairs_that_are_met_grow_in_the_map_and_its_figure_shows_them():
+    rows = [
+        row for name in ("gouge on rock", "rubber on steel") for row in map_rows("named", name, 3)
     ]
-    with (tmp_path / "dissimilar.csv").open() as stream:
-        assert len(list(csv.DictReader(stream))) == 16
+    assert [row["growth"] > 0 for row in rows] == [False, False, True, True, True, True]
+    rows += [row for contrast in (1.1, 2.5) for row in map_rows("map", contrast, 3)]
+    rows += [row for contrast in (1.1, 2.5) for row in map_rows("curves", contrast, 0)]
+    mapped, *others = growth_figure(rows).axes
+    assert len(mapped.lines) == 2  # both thresholds
+    assert len(others) == 2
 
 
 @pytest.mark.parametrize("name", ["thresholds", pytest.param("halflines", marks=pytest.mark.slow)])
 def test_tables_of_docs_are_what_their_command_makes(name):
-    found = tables.STUDIES[name]() if name == "thresholds" else tables.half_line_rows()[:1]
-    _, kept = read_data(f"dissimilar-{name}")
-    for row, written in zip(found, kept, strict=name == "thresholds"):
+    (study,) = (one for one in STUDIES if one.name == f"dissimilar-{name}")
+    points = study.points(False)[: None if name == "thresholds" else 1]
+    _, kept = read_data(study.name)
+    for point, written in zip(points, kept, strict=name == "thresholds"):
+        row = study.row(*point)
         for key, value in written.items():
-            assert float(value) == pytest.approx(getattr(row, key), rel=1e-9, nan_ok=True)
+            assert float(value) == pytest.approx(row[key], rel=1e-9, nan_ok=True)
 
 
 def test_estimates_in_docs_bound_all_errors():
@@ -71,10 +70,11 @@ def test_finite_elements_agree_on_random_pairs_and_find_wrong_answers():
 
 @pytest.mark.slow
 def test_errors_of_random_pairs_are_held_against_their_estimates():
-    rows = honesty_rows(1, first=1)
-    assert [row.solved for row in rows] == [1, 1, 1]
-    assert all(row.below == row.compared == 1 for row in rows)
-    assert np.all([row.worst_error <= 10 * row.rtol for row in rows])
+    rows = honesty([row for number in range(1, 3) for row in stated_rows(number)])
+    assert [row["drawn"] for row in rows] == [2, 2, 2]
+    for row in rows:
+        assert row["below"] == row["compared"] > 0
+        assert row["worst_error"] <= 10 * row["rtol"]
 
 
 @pytest.mark.slow
@@ -82,18 +82,16 @@ def test_zones_are_told_from_the_slot_outward():
     _, rows = read_data("dissimilar-slots")
     zones = {row["scene"]: row["zones"] for row in rows}
     assert zones["slip and opening"].startswith("open 0 to 0.15748621, slip + 0.15748621 to 0.557")
-    answer = tables.solve_pair(tables.SCENES["slip from the slot"], rtol=1e-9)
-    assert tables.zones_text(answer) == zones["slip from the slot"]
+    assert slot_row("slip from the slot")["zones"] == zones["slip from the slot"]
 
 
 @pytest.mark.slow
 def test_finite_elements_witness_exact_fields_in_both_bodies():
-    rows = witness_rows(32)
-    assert {row.scene for row in rows} <= set(SCENES)
+    rows = [row for name in FIELDS for row in fields_rows(name, 32)]
     for row in rows:
-        assert row.whole < row.whole_bar
-        assert row.away < row.away_bar
-    assert max(row.spoilt / row.away_bar for row in rows if row.component == "u_y") > 2
+        assert row["whole"] < row["whole_bar"]
+        assert row["away"] < row["away_bar"]
+    assert max(row["spoilt"] / row["away_bar"] for row in rows if row["component"] == "u_y") > 2
 
 
 def test_the_table_of_witnesses_is_within_its_bars():
