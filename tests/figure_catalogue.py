@@ -37,14 +37,14 @@ from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
 from compare.figures.whole_line import line_figure
 from compare.output.field_files import record_fields
-from compare.studies.article import study as article
-from compare.studies.article.cases import SlotCheck, run_cases
 from compare.studies.chart.figure import chart_figure
 from compare.studies.chart.points import SCENES as CHARTED
 from compare.studies.chart.points import read_points
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
+from docs.studies.article import __main__ as article
+from docs.studies.article.cases import run_cases
 from docs.studies.dissimilar.__main__ import growth_figure
 from docs.studies.dissimilar.pairs import NAMED
 from docs.studies.dissimilar.pairs import SCENES as PAIRS
@@ -134,10 +134,14 @@ def _cases():
 
 
 def _slot():
-    x = np.linspace(-1, 1, 40)
-    shape = np.exp(-9 * x**2)
-    checks = [SlotCheck(mode, x, shape, 0.9 * shape, 0.5 * shape) for mode in ("II", "I")]
-    return article.slot_figure(checks)
+    return article.slot_figure(
+        [
+            {"mode": mode, "x": x, "simulated": y, "free": 0.9 * y, "held": 0.5 * y}
+            for mode in ("II", "I")
+            for x in np.linspace(-1, 1, 40).tolist()
+            for y in (np.exp(-9 * x**2),)
+        ]
+    )
 
 
 def _chart(name):
@@ -313,12 +317,12 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     },
     "compare.benchmarks.figures.score_figure": _scores,
     **{
-        f"compare.studies.article.study.figure_{number}": lambda draw=number: getattr(
+        f"docs.studies.article.figure_{number}": lambda draw=number: getattr(
             article, f"figure_{draw}"
         )(_cases())
         for number in (2, 5, 6)
     },
-    "compare.studies.article.study.slot_figure": _slot,
+    "docs.studies.article.slot_figure": _slot,
     **{
         f"compare.studies.chart.figure.chart_figure/{name}": partial(_chart, name)
         for name in CHARTED

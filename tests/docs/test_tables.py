@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 import pytest
 
-from compare.studies.article import study as article
 from compare.studies.tables import run_studies
 from docs.studies import constants, goals, ratios
 from docs.studies.accuracy import scenes
@@ -101,16 +100,6 @@ def test_every_quantity_of_every_scene_is_in_its_report():
         backward = ("lift-off", "tap", "incident-p", "incident-sv", "incident-pulse")
         slips = ["largest forward V"] if scene not in backward else []
         assert found == slips + [name for name, _ in quantities]
-
-
-def test_rows_of_the_article(monkeypatch):
-    monkeypatch.setattr(article, "RESOLUTION", 20)
-    cases = article.case_rows()
-    assert {(row.base, row.chi) for row in cases} > {("remote", 2.0), ("preloaded", 0.5)}
-    assert max(row.difference for row in cases) < 0.05
-    claims = article.claim_rows()
-    assert len(claims) == len(article.CLAIMS)
-    assert claims[0].exact.startswith("fails: ")
 
 
 def test_a_constant_that_matters_is_told_from_one_that_does_not():

@@ -114,7 +114,7 @@ def fields_rows(name: str, resolution: int) -> list[Row]:
     lower = replace(pair.lower, shear_modulus=WRONG * pair.lower.shear_modulus)
     with TemporaryDirectory() as place:
         folder, time = Path(place), 1 / pair.upper.shear_speed
-        options = {"snapshots": folder, "resolution": resolution, "frames": 1}
+        options: Row = {"snapshots": folder, "resolution": resolution, "frames": 1}
         run = simulate(pair.alike, time, lower_material=pair.lower, **options)
         run = with_companions(run, snapshots=folder)
         errors, wrong = (

@@ -62,8 +62,8 @@ def map_points(quick: bool) -> list[Point]:
         ratios = np.union1d(np.linspace(*POISSON_RATIOS, traced), dense)
         points += [("curves", loading, nu, []) for nu in ratios.tolist()]
     for nu in (-0.5, -0.2, 0.0):
-        chi = reverse_threshold(nu) * np.geomspace(1 / 30, 0.98, within)
-        points.append(("reverse", "preload", nu, chi.tolist()))
+        parts = np.geomspace(1 / 30, 0.98, within)
+        points.append(("reverse", "preload", nu, (reverse_threshold(nu) * parts).tolist()))
     return points
 
 

@@ -105,7 +105,7 @@ def regimes_figure(rows: list[Row], loading: Loading) -> Figure:
     traced = chosen(rows, part="curves", loading=loading)
     remote = loading == "remote"
     figure = describe(new_figure(11 if remote else 7, 5.8), FRICTION[loading])
-    panels = np.ravel(figure.subplots(1, 2 if remote else 1))
+    panels: Any = figure.subplots(1, 2 if remote else 1, squeeze=False)[0]
     for panel, share in zip(panels, (False, True), strict=False):
         place: Callable[[float, float], float] = _share if share else lambda chi, _: chi
         seen = [row | {"y": place(row["chi"], row["poisson_ratio"])} for row in points]

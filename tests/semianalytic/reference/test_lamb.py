@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from compare.studies.article.prescribed import loaded_half_plane
+from docs.studies.article.prescribed import loaded_half_plane
 from semianalytic import Material
 from semianalytic.reference.lamb import (
     lamb_functions,

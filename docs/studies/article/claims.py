@@ -5,21 +5,20 @@ V is the relative slip rate, twice that of the article, in units of V_0 = 2 Q_0/
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import wraps
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.studies.article.cases import (
-    AUXETIC_RATIO,
+from docs.studies.article.cases import (
     LOW_FRICTION,
+    RATIOS,
     SHEAR_SPEED,
     Case,
     Cases,
     article_scene,
 )
+from docs.studies.runner import Row
 from semianalytic import SlipZone, solve
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.reference import (
@@ -32,43 +31,25 @@ from semianalytic.reference import (
 Array = NDArray[np.float64]
 
 HOLDS, FAILS, PARTLY, SILENT = "holds", "fails", "in part", "no answer"
-METHODS = ("published", "exact", "finite elements")
+METHODS = ("published", "exact", "finite_elements")
+AUXETIC_RATIO = RATIOS["auxetic"]
 NOTICEABLE = 0.01
 """Simulated slip rate over V_0 above which slip counts."""
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """Verdict of one method, and the numbers behind it."""
-
-    verdict: str
-    evidence: str
-
-
-@dataclass(frozen=True)
-class Claim:
-    """A claim of the article, the base of exact solution and simulation, and the verdicts."""
-
-    section: str
-    text: str
-    base: str
-    verdicts: Mapping[str, Verdict]
-
-
-Verdicts = tuple[Verdict, Verdict, Verdict]
-"""Verdicts of the published algorithm, the exact solution and the simulation."""
-
-CLAIMS: list[Callable[[Cases], Claim]] = []
+Verdicts = tuple[str, str, str]
+"""What the published algorithm, the exact solution and the simulation say, with their numbers."""
+CLAIMS: list[Callable[[Cases], Row]] = []
 """Functions that judge the claims, in the order of this file."""
 
 
 def _claim(section: str, text: str, base: str) -> Callable[[Callable[[Cases], Verdicts]], object]:
     """Decorate a function that finds the three verdicts on a claim, and add it to `CLAIMS`."""
 
-    def add(judge: Callable[[Cases], Verdicts]) -> Callable[[Cases], Claim]:
-        @wraps(judge)
-        def judged(cases: Cases) -> Claim:
-            return Claim(section, text, base, dict(zip(METHODS, judge(cases), strict=True)))
+    def add(judge: Callable[[Cases], Verdicts]) -> Callable[[Cases], Row]:
+        def judged(cases: Cases) -> Row:
+            row: Row = {"section": section, "claim": text, "base": base}
+            return row | dict(zip(METHODS, judge(cases), strict=True))
 
         CLAIMS.append(judged)
         return judged
@@ -76,8 +57,12 @@ def _claim(section: str, text: str, base: str) -> Callable[[Callable[[Cases], Ve
     return add
 
 
-def _judge(true: bool, evidence: str) -> Verdict:
-    return Verdict(HOLDS if true else FAILS, evidence)
+def _say(verdict: str, evidence: str) -> str:
+    return f"{verdict}: {evidence}"
+
+
+def _judge(true: bool, evidence: str) -> str:
+    return _say(HOLDS if true else FAILS, evidence)
 
 
 def _stuck_shear_near_front(case: Case) -> float:
@@ -120,9 +105,8 @@ def simulated_reversal(case: Case) -> Array:
 
 @_claim("3.6.1", "no shear traction ahead of the shear wave", "any")
 def no_shear_ahead(cases: Cases) -> Verdicts:
-    """Judge 3.6.1: q = 0 ahead of the shear wave."""
     front = float(stuck_traction(1 / 3, "II")(1.0))
-    simulated = _stuck_shear_near_front(cases.remote[2.0])
+    simulated = _stuck_shear_near_front(cases["remote", 2.0])
     return (
         _judge(front < NOTICEABLE, f"its own (3.14) gives q* = {front:.4f} Q_0 at x = c_t t"),
         _judge(front < NOTICEABLE, f"q* rises from 0 at c_l t to {front:.4f} Q_0 at c_t t"),
@@ -132,14 +116,13 @@ def no_shear_ahead(cases: Cases) -> Verdicts:
 
 @_claim("3.6.1", "the edge sticks for chi >= 1", "remote")
 def edge_sticks(cases: Cases) -> Verdicts:
-    """Judge (3.17)-(3.19): the edge sticks for chi >= 1."""
-    case = cases.remote[1.2]
+    case = cases["remote", 1.2]
     exact = case.solution.edge_slip_rate / case.scale
     simulated = case.simulated_mean(0.05, 0.3)
     published = published_slip(1.2).slip_rate[-1]
-    above = cases.remote[2.0].simulated_mean(0.05, 0.3)
+    above = cases["remote", 2.0].simulated_mean(0.05, 0.3)
     return (
-        Verdict(SILENT, f"it has no stick; V(x = c_t t/5) = {published:.3g} chi V_0 at chi = 1.2"),
+        _say(SILENT, f"it has no stick; V(x = c_t t/5) = {published:.3g} chi V_0 at chi = 1.2"),
         _judge(
             exact <= 1e-9,
             f"V(0+) = {exact:.4f} V_0 at chi = 1.2; the limit is sqrt(b/a) = 1.414, and "
@@ -154,12 +137,11 @@ def edge_sticks(cases: Cases) -> Verdicts:
 
 @_claim("6.0.1", "a slip wave for any chi > 1, bounded by x = (a/b) c_t t and c_t t", "remote")
 def slip_wave_above_one(cases: Cases) -> Verdicts:
-    """Judge 6.0.1: a slip wave for any chi > 1, bounded by x = (a/b) c_t t."""
-    case = cases.remote[2.0]
+    case, lower = cases["remote", 2.0], cases["remote", 1.2]
     end = examine_reading(DEFAULT_READING).slip_end
     largest = float(np.abs(case.simulated()[1]).max())
     return (
-        Verdict(
+        _say(
             PARTLY,
             f"slip of one sense from c_t t to {end:.3f} c_t t at chi = 2 (a/b = 0.5); p* = 0 at "
             "0.590 c_t t, where the bound without base load changes sign",
@@ -167,7 +149,7 @@ def slip_wave_above_one(cases: Cases) -> Verdicts:
         _judge(
             bool(case.solution.zones),
             f"{_zones_text(case.solution.zones)} at chi = 2; at chi = 1.2 it slips on x/(c_t t) = "
-            f"{_zones_text(cases.remote[1.2].solution.zones)}",
+            f"{_zones_text(lower.solution.zones)}",
         ),
         _judge(largest > NOTICEABLE, f"largest V = {largest:.1g} V_0 at chi = 2"),
     )
@@ -175,14 +157,13 @@ def slip_wave_above_one(cases: Cases) -> Verdicts:
 
 @_claim("6.0.2", "for chi < 1 slip fills 0 < x < c_t t and ends there", "remote; preloaded")
 def slip_reaches_shear_front(cases: Cases) -> Verdicts:
-    """Judge 6.0.2: slip for chi < 1 is confined to 0 < x < c_t t."""
-    remote, preloaded = cases.remote[0.5], cases.preloaded[0.5]
+    remote, preloaded = cases["remote", 0.5], cases["preloaded", 0.5]
     ahead = remote.simulated_mean(1.2, 1.8)
     velocity, rate = preloaded.simulated()
     last = float(velocity[rate > NOTICEABLE].max())
     zones = preloaded.solution.zones
     return (
-        Verdict(HOLDS, "by construction: the unknowns start at u = b"),
+        _say(HOLDS, "by construction: the unknowns start at u = b"),
         _judge(
             bool(zones) and abs(zones[-1].outer / SHEAR_SPEED - 1) < 1e-3,
             f"remote: everywhere, {remote.exact(np.array([1.5]))[0]:.3f} V_0 at 1.5 c_t t; "
@@ -198,8 +179,7 @@ def slip_reaches_shear_front(cases: Cases) -> Verdicts:
 
 @_claim("6.0.2", "for chi < 1 slip has a maximum that lags the shear front", "remote")
 def maximum_lags(cases: Cases) -> Verdicts:
-    """Judge 6.0.2: the maximum lags the shear front for chi < 1."""
-    remote = cases.remote[0.5]
+    remote = cases["remote", 0.5]
     velocity, rate = remote.simulated()
     inside = (velocity > 0.1) & (velocity < 0.9)
     spread = float(np.ptp(rate[inside]) / rate[inside].mean())
@@ -220,14 +200,13 @@ def maximum_lags(cases: Cases) -> Verdicts:
     "6.0.3", f"reverse slip on c_R t < x < c_t t for chi < {REVERSE_LIMIT}", "remote; preloaded"
 )
 def reverse_slip(cases: Cases) -> Verdicts:
-    """Judge 6.0.3: reverse slip between c_R t and c_t t for chi < 0.0575, and only there."""
     limit = examine_reading(DEFAULT_READING).reverse_limit
-    low = (cases.remote[LOW_FRICTION], cases.preloaded[LOW_FRICTION])
+    low = (cases["remote", LOW_FRICTION], cases["preloaded", LOW_FRICTION])
     reversed_zones = [z for case in low for z in case.solution.zones if z.sense < 0]
     least = min(float(case.simulated()[1].min()) for case in low)
-    auxetic = cases.auxetic
+    auxetic = cases["auxetic", LOW_FRICTION]
     return (
-        Verdict(
+        _say(
             PARTLY if np.isinf(limit) else HOLDS,
             "reversed there at every chi up to 2: no limit"
             if np.isinf(limit)
@@ -252,8 +231,7 @@ def reverse_slip(cases: Cases) -> Verdicts:
     f"preloaded, nu = {AUXETIC_RATIO}",
 )
 def rayleigh_separates(cases: Cases) -> Verdicts:
-    """Judge 6.0.3: the Rayleigh speed separates the two senses of slip."""
-    case = cases.auxetic
+    case = cases["auxetic", LOW_FRICTION]
     rayleigh = case.solution.scene.material.rayleigh_speed / SHEAR_SPEED
     published = published_sense_change(LOW_FRICTION)
     zone = next(z for z in case.solution.zones if z.sense < 0)
@@ -278,16 +256,15 @@ def rayleigh_separates(cases: Cases) -> Verdicts:
 
 @_claim("6.0.2", "the slip zone has no natural limit and grows with time", "preloaded")
 def no_natural_limit(cases: Cases) -> Verdicts:
-    """Judge 6.0.2: the slip zone keeps growing."""
-    case = cases.preloaded[0.5]
+    case = cases["preloaded", 0.5]
     outer = case.solution.zones[0].outer / SHEAR_SPEED
     widths = []
     for row in (len(case.history.t) // 2, -1):
         slipping = case.history.slip_rate[row] > NOTICEABLE * case.scale
         widths.append(float(case.history.x[slipping].max() / case.history.t[row]) / SHEAR_SPEED)
     return (
-        Verdict(HOLDS, "by construction: a function of x/t"),
-        Verdict(HOLDS, f"self-similar: the zone ends at x = {outer:.4f} c_t t (chi = 0.5)"),
+        _say(HOLDS, "by construction: a function of x/t"),
+        _say(HOLDS, f"self-similar: the zone ends at x = {outer:.4f} c_t t (chi = 0.5)"),
         _judge(
             abs(widths[1] / widths[0] - 1) < 0.1,
             f"it ends at {widths[0]:.3f} c_t t at half time and {widths[1]:.3f} c_t t at the end",
@@ -297,8 +274,7 @@ def no_natural_limit(cases: Cases) -> Verdicts:
 
 @_claim("6.0.1", "for chi > 1 full stick is approached over time", "remote")
 def full_stick_approached(cases: Cases) -> Verdicts:
-    """Judge 6.0.1: over time full stick is restored for chi > 1."""
-    case, stuck = cases.remote[1.2], cases.remote[2.0]
+    case, stuck = cases["remote", 1.2], cases["remote", 2.0]
     exact = case.solution.edge_slip_rate / case.scale
     simulated = case.simulated_mean(0.02, 0.1)
     published = published_slip(2.0)
@@ -310,11 +286,11 @@ def full_stick_approached(cases: Cases) -> Verdicts:
             f"|V| up to {np.abs(rates).max():.2g} chi V_0 on 0.2 to 0.29 c_t t, changing sign "
             f"{changes} times (chi = 2)",
         ),
-        Verdict(
+        _say(
             PARTLY,
             f"above chi = 1.414 only; at chi = 1.2 V tends to {exact:.4f} V_0 at every point",
         ),
-        Verdict(
+        _say(
             PARTLY,
             f"V = {simulated:.3f} V_0 at x = 0.02 to 0.1 c_t t for chi = 1.2, "
             f"{stuck.simulated_mean(0.02, 0.1):.1g} for chi = 2",
@@ -324,27 +300,26 @@ def full_stick_approached(cases: Cases) -> Verdicts:
 
 @_claim("6.0.3, 7", "lower friction gives worse reversal", f"preloaded, nu = {AUXETIC_RATIO}")
 def lower_friction_worse(cases: Cases) -> Verdicts:
-    """Judge 6.0.3, 7: lower friction makes reversal worse."""
 
     def reversed_width(chi: float) -> float:
-        zones = solve(article_scene(chi, "preloaded", AUXETIC_RATIO)).zones
+        zones = solve(article_scene("auxetic", chi)).zones
         return sum((z.outer - z.inner) / SHEAR_SPEED for z in zones if z.sense < 0)
 
     middle, lowest = published_reversal(0.5), published_reversal(0.01)
     low, high = reversed_width(LOW_FRICTION), reversed_width(0.1)
-    _, rate = cases.auxetic.simulated()
+    _, rate = cases["auxetic", LOW_FRICTION].simulated()
     return (
         _judge(
             lowest > middle,
             f"mean reversed V on 0.63 to 0.95 c_t t {middle:.3f} V_0 at chi = 0.5, "
             f"{lowest:.3f} at 0.01",
         ),
-        Verdict(
+        _say(
             PARTLY if low > high else FAILS,
             f"width of reverse slip {low:.3f} c_t t at chi = {LOW_FRICTION}, {high:.3f} at 0.1; "
             "nothing of the kind at nu = 1/3",
         ),
-        Verdict(
+        _say(
             PARTLY if rate.min() < -NOTICEABLE else FAILS,
             f"least V {rate.min():.3f} V_0 at chi = {LOW_FRICTION}; none at nu = 1/3",
         ),
