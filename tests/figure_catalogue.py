@@ -177,8 +177,6 @@ def _regimes():
     shown = {"preload": [0.05, 0.1, 0.2, 0.4, 0.8], "remote": [1.02, 1.1, 1.2, 1.3]}
     for one, chi in shown.items():
         rows += map_rows("fronts", one, 1 / 3, chi)
-    for nu in (-0.5, -0.2):
-        rows += map_rows("reverse", "preload", nu, [1e-3, 5e-3, 0.02])
     return rows
 
 

@@ -164,6 +164,18 @@ def test_reversed_half_widths_without_friction():
         )
 
 
+def test_the_reversed_strip_is_widest_at_some_friction():
+    """Half-widths over c_R at nu = -0.5: 9.6 % without friction, 11 % at chi = 0.007, then less."""
+    speed, widths = Material(1.0, 1.0, -0.5).rayleigh_speed, []
+    for row in map_rows("map", "preload", -0.5, [1e-4, 0.007, 0.03]):
+        widths += [
+            (outer - inner) / (2 * speed) for inner, outer, sense in row["zones"] if sense < 0
+        ]
+    assert widths[0] == pytest.approx(0.096, abs=0.001)
+    assert widths[1] == pytest.approx(0.11, abs=0.002)
+    assert widths[2] < widths[1]
+
+
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("poisson_ratio", [-0.9, -0.3, 0.2, 0.45])
 def test_a_remote_load_never_reverses_slip(poisson_ratio):

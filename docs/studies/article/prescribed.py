@@ -20,7 +20,6 @@ from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.reference.kernels import SlipHistory
 
 Array = NDArray[np.float64]
-Field = Callable[[Array, Array], Array]
 _STEP_RATIO = 0.9  # relative to h / c_l; squares are stable up to 0.98
 
 
@@ -28,37 +27,13 @@ _STEP_RATIO = 0.9  # relative to h / c_l; squares are stable up to 0.98
 class SurfaceMotion:
     """Surface of the half-plane y > 0 at the end: positions (n,), displacements (2, n), tractions.
 
-    The traction is that which a prescribed motion requires: (n,), sigma_xy in mode II and pressure
-    in mode I; after `loaded_half_plane` (2, n), all zero.
+    The traction is that which a prescribed motion requires, 0 where the surface is free: (2, n), of
+    `slipping_half_plane` (n,), sigma_xy in mode II and pressure in mode I.
     """
 
     x: Array
     displacement: Array
     traction: Array
-
-
-def loaded_half_plane(
-    material: Material,
-    pressure: Field,
-    shear: Field,
-    *,
-    end_time: float,
-    element_size: float,
-    half_width: float,
-) -> SurfaceMotion:
-    """March a half-plane under smooth tractions p(x, t) and sigma_xy(x, t) on its whole surface.
-
-    The side walls, which are free of traction, are at a half-width from x = 0.
-    """
-    plane = _half_plane(material, element_size, half_width, end_time)
-
-    def force(time: float) -> Array:
-        now, load = np.full(len(plane.x), time), np.zeros(len(plane.root))
-        load[plane.surface[0]] = -shear(plane.x, now) * plane.length
-        load[plane.surface[1]] = pressure(plane.x, now) * plane.length
-        return load
-
-    return _march(plane, force, None, None)
 
 
 def slipping_half_plane(
@@ -76,7 +51,7 @@ def slipping_half_plane(
     the velocity of the upper face, tangential in mode II, normal in mode I: the one-sided V of the
     article's (4.1), half of the relative slip rate.
     """
-    plane = _half_plane(material, element_size, half_width, end_time)
+    plane = half_plane(material, element_size, half_width, end_time)
     component = 0 if mode == "II" else 1
     # the edge node moves with the contact
     moved = plane.x > -element_size / 2
@@ -85,7 +60,7 @@ def slipping_half_plane(
     def velocity(time: float) -> Array:
         return slip.slip_rate(place, np.full(len(place), time))
 
-    motion = _march(plane, None, plane.surface[component][moved], velocity)
+    motion = march(plane, None, plane.surface[component][moved], velocity)
     sign = -1.0 if mode == "II" else 1.0
     return SurfaceMotion(motion.x, motion.displacement, sign * motion.traction[component])
 
@@ -97,7 +72,7 @@ def _strain_energy(u, v, w):  # type: ignore[no-untyped-def]
 
 
 @dataclass(frozen=True)
-class _HalfPlane:
+class HalfPlane:
     """Mass-normalised half-plane; surface[i] holds the unknowns of component i, by x."""
 
     matrix: sparse.csr_array
@@ -109,7 +84,8 @@ class _HalfPlane:
     steps: int
 
 
-def _half_plane(material: Material, size: float, half_width: float, end_time: float) -> _HalfPlane:
+def half_plane(material: Material, size: float, half_width: float, end_time: float) -> HalfPlane:
+    """Return a half-plane whose side walls, free of traction, are at a half-width from x = 0."""
     speed, mu = material.longitudinal_speed, material.shear_modulus
     columns = 2 * round(half_width / size)
     # waves reflected at the bottom must not return to the surface
@@ -133,11 +109,11 @@ def _half_plane(material: Material, size: float, half_width: float, end_time: fl
     steps = int(np.ceil(end_time * speed / (_STEP_RATIO * size)))
     matrix = sparse.csr_array(scaling @ stiffness @ scaling)
     surface, x = basis.nodal_dofs[:, nodes], mesh.p[0, nodes]
-    return _HalfPlane(matrix, root, surface, x, length, end_time / steps, steps)
+    return HalfPlane(matrix, root, surface, x, length, end_time / steps, steps)
 
 
-def _march(
-    plane: _HalfPlane,
+def march(
+    plane: HalfPlane,
     force: Callable[[float], Array] | None,
     moved: NDArray[np.int64] | None,
     velocity: Callable[[float], Array] | None,

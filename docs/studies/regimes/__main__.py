@@ -48,8 +48,8 @@ VISCOSITIES = (1e-4, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0)
 
 
 def map_points(quick: bool) -> list[Point]:
-    """Return columns of both maps, panels of speeds and of reverse slip, and traced curves."""
-    size, fronts, within, traced = (10, 12, 5, 8) if quick else (100, 144, 33, 57)
+    """Return columns of both maps, panels of speeds, and traced curves."""
+    size, fronts, traced = (10, 12, 8) if quick else (100, 144, 57)
     points: list[Point] = []
     for loading in LOADINGS:
         for nu in middles(*POISSON_RATIOS, size).tolist():
@@ -61,9 +61,6 @@ def map_points(quick: bool) -> list[Point]:
         dense = np.linspace(0.47, POISSON_RATIOS[1], traced // 6 + 1)
         ratios = np.union1d(np.linspace(*POISSON_RATIOS, traced), dense)
         points += [("curves", loading, nu, []) for nu in ratios.tolist()]
-    for nu in (-0.5, -0.2, 0.0):
-        parts = np.geomspace(1 / 30, 0.98, within)
-        points.append(("reverse", "preload", nu, (reverse_threshold(nu) * parts).tolist()))
     return points
 
 

@@ -1,4 +1,4 @@
-"""Figures of regimes: maps with traced curves, speeds of zones, reverse slip, openings, films."""
+"""Figures of regimes: maps with traced curves, speeds of zones, openings, viscous films."""
 
 from __future__ import annotations
 
@@ -45,7 +45,6 @@ from semianalytic.reference import edge_speed_under_shear_step
 from semianalytic.regimes import (
     Loading,
     closing_limit,
-    log_narrow_reverse_threshold,
     nucleation,
     opening_threshold,
     stuck_threshold,
@@ -76,7 +75,6 @@ FRICTION = {
 """Description of each loading, and friction in its units."""
 CHI = {"preload": r"$\chi_b = f P_b/Q_0$", "remote": r"$\chi = f P_0/Q_0$"}
 NU = r"Poisson ratio $\nu$"
-PUBLISHED_THRESHOLD = (1 / 3, 0.0575)
 
 
 def chosen(rows: Sequence[Row], **values: Any) -> list[Row]:
@@ -171,34 +169,6 @@ def front_speeds_figure(rows: list[Row]) -> Figure:
 
 
 @styled
-def reverse_figure(rows: list[Row]) -> Figure:
-    """Draw threshold and width of reverse slip over nu, and the width against friction."""
-    figure = describe(new_figure(11, 4.8), FRICTION["preload"])
-    left, right = figure.subplots(1, 2)
-    traced = chosen(rows, part="curves", loading="preload")
-    nu, threshold, width = columns(traced, "poisson_ratio", "reverse", "reverse-width")
-    left.plot(nu, threshold, color=SIMULATION, label="friction threshold")
-    narrow = nu[nu >= -0.3]
-    closed = [log_narrow_reverse_threshold(one) / math.log(10) for one in narrow]
-    left.plot(narrow, closed, ":", color=ink(), label="the same, narrow strip")
-    left.plot(nu, width, "--", color=PREDICTION, label="half-width $/c_R$, no friction")
-    ratio, published = PUBLISHED_THRESHOLD
-    left.plot(ratio, math.log10(published), "x", color=ink(), label="published threshold")
-    left.set(xlabel=NU, ylabel=r"$\log_{10}$ of $\chi_b$, of half-width")
-    left.legend(loc="lower left")
-    widths = []
-    for row in chosen(rows, part="reverse"):
-        wide = sum(outer - inner for inner, outer, sense in row["zones"] if sense < 0)
-        speed = Material(1.0, 1.0, row["poisson_ratio"]).rayleigh_speed
-        case = rf"$\nu = {row['poisson_ratio']:g}$"
-        widths.append({"chi": row["chi"], "case": case, "width": wide / (2 * speed)})
-    draw(right, widths, "chi", "width", ("case",))
-    label = "half-width of the reversed strip $/c_R$"
-    right.set(xscale="log", xlabel=CHI["preload"], ylabel=label)
-    return figure
-
-
-@styled
 def openings_figure(rows: list[Row]) -> Figure:
     """Draw a map of the opening by a sudden pressure, and the speeds of its ends for both signs."""
     speeds = chosen(rows, part="speeds")
@@ -279,5 +249,4 @@ MAPS: dict[str, Callable[[list[Row]], Figure]] = {
     "regimes_preload": partial(regimes_figure, loading="preload"),
     "regimes_remote": partial(regimes_figure, loading="remote"),
     "front_speeds": front_speeds_figure,
-    "reverse_slip": reverse_figure,
 }

@@ -87,8 +87,7 @@ def _map_row(part: str, loading: Loading, nu: float, answer: Solution | float) -
 def trace(loading: Loading, poisson_ratio: float) -> Row:
     """Return log10 of chi on all boundary curves at one Poisson ratio; None where there is none.
 
-    "gap" is None if the gap at c_R never gets that narrow; "reverse-width" is the half-width of the
-    reversed strip over c_R as friction vanishes.
+    "gap" is None if the gap at c_R never gets that narrow.
     """
     gap = regimes.gap_threshold(loading, poisson_ratio)
     row: Row = {"part": "curves", "loading": loading, "poisson_ratio": poisson_ratio}
@@ -97,9 +96,7 @@ def trace(loading: Loading, poisson_ratio: float) -> Row:
     if loading == "remote":
         row["edge"] = math.log10(regimes.edge_threshold(poisson_ratio))
         return row | {"everywhere": 0.0}
-    width = regimes.log_frictionless_half_width(poisson_ratio)
-    row["reverse"] = math.log10(regimes.reverse_threshold(poisson_ratio))
-    return row | {"reverse-width": width / math.log(10)}
+    return row | {"reverse": math.log10(regimes.reverse_threshold(poisson_ratio))}
 
 
 def opening_row(poisson_ratio: float, sign: int, ratio: float) -> Row:
