@@ -1,7 +1,5 @@
 """Disks that are full, rights that are missing, and one of every kind of file that is read back."""
 
-from __future__ import annotations
-
 import os
 import random
 import subprocess
@@ -17,9 +15,9 @@ import numpy as np
 import pytest
 from fault_tasks import history
 
+from compare.chart.points import COMMAND, read_points
 from compare.comparison.fields.frames import last_frame
-from compare.output.tables import append_rows, sound_rows, write_rows
-from compare.studies.chart.points import COMMAND, read_points
+from compare.output.tables import write_rows
 from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from meshes import Blocks, cached_mesh
@@ -81,21 +79,6 @@ def write_index(folder):
     write_bytes(folder / "fields.pvd", text.encode(), Seal.XML)
 
 
-@dataclass(frozen=True)
-class MapPoint:
-    poisson_ratio: float
-    chi: float
-    regime: str
-
-
-def columns():
-    return [
-        MapPoint(nu, chi, "slow")
-        for nu in np.linspace(-0.9, 0.49, 20).tolist()
-        for chi in np.geomspace(0.001, 1, 20).tolist()
-    ]
-
-
 def read_mesh_again(path):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SLIPFRONT_CACHE", str(path.parent))
@@ -139,18 +122,6 @@ def all_kinds():
             read_points,
         ),
     }
-
-
-def write_columns(folder):
-    append_rows(folder / "columns.part", columns())
-
-
-def read_columns(path):
-    """Whole columns of 20 rows by their Poisson ratio."""
-    found = {}
-    for point in sound_rows(path, MapPoint):
-        found.setdefault(point.poisson_ratio, []).append(point)
-    return {nu: points for nu, points in found.items() if len(points) == 20}
 
 
 def flip_bits(data, number, rng):

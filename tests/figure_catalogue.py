@@ -21,25 +21,18 @@ from compare_cases import sampled_run
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from compare.benchmarks.entries import read_run, told_apart
-from compare.benchmarks.figures import score_figure, sheet_figure
-from compare.benchmarks.scores import score
-from compare.benchmarks.sheets import INTERFACE_SHEETS, SHEETS
+from compare.chart.figure import chart_figure
+from compare.chart.points import read_points
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import side_by_side
-from compare.comparison.rows import AGREES, DIFFERS
 from compare.figures import histories, interface
 from compare.figures.fields import FieldPicture
 from compare.figures.fronts import reach
-from compare.figures.pairs import pair_figure
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
 from compare.figures.whole_line import line_figure
 from compare.output.field_files import record_fields
-from compare.studies.chart.figure import chart_figure
-from compare.studies.chart.points import SCENES as CHARTED
-from compare.studies.chart.points import read_points
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
@@ -48,10 +41,6 @@ from docs.studies.article.cases import run_cases
 from docs.studies.dissimilar.__main__ import growth_figure
 from docs.studies.dissimilar.pairs import NAMED
 from docs.studies.dissimilar.pairs import SCENES as PAIRS
-from docs.studies.judge.figure import judge_figure
-from docs.studies.judge.rows import JudgedRow, SpoiltRow
-from docs.studies.judge.scenes import STEPS
-from docs.studies.judge.spoils import SPOILS
 from docs.studies.regimes import figures as regimes
 from docs.studies.regimes.points import map_rows, trace
 from docs.studies.stability import __main__ as stability
@@ -62,7 +51,6 @@ from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "docs" / "data"
-ENTRANTS = ROOT / "tests" / "data" / "entrants"
 
 
 @cache
@@ -122,12 +110,6 @@ def _validation():
     return validation_figure(validate(data, solution.scene, spacing=0.02))
 
 
-def _scores():
-    paths = [*ENTRANTS.glob("uguca/preloaded/*.csv"), *ENTRANTS.glob("sem2dpack/preloaded/*.csv")]
-    runs = told_apart([read_run(path) for path in sorted(paths)])
-    return score_figure([one for run in runs for one in score(run)])
-
-
 @cache
 def _cases():
     return run_cases(12)
@@ -146,22 +128,6 @@ def _slot():
 
 def _chart(name):
     return chart_figure(read_points(DATA / "chart.csv"), name)
-
-
-def _judge():
-    judged = [
-        JudgedRow(
-            STEPS, i, 1, 0, 40, False, 1.0, AGREES, kind, kind, "1", 1.0, i / 20, 1.0, True, AGREES
-        )
-        for kind in ("slip rate", "traction", "edge", "arrival", "gap", "work", "path", "wear")
-        for i in range(20)
-    ]
-    spoilt = [
-        SpoiltRow("tap", 0, 1, spoil.name, 1.0, 0.1, 0.1, size, verdict, "")
-        for spoil in SPOILS
-        for size, verdict in ((4.0, DIFFERS), (0.6, AGREES))
-    ]
-    return judge_figure(judged, spoilt)
 
 
 @cache
@@ -300,20 +266,8 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))
     },
     "compare.figures.fields.FieldPicture/max-shear of a pair": _field_of_pair,
-    **{
-        f"compare.figures.pairs.pair_figure/{name}": lambda name=name: pair_figure(
-            solve_pair(PAIRS[name])
-        )
-        for name in ("slip and opening", "film")
-    },
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
-    "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
-    **{
-        f"compare.benchmarks.figures.reference_figure/{name}": partial(sheet_figure, sheet)
-        for name, sheet in INTERFACE_SHEETS.items()
-    },
-    "compare.benchmarks.figures.score_figure": _scores,
     **{
         f"docs.studies.article.figure_{number}": lambda draw=number: getattr(
             article, f"figure_{draw}"
@@ -322,10 +276,9 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     },
     "docs.studies.article.slot_figure": _slot,
     **{
-        f"compare.studies.chart.figure.chart_figure/{name}": partial(_chart, name)
-        for name in CHARTED
+        f"compare.chart.figure.chart_figure/{name}": partial(_chart, name)
+        for name in ("preloaded", "remote-shock", "auxetic", "ramp")
     },
-    "docs.studies.judge.figure.judge_figure": _judge,
     **{
         f"docs.studies.regimes.figures.{name}": lambda draw=draw: draw(_regimes())
         for name, draw in regimes.MAPS.items()

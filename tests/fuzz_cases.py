@@ -121,7 +121,7 @@ REFUSED = [
     ["solve", "ramp", "--step-ratio", "1e-12"],
     ["simulate", "stuck", "--resolution", "8", "--step-ratio", "1e-12"],
     ["simulate", "stuck", "--resolution", "8", "--damping", "1e12"],
-    ["chart", "preloaded", "--quick", "--quiet", "--output", "taken"],
+    ["chart", "preloaded", "--quiet", "--output", "taken"],
     ["simulate", "stuck", "--resolution", "8", "--quiet", "--no-snapshots", "--output", "taken"],
     ["solve", "ramp", "--nodes", "16", "--quiet", "--save", "taken/march.h5"],
     ["field", "preloaded", "--quiet", "--output", "taken"],

@@ -76,8 +76,6 @@ REFUSED = [
     (PLOT, "solve preloaded --plot a.png", "plot"),
     (PLOT, "solve ramp --plot a.pdf", "plot"),
     (PLOT, "compare", "plot"),
-    (PLOT, "regimes --quick", "plot"),
-    (PLOT, "stability --solver", "plot"),
     (MOST, "solve ramp --save a.h5", "fem"),
     (MOST, "solve ramp --go-on a.h5", "fem"),
     (MOST, "simulate preloaded", "fem"),

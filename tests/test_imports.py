@@ -42,8 +42,8 @@ ARROWS = {
         "interfaces": "comparison",
         "figures": "comparison output",
         "validation": "records comparison figures output",
-        "benchmarks": "records comparison interfaces figures output",
-        "studies": "comparison figures output tasks",
+        "benchmarks": "records comparison validation output",
+        "chart": "comparison figures output tasks",
     },
     "slipfront": {
         "surveys": "",

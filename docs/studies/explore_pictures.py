@@ -19,12 +19,12 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from docs.studies.latency import DOCS, SCENES
 from semianalytic.scene.given.finding import find_scene
 from slipfront.explore.chromium import CHROMIUM, Browser, served_page
 from slipfront.explore.controls import defaults, query_of
 
-FOLDER = DOCS / "figures" / "explore"
+FOLDER = Path(__file__).parents[1] / "figures" / "explore"
+SCENES = ("preloaded", "remote-shock", "auxetic", "viscous", "antiplane", "lift-off-shear", "tap")
 WIDTHS = (390, 1280, 1920)
 COLOURS, KEPT = 256, 64
 """Colours of a picture, the most that PNG allows, and how many are the commonest of the page.

@@ -166,14 +166,17 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
     if stepper.pair is not None:
         parts.append(stepper.pair)
     parts += [stepper.interface.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
-    words = fields(stepper.law) if is_dataclass(stepper.law) else ()
-    parts += [
-        value
-        for value in (getattr(stepper.law, one.name) for one in words)
-        if isinstance(value, str | bool)
-    ]
+    values: list[Any] = []
+    if is_dataclass(stepper.law):
+        values = [getattr(stepper.law, one.name) for one in fields(stepper.law)]
+    parts += [value for value in values if isinstance(value, str | bool)]
     digest = hashlib.sha256(repr(parts).encode())
-    laid = [stepper.pressure, stepper.shear, stepper.touching, *stepper.loads(stepper.shortest)]
+    laid: list[Any] = [
+        stepper.pressure,
+        stepper.shear,
+        stepper.touching,
+        *stepper.loads(stepper.shortest),
+    ]
     for load in stepper.interface.loads:
         laid += [
             load.traction(stepper.grid.x, float(time), of=of)
@@ -184,12 +187,7 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
         laid += stepper.unilateral.loads(stepper.shortest)
         if stepper.unilateral.adhesion is not None:
             laid += [stepper.unilateral.adhesion.strength, stepper.unilateral.adhesion.length]
-    if is_dataclass(stepper.law):
-        laid += [
-            value
-            for value in (getattr(stepper.law, one.name) for one in fields(stepper.law))
-            if isinstance(value, float | int | np.ndarray)
-        ]
+    laid += [value for value in values if isinstance(value, float | int | np.ndarray)]
     for value in laid:
         digest.update(np.ascontiguousarray(value).tobytes())
     return digest.hexdigest()

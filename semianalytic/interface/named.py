@@ -15,7 +15,7 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import INTERFACE_KEY
 from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
-from semianalytic.scene.text_files import text_of
+from semianalytic.scene.given.text_files import text_of
 
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"

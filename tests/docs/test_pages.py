@@ -127,14 +127,14 @@ def test_data_that_do_not_fit_are_refused(folder, change, message):
 
 def test_command_names_a_stale_page_and_writes_it(tmp_path, monkeypatch, capsys):
     page = tmp_path / "page.md"
-    block = "<!-- table: campaign\n| what |\n| {what} |\n-->\nstale\n<!-- end -->\n"
+    block = "<!-- table: campaign-answers\n| what |\n| {what} |\n-->\nstale\n<!-- end -->\n"
     page.write_text(block)
     monkeypatch.setattr(docs.studies.pages, "ROOT", tmp_path)
     monkeypatch.setattr(docs.studies.pages, "pages", lambda: [page])
     assert main(["--check"]) == 1
     assert page.read_text() == block
     assert main(["--write"]) == 0
-    assert "self-similar scenes solved" in page.read_text()
+    assert "scenes drawn" in page.read_text()
     assert main(["--check"]) == 0
     assert capsys.readouterr().out == "page.md: not up to date\npage.md: written\n"
 

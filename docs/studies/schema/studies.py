@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from compare.benchmarks.classes import Tolerance
 from compare.benchmarks.scores import Score
-from compare.benchmarks.sheet import Sheet
-from compare.studies.chart.points import Point
+from compare.benchmarks.sheets import Sheet
+from compare.chart.figure import Found
+from compare.chart.points import Point
 from docs.studies.schema.parts import (
     MATERIAL,
     PROBLEM,
@@ -19,44 +19,25 @@ from docs.studies.schema.vocabulary import (
     Key,
     list_of,
     named,
-    or_null,
     row_of,
 )
 from semianalytic import SlidingWave
 
+_SHEET = row_of(Sheet, scene=PROBLEM)
+
 STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
-    "benchmark": (
-        {"sheets": Key("all problem sheets", list_of(row_of(Sheet, marched=TRUTH, scene=PROBLEM)))},
-    ),
+    "benchmark": ({"sheets": Key("all problem sheets", list_of(_SHEET))},),
     "benchmark show": (
         {
-            "sheet": Key("name of the sheet", TEXT),
-            "title": Key("title of the sheet", TEXT),
-            "system": Key("system of units", TEXT),
-            "scene": Key("the scene, pair or whole line, or the file of the interface", PROBLEM),
-            "si_scene": Key("the same scene in SI units; null for interfaces", or_null(PROBLEM)),
-            "si_scales": Key("factors that convert answers to SI units", named(NUMBER)),
-            "stations": Key("positions of the stations; of scenes over c_t T", list_of(NUMBER)),
+            "sheet": Key("the sheet; its scene is that, or the file of the interface", _SHEET),
             "times": Key("times; of scenes over T", list_of(NUMBER)),
-            "arrival": Key("event whose arrival time is asked for", TEXT),
-            "sure": Key("how many digits are reliable, in words", TEXT),
             "answers": Key("answers by quantity", {"type": "object"}),
-            "errors": Key("errors of marched answers, of interfaces relative", {"type": "object"}),
-            "tolerances": Key("tolerances by class", list_of(row_of(Tolerance))),
+            "errors": Key("stated relative errors of marched answers", named(NUMBER)),
         },
     ),
     "benchmark export": ({"sheets": Key("names of the sheets", list_of(TEXT))},),
     "benchmark score": (
         {"scores": Key("scores of each run and quantity", list_of(row_of(Score)))},
-    ),
-    "benchmark enter": (
-        {
-            "sheet": Key("name of the sheet", TEXT),
-            "code": Key("code that was run", TEXT),
-            "cells": Key("number of cells over c_t T", NUMBER),
-            "stations": Key("stations recorded", list_of(NUMBER)),
-            "seconds": Key("time taken in seconds", NUMBER),
-        },
     ),
     "sliding": (
         {
@@ -77,7 +58,7 @@ STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "chart": (
         {
             "points": Key("points measured, as in data/chart.csv", list_of(row_of(Point))),
-            "slopes": Key("slope of error against time, by scene and method", named(named(NUMBER))),
+            "found": Key("what they say, as in data/chart-found.csv", list_of(row_of(Found))),
         },
     ),
 }

@@ -14,8 +14,8 @@ from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.load_tables import with_tables
+from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.scene import Material, Scene
-from semianalytic.scene.text_files import text_of
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),

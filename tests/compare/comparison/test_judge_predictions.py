@@ -16,8 +16,8 @@ from compare.comparison.prediction import method_of, predict_like, seconds_of
 from compare.comparison.report import report_document
 from docs.studies.dissimilar.judged import SEED, judged_row, wrong_ones
 from docs.studies.dissimilar.pairs import SCENES, random_pair
-from docs.studies.judge.spoils import SPOILS, Window, spoilt
 from docs.studies.pages import read_data
+from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
 from semianalytic import (
     Material,
@@ -77,9 +77,7 @@ def test_predictions_of_another_scene_differ(coarse, other, rows):
 )
 def test_what_is_spoilt_on_purpose_differs(solution, mistake, share, row):
     run = simulated(PRELOADED, 100)
-    (spoil,) = (one for one in SPOILS if one.name == mistake)
-    window = Window(run.end_time, run.time_step, float(run.interface.x[-1]))
-    judgement = judge(spoilt(spoil, solution, window, share), run)
+    judgement = judge(spoilt(mistake, solution, run.time_step, share), run)
     assert judgement.verdict == "differs"
     assert any(name.startswith(row) for name in differing(judgement)), differing(judgement)
 

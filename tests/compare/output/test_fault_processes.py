@@ -157,7 +157,7 @@ def test_an_interruption_is_one_line_at_any_time(before, module, numbers, code, 
 def test_studies_are_interrupted_at_any_time(command, number, tmp_path):
     rng = random.Random(f"{command} {number}")
     for _ in range(2):
-        arguments = [*command.split(), "--quick", "--output", str(tmp_path / "out")]
+        arguments = [*command.split(), "--output", str(tmp_path / "out")]
         process = start(ENTRY, "slipfront.cli.commands", *arguments)
         assert process.stdout.readline() == "ready\n"
         time.sleep(rng.uniform(0, 6))
@@ -273,8 +273,8 @@ def no_computing(monkeypatch):
         "slipfront.cli.solve_command.solve",
         "slipfront.cli.marching.march",
         "fem.simulate",
-        "compare.studies.chart.reference.solve",
-        "compare.studies.chart.study.run_task",
+        "compare.chart.points.exact",
+        "compare.chart.points.run_point",
     ):
         monkeypatch.setattr(name, compute)
 

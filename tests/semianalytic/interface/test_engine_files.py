@@ -259,7 +259,7 @@ def test_pipes_devices_and_huge_files_are_refused_at_once(folder, monkeypatch):
         with pytest.raises(sf.SceneError, match="not an ordinary file"):
             find("pipe.toml")
     with monkeypatch.context() as patch:
-        patch.setattr("semianalytic.scene.text_files.LARGEST", 10)
+        patch.setattr("semianalytic.scene.given.text_files.LARGEST", 10)
         with pytest.raises(sf.SceneError, match="has more than"):
             sf.find_interface("a.toml")
 

@@ -4,22 +4,16 @@ import json
 from pathlib import Path
 
 import jsonschema
-import numpy as np
 import pytest
 from json_checks import VALIDATOR, checked
 
 import docs.studies.schema
+from compare.chart.figure import chart_document
+from compare.chart.points import read_points
 from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
-from compare.studies.chart.benchmark import TOLERANCES, measure, median_times
-from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
-from compare.studies.chart.points import read_points
-from compare.studies.documents import (
-    chart_document,
-)
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
-from semianalytic.cut.load import contact_opens
 from semianalytic.scene.given.documents import scene_document
 from slipfront.cli.commands import command_for, main
 
@@ -104,12 +98,13 @@ def test_scenes_and_init_fit_their_schema(printed):
 def test_benchmark_fits_its_schema(printed):
     assert printed("benchmark")["sheets"]
     assert printed("benchmark show tap")["units"]["answers"]["pressure"] == "stress"
-    printed("benchmark enter march stuck --cells 20 --output a.csv")
-    scored = printed("benchmark score a.csv --output scores")
-    assert scored["files"] == [f"scores/scores.{form}" for form in ("csv", "json", "png")]
+    shown = printed("benchmark show tpv101")
+    assert shown["units"]["answers"]["shear_traction"] == "Pa"
+    assert "rate-and-state" in shown["sheet"]["scene"]["interface"]
     written = printed("benchmark export out stuck")["files"]
     assert "out/stuck/stuck.md" in written
     assert all(Path(path).is_file() for path in written)
+    assert printed("benchmark score out/stuck/stuck.csv")["scores"]
 
 
 @pytest.mark.parametrize(
@@ -149,9 +144,9 @@ def test_simulate_compare_and_validate_fit_their_schema(printed, capsys):
     assert "run/simulation.h5" not in document["files"]
     report = json.loads(Path("run/report.json").read_text())
     assert report == {key: document[key] for key in report}
-    main(["benchmark", "enter", "march", "stuck", "--cells", "20", "--output", "a.csv"])
+    main(["benchmark", "export", "out", "stuck"])
     capsys.readouterr()
-    main(["validate", "a.csv", "--scene", "stuck", "--json"])
+    main(["validate", "out/stuck/stuck.csv", "--scene", "stuck", "--json"])
     document = checked(capsys.readouterr().out)
     assert document["files"][-1].endswith("validation.png")
 
@@ -173,32 +168,3 @@ def test_files_are_what_is_new_or_changed(tmp_path):
 def test_documents_of_studies_fit_their_schema():
     document = chart_document(read_points(ROOT / "docs" / "data" / "chart.csv"))
     checked(json_text(envelope("chart", document)))
-
-
-# --- what studies of speed report ---------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_benchmark_reports_time_next_to_error():
-    assert len(median_times([lambda: None, lambda: sum(range(1000))], 3)) == 2
-    rows = measure(repetitions=1)
-    assert {row.rtol for row in rows} == set(TOLERANCES)
-    for row in rows:
-        assert row.error < row.rtol
-        assert row.warm > 0
-        assert row.cold > 0
-
-
-@pytest.mark.parametrize("kind", OPENINGS)
-def test_scenes_that_open_are_timed_beside_some_that_do_not(kind):
-    for _, (scene, plain) in zip(range(20), OPENINGS[kind](np.random.default_rng(1)), strict=False):
-        assert contact_opens(scene)
-        assert not contact_opens(plain)
-        assert (scene.friction, scene.material) == (plain.friction, plain.material)
-
-
-@pytest.mark.slow
-def test_costs_are_reported_next_to_errors():
-    for row in measure_costs(FILMS | OPENINGS, scenes=4):
-        assert 0 < row.median <= row.ninth_decile <= row.worst
-        assert 0 < row.error < 1
