@@ -68,9 +68,6 @@ REFUSED = {
         ("simulate ramp --memory much", "--memory must be a number."),
         ("solve preloaded --friction", "requires an argument; see 'slipfront "),
         ("--lgo info scenes", "slipfront has no option --lgo; did you mean --log?"),
-        ("stability", "--solver, --fem, --space-time or several"),
-        ("regimes --loading sideways", "preload"),
-        ("regimes --dissimilar --size 1", "from 2"),
         (
             "sliding --upper 12e9,2300,0.25 --lower 30e9,2700,0.25 --friction -1",
             "riction must be positive",
