@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
 from semianalytic.engine.line import fitting_nodes, grid_of
-from semianalytic.engine.tuning import LEAST_GAP, TOLD_MISFIT
+from semianalytic.engine.tuning import LEAST_GAP
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.files import Seal, check_seal, write_bytes
@@ -26,8 +26,7 @@ from semianalytic.scene.extras import needing
 Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
-"""Part of the time of a rupture within which two nodes begin to slip at once: above rounding, and
-far below a step."""
+"""Part of the time of a rupture within which two nodes slip at once: far below a step."""
 FORMAT = "slipfront interface run 7"
 _UNITS = {
     "slip": ("length", "relative slip, upper minus lower side"),
@@ -154,7 +153,9 @@ class Run:
                 f"{free:.3g}; raise `length` to {4 * run_through:.3g}"
             )
         misfit = self.contact_misfit
-        if misfit < TOLD_MISFIT:
+        # Slip of a punch of 102 nodes is off by 0.1 % with ends in their places, by 2, 4 and 12 %
+        # with 0.1, 0.2 and 0.5 of a node distance.
+        if misfit < 0.05:
             return ""
         fitting = fitting_nodes(self.interface, self.nodes, 1)
         remedy = f"choose {fitting} nodes"

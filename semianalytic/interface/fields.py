@@ -51,22 +51,8 @@ _OPERATORS: Mapping[type, Callable[..., Any]] = {
 }
 RESERVED = ("x", "t", "pi", "factor", *_FUNCTIONS)
 """Names that have a meaning in expressions."""
-PARTS = 8
-"""Parts of a cell in which a jump is looked for: with 4 a bump as wide as the cell passes for one,
-with 16 the same jumps are found."""
-FINE_PARTS = 64
-"""Parts of a cell with a jump over which the mean is taken: it puts the jump to 1/128 of the node
-distance, which moves slip by a hundredth of what half a node distance does."""
-JUMP_SHARE = 0.5
-"""Share of the change within a cell that one part of it holds at a jump; it is 1/7 where a field is
-linear and 1/4 at a maximum."""
 BARRIER = 10.0
-"""Ratio of the values of a parameter of a law at a jump up to which a node takes their mean.  Slip
-beside three times the friction is then off by .5 to .9 % instead of .9 to 5 % (512 nodes); beside
-thirty times, where the mean is a barrier as well, by 1 to 5 % either way, so that the node keeps
-its value."""
-LONGEST = 2000
-"""Characters of an expression; longer ones belong in a table or a script."""
+"""Ratio at a jump up to which nodes take means: at 3 slip is .9 % off, at 30 5 % either way."""
 DEEPEST = 250
 """Levels of an expression.  Each takes a call within another, of which Python allows a thousand."""
 
@@ -260,15 +246,18 @@ def moving(field: Any, x: Array, t: float, spacing: float) -> Array:
 
 def _with_jumps(field: Any, x: Array, values: Array, spacing: float, largest: float) -> Array:
     """Return values at nodes (n,), of which those whose cells hold a jump are means."""
-    parts = _across(field, x, spacing, PARTS)
+    # With 4 a bump as wide as a cell passes for a jump, with 16 the same jumps are found.
+    parts = _across(field, x, spacing, 8)
     with np.errstate(invalid="ignore"):  # beyond the ends of a table there is nan
         steps = np.abs(np.diff(parts, axis=0))
-        # a smooth field has its change in many of the parts, a jump in one
-        jumps = steps.max(axis=0) > JUMP_SHARE * steps.sum(axis=0)
+        # A smooth field has its change in many of the parts, 1/7 in each where it is linear and 1/4
+        # at a maximum, a jump in one.
+        jumps = steps.max(axis=0) > 0.5 * steps.sum(axis=0)
         low, high = np.abs(parts).min(axis=0), np.abs(parts).max(axis=0)
         jumps &= np.isfinite(parts).all(axis=0) & (high / largest <= low)
     if jumps.any():
-        values[jumps] = _across(field, x, spacing, FINE_PARTS)[:, jumps].mean(axis=0)
+        # A jump is put to 1/128 of the node distance.
+        values[jumps] = _across(field, x, spacing, 64)[:, jumps].mean(axis=0)
     return values
 
 
@@ -357,7 +346,8 @@ class Expression:
         self.text, self.variables = text, variables
         self.numbers: dict[str, float] = {}
         try:
-            tree = ast.parse(" ".join(text.split()), mode="eval") if len(text) <= LONGEST else None
+            # Longer expressions belong in a table or a script.
+            tree = ast.parse(" ".join(text.split()), mode="eval") if len(text) <= 2000 else None
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             tree = None
         if tree is None:

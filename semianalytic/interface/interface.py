@@ -17,8 +17,7 @@ from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.material import Material
-
-MODES = ("in-plane", "antiplane")
+from semianalytic.scene.scene import MODES
 
 
 @dataclass(frozen=True, eq=False)

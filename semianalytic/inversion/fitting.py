@@ -28,12 +28,6 @@ if TYPE_CHECKING:
     from semianalytic.interface.files import InterfaceFile
     from semianalytic.interface.interface import Interface
 
-ROUGH = 0.2
-"""Relative error of derivatives in the bodies from which on the status says so."""
-COARSE = 1.0
-"""Change of what gauges see by the grid, over the noise, from which on the status says so: values
-are off by up to a standard error."""
-
 
 def fit(
     gauges: Sequence[Gauge],
@@ -127,12 +121,12 @@ def fit(
     solution = trials.final(best.scaled)
     # What makes the values doubtful comes before what makes only their errors doubtful.
     status = verdict(ends, solution, unconstrained, covariance, trials)
-    if status == "converged" and derivative_error > ROUGH:
+    if status == "converged" and derivative_error > 0.2:
         status = (
             f"derivatives by differences are off by {derivative_error:.0%}, and the errors as much"
         )
     off = trials.grid_error(best.scaled, solution)
-    if status == "converged" and off > COARSE:
+    if status == "converged" and off > 1.0:  # values are off by up to a standard error
         status = f"the grid changes what gauges see by {off:.2g} times the noise; raise `nodes`"
     return Fit(
         parameters=names,

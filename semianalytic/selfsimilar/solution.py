@@ -32,7 +32,6 @@ from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said, zones_table
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.totals import ContactTotals
-from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, motion, over_slowness
 from semianalytic.separation.normal import Normal
 
@@ -408,7 +407,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
 
         fields = on_any_panels(self.profile)
         # Transforms that grow like k^(1/2) lose some digits far out: the bodies use a finer rule.
-        tolerance = max(tuning.FIELD_RULE_SHARE * fields.rule.tolerance, tuning.FINEST_FIELD_RULE)
+        tolerance = max(0.1 * fields.rule.tolerance, 1e-14)
         opened = None if self.normal is None else self.normal.profile.fields
         return Bodies(self.scene, fields, opened, self.stress_unit, tolerance)
 

@@ -15,13 +15,10 @@ from semianalytic.scene.units import SI, size_of, units_shown
 
 FILE = "file"
 """The key of a history of kind "tabulated" that names a table in place of its numbers."""
-_TIMES = ("t", "time")
-_VALUES = ("value", "value_at_t", "f")
 _LOADS: Mapping[str, tuple[str, ...]] = {
     "shear_history": ("shear", "shear_traction", "traction"),
     "pressure_history": ("pressure", "traction"),
 }
-_SEPARATORS = ";\t,"
 _HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*\Z")
 
 
@@ -75,8 +72,9 @@ def _read(
     headings, rows = _rows(table)
     # Instruments write Time as well as time.
     names = [name.lower() for name, _ in headings]
-    time = [place for place, name in enumerate(names) if name in _TIMES]
-    value = [place for place, name in enumerate(names) if name in (*_VALUES, *loads)]
+    time = [place for place, name in enumerate(names) if name in ("t", "time")]
+    values = ("value", "value_at_t", "f", *loads)
+    value = [place for place, name in enumerate(names) if name in values]
     if len(headings) != 2 or len(time) != 1 or len(value) != 1:
         raise SceneError(
             f"{table} must have two columns, t and value, or t and {loads[0]}; it has "
@@ -136,7 +134,7 @@ def _rows(table: Path) -> tuple[list[tuple[str, str]], list[list[float]]]:
             f"{table} is empty; it needs a header, as t [us],value, and rows of numbers."
         )
     # The comma comes last: beside semicolons or tabs it is a decimal mark.
-    separator = next((one for one in _SEPARATORS if one in lines[0][1]), ",")
+    separator = next((one for one in ";\t," if one in lines[0][1]), ",")
     cells = list(csv.reader([line for _, line in lines], delimiter=separator))
     headings = [_HEADING.match(cell) for cell in cells[0]]
     named = [(one[1], one[2] or "") if one else ("", "") for one in headings]

@@ -20,10 +20,12 @@ from docs.studies.accuracy.march import (
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import InPlane
+from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime import march_plan
-from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, MOST_NODES, READING_SAFETY
+from semianalytic.spacetime.march_error import ERROR_SAFETY, MEMORY_SAFETY
+from semianalytic.spacetime.march_plan import MOST_NODES
 from slipfront.cli.commands import main
 
 WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, friction_law=sf.SlipWeakening(2 / 3, 0.05))
@@ -100,7 +102,7 @@ def test_error_of_any_reading():
     for quantity in ("slip", "shear traction", "largest slip"):
         assert found[quantity].true <= found[quantity].estimate < 6 * found[quantity].true
     x = np.linspace(0.1, 1.0, 5)
-    by_hand = READING_SAFETY * np.abs(marched.slip(x, 0.7) - marched.companion.slip(x, 0.7))
+    by_hand = SAMPLED_SAFETY * np.abs(marched.slip(x, 0.7) - marched.companion.slip(x, 0.7))
     np.testing.assert_array_equal(marched.error_of(lambda one: one.slip(x, 0.7)), by_hand)
 
 

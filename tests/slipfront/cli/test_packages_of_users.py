@@ -34,6 +34,18 @@ OILED = sf.Scene(
 '''
 
 
+METHOD = """
+class Rigid:
+    @staticmethod
+    def refuses(problem):
+        return None if isinstance(problem, str | dict) else "it takes blocks alone."
+
+    @staticmethod
+    def solve(problem, *, friction=0.5):
+        return friction * problem["weight"]
+"""
+
+
 @pytest.fixture
 def installed(tmp_path, monkeypatch):
     """Installs packages for this process; their modules are forgotten at the end."""
@@ -125,6 +137,22 @@ def test_finite_elements_take_a_law_of_a_package_too(granite):
     traction = simulation.interface.shear_traction[-1]
     assert np.count_nonzero(slips) > 5
     np.testing.assert_allclose(traction[slips][:-1], strength[slips][:-1], rtol=1e-9)
+
+
+def test_a_method_of_a_package_is_asked_after_ours(installed, printed):
+    installed(
+        packages.brought("blocks", "blocks", methods=["rigid = Rigid"]), {"blocks.py": METHOD}
+    )
+    assert sf.solve({"weight": 2.0}) == 1.0
+    assert sf.solve({"weight": 2.0}, method="rigid", friction=0.1) == 0.2
+    assert isinstance(sf.solve("preloaded"), sf.Solution)
+    with pytest.raises(sf.SceneError, match="force is no setting of rigid for a dict, which knows"):
+        sf.solve({"weight": 2.0}, force=1.0)
+    with pytest.raises(sf.SceneError, match=r"rigid: it takes blocks alone\."):
+        sf.solve(None)
+    assert ("method", "rigid") in {
+        (one["what"], one["name"]) for one in printed("scenes")["brought"]
+    }
 
 
 @pytest.mark.slow
@@ -232,7 +260,6 @@ class S(sf.FrictionLaw):
         ("    fall_with_slip = 0.0\n", "", 5, "lacks fall_with_slip;"),
         ("impedance, path)", "path)", 5, "(stopping, frictional, impedance, path) in slip_speed;"),
         ("frozen=True", "frozen=False", 5, "must be a dataclass with frozen=True;"),
-        ("@dataclass(frozen=True)\n", "", 5, "must be a dataclass with frozen=True;"),
         ("sf.FrictionLaw", "sf.SlipWeakening", 5, "itself, not SlipWeakening"),
         ("sf.FrictionLaw", "sf.LoadHistory", 5, "must be a class that inherits FrictionLaw"),
         ("return 0 * stopping", "return 1 / 0", 5, "failed (ZeroDivisionError: division by zero)"),
