@@ -27,12 +27,8 @@ FOLDER = Path(__file__).parents[1] / "figures" / "explore"
 SCENES = ("preloaded", "remote-shock", "auxetic", "viscous", "antiplane", "lift-off-shear", "tap")
 WIDTHS = (390, 1280, 1920)
 COLOURS, KEPT = 256, 64
-"""Colours of a picture, the most that PNG allows, and how many are the commonest of the page.
-
-The commonest are kept as they are, the others are chosen to cover all that the page has.  No pixel
-of lift-off-shear is off by more than 23 of 255 then, and by 29 with twice as many kept; with none
-kept, white and grey areas are tinted.  A median cut is off by 116, in legends.
-"""
+"""Colours of a picture, the most that PNG allows, and how many are the commonest of the page: no
+pixel is off by more than 23 of 255 then; with none kept, white areas are tinted."""
 READY = """
 Boolean(window.slipfrontTimes && slipfrontTimes.length
   && document.getElementById('pictures').dataset.late === 'false'
@@ -106,17 +102,14 @@ def _wait(browser: Browser, condition: str) -> bool:
 
 
 def _picture(browser: Browser) -> bytes:
-    """Return the whole page as PNG of few colours."""
+    """Return the whole page as PNG of few colours: the commonest as they are, others that cover."""
     taken = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
     image = Image.open(io.BytesIO(base64.b64decode(taken["data"]))).convert("RGB")
-    packed = io.BytesIO()
-    pixels = np.asarray(image).reshape(-1, 3)
-    colours, counts = np.unique(pixels, axis=0, return_counts=True)
-    common = colours[np.argsort(-counts)[:KEPT]]
-    others = COLOURS - len(common)
-    cover = image.quantize(others, Image.Quantize.MAXCOVERAGE).getpalette() or []
-    palette = Image.new("P", (1, 1))
-    palette.putpalette([*common.ravel().tolist(), *cover[: 3 * others]])
+    colours, counts = np.unique(np.asarray(image).reshape(-1, 3), axis=0, return_counts=True)
+    common = colours[np.argsort(-counts)[:KEPT]].ravel().tolist()
+    cover = image.quantize(COLOURS - KEPT, Image.Quantize.MAXCOVERAGE).getpalette() or []
+    palette, packed = Image.new("P", (1, 1)), io.BytesIO()
+    palette.putpalette([*common, *cover][: 3 * COLOURS])
     few = image.quantize(palette=palette, dither=Image.Dither.NONE)
     few.save(packed, "PNG", optimize=True)
     return packed.getvalue()

@@ -170,8 +170,8 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
         if key not in named:
             raise SceneError(f"numbers.{key} stands in no expression; use it, or leave it out.")
     # The end time is an argument of `run` by itself; a fit or a survey may replace the others.
-    options = {key: value for key, value in plan.items() if key != "end_time"}
-    return InterfaceFile(interface, plan["end_time"], options, str(document.get("summary", "")))
+    others = {key: value for key, value in plan.items() if key != "end_time"}
+    return InterfaceFile(interface, plan["end_time"], others, str(document.get("summary", "")))
 
 
 def _numbers(table: Any) -> dict[str, float]:

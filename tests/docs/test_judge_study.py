@@ -108,14 +108,6 @@ def test_an_edge_is_moved_and_its_neighbours_are_not(sign):
     assert list(bent.slip_rate(just, 1.0) > 0) == [True, False]
 
 
-def test_the_rayleigh_front_is_moved():
-    scene = find_scene("auxetic")
-    speed, right = scene.material.rayleigh_speed, solved(scene)
-    x = speed * np.linspace(0.98, 1.02, 2001)
-    moved = x[np.argmin(wrong("c_R +0.5 %", right).slip_rate(x, 1.0))]
-    assert moved == pytest.approx(1.005 * speed, rel=1e-4)
-
-
 def test_the_second_zone_is_left_out_or_reversed():
     right = solved(find_scene("preloaded"))
     zone = right.zones[1]

@@ -79,16 +79,3 @@ def test_exit_code_tells_of_a_slower_job(ratio, code, monkeypatch, tmp_path):
 def test_all_jobs_are_in_the_table():
     _, rows = read_data("speed-ratios")
     assert [str(row["job"]) for row in rows] == list(ratios.JOBS)
-
-
-def test_jobs_that_were_not_run_keep_their_row(monkeypatch, tmp_path):
-    monkeypatch.setattr(ratios, "unpacked", lambda commit, folder: None)
-    for job, ratio in ((SOLVE, 0.5), ("`march` with 256 nodes", 0.4), (SOLVE, 0.6)):
-        row = ratios.RatioRow(job, 1.0, ratio, ratio, math.nan, 1e-10)
-        monkeypatch.setattr(ratios, "compared", lambda *given, row=row: [row])
-        ratios.main(["--csv", str(tmp_path), "--jobs", job])
-    _, rows = read_data("speed-ratios", tmp_path)
-    assert [(row["job"], float(row["ratio"])) for row in rows] == [
-        (SOLVE, 0.6),
-        ("`march` with 256 nodes", 0.4),
-    ]

@@ -191,12 +191,6 @@ def _with_gap_times(factor: float, right: Solution) -> Profiled | None:
     return replace(table, gap_over_time=factor * table.gap_over_time, openings=openings)
 
 
-def _bent_rayleigh(size: float, right: Solution) -> Profiled | None:
-    material = right.scene.material
-    speed, fixed = material.rayleigh_speed, [material.shear_speed, material.longitudinal_speed]
-    return _bent(right, speed, (1 + size) * speed, [0.0, *fixed])
-
-
 def _first_bent(of: str, size: float, right: Solution) -> Profiled | None:
     """Move the first edge of a slip zone or an opening that has room to move."""
     edges = [end for part in getattr(right, of) for end in (part.inner, part.outer)]
@@ -244,8 +238,6 @@ _ANY: Mapping[str, Callable[[float], Callable[[Scene], Scene]]] = {
 }
 """Mistakes about the scene, by a share of the usual size."""
 _SELF_SIMILAR: Mapping[str, Make] = {
-    "c_R +0.5 %": lambda share, step: partial(_bent_rayleigh, 0.005 * share),
-    "c_R -0.5 %": lambda share, step: partial(_bent_rayleigh, -0.005 * share),
     "edge +2 %": lambda share, step: partial(_first_bent, "zones", 0.02 * share),
     "edge -2 %": lambda share, step: partial(_first_bent, "zones", -0.02 * share),
     "opening +2 %": lambda share, step: partial(_first_bent, "openings", 0.02 * share),

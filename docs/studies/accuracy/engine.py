@@ -1,32 +1,28 @@
 """The engine against exact numbers, statics, dispersion relations, and finer grids of its own.
 
-``python -m docs.studies.engine`` writes docs/data/engine-checks.csv in some minutes; the growth
-rates are computed by Newton's method from the dispersion relation, the marches by `run`.
+``python -m docs.studies.accuracy.engine --output docs`` computes the table of docs/engine.md in
+some minutes; growth rates come from the dispersion relation by Newton's method, marches from `run`.
 """
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid, quad
 
 import semianalytic as sf
-from semianalytic.engine.record import past_of
+from docs.studies.runner import Study, main
 from semianalytic.engine.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
 from semianalytic.reference.ruptures import critical_wavenumber, growth
 
-DATA = Path(__file__).resolve().parents[1] / "data" / "engine-checks.csv"
-COMMAND = "python -m docs.studies.engine"
 Row = tuple[str, str, str, str, str]
+"""Case, quantity, reference, the value here, and the difference."""
 Array = NDArray[np.float64]
 MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 UNIT = sf.Material(1.0, 1.0, 0.25)
@@ -35,33 +31,6 @@ SHARES = (0.3, 0.5, 0.7, 0.9)
 """Wavenumbers over the critical one: the growing waves of the notes."""
 WEAKEST = 0.004
 """Slowest growth that is marched [V / L]; half of it would need marches of 1,250 L / V."""
-
-
-def main() -> None:
-    """Compute all rows, then write the table."""
-    rows = []
-    parts = (
-        exact,
-        patches,
-        jumps,
-        fronts,
-        cracks,
-        statics,
-        edges,
-        openings,
-        events,
-        benchmark,
-        dispersion,
-    )
-    for part in parts:
-        for row in part():
-            print(*row, sep=" | ", flush=True)
-            rows.append(row)
-    with DATA.open("w", newline="", encoding="utf-8") as stream:
-        stream.write(f"# {COMMAND}\n")
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(["case", "quantity", "reference", "here", "difference"])
-        writer.writerows(rows)
 
 
 def compared(case: str, quantity: str, reference: float, here: float, digits: int = 8) -> Row:
@@ -169,7 +138,7 @@ def patches() -> Iterator[Row]:
         strength = 2 * p * root / abs(impedance(np.array([1e-300 - 1j / p]))[0].imag)
         for nodes in (1024, 4096):
 
-            def shear(x: NDArray[np.float64], t: float, n: int = nodes) -> NDArray[np.float64]:
+            def shear(x: Array, t: float, n: int = nodes) -> Array:
                 rise = np.clip((0.3 * t - np.abs(x)) * n / 20 + 0.5, 0, 1)
                 return np.asarray(rise * rise * (3 - 2 * rise))
 
@@ -189,28 +158,6 @@ def patches() -> Iterator[Row]:
                 yield compared(
                     f"over-stressed patch, {mode}, {nodes} nodes", "edge", edge, found, 6
                 )
-
-
-def jumps() -> Iterator[Row]:
-    """Yield slip of a patch and of a contact whose ends meet the grid anywhere."""
-    load, end = sf.InterfaceLoad(lambda x: 0.8 * (np.abs(x - 3) < 1)), 1.5
-    shape: dict[str, Any] = {"length": 20.0, "pressure": 1.0}
-    patch = sf.Interface(UNIT, sf.Coulomb(0.4), **shape, loads=[load])
-    strip = sf.Contact([(-2.0, 2.0)])
-    pushed = sf.InterfaceLoad(0.2)
-    punch = sf.Interface(UNIT, sf.Coulomb(0.4), **shape, contact=strip, loads=[pushed])
-    for name, at, interface, counts in (
-        ("patch of constant stress", 4.0, patch, (400, 408, 416, 512)),
-        ("contact of finite width", 2.0, punch, (256, 260, 512, 520)),
-    ):
-        fine = sf.run(interface, end, 8000, times=[end], estimate=False)
-        for nodes in counts:
-            done = sf.run(interface, end, nodes, times=[end])
-            exact = np.interp(done.x, fine.x, fine.slip[-1])[done.touching]
-            off = np.abs(done.slip[-1][done.touching] - exact).sum() / np.abs(exact).sum()
-            case = f"{name}, {nodes} nodes, end at x/h = {at * nodes / interface.length:.4g}"
-            estimate = f"estimate {done.error_estimates['slip']:.1e}"
-            yield case, "slip", "8000 nodes", estimate, f"{off:.1e}"
 
 
 def fronts() -> Iterator[Row]:
@@ -323,9 +270,7 @@ def statics() -> Iterator[Row]:
         )  # fmt: skip
 
 
-def profile(
-    case: str, quantity: str, known: NDArray[np.float64], found: NDArray[np.float64]
-) -> Row:
+def profile(case: str, quantity: str, known: Array, found: Array) -> Row:
     """Return a row of the relative L1 difference of two profiles."""
     off = float(np.abs(found - known).sum() / np.abs(known).sum())
     return case, quantity, "exact profile", "L1", f"{off:.1e}"
@@ -386,66 +331,31 @@ def openings() -> Iterator[Row]:
         yield f"{name}, {nodes} nodes", "work lost in closing", "0 or more", f"{closing:.1e}", ""
 
 
-def benchmark() -> Iterator[Row]:
-    """Yield TPV101 in two dimensions on three grids, and its slip against 5,760 nodes."""
-    found = sf.find_interface("tpv101")
-    every = 20 * 0.35 * 50 / found.interface.material.shear_speed
-    times = [every * k for k in range(149)]
-    runs = {
-        n: sf.run(found.interface, 15.0, n, step_ratio=0.35, times=times, estimate=False)
-        for n in (720, 1440, 2880)
-    }
-    for name in ("slip", "slip_rate"):
-        fields = {n: getattr(one, name)[:, :: n // 720] for n, one in runs.items()}
-        offs = [
-            float(np.abs(fields[n] - fields[2 * n]).sum() / np.abs(fields[2 * n]).sum())
-            for n in (720, 1440)
-        ]
-        order = math.log2(offs[0] / offs[1])
-        shown = f"{offs[0]:.2e}, then {offs[1]:.2e}"
-        quantity = f"L1 of {name.replace('_', ' ')} to the next finer grid"
-        yield "tpv101, 720, 1440, 2880 nodes", quantity, "second order", shown, f"order {order:.2f}"
-    fine = runs[2880]
-    for at, known in ((0, 16.717576), (6000, 13.566330), (12000, 11.314320), (15000, 9.790005)):
-        slip = float(fine.slip[-1, round(at / 25)])
-        yield compared(f"tpv101, 2880 nodes, x = {at / 1000:g} km", "last slip [m]", known, slip, 8)
+PARTS: Mapping[str, Callable[[], Iterator[Row]]] = {
+    "exact": exact,
+    "patches": patches,
+    "fronts": fronts,
+    "cracks": cracks,
+    "statics": statics,
+    "edges": edges,
+    "openings": openings,
+    "dispersion": dispersion,
+}
+"""Parts of the table."""
+COLUMNS = ("case", "quantity", "reference", "here", "difference")
 
 
-def events() -> Iterator[Row]:
-    """Yield an event in a run of adaptive steps against the same with fixed short ones."""
-    found = sf.find_interface("rate-and-state")
-    done = sf.run(found.interface, found.end_time, estimate=False, **found.options)
-    begins = ", ".join(f"{begin:.3f}" for begin, _ in done.events(1e-2))
-    steps = np.diff(done.step_times)
-    yield (
-        "rate-and-state, 100 s",
-        "events [s]",
-        "fixed steps would be 12 million",
-        begins,
-        f"{done.steps} steps, {steps.min():.1e} to {steps.max():.1e} s",
-    )
-    begin = done.events(1e-2)[0][0] - 0.02
-    before = sf.run(found.interface, begin, estimate=False, **found.options)
-    ends = []
-    for longest in (math.inf, 4e-6):
-        # shorter steps than the lowest rung: a lower rung
-        ratio = 0.4 if longest == math.inf else 0.4 * 4e-6 / (0.4 * 16 / 256 / 3000)
-        stepper = Stepper(found.interface, 256, ratio, end_time=100.0, longest=longest)
-        kept, now = before.checkpoint, stepper.begin()
-        stepper.memory.put_back(past_of(kept))
-        now = type(now)(**{name: kept[name] for name in now.__dataclass_fields__})
-        count, first, peak = 0, now, 0.0
-        while now.time < begin + 0.06:
-            length, rung = stepper.length(now)
-            left = begin + 0.06 - now.time
-            now = stepper.step(now, min(length, left), rung)
-            peak, count = max(peak, float(np.abs(now.rate).max())), count + 1
-        ends.append((now.slip - first.slip, peak, count))
-    (slip, peak, count), (known, high, many) = ends
-    off = float(np.abs(slip - known).sum() / np.abs(known).sum())
-    yield "its first event", "slip, L1", f"{many} steps of 4 µs", f"{count} steps", f"{off:.1e}"
-    yield compared("its first event", "largest slip rate", high, peak, 4)
+def rows_of(part: str) -> list[dict[str, str]]:
+    """Return the rows of a part."""
+    return [dict(zip(COLUMNS, row, strict=True)) for row in PARTS[part]()]
 
+
+def points(quick: bool) -> list[tuple[str]]:
+    """Return all parts; those that take some seconds for a quick look."""
+    return [(part,) for part in (("exact", "statics", "edges") if quick else PARTS)]
+
+
+STUDIES = [Study("engine-checks", points, rows_of)]
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main("docs.studies.accuracy.engine", STUDIES))
