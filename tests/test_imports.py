@@ -44,7 +44,6 @@ ARROWS = {
         "validation": "records comparison figures output",
         "benchmarks": "records comparison validation output",
         "chart": "comparison figures output tasks",
-        "studies": "comparison figures output tasks",
     },
     "slipfront": {
         "surveys": "",

@@ -20,7 +20,7 @@ from compare.comparison.quantities.edge_rows import opening_rows
 from compare.comparison.quantities.profile_rows import gap_rows
 from compare.comparison.rows import Row as JudgedRow
 from compare.figures.snapshots import snapshot_figure
-from compare.studies.profiles import Errors, averaged_profile, last_profile, profile_errors
+from docs.studies.profiles import Errors, averaged_profile, last_profile, profile_errors
 from docs.studies.runner import Row, Study, main
 from fem import Simulation, simulate
 from semianalytic import find_scene, solve

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.studies.profiles import last_march, step_error
+from docs.studies.profiles import last_march, step_error
 from docs.studies.runner import Point, Row, Study, main
 from docs.studies.trials.draws import drawn, random_history_scene, random_step_scene
 from semianalytic import (

@@ -18,7 +18,6 @@ MESH_NAMES = {
     "element": ("P1", "Q1", "Q2"),
     "mesh": ("squares", "graded", "triangles"),
 }
-LOADINGS = ("both", "preload", "remote")
 FORMATS = ("gif", "mp4")
 """Choices of options.  They repeat those of the functions, whose modules import numpy: importing
 them would make completion slow."""

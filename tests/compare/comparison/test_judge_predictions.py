@@ -14,8 +14,8 @@ from compare.comparison.bars import error_bar
 from compare.comparison.mesh_choice import choose_mesh
 from compare.comparison.prediction import method_of, predict_like, seconds_of
 from compare.comparison.report import report_document
-from compare.studies.dissimilar.judged import SEED, drawn_rows, wrong_ones
-from compare.studies.dissimilar.pairs import SCENES, random_pair
+from docs.studies.dissimilar.judged import SEED, judged_row, wrong_ones
+from docs.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.pages import read_data
 from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
@@ -322,10 +322,6 @@ def test_right_answers_of_the_table_agree_and_wrong_ones_differ():
 
 @pytest.mark.slow
 def test_a_random_pair_is_judged_as_in_the_table():
-    (row,) = drawn_rows(1)
     (kept, *_) = read_data("dissimilar-drawn")[1]
-    assert (row.scene, row.verdict, row.exchanged) == (
-        kept["scene"],
-        kept["verdict"],
-        kept["exchanged"],
-    )
+    row = judged_row(kept["scene"], 100)
+    assert all(row[name] == kept[name] for name in ("verdict", "exchanged"))

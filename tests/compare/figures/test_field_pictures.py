@@ -16,8 +16,9 @@ from compare.figures.animation import check_format, write_animation
 from compare.figures.fields import FieldPicture
 from compare.figures.fronts import fronts, moving_parts, reach
 from compare.figures.quantities import ALONG_Z, QUANTITIES, find_quantity
-from compare.figures.saving import figure_png, save_figure
+from compare.figures.saving import save_figure
 from compare.figures.style import SENSE_COLOURS
+from docs.studies.accuracy.scenes import figure_png
 from semianalytic import (
     ComputationError,
     IncidentWave,
@@ -258,7 +259,7 @@ def test_few_colours_keep_those_of_the_senses():
     """A line on a picture of many colours is rare, and says which way it slips."""
     scene = find_scene("auxetic")
     drawn = picture(solved(scene), "max-shear", 60).figure
-    with Image.open(BytesIO(figure_png(drawn, dpi=80))) as packed:
+    with Image.open(BytesIO(figure_png(drawn, 80, 256))) as packed:
         pixels = np.asarray(packed.convert("RGB"), dtype=float).reshape(-1, 3)
     for sense in ("slip", "reverse slip"):
         colour = 255 * np.array(to_rgb(SENSE_COLOURS[sense]))

@@ -13,7 +13,6 @@ from slipfront.cli.commands import main
 
 MATERIAL = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
 SOFTER_BELOW = "lower_" + MATERIAL.replace("shear_modulus = 1.0", "shear_modulus = 0.3")
-NONE_BELOW = SOFTER_BELOW.replace("0.3", "0.0")
 COULOMB = 'law = {kind = "coulomb", friction = 0.3}\n'
 GOOD = f"""length = 8.0
 pressure = {{file = "p.csv", column = "pressure"}}
@@ -151,26 +150,20 @@ def test_named_interfaces_begin(name):
         (GOOD, "length = 8.0", "length = 80.0", "must cover the contact"),
         (GOOD, 'column = "pressure"', 'column = "preasure"', "there is no column"),
         (GOOD, '"p.csv"', '"q.csv"', "Cannot read the table"),
-        (GOOD, "nodes = 64", "nodes = 65", "multiple of 4"),
         (GOOD, "poisson_ratio = 0.25", "poisson_ratio = 0.7", "poisson_ratio must"),
         (GOOD, "[run]", "[[contact]]\n[run]", "contact must be a table"),
-        (GOOD, "[run]", "[contact]\nintervals = [[0, 2], [1, 3]]\n[run]", "overlap"),
         (GOOD, 'shear = "exp(-x**2)"\n', "", "load: shear or pressure is missing"),
         (GOOD, 'shear = "exp(-x**2)"\n', "presure = 1.0\n", "did you mean pressure"),
         (GOOD, 'shear = "exp(-x**2)"\n', "pressure = [1.0]\n", "load.pressure must be a number"),
         (GLUED, "length = 0.5", "length = 0.0", "adhesion: length must be positive"),
         (GLUED, '"1 + 0.1 * (x > 0)"', "-1.0", "adhesion: strength must be 0 or more"),
         (GLUED, "length = 0.5", "", "adhesion.length is missing"),
-        (GLUED, "length = 0.5", "length = 0.5\nreach = 1.0", "unknown key adhesion.reach"),
         (GLUED, "load =", "#", "nothing opens without a load"),
         (WAVE, 'wave = "SV"', 'wave = "SH"', "must be of kind P or SV, got SH"),
         (WAVE, "angle = -20.0", "angle = 95.0", "angle must"),
         (WAVE, "at = 4.0", "on = 4.0", "has no 'on'"),
-        (WAVE, '"incident-wave"', '"wave"', "kind must be one of"),
         (WAVE, "length = 8.0", "length = 8.0\neven = true", "not even in x"),
-        (WAVE, "at = 4.0", 'at = "end"', "load: at must"),
         (WAVE, "material", f"{SOFTER_BELOW}material", "beyond a critical angle"),
-        (WAVE, "material", f"{NONE_BELOW}material", "lower_material: shear_modulus must be"),
     ],
 )
 def test_mistakes_in_files_end_in_one_sentence(folder, capsys, text, old, new, said):
