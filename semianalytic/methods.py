@@ -90,9 +90,6 @@ class Chosen(NamedTuple):
 
 def chosen(problem: object, method: str = "auto") -> Chosen:
     """Return the method by which `solve` answers a problem; raises what it raises."""
-    names = ["auto", *_OWN, *plugins.plugin_names(plugins.METHODS, _OWN)]
-    if method not in names:
-        raise SceneError(f"method must be one of {', '.join(names)}, got {shown(method)}.")
     refusals: dict[str, str] = {}
     for name, load in _rows(problem):
         if method in ("auto", name):
@@ -103,6 +100,9 @@ def chosen(problem: object, method: str = "auto") -> Chosen:
             refusals.setdefault(refusal, name)  # two may say the same
     if refusals:
         raise SceneError(" ".join(f"{name}: {one}" for one, name in refusals.items()))
+    names = ["auto", *_OWN, *plugins.plugin_names(plugins.METHODS, _OWN)]
+    if method not in names:
+        raise SceneError(f"method must be one of {', '.join(names)}, got {shown(method)}.")
     kinds = dict.fromkeys(row.problem for row in METHODS if method in ("auto", row.name))
     wanted = f"a {' or '.join(kinds)}, or the name or file of one, got {shown(problem)}"
     subject = "solve: problem must be" if method == "auto" else f"`method` {method} is for"

@@ -48,8 +48,6 @@ JOURNALS = Path("results", "studies")
 class Study:
     """One table and the figures drawn from its rows.
 
-    Attributes
-    ----------
     name : str
         Name of the data file, such as "march-error" for docs/data/march-error.csv.
     points : callable
@@ -59,7 +57,7 @@ class Study:
     table : callable, optional
         Returns the rows of the table, maybe none, from those of all points.
     figures : mapping, optional
-        Functions that draw a figure from the rows of all points, by the names of the files.
+        Functions of the rows of all points that draw figures, by the names of the files.
     """
 
     name: str
@@ -121,8 +119,8 @@ def as_row(found: Any) -> Row:
 def written(study: Study, rows: list[Row], output: Path, command: str) -> None:
     """Print and write the table of a study, and write its figures."""
     table = [as_row(row) for row in study.table(rows)]
-    for folder in ("data", "figures"):
-        (output / folder).mkdir(parents=True, exist_ok=True)
+    (output / "data").mkdir(parents=True, exist_ok=True)
+    (output / "figures").mkdir(exist_ok=True)
     for name, draw in study.figures.items():
         save_figure(draw(rows), output / "figures" / f"{name}.png")
     if not table:

@@ -39,20 +39,18 @@ NOTICEABLE = 0.01
 
 Verdicts = tuple[str, str, str]
 """What the published algorithm, the exact solution and the simulation say, with their numbers."""
+Judge = Callable[[Cases], Verdicts]
 CLAIMS: list[Callable[[Cases], Row]] = []
 """Functions that judge the claims, in the order of this file."""
 
 
-def _claim(section: str, text: str, base: str) -> Callable[[Callable[[Cases], Verdicts]], object]:
+def _claim(section: str, text: str, base: str) -> Callable[[Judge], Judge]:
     """Decorate a function that finds the three verdicts on a claim, and add it to `CLAIMS`."""
 
-    def add(judge: Callable[[Cases], Verdicts]) -> Callable[[Cases], Row]:
-        def judged(cases: Cases) -> Row:
-            row: Row = {"section": section, "claim": text, "base": base}
-            return row | dict(zip(METHODS, judge(cases), strict=True))
-
-        CLAIMS.append(judged)
-        return judged
+    def add(judge: Judge) -> Judge:
+        row: Row = {"section": section, "claim": text, "base": base}
+        CLAIMS.append(lambda cases: row | dict(zip(METHODS, judge(cases), strict=True)))
+        return judge
 
     return add
 

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from time import process_time
 from typing import Any
 
 import numpy as np
@@ -179,18 +178,6 @@ def zones_text(answer: PairSolution) -> str:
     return ", ".join(f"{what} {inner:.8g} to {outer:.8g}" for inner, outer, what in sorted(parts))
 
 
-def cost_row(scene: str) -> Row:
-    """Return processor seconds to rtol 1e-8, with functions of the pair unknown, and known."""
-    seconds = []
-    for _ in range(4):
-        start = process_time()
-        answer = solve(SCENES[scene])
-        seconds.append(process_time() - start)
-    found = answer.statistics
-    row: Row = {"scene": scene, "edges": found.unknowns, "nodes": found.nodes}
-    return row | {"first": seconds[0], "seconds": min(seconds[1:])}
-
-
 def _each(points: Sequence[Any]) -> Any:
     """Return the function that lists points, of one number or name each, quick or not."""
     return lambda quick: [one if isinstance(one, tuple) else (one,) for one in points]
@@ -206,7 +193,6 @@ STUDIES = [
         half_line_row,
     ),
     Study("dissimilar-slots", _each(list(SCENES)), slot_row),
-    Study("dissimilar-cost", _each(list(SCENES)), cost_row),
     Study(
         "dissimilar-honesty",
         lambda quick: [(number,) for number in range(5 if quick else STATED)],

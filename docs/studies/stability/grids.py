@@ -29,14 +29,8 @@ _MOST_ROUNDS = 200
 class GridProblem:
     """Complementarity problem w = q + M V, V >= 0, w >= 0, V w = 0 for slip of one sense.
 
-    Attributes
-    ----------
-    xi : (n + 1,) array
-        Nodes [c_t], the last at the longitudinal front, where V = 0.
-    matrix : (n, n) array
-        Negative traction due to the nodal slip rates.
-    q : (n,) array
-        Friction bound minus the stuck traction.
+    It has nodes xi (n + 1,) [c_t], the last at the longitudinal front, where V = 0; the negative
+    traction due to nodal slip rates (n, n); and friction bound minus stuck traction q (n,).
     """
 
     xi: Array
@@ -61,12 +55,9 @@ def grid_problem(
 ) -> GridProblem:
     """Set up the complementarity problem of a scene on a grid of about `size` nodes.
 
-    Parameters
-    ----------
-    placement : {"galerkin", "nodes", "midpoints"}
-        "galerkin" tests with hat functions.  "nodes" demands Coulomb's law at the nodes, except at
-        the contact edge, where traction is infinite; there a quarter of the first element replaces
-        it.  "midpoints" demands it between the nodes.
+    The placement "galerkin" tests with hat functions.  "nodes" demands Coulomb's law at the nodes,
+    but for the contact edge, where traction is infinite, at a quarter of the first element;
+    "midpoints" demands it between the nodes.
     """
     grid = slip_grid(poisson_ratio, size)
     scene = scene_of(loading, poisson_ratio, chi)
@@ -90,9 +81,8 @@ def grid_problem(
 def traction_operator(poisson_ratio: float, xi: Array, points: Array) -> Array:
     """Return the corrective traction at points due to nodal slip rates, without the last node.
 
-    The result is (points, nodes - 1).  The gradient of
-    `semianalytic.selfsimilar.zones.collocation` is integrated inward by Gauss rules between all
-    nodes and points.
+    The gradient of `semianalytic.selfsimilar.zones.collocation` is integrated inward by Gauss rules
+    between all nodes and points.  The result is (points, nodes - 1).
     """
     factors = rayleigh_factors(poisson_ratio)
     breaks = np.union1d(xi, points)
@@ -133,27 +123,27 @@ def by_pivoting(problem: GridProblem) -> GridAnswer:
 
 def by_active_set(problem: GridProblem) -> GridAnswer:
     """Solve by a primal-dual active set (semismooth Newton), swapping all nodes that disagree."""
-    n = len(problem.q)
-    slips = problem.q < 0
-    seen: dict[bytes, int] = {}
-    rate = np.zeros(n)
+    slips, known = problem.q < 0, dict[bytes, int]()
+    rate = np.zeros(len(slips))
+    status = "no end"
     for rounds in range(1, _MOST_ROUNDS + 1):
         key = slips.tobytes()
-        if key in seen:
-            period = rounds - seen[key]
-            return GridAnswer(np.append(rate, 0.0), rounds, f"cycles (period {period})")
-        seen[key] = rounds
-        rate = np.zeros(n)
+        if key in known:
+            status = f"cycles (period {rounds - known[key]})"
+            break
+        known[key] = rounds
+        rate = np.zeros(len(slips))
         try:
             rate[slips] = np.linalg.solve(problem.matrix[np.ix_(slips, slips)], -problem.q[slips])
         except np.linalg.LinAlgError:
-            return GridAnswer(np.append(rate, 0.0), rounds, "singular")
-        slack = problem.q + problem.matrix @ rate
-        following = np.where(slips, rate > 0, slack < 0)
+            status = "singular"
+            break
+        following = np.where(slips, rate > 0, problem.q + problem.matrix @ rate < 0)
         if np.array_equal(following, slips):
-            return GridAnswer(np.append(rate, 0.0), rounds, "solved")
+            status = "solved"
+            break
         slips = following
-    return GridAnswer(np.append(rate, 0.0), _MOST_ROUNDS, "no end")
+    return GridAnswer(np.append(rate, 0.0), rounds, status)
 
 
 def zigzag(xi: Array, rate: Array, exact: Array) -> float:

@@ -234,6 +234,19 @@ def test_the_active_set_does_not_end_on_fine_grids_and_cycles_on_nodes(kept):
     assert cycling.startswith("cycles")
 
 
+def test_rules_need_up_to_twice_the_nodes_where_there_is_a_root_on_the_other_sheet(kept):
+    needed = {}
+    for row in kept:
+        wanted = ("rule", "slip rate error")
+        if (row["study"], row["quantity"]) == wanted and row["value"] < 1e-9:
+            case = row["case"]
+            needed[case] = min(row["parameter"], needed.get(case, math.inf))
+    less, more = (
+        sorted(needed[f"ν = {nu}"] for nu in pair) for pair in (("-0.99", "0"), ("0.333", "0.499"))
+    )
+    assert 1.2 * less[1] < more[0] <= more[1] <= 2 * less[0]
+
+
 def test_true_errors_are_below_their_estimates_in_all_scenes(kept):
     named = {}
     for row in kept:

@@ -354,7 +354,7 @@ def test_nothing_is_looked_up_for_what_is_ours():
         "def refuse(**asked): raise AssertionError('looked up')\n"
         "metadata.entry_points = refuse\n"
         "import slipfront as sf\n"
-        "sf.march(sf.find_scene('ramp'), nodes=50)\n"
+        "sf.solve('ramp', nodes=50)\n"
         "from slipfront.cli.commands import main\n"
         "raise SystemExit(main(['solve', 'preloaded', '--json']))"
     )
