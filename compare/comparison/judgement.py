@@ -159,7 +159,7 @@ def judge(
     if different and isinstance(prediction, Solution | Marched):
         raise SceneError(
             "judge: this simulation has blocks of two materials, to which the theory of identical "
-            "bodies does not apply; give the answer of solve_pair (docs/dissimilar.md)."
+            "bodies does not apply; give the answer to the Pair (docs/dissimilar.md)."
         )
     case = side_by_side(prediction, with_companions(simulation))
     whole = () if fields is None else field_rows(case, fields.changes)

@@ -25,7 +25,7 @@ from compare.comparison.rows import (
 from compare.interfaces.lines import line_of
 from fem.lines import LineSimulation, simulate_line
 from fem.lines.march import planned_work, sample_times
-from semianalytic import Interface, Run, run
+from semianalytic import Interface, Run, solve
 from semianalytic.engine.line import fitting_nodes, grid_of
 from semianalytic.engine.tuning import LEAST_GAP, NODES
 from semianalytic.interface.fields import at_nodes, sampled
@@ -147,7 +147,12 @@ def compare_interface(
     lines = [line_of(interface, finest >> number, shift) for number in range(MESHES)]
     kept = {name: value for name, value in options.items() if name not in ("every", "frames")}
     # first the run, which refuses friction that has no answer
-    done = run(interface, end_time, nodes, **{**kept, "times": sample_times(end_time).tolist()})
+    done = solve(
+        interface,
+        end_time=end_time,
+        nodes=nodes,
+        **{**kept, "times": sample_times(end_time).tolist()},
+    )
     simulations = [simulate_line(lines[0], end_time, progress=progress)]
     # each of the two others takes an eighth of the time of the one before
     simulations += [simulate_line(line, end_time) for line in lines[1:]]

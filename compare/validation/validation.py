@@ -117,7 +117,7 @@ def validate(
         One run, or one for each resolution, coarse to fine unless spacings say otherwise.  A
         mapping has "t", "x" and some of "slip_rate", "slip", "shear_traction" and "pressure".
     scene : Scene, str or path
-        What was simulated; a name or file as for `find_scene`.
+        What was simulated; a name or file as for `find`.
     spacing : float or sequence of float, optional
         Distance of the grid points of each run on the interface, in the unit of x of its file; 0
         for a gauge without any extent, whose noise is known.

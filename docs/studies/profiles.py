@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import in_profile, norm, relative_error
-from semianalytic import Marched, Scene, Solution, march, solve
+from semianalytic import Marched, Scene, Solution, solve
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -116,8 +116,9 @@ def last_march(
     tolerance: float = 1e-6,
 ) -> Marched:
     """March a scene and keep only the last level; like all marches here, it has no companion."""
-    return march(
+    return solve(
         scene,
+        method="space-time",
         nodes=nodes,
         length=LENGTH,
         step_ratio=step_ratio,

@@ -144,7 +144,7 @@ def patches() -> Iterator[Row]:
 
             load = sf.InterfaceLoad(shear, history=None)
             fault = sf.Interface(solid, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
-            done = sf.run(fault, 1.0, nodes, times=[1.0], estimate=False)
+            done = sf.solve(fault, end_time=1.0, nodes=nodes, times=[1.0], estimate=False)
             v = 1 / done.x[1:]
             y = v * root / (p * np.sqrt(np.maximum(v * v - s * s, 1e-12)))
             inner = np.arctanh(np.minimum(np.minimum(y, 1 / y), 1 - 1e-15))
@@ -175,7 +175,7 @@ def fronts() -> Iterator[Row]:
         loads, half = [sf.FrontLoad(front, at=at)], sf.Contact.half_line()
         face = sf.Interface(solid, sf.Coulomb(0.3), length, 1.0, 0.0, loads, half, mode)
         for nodes in (512, 1024, 2048):
-            done = sf.run(face, end, nodes, times=[end], estimate=False)
+            done = sf.solve(face, end_time=end, nodes=nodes, times=[end], estimate=False)
             near = (done.x > 0.02) & (done.x < 1.9)
             for field in ("slip_rate", "shear_traction"):
                 yield profile(
@@ -241,7 +241,7 @@ def cracks() -> Iterator[Row]:
             whole = sf.Interface(solid, law, 5.0, shear=1.0, mode=side, even=True)
             half = sf.Interface(solid, law, 10.0, shear=1.0, loads=[off], contact=beside, mode=side)
             for name, line in (("Kostrov", whole), ("Freund", half)):
-                done = sf.run(line, 1.0, nodes, times=[1.0], estimate=False)
+                done = sf.solve(line, end_time=1.0, nodes=nodes, times=[1.0], estimate=False)
                 near = (done.x > 0) & (done.x < speed)
                 x = done.x[near]
                 if name == "Kostrov":
@@ -254,11 +254,16 @@ def cracks() -> Iterator[Row]:
 
 def statics() -> Iterator[Row]:
     """Yield partial slip of a contact under uniform pressure, in the slow limit."""
-    found = sf.find_interface("cattaneo")
+    found = sf.find("cattaneo")
     edge = 8 / math.pi * math.acos(math.cos(math.pi / 8) / math.cos(math.pi * 0.15 / 2))
     for nodes in (256, 512, 1024):
-        done = sf.run(
-            found.interface, found.end_time, nodes, step_ratio=0.5, times=[62.0], estimate=False
+        done = sf.solve(
+            found.interface,
+            end_time=found.end_time,
+            nodes=nodes,
+            step_ratio=0.5,
+            times=[62.0],
+            estimate=False,
         )
         x = done.x[done.x < edge]
         square = np.tan(math.pi * edge / 8) ** 2 - np.tan(math.pi * x / 8) ** 2
@@ -278,7 +283,7 @@ def profile(case: str, quantity: str, known: Array, found: Array) -> Row:
 
 def edges() -> Iterator[Row]:
     """Yield the slip rate beside two edges until the wave of the other one arrives."""
-    scene = sf.find_scene("preloaded")
+    scene = sf.find("preloaded")
     answer = sf.solve(scene)
     fault = sf.Interface(
         scene.material,
@@ -288,7 +293,7 @@ def edges() -> Iterator[Row]:
         contact=sf.Contact([(-math.inf, -2.0), (0.0, math.inf)]),
     )
     for nodes in (1024, 2048, 4096):
-        done = sf.run(fault, 1.0, nodes, times=[1.0], estimate=False)
+        done = sf.solve(fault, end_time=1.0, nodes=nodes, times=[1.0], estimate=False)
         near = (done.x > 0) & (done.x < 3)
         known = answer.slip_rate(done.x[near], 1.0)
         yield profile(f"two edges, {nodes} nodes", "slip rate", known, done.slip_rate[0][near])
@@ -296,7 +301,7 @@ def edges() -> Iterator[Row]:
 
 def beside_slot(name: str) -> tuple[sf.Scene, sf.Interface]:
     """Return a named scene, and the same on a periodic line: a gap of c_l T on either side."""
-    scene = sf.find_scene(name)
+    scene = sf.find(name)
     put = scene.superposition.taken_off
     face = sf.Interface(
         scene.material,
@@ -316,7 +321,7 @@ def openings() -> Iterator[Row]:
         scene, face = beside_slot(name)
         answer, sheared = sf.solve(scene), scene.superposition.taken_off.shear != 0
         for nodes in (1024, 2048, 4096):
-            done = sf.run(face, 1.0, nodes, times=[1.0], estimate=False)
+            done = sf.solve(face, end_time=1.0, nodes=nodes, times=[1.0], estimate=False)
             for field in ("gap", "pressure", "slip_rate"):
                 if field == "slip_rate" and not sheared:
                     continue

@@ -17,7 +17,7 @@ from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from docs.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.runner import Point, Row
 from fem import Simulation, simulate, with_companions
-from semianalytic import Pair, PairSolution, SceneError, find_pair, solve_pair
+from semianalytic import Pair, PairSolution, SceneError, find, solve
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.given.named import NAMED_PAIRS
 
@@ -71,7 +71,7 @@ def wrong_ones(pair: Pair) -> Mapping[str, Pair]:
 def verdict_on(pair: Pair, run: Simulation | None) -> str:
     """Return the verdict on the answer for a pair, or whether it is refused; "" without a run."""
     try:
-        answer = solve_pair(pair)
+        answer = solve(pair)
     except SceneError:
         return REFUSED
     return "" if run is None else judge(answer, run).verdict
@@ -86,11 +86,11 @@ def judged_row(name: str, resolution: int) -> Row:
     if name.startswith("random"):
         pair = drawn_pair(int(name.split()[1]))
     else:
-        pair = SCENES[name] if name in SCENES else find_pair(name)
+        pair = SCENES[name] if name in SCENES else find(name)
     time = 1 / pair.upper.shear_speed
     run = simulate(pair.alike, time, resolution=resolution, lower_material=pair.lower)
     run = with_companions(run)
-    judgement = judge(solve_pair(pair), run)
+    judgement = judge(solve(pair), run)
     over_bar, what = max((row.over_bar, row.name) for row in judgement.having(AGREES))
     return {
         "scene": name,
@@ -134,7 +134,7 @@ def fields_rows(name: str, resolution: int) -> list[Row]:
 
 
 def _field_errors(pair: Pair, run: Simulation, folder: Path) -> FieldErrors:
-    errors = field_errors(solve_pair(pair), run, folder)
+    errors = field_errors(solve(pair), run, folder)
     assert errors is not None  # a solved pair has fields in its bodies
     return errors
 
@@ -175,11 +175,11 @@ def stated_rows(number: int) -> list[Row]:
     pair = random_pair(np.random.default_rng([STATED_SEED, number]))
     rows: list[Row] = []
     try:
-        exact = solve_pair(pair, rtol=EXACT)
+        exact = solve(pair, rtol=EXACT)
     except SceneError:
         return [{"rtol": rtol, "status": ""} for rtol in TOLERANCES]
     for rtol in TOLERANCES:
-        answer = solve_pair(pair, rtol=rtol)
+        answer = solve(pair, rtol=rtol)
         error, stated = error_of(answer, exact), float(answer.error_estimate)
         known = error is not None and np.isfinite(stated)
         rows.append({"rtol": rtol, "status": answer.status, "error": error if known else np.nan})

@@ -124,7 +124,9 @@ def our_run(problem: Problem, times: Array, nodes: int, near: float) -> tuple[Ar
         mode="antiplane",
     )
     began = time.process_time()
-    done = sf.run(fault, float(times[-1]), nodes, times=list(times), estimate=False)
+    done = sf.solve(
+        fault, end_time=float(times[-1]), nodes=nodes, times=list(times), estimate=False
+    )
     seconds = time.process_time() - began
     print(f"{nodes} nodes: slip rate at the start {rate:.7g}, theirs {near:.7g} m/s", flush=True)
     return done.slip_rate.max(axis=1) - done.slip_rate[:, 0], seconds

@@ -123,7 +123,7 @@ def read_fault(header: Path, depth: bool) -> Fields:
 
 def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     """Run the same problem; return its fields and the seconds of the processor."""
-    given = sf.find_interface("tpv205").interface
+    given = sf.find("tpv205").interface
     centre = 7.5e3 if problem.depth else 0.0
 
     def shear(x: Array) -> Array:
@@ -134,7 +134,9 @@ def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     mode = "antiplane" if problem.depth else "in-plane"
     fault = replace(given, shear=shear, even=True, mode=mode)
     began = time.process_time()
-    done = sf.run(fault, float(times[-1]), nodes, times=list(times), estimate=False)
+    done = sf.solve(
+        fault, end_time=float(times[-1]), nodes=nodes, times=list(times), estimate=False
+    )
     seconds = time.process_time() - began
     fields = {
         "slip": done.slip,

@@ -31,7 +31,6 @@ from semianalytic import (
     SlipZone,
     Solution,
     TensionError,
-    march,
     solve,
 )
 
@@ -90,10 +89,14 @@ def answer_row(seed: int, index: int) -> Row:
     row |= {"opens": False, "outcome": "refused", "seconds": 0.0}
     row |= dict.fromkeys(QUANTITIES, math.nan)
     try:
-        rough = solve(scene, rtol=rtol)
+        rough = solve(scene, method="self-similar", rtol=rtol)
         row |= {"opens": bool(rough.openings), "outcome": "unresolved"}
         # a better answer than one that has said that it is none takes minutes, in vain
-        fine = solve(scene, rtol=FINE[law]) if rough.status == "converged" else None
+        fine = (
+            solve(scene, method="self-similar", rtol=FINE[law])
+            if rough.status == "converged"
+            else None
+        )
         if fine is not None and fine.error_estimate <= rtol:
             row |= {"outcome": "converged", **errors(rough, fine, random, index)}
     except (SceneError, TensionError):
@@ -360,8 +363,8 @@ def marched_row(seed: int, index: int) -> Row:
     row: Row = {"index": index, "law": law, "outcome": "refused", "change": 0.0, "excess": 0.0}
     row |= {"least_work": 0.0, "silent": False}
     try:
-        coarse = march(scene, 1.0, NODES, companion=False)
-        fine = march(scene, 1.0, 2 * NODES, companion=False)
+        coarse = solve(scene, method="space-time", end_time=1.0, nodes=NODES, companion=False)
+        fine = solve(scene, method="space-time", end_time=1.0, nodes=2 * NODES, companion=False)
     except SlipfrontError:
         return row
     slip = np.abs(fine.interface.slip[-1])

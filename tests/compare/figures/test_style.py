@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from compare.figures.interface import prediction_figure
 from compare.figures.saving import save_figure
 from compare.figures.style import BLUE, describe, new_figure, style_sheet, styled
-from semianalytic import find_scene, solve
+from semianalytic import find, solve
 from slipfront.cli.commands import main
 
-SOLUTION = solve(find_scene("preloaded"), rtol=1e-6)
+SOLUTION = solve(find("preloaded"), rtol=1e-6)
 LARGE = {"font.size": 17.0}
 CYCLE = {"axes.prop_cycle": matplotlib.cycler(color=["#123456", "#654321"])}
 

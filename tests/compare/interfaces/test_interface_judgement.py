@@ -8,6 +8,7 @@ import pytest
 import semianalytic as sf
 from compare.interfaces import compare_interface, judging
 from compare.interfaces.judging import judge_interface
+from semianalytic.interface.named import find_interface
 from semianalytic.scene.errors import SceneError
 from slipfront.cli.commands import main
 
@@ -55,7 +56,7 @@ def test_different_bodies_agree(judged):
     ],
 )
 def test_a_run_of_another_interface_differs(judged, change, kind):
-    wrong = sf.run(replace(FAULT, **change), 2.0, 256, times=list(judged.run.t))
+    wrong = sf.solve(replace(FAULT, **change), end_time=2.0, nodes=256, times=list(judged.run.t))
     other = judge_interface(wrong, list(judged.simulations))
     assert other.verdict == "differs"
     assert next(row for row in other.rows if row.kind == kind).verdict == "differs"
@@ -91,7 +92,7 @@ def test_slots_openings_and_halves_agree():
 
 
 def test_a_contact_that_opens_beside_a_slot_agrees():
-    tap = sf.find_interface("tap")
+    tap = find_interface("tap")
     judged = compare_interface(tap.interface, tap.end_time, 256)
     assert judged.verdict == "agrees"
     assert [row.kind for row in judged.rows if row.verdict == "agrees"] == ["gap", "pressure"]
@@ -104,8 +105,11 @@ def test_rate_and_state_friction_agrees():
     judged = compare_interface(fault, 2.0, 128)
     assert [row.verdict for row in judged.rows] == ["agrees"] * 3
     assert judged.rows[0].difference < 0.02
-    wrong = sf.run(
-        replace(fault, law=replace(law, evolution="slip")), 2.0, 128, times=list(judged.run.t)
+    wrong = sf.solve(
+        replace(fault, law=replace(law, evolution="slip")),
+        end_time=2.0,
+        nodes=128,
+        times=list(judged.run.t),
     )
     assert judge_interface(wrong, list(judged.simulations)).verdict == "differs"
 
