@@ -295,6 +295,17 @@ class Case:
         return self.simulation.caution or "; ".join(f"the march: {reason}" for reason in reasons)
 
     @property
+    def finer(self) -> int:
+        """Resolution of a mesh twice as fine."""
+        return 2 * self.simulation.resolution
+
+    @property
+    def needed(self) -> int | None:
+        """Resolution with which a march would not be too coarse; None if it is not."""
+        times = max((shortfall.times for shortfall in self.shortfalls), default=0.0)
+        return math.ceil(times * self.simulation.resolution) or None
+
+    @property
     def shortfalls(self) -> tuple[Shortfall, ...]:
         """Shortfalls of a marched prediction: what its nodes are too coarse for."""
         return self.prediction.shortfalls if isinstance(self.prediction, Marched) else ()

@@ -21,6 +21,7 @@ from semianalytic.engine.tuning import (
     ERROR_SAFETY,
     LARGEST_ERROR,
     LEAST_GAP,
+    LEAST_MISSED,
     LEAST_NODES,
     MOST_NODES,
     NODES,
@@ -330,6 +331,8 @@ def _estimated(
     slip, (zone, missed) = float(np.abs(thinned(done.slip)).sum()), missed_slip(done)
     # `thinned` has every other node, or the mean of two.
     missed = missed / (2 * spacing)
+    if missed < LEAST_MISSED * float(np.abs(done.slip).sum()) / 2:
+        missed = 0.0
     if missed > 0:
         share = missed / (slip + missed)
         for name in ("slip", "slip_rate"):

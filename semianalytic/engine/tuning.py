@@ -73,6 +73,9 @@ LEAST_GAP = 0.01
 """Part of the slip, in L1, below which a gap decides nothing: beside a slot of different bodies
 some nodes open, by 2e-4 of the slip, and differ from grid to grid.  With a tenth of this value the
 same runs are resolved; with ten times, the opening of `lift-off-shear`, 6 %, would not count."""
+LEAST_MISSED = 1e-6
+"""Slip that the nodes beside edges miss, over all slip of contacts and slots, up to which it is
+nothing: a contact that sticks up to 2e-7 node distances beside an edge asked for 1e10 nodes."""
 TOLD_MISFIT = 0.05
 """Distance of an end of a contact from its place, over the node distance, from which on a run says
 what would be better.  Slip of a punch of 102 nodes is off by 0.1 % with ends in their places, by 2,

@@ -4,9 +4,9 @@ law, slip."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar
 from compare.comparison.case import Case
-from compare.comparison.judging import Comparison, judged
+from compare.comparison.judging import Comparison, Meshes, judged
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import TELLING, Row
 from semianalytic.scene.errors import DataFileError
 
 if TYPE_CHECKING:
-    from fem import Simulation, SlotHistory
-    from semianalytic import InterfaceHistory
+    from fem import Simulation
 
 Array = NDArray[np.float64]
 
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
+WORN = ("final_path", "final_work_density")
 WHOLE_STEPS = 1e-6
 """Tolerance for rounding between times of levels and of the ends of windows, in steps."""
 BEYOND, MISMATCH = "traction beyond friction", "slip rate against slip"
@@ -43,27 +43,36 @@ def check_finite(simulation: Simulation) -> None:
     """
     run: Simulation | None = simulation
     while run is not None:
-        parts: list[tuple[InterfaceHistory | SlotHistory, str]] = [
-            *((run.interface, name) for name in FIELDS),
-            *((run.slot, name) for name in ("velocity_x", "velocity_y")),
-        ]
-        for history, name in parts:
-            wrong = ~np.isfinite(getattr(history, name))
-            if wrong.any():
-                level, node = np.argwhere(wrong)[0]
-                raise _refusal(run, name, f"x = {history.x[node]:.6g}, t = {history.t[level]:.6g}")
-        for name in ("final_path", "final_work_density"):
-            wrong = ~np.isfinite(getattr(run, name))
-            if wrong.any():
-                raise _refusal(run, name, f"x = {run.interface.x[np.flatnonzero(wrong)[0]]:.6g}")
+        whose = f"the simulation of resolution {run.resolution}"
+        contact, slot, end = run.interface, run.slot, run.interface.t[-1:]
+        refuse_unfinite(whose, contact.x, contact.t, fields_of(contact, FIELDS))
+        refuse_unfinite(whose, slot.x, slot.t, fields_of(slot, ("velocity_x", "velocity_y")))
+        worn = {name: values[None] for name, values in fields_of(run, WORN).items()}
+        refuse_unfinite(whose, contact.x, end, worn)
         run = run.companion
 
 
-def _refusal(run: Simulation, name: str, place: str) -> DataFileError:
-    return DataFileError(
-        f"the simulation of resolution {run.resolution} holds a {name.replace('_', ' ')} that is "
-        f"not a finite number, at {place}; simulate again."
-    )
+def fields_of(history: Any, names: Iterable[str]) -> dict[str, Array]:
+    """Return fields of a history by name."""
+    return {name: getattr(history, name) for name in names}
+
+
+def refuse_unfinite(whose: str, x: Array, t: Array, fields: Mapping[str, Array]) -> None:
+    """Refuse fields, (m, n) at times t (m,) and places x (n,), that are not finite numbers.
+
+    Raises
+    ------
+    DataFileError
+        The message says which field, where and when.
+    """
+    for name, values in fields.items():
+        wrong = np.argwhere(~np.isfinite(values))
+        if len(wrong):
+            level, node = wrong[0]
+            raise DataFileError(
+                f"{whose} holds a {name.replace('_', ' ')} that is not a finite number, at "
+                f"x = {x[node]:.6g}, t = {t[level]:.6g}; compute it again."
+            )
 
 
 def own_rows(case: Case) -> Iterator[Row]:
@@ -72,22 +81,23 @@ def own_rows(case: Case) -> Iterator[Row]:
     simulation."""
     changed = _changed_at_rest(case)
     if changed is not None:
-        yield _own_row(case, AT_REST, changed / case.stress, "τ₀")
+        yield own_row(case, AT_REST, changed / case.stress, "τ₀")
     excess = _beyond_friction(case)
     if excess is None:
-        yield _own_row(case, BEYOND, None, "τ₀", obstacle=SPARSE.format("a rate of each step"))
+        yield own_row(case, BEYOND, None, "τ₀", obstacle=SPARSE.format("a rate of each step"))
     else:
-        yield _own_row(case, BEYOND, excess / case.stress, "τ₀")
+        yield own_row(case, BEYOND, excess / case.stress, "τ₀")
     off, bar = _mismatch(case)
     obstacle = ""
     if bar > TELLING * float(np.abs(case.seen.slip).max()) / case.end_time:
         obstacle = SPARSE.format("what slips between two levels")
-    yield _own_row(case, MISMATCH, off / case.rate, "V₀", bar / case.rate, obstacle)
+    yield own_row(case, MISMATCH, off / case.rate, "V₀", bar / case.rate, obstacle)
 
 
-def _own_row(
-    case: Case, name: str, value: float | None, unit: str, bar: float = 0.0, obstacle: str = ""
+def own_row(
+    case: Meshes, name: str, value: float | None, unit: str, bar: float = 0.0, obstacle: str = ""
 ) -> Row:
+    """Return the row of something that is 0 in a correct simulation but for rounding."""
     row = Row(name, "law", None, 0.0, value, value, None, unit)
     row = judged(case, row, Comparison(ErrorBar(NOTHING + bar, None, 0.0, converges=True)))
     return replace(row, obstacle=obstacle) if obstacle else row

@@ -161,7 +161,7 @@ def test_without_companions_nothing_agrees_and_nothing_differs(solution, resolut
             assert row.verdict != "agrees" or row.kind == "law"
             assert row.kind == "law" or (row.bar is None and row.obstacle)
         reasons = {row.obstacle for row in judgement.rows if row.kind == "slip"}
-        assert reasons == {"no coarser mesh was run, so that it has no error bar"}
+        assert reasons == {"no coarser mesh shows it, so that it has no error bar"}
     assert any(row.resolution == 2 * resolution for row in judgement.rows)
     assert judge(solution, sampled_run(solution, resolution=16)).counts["agrees"] > 0
 
@@ -334,7 +334,8 @@ def test_verdict_of_a_judgement(fair):
         for difference, obstacle in ((0.0, ""), (9.0, ""), (9.0, "coarse"))
     )
     for rows, verdict in (
-        ((agrees, unresolved), "agrees"),
+        ((agrees, replace(unresolved, difference=0.5)), "agrees"),
+        ((agrees, unresolved), "unresolved"),  # beyond its bar, whatever keeps it from differing
         ((agrees, unresolved, differs), "differs"),
         ((unresolved,), "unresolved"),
         ((unresolved, replace(front, obstacle="coarse")), "unresolved"),
