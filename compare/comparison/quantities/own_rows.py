@@ -152,29 +152,28 @@ def _mismatch(case: Case) -> tuple[float, float]:
     of the windows of most levels, each slip rate is compared with the slip gained in its window.
     Else the slip at the end is compared with the time integral of the slip rates.
     """
-    seen = case.seen
-    half = np.minimum(case.simulation.rate_window / 2, seen.t)
-    begin, end = (_stored_at(case, seen.t + side * half) for side in (-1, 1))
+    seen, simulation = case.seen, case.simulation
+    later = simulation.time_step * np.arange(1, len(simulation.slip_after) + 1)
+    t = np.concatenate([seen.t, seen.t[-1] + later])
+    slip = np.concatenate([seen.slip, simulation.slip_after])
+    half = np.minimum(simulation.rate_window / 2, seen.t)
+    begin, end = (_stored_at(case, t, seen.t + side * half) for side in (-1, 1))
     whole = (half > 0) & (begin >= 0) & (end >= 0)
     if 2 * np.count_nonzero(whole) > len(seen.t):
-        gained = seen.slip[end[whole]] - seen.slip[begin[whole]]
-        mean = gained / (2 * half[whole, None])
+        mean = (slip[end[whole]] - slip[begin[whole]]) / (2 * half[whole, None])
         return float(np.max(np.abs(mean - seen.slip_rate[whole]), initial=0.0)), 0.0
-    slip = np.trapezoid(seen.slip_rate, seen.t, axis=0)
-    off = np.abs(seen.slip[-1] - slip) / case.end_time
+    gained = np.trapezoid(seen.slip_rate, seen.t, axis=0)
+    off = np.abs(seen.slip[-1] - gained) / case.end_time
     open_ = _between_levels(case) / case.end_time
     worst = int(np.argmax(off - open_))
     return float(off[worst]), float(open_[worst])
 
 
-def _stored_at(case: Case, times: Array) -> NDArray[np.intp]:
-    """Indices of the levels stored at times (m,); -1 where none is stored."""
-    t = case.seen.t
-    level = np.minimum(
-        np.searchsorted(t, times - WHOLE_STEPS * case.simulation.time_step), t.size - 1
-    )
-    near = np.abs(t[level] - times) <= WHOLE_STEPS * case.simulation.time_step
-    return np.where(near, level, -1)
+def _stored_at(case: Case, t: Array, times: Array) -> NDArray[np.intp]:
+    """Indices of the levels, at times t (n,), at times (m,); -1 where none is stored."""
+    rounding = WHOLE_STEPS * case.simulation.time_step
+    level = np.minimum(np.searchsorted(t, times - rounding), t.size - 1)
+    return np.where(np.abs(t[level] - times) <= rounding, level, -1)
 
 
 def _between_levels(case: Case) -> Array:

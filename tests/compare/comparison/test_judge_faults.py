@@ -274,6 +274,13 @@ class TestSimulationsAtFault:
         with pytest.raises(DataFileError, match=f"holds a {field.replace('_', ' ')} that is not"):
             judge(solution, spoilt(coarse, field, np.nan, at=(3, 5)))
 
+    @pytest.mark.parametrize("level", [10, -20, -3, -2, -1])
+    def test_a_stored_slip_rate_is_that_of_the_slip_at_every_level(self, solution, coarse, level):
+        """Also at the last ones, whose windows end after the end of the run."""
+        node = int(np.argmax(np.abs(coarse.interface.slip_rate[level])))
+        wrong = spoilt(coarse, "slip_rate", 1.01, at=(level, node))
+        assert "slip rate against slip" in differing(judge(solution, wrong))
+
     def test_so_is_a_companion(self, solution, coarse):
         values = np.full_like(coarse.companion.final_path, np.inf)
         wrong = replace(coarse, companion=replace(coarse.companion, final_path=values))
