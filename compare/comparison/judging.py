@@ -21,7 +21,7 @@ from compare.comparison.bars import (
 )
 from compare.comparison.case import Case
 from compare.comparison.measures import NOTHING, norm, within
-from compare.comparison.rows import AGREES, DIFFERS, TELLING, UNRESOLVED, Row
+from compare.comparison.rows import AGREES, BEYOND, DIFFERS, TELLING, UNRESOLVED, Row
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer
 from semianalytic.results.sampled import interpolated
@@ -37,7 +37,7 @@ meshes change; with half this value none was beyond 1.5 bars."""
 USUAL = 0.9
 """Part of the slipping nodes and times whose mesh differences are at most the usual one."""
 
-BEYOND = "it is beyond its error bar, but by less than {:g} times"
+BY_LITTLE = BEYOND + "by less than {:g} times"
 NO_BAR = "no coarser mesh shows it, so that it has no error bar"
 WIDE = f"its error bar is more than {TELLING:g} of what is compared"
 """Obstacles of rows that meshes do not decide although they do not move apart."""
@@ -317,7 +317,7 @@ def judged(case: Meshes, row: Row, comparison: Comparison) -> Row:
     if not error.converges:
         return held
     if row.verdict == UNRESOLVED:
-        return replace(row, obstacle=BEYOND.format(row.alarm), resolution=finer)
+        return replace(row, obstacle=BY_LITTLE.format(row.alarm), resolution=finer)
     # what is nothing at the nodes has no size that a bar could be held against
     if row.verdict == AGREES and row.size > NOTHING and row.bar > TELLING * row.size:
         growth = row.bar / (TELLING * row.size)

@@ -25,6 +25,8 @@ bars that were too narrow and are mended (docs/judge.md).  Half of this value wo
 answers; with twice its value a mistake of 2.5 bars would be missed more often than not."""
 
 
+BEYOND = "it is beyond its error bar, but "
+"""Beginning of the obstacles of rows that are beyond a bar which counts, and do not differ."""
 DIFFERENCE_DIGITS = 2
 
 
@@ -173,7 +175,7 @@ class HasRows(Generic[AnyRow]):
         pressed = [row for row in self.rows if row.kind == "pressure"]
         if not all(row.converges for row in (*deciding, *pressed)):
             return UNRESOLVED
-        if any(row.over_bar > 1 for row in self.rows if row.kind in BASIC):
+        if any(row.obstacle.startswith(BEYOND) for row in self.rows if row.kind in BASIC):
             return UNRESOLVED
         return overall(row.verdict for row in deciding if row.size)
 

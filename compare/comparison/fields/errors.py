@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 BAND = 2.0
 """Half-width of the band around a front, in elements."""
+COARSEST = 4
+"""Elements of the coarsest mesh, in elements."""
 SEEN_LAST = 1_000_000
 SEEN_BEFORE = 5_000
 """Largest numbers of nodes, and of elements, at which the last frame and each earlier one are
@@ -116,7 +118,8 @@ def field_errors(
     if not isinstance(prediction, BodyFields) or not getattr(prediction, "has_bodies", True):
         return None
     scene, size = simulation.scene, simulation.element_size
-    fronts = fronts_in(prediction, scene)
+    widest = BAND * COARSEST * size / scene.material.shear_speed
+    fronts = fronts_in(prediction, scene, shortest=widest)
     listed = listed_frames(folder, simulation.run)
     frames: list[tuple[FieldError, ...]] = []
     mesh = None
@@ -224,10 +227,13 @@ def _relative(pairs: dict[str, Pair], kept: dict[int, NDArray[np.bool_]]) -> dic
     return errors
 
 
-def fronts_in(prediction: Answer | PairSolution, scene: Scene) -> Fronts | TwoBodies:
-    """Fronts of a scene, including those of the zones and openings of a prediction."""
+def fronts_in(
+    prediction: Answer | PairSolution, scene: Scene, shortest: float = 0.0
+) -> Fronts | TwoBodies:
+    """Fronts of a scene, including those of the zones and openings of a prediction; flanks of loads
+    that are shorter than a time count as jumps."""
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
     edges = [edge for part in parts for edge in (part.inner, part.outer)]
     if isinstance(prediction, PairSolution):
         return fronts_between(prediction.pair, edges)
-    return fronts_of(scene, edges)
+    return fronts_of(scene, edges, shortest)

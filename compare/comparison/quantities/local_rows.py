@@ -131,7 +131,8 @@ def _beside_fronts(case: Case) -> Mask:
     seen, scene = case.seen, case.scene
     width = BAND * case.runs[2].element_size + ASIDE * case.simulation.element_size
     beside = np.zeros((len(seen.t), len(seen.x)), dtype=bool)
-    for start in {0.0, *jump_times(scene)}:  # t = 0 has fronts even without a jump
+    flank = width / scene.material.shear_speed
+    for start in {0.0, *jump_times(scene, flank)}:  # t = 0 has fronts even without a jump
         for speed in case.fronts.values():
             beside |= np.abs(seen.x - speed * (seen.t[:, None] - start)) < width
     motions = [_motion(case, case.at_nodes)]

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from compare import judge
 from compare.comparison.case import NARROW
 from compare.comparison.judgement import mesh_sentence
-from compare.comparison.rows import ALARM, Row
+from compare.comparison.rows import ALARM, BEYOND, Row
 from compare.comparison.scales import slip_rate_scale
 from fem import simulate
 from semianalytic import Material, Scene, Tractions
@@ -334,8 +334,8 @@ def test_verdict_of_a_judgement(fair):
         for difference, obstacle in ((0.0, ""), (9.0, ""), (9.0, "coarse"))
     )
     for rows, verdict in (
-        ((agrees, replace(unresolved, difference=0.5)), "agrees"),
-        ((agrees, unresolved), "unresolved"),  # beyond its bar, whatever keeps it from differing
+        ((agrees, unresolved), "agrees"),
+        ((agrees, replace(agrees, difference=1.2, obstacle=BEYOND)), "unresolved"),
         ((agrees, unresolved, differs), "differs"),
         ((unresolved,), "unresolved"),
         ((unresolved, replace(front, obstacle="coarse")), "unresolved"),
