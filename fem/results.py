@@ -14,7 +14,6 @@ from fem.interface import OPEN
 from fem.resolution import mesh_caution
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
@@ -260,9 +259,6 @@ class Simulation(SampledAnswer):
     unwritten: str
     remark: str = ""
     companion: Simulation | None = None
-
-    path = renamed("path", "final_path", "0.3")
-    friction_work = renamed("friction_work", "final_work_density", "0.3")
 
     def __repr__(self) -> str:
         return (

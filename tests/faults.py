@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 from fault_tasks import history
 
+from compare.chart.points import COMMAND, read_points
 from compare.comparison.fields.frames import last_frame
-from compare.output.tables import append_rows, write_rows
-from compare.studies.chart.points import COMMAND, read_points
-from compare.studies.regimes.points import MapPoint, kept_columns, poisson_ratios
+from compare.output.tables import write_rows
 from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from meshes import Blocks, cached_mesh
@@ -80,14 +79,6 @@ def write_index(folder):
     write_bytes(folder / "fields.pvd", text.encode(), Seal.XML)
 
 
-def columns():
-    return [
-        MapPoint("preload", nu, chi, "slow", "0.0:0.5:1", "converged", 1e-9)
-        for nu in poisson_ratios(20).tolist()
-        for chi in np.geomspace(0.001, 1, 20).tolist()
-    ]
-
-
 def read_mesh_again(path):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SLIPFRONT_CACHE", str(path.parent))
@@ -131,14 +122,6 @@ def all_kinds():
             read_points,
         ),
     }
-
-
-def write_columns(folder):
-    append_rows(folder / "columns.part", columns())
-
-
-def read_columns(path):
-    return kept_columns(path, "preload", 20)
 
 
 def flip_bits(data, number, rng):

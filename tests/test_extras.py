@@ -18,7 +18,6 @@ import slipfront
 from compare import interfaces, validation
 from semianalytic import MissingLibraryError
 from semianalytic.scene.extras import (
-    BAYES,
     CLUSTER,
     EXPLORE,
     FEM,
@@ -61,9 +60,9 @@ for Slim.blocked, line in {lines}:
 """
 SOURCES = (fem, interfaces, validation, fits, surveys, semianalytic)
 """Packages from which slipfront takes its public names."""
-MOST = (*FEM, *EXPLORE, *CLUSTER, *BAYES)
+MOST = (*FEM, *EXPLORE, *CLUSTER)
 """Left out together: no command needs both finite elements and any of the others."""
-ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES, *UNITS)
+ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *UNITS)
 FINE = [
     "--help",
     "scenes",
@@ -71,32 +70,21 @@ FINE = [
     "solve preloaded --json",
     "solve ramp --nodes 100 --quiet",
     "compare --help",
-    "evidence --help",
     "fit --help",
 ]
 REFUSED = [
     (PLOT, "solve preloaded --plot a.png", "plot"),
     (PLOT, "solve ramp --plot a.pdf", "plot"),
     (PLOT, "compare", "plot"),
-    (PLOT, "regimes --quick", "plot"),
-    (PLOT, "stability --solver", "plot"),
-    (PLOT, "wear --quick", "plot"),
-    (PLOT, "evidence --quick", "plot"),
     (MOST, "solve ramp --save a.h5", "fem"),
     (MOST, "solve ramp --go-on a.h5", "fem"),
     (MOST, "simulate preloaded", "fem"),
     (MOST, "compare --from somewhere", "fem"),
-    (MOST, "stability --fem", "fem"),
-    (MOST, "evidence --quick", "fem"),
     (PLOT, "fit a.csv --scene preloaded --parameters friction --plot a.png", "plot"),
     (MOST, "explore", "explore"),
-    (MOST, "fit a.csv --scene preloaded --parameters friction --posterior", "bayes"),
     (MOST, "survey preloaded --friction 0.1,0.2 --scheduler tcp://127.0.0.1:1", "cluster"),
-    (MOST, "stability --space-time --scheduler tcp://127.0.0.1:1", "cluster"),
     (ALL, "survey preloaded --friction 0.1,0.2", "xarray"),
-    (ALL, "regimes --scheduler tcp://127.0.0.1:1", "plot"),
     (ALL, "compare", "fem,plot"),
-    (ALL, "article", "fem,plot"),
     (ALL, "chart", "fem,plot"),
 ]
 
@@ -178,11 +166,11 @@ def test_results_are_saved_with_h5py_only(tmp_path):
 
 def test_what_is_missing_is_listed_with_its_extras(monkeypatch):
     require("this", *FEM, *PLOT)
-    for module in ("skfem", "PIL"):
+    for module in ("skfem", "matplotlib"):
         monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(MissingLibraryError) as raised:
         require("this", *FEM, *PLOT)
-    lacking = "this needs scikit-fem and pillow, which are not installed; "
+    lacking = "this needs scikit-fem and matplotlib, which are not installed; "
     assert str(raised.value) == lacking + INSTALL.format("fem,plot")
 
 
@@ -193,22 +181,21 @@ def test_other_missing_modules_stay_what_they_are():
 
 def test_extras_hold_what_they_are_said_to():
     extras = PROJECT["project"]["optional-dependencies"]
-    names = {"skfem": "scikit-fem", "PIL": "pillow"}
+    names = {"skfem": "scikit-fem"}
     brought = {"fem": FEM, "plot": PLOT, "explore": EXPLORE, "xarray": XARRAY}
-    brought |= {"cluster": CLUSTER, "bayes": BAYES, "units": UNITS}
+    brought |= {"cluster": CLUSTER, "units": UNITS}
     for extra, modules in brought.items():
         listed = {requirement.split(">")[0] for requirement in extras[extra]}
         assert listed - {"slipfront[plot]"} == {names.get(module, module) for module in modules}
     assert "slipfront[plot]" in extras["explore"]
-    assert extras["all"] == ["slipfront[fem,plot,xarray,explore,cluster,bayes,units]"]
+    assert extras["all"] == ["slipfront[fem,plot,xarray,explore,cluster,units]"]
     assert "slipfront[all]" in extras["test"]
     needed = {requirement.split(">")[0] for requirement in PROJECT["project"]["dependencies"]}
     assert needed == {"numpy", "scipy", "rich", "typer"}
 
 
 def test_slipfront_holds_all_public_names_and_nothing_of_its_own():
-    others = {"__version__", "reference", "regimes"}
-    public = [name for name in slipfront.__all__ if name not in others]
+    public = [name for name in slipfront.__all__ if name != "__version__"]
     assert sorted(public) == sorted([name for source in SOURCES for name in source.__all__])
     assert len(set(public)) == len(public)
     for name in public:

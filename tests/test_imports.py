@@ -10,8 +10,8 @@ import packages
 import pytest
 
 ROOT = Path(__file__).parent.parent
-DESCRIPTION = ("semianalytic.scene", "semianalytic.results")
-"""What a scene and a result are, and how they are checked and written: no numerics at all."""
+DESCRIPTION = ("semianalytic.scene", "semianalytic.results", "semianalytic.names")
+"""What a scene and a result are, how they are checked, written and named: no numerics at all."""
 
 ARROWS = {
     "semianalytic": {
@@ -42,14 +42,14 @@ ARROWS = {
         "interfaces": "comparison",
         "figures": "comparison output",
         "validation": "records comparison figures output",
-        "benchmarks": "records comparison interfaces figures output",
-        "studies": "comparison figures output tasks",
+        "benchmarks": "records comparison validation output",
+        "chart": "comparison figures output tasks",
     },
     "slipfront": {
         "surveys": "",
         "fits": "",
         "explore": "",
-        "cli": "surveys fits explore",
+        "cli": "surveys fits explore hidden",
     },
 }
 """What each folder of a package may import of the others of that package, at any depth."""

@@ -64,8 +64,6 @@ def questions(answer: Any) -> Iterator[tuple[str, Question]]:
         member = inspect.getattr_static(kind, name)
         if name.startswith("_") or name in ELSEWHERE:
             continue
-        if (inspect.getdoc(member) or "").startswith("Former name of"):  # the present one is asked
-            continue
         if isinstance(member, property | cached_property):
             yield name, lambda one, name=name: getattr(one, name)
         elif inspect.isfunction(member):

@@ -1,8 +1,8 @@
-"""How far a run is from the exact answer, in the manner of Barall and Harris (2015).
+"""Scores of records on a sheet: what `validate` says of them, and an accuracy class.
 
-Arrivals as the root of their mean square error, in units of T and in cells; every quantity as the
-L1 and L2 norm of its error over time and all stations, relative to that of the exact answer, or of
-V_0 = 2 tau_0 / (rho c_t), V_0 T and tau_0 where that is zero.
+The errors follow Barall and Harris (2015): of arrivals the root of their mean square error over T;
+of every quantity the L1 norm of its error over time and all stations, relative to that of the
+answer, or where that is zero to that of V_0 = 2 tau_0 / (rho c_t), V_0 T or tau_0.
 """
 
 from __future__ import annotations
@@ -10,46 +10,48 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.benchmarks.answers import (
     Answered,
+    Stored,
     answer_to,
     arrival_quantity,
-    arrival_times,
+    arrival_time,
     first_crossing,
+    values_of,
 )
-from compare.benchmarks.classes import BEYOND, COPIED, tolerance_class
-from compare.benchmarks.entries import Run, run_label
-from compare.benchmarks.interfaces.reference import Reference
-from compare.benchmarks.interfaces.sheets import InterfaceSheet
-from compare.benchmarks.sheet import CELLS, Sheet
+from compare.benchmarks.sheets import SI, Sheet, find_sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
-from compare.records.record import QUANTITIES, Record
-from semianalytic import WholeLine
-from semianalytic.scene.errors import DataFileError
+from compare.records.read import read_records
+from compare.records.record import QUANTITIES, Record, Records
+from compare.records.text import lines_of
+from compare.validation import Conventions, validate
+from semianalytic import Scene
+from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]
 
 ARRIVAL = "arrival"
-ENOUGH = 0.9
-"""Part of the stations, and of the time at each, that a run has to hold to have a class."""
-LONGEST_STEP = 1 / 32
-"""Longest step between two samples over T that counts as held: that of the written answers."""
-GAP = 3.0
-"""A step longer than this many median steps counts as a gap in the record."""
-LONGEST_MEAN = 2.0
-"""Cells over c_t, the longest step over which slip rates may be means: UGUCA and SEM2DPACK write
-means over a quarter and a tenth of one."""
-EXACTLY = 1e-6
-"""Relative error below which a run is the answer itself: the nearest run of any code on 200 cells,
-and of our marcher, is 5e-5 from it."""
 GRADED = (ARRIVAL, *QUANTITIES)
-"""Errors with tolerance classes: the error of arrivals and the L1 error of each quantity."""
+ENOUGH = 0.9
+"""Part of the time, at all stations together, that a run has to hold to have a class."""
+LONGEST_STEP = 1 / 32
+"""Longest step between two samples over T that counts as held: that of the answers' tables."""
 NOTHING = 1e-9
-"""An exact norm below this, relative to that of the reference value, is zero."""
+"""An exact norm below this, relative to that of the reference value, is zero; and rounding of
+times."""
+_STATED = Conventions(
+    scale={"length": 1.0, "time": 1.0, "stress": 1.0},
+    sign="as-given",
+    slip="relative",
+    pressure="compression",
+    tractions="total",
+)
+"""What a sheet asks for, so that nothing is inferred."""
 
 
 @dataclass(frozen=True)
@@ -58,85 +60,98 @@ class Score:
 
     Attributes
     ----------
-    sheet, code : str
-    cells, seconds : float
-        Of the run.
+    file, sheet : str
+    verdict : str
+        What `validate` says of the whole run; "" of what is no scene with a slot in one solid.
     quantity : str
-        Of `GRADED`.
+        One of `QUANTITIES`, or "arrival".
     error : float
         Root of the mean square error of arrivals over T, or relative L1 error; nan if the run does
         not hold the quantity.
-    second : float
-        The error of arrivals in cells, or the relative L2 error.
-    tolerance : str
-        As by `tolerance_class`; "" where the run holds too little, `COPIED` where it is the answer.
-    note : str
-        What the numbers leave out, and why there is no class.
+    grade : str
+        As by `class_of`; "" where the run holds less than `ENOUGH`.
+    held : float
+        Part of the time, at all stations together, that the run holds without gaps.
     """
 
+    file: str
     sheet: str
-    code: str
-    cells: float
-    seconds: float
+    verdict: str
     quantity: str
     error: float
-    second: float
-    tolerance: str
-    note: str
-
-    @property
-    def label(self) -> str:
-        """Code and cells, as figures and tables name it."""
-        return run_label(self.code, self.cells)
+    grade: str
+    held: float
 
 
-def score(run: Run) -> tuple[Score, ...]:
+def score_file(path: Path, sheet: Sheet | None = None) -> tuple[Score, ...]:
+    """Score the run of a file.
+
+    Parameters
+    ----------
+    path : Path
+    sheet : Sheet, optional
+        That it is of, unless the file says so (``# benchmark: NAME``).
+
+    Raises
+    ------
+    DataFileError
+        If the file cannot be read, is of another sheet, or in other units; or as `score`.
+    SceneError
+        If nothing says which sheet it is of.
+    """
+    said = (line.removeprefix("#").partition(":") for line in lines_of(path) if line[:1] == "#")
+    named = next((name.strip() for label, _, name in said if label.strip() == "benchmark"), None)
+    if sheet is None and named is None:
+        raise SceneError(f"{path} does not say of which benchmark it is; give `sheet`.")
+    if sheet is not None and named not in (None, sheet.name):
+        raise DataFileError(f"{path} is of {named}, not of {sheet.name}; leave `sheet` out.")
+    sheet = sheet or find_sheet(str(named))
+    (records,) = read_records([path])
+    for name, unit in records.stated.units.items():
+        if sheet.units != SI:  # numbers with units were converted to the SI
+            raise DataFileError(
+                f"{path}: {name} is in {unit.name}; hand it in where {sheet.units}, without a unit."
+            )
+    return score(sheet, records)
+
+
+def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     """Every number of a run that its sheet asks for.
 
     Raises
     ------
     DataFileError
-        If the run has no station on the contact between 0 and T, or slip rates that are means over
-        steps of more than `LONGEST_MEAN` cells.
+        If the run has no station of the sheet between 0 and T.
     """
-    _check_step(run)
-    sheet, answer = run.sheet, answer_to(run.sheet)
-    stations = [
-        _until_end(one, sheet.end_time) for one in run.records.stations if _is_on(sheet, one.x)
-    ]
-    stations = [one for one in stations if len(one.t) > 1]
-    if not stations:
-        where = "of the sheet" if sheet.is_interface else "with 0 < x <= 2"
+    answer, end = answer_to(sheet), sheet.end_time
+    near = (_until(one, end) for one in records.stations if _near(sheet, one.x).any())
+    known = [one for one in near if len(one.t) > 1]
+    if not known:
+        places = ", ".join(f"{x:g}" for x in sheet.stations)
         raise DataFileError(
-            f"{run.records.source} has no station {where} and 0 < t <= {sheet.end_time:g}."
+            f"{records.source} has no station at x = {places} and 0 < t <= {end:g}; record there."
         )
-    note = _missing(sheet, stations)
-    found: list[tuple[str, float, float, str, str]] = []
-    if sheet.arrival:
-        error, missed = _arrival_error(sheet, answer, stations)
-        words = f"{missed} station{'s' * (missed > 1)} reached by one only" if missed else ""
-        lack = _lacking(sheet, stations, arrival_quantity(sheet))
-        graded = BEYOND if missed else tolerance_class(sheet.name, ARRIVAL, error)
-        notes = "; ".join(filter(None, (note, words, lack)))
-        cells = error * sheet.end_time / sheet.crossing * run.cells
-        found.append((ARRIVAL, error, cells, "" if lack else graded, notes))
-    for name in sheet.report:
-        first, second = _relative_errors(run, answer, stations, name)
-        lack = _lacking(sheet, stations, name)
-        graded = "" if lack else tolerance_class(sheet.name, name, first)
-        found.append((name, first, second, graded, "; ".join(filter(None, (note, lack)))))
-    if _is_copied(sheet, answer, found):
-        nearer = f"within {EXACTLY:g} of the answer, which no code comes so near to"
-        found = [
-            (name, first, second, grade and COPIED, "; ".join(filter(None, (words, nearer))))
-            for name, first, second, grade, words in found
-        ]
-    return tuple(Score(sheet.name, run.code, run.cells, run.seconds, *numbers) for numbers in found)
+    problem = sheet.problem
+    verdict = ""
+    if isinstance(problem, Scene):
+        verdict = validate(records, problem, conventions=_STATED).verdict
+    step = records.stated.step or 0.0
+    errors = {ARRIVAL: _arrival_error(sheet, answer, known)} if sheet.arrival else {}
+    errors |= {name: _relative_error(sheet, answer, known, name, step) for name in sheet.report}
+    scores = []
+    for name, error in errors.items():
+        held = _held(sheet, known, arrival_quantity(sheet) if name == ARRIVAL else name)
+        grade = class_of(sheet, name, error) if held >= ENOUGH else ""
+        scores.append(Score(records.source, sheet.name, verdict, name, error, grade, held))
+    return tuple(scores)
 
 
-def _is_on(sheet: Sheet, x: float) -> bool:
-    """Return whether a sheet has an answer at a position."""
-    return bool(_near(sheet, x).any()) if sheet.is_interface else 0 < x <= 2
+def class_of(sheet: Sheet, quantity: str, error: float) -> str:
+    """The class of an error: A, B, C, D beyond all of them; "" where there is none."""
+    bounds = sheet.classes.get(quantity)
+    return (
+        "ABCD"[sum(error > bound for bound in bounds)] if bounds and not math.isnan(error) else ""
+    )
 
 
 def _near(sheet: Sheet, x: float) -> NDArray[np.bool_]:
@@ -144,140 +159,80 @@ def _near(sheet: Sheet, x: float) -> NDArray[np.bool_]:
     return np.asarray(np.abs(np.array(sheet.stations) - x) <= 1e-3 * sheet.extent)
 
 
-def _check_step(run: Run) -> None:
-    """Refuse slip rates that are means over so long that they hide what they should show."""
-    cells = CELLS[-1] if math.isnan(run.cells) else run.cells
-    crossed = run.step / run.sheet.crossing * cells
-    if crossed <= LONGEST_MEAN * (1 + NOTHING):
-        return
-    said = f"{run.step:g} {'' if run.sheet.is_interface else 'T '}is {crossed:.2g} cells"
-    if math.isnan(run.cells):
-        said = f"{run.step:g} T is long, and it does not say how many cells it has (# cells: 100)"
-    raise DataFileError(
-        f"{run.records.source}: slip rates are means over steps of at most {LONGEST_MEAN:g} cells, "
-        f"and {said}; record them more often."
-    )
-
-
-def _lacking(sheet: Sheet, stations: Iterable[Record], name: str) -> str:
-    """Why a quantity has no class: stations or times that are not held; "" if it has enough."""
-    shares = dict.fromkeys(sheet.stations, 0.0)
-    for one in stations:
-        for x, near in zip(sheet.stations, _near(sheet, one.x), strict=True):
-            if near:
-                shares[x] = max(shares[x], _share(one, name, sheet.end_time))
-    poor = [x for x, share in shares.items() if share < ENOUGH]
-    if len(shares) - len(poor) >= ENOUGH * len(shares):
-        return ""
-    most = max(shares[x] for x in poor)
-    return (
-        f"no class, which takes {100 * ENOUGH:.0f} % of stations and times: at most "
-        f"{100 * most:.0f} % of the time at x = {', '.join(f'{x:g}' for x in poor)}"
-    )
-
-
-def _share(record: Record, name: str, end: float) -> float:
-    """Part of the time from 0 to T that a record holds; gaps in it and between rows are not."""
-    values = record.values.get(name)
-    if values is None:
-        return 0.0
-    steps = np.diff(record.t, prepend=0.0)
-    known = np.isfinite(values)
-    held = known & np.append(True, known[:-1])
-    held &= steps <= min(end * LONGEST_STEP, GAP * float(np.median(steps))) * (1 + NOTHING)
-    return float(steps[held].sum()) / end
-
-
-def _is_copied(
-    sheet: Sheet, answer: Answered, found: Sequence[tuple[str, float, float, str, str]]
-) -> bool:
-    """Whether all that a run holds is the answer itself, and that is not nothing alone."""
-    errors = {name: first for name, first, *_ in found if name != ARRIVAL and not math.isnan(first)}
-    x, end = sheet.stations, sheet.end_time
-    moves = any(np.abs(getattr(answer, name)(x, end)).max() > NOTHING for name in errors)
-    return moves and max(errors.values()) < EXACTLY
-
-
-def _until_end(record: Record, end: float) -> Record:
+def _until(record: Record, end: float) -> Record:
     """A record over 0 < t <= T."""
     kept = (record.t > 0) & (record.t <= end * (1 + NOTHING))
     t = np.minimum(record.t[kept], end)
     return Record(record.x, t, {name: values[kept] for name, values in record.values.items()})
 
 
-def _missing(sheet: Sheet, stations: Iterable[Record]) -> str:
-    """Which stations of a sheet are not among those of a run."""
-    held = np.any([_near(sheet, one.x) for one in stations], axis=0)
-    missing = [x for x, known in zip(sheet.stations, held, strict=True) if not known]
-    return f"without x = {', '.join(f'{x:g}' for x in missing)}" if missing else ""
+def _held(sheet: Sheet, stations: Iterable[Record], name: str) -> float:
+    """Part of the stations and times of a sheet that a run holds; gaps are not."""
+    shares = np.zeros(len(sheet.stations))
+    for one in stations:
+        if name in one.values:
+            steps, known = np.diff(one.t, prepend=0.0), np.isfinite(one.values[name])
+            held = known & np.append(True, known[:-1])
+            held &= steps <= sheet.end_time * LONGEST_STEP * (1 + NOTHING)
+            shares[_near(sheet, one.x)] = steps[held].sum() / sheet.end_time
+    return float(shares.mean())
 
 
-def _arrival_error(sheet: Sheet, answer: Answered, stations: Iterable[Record]) -> tuple[float, int]:
-    """Root of the mean square error over T, and how many stations one of the two alone reached.
+def _arrival_error(sheet: Sheet, answer: Answered, stations: Iterable[Record]) -> float:
+    """Root of the mean square error over T; what is not reached counts as reached at the end.
 
     Where slip begins at once, as in the middle of a patch, nothing is timed.
     """
-    errors, missed = [], 0
+    errors, name = [], arrival_quantity(sheet)
     for one in stations:
-        try:
-            at = first_crossing(sheet, one.t, one.values)
-        except KeyError:
-            return math.nan, 0
-        exact = float(arrival_times(sheet, answer, [one.x])[0])
-        exact = exact if exact <= one.t[-1] else math.inf
-        if math.isfinite(at) and math.isfinite(exact) and exact > 0:
+        if name not in one.values:
+            return math.nan
+        end = float(one.t[-1])
+        at = min(first_crossing(sheet, one.t, one.values[name]), end)
+        exact = min(arrival_time(sheet, answer, one.x), end)
+        if exact > 0 and min(at, exact) < end:
             errors.append((at - exact) / sheet.end_time)
-        missed += math.isfinite(at) != math.isfinite(exact)
-    return (float(np.sqrt(np.mean(np.square(errors)))) if errors else math.nan), missed
+    return float(np.sqrt(np.mean(np.square(errors)))) if errors else math.nan
 
 
-def scale_of(sheet: Sheet, name: str) -> float:
-    """Return what an error of a quantity is relative to where the answer is zero."""
-    if isinstance(sheet, InterfaceSheet):
-        return float(np.abs(getattr(answer_to(sheet), name)(sheet.stations, sheet.end_time)).max())
-    problem, rated = sheet.problem, name in ("slip_rate", "slip")
-    if isinstance(problem, WholeLine):
-        return problem.excess * (2 / problem.material.shear_impedance if rated else 1.0)
-    return (slip_rate_scale if rated else stress_scale)(sheet.scene)
+def _relative_error(
+    sheet: Sheet, answer: Answered, stations: Sequence[Record], name: str, step: float
+) -> float:
+    """Relative L1 error of a quantity, means of slip rate over a step; nan where none has it."""
+    wrong = whole = unit = 0.0
+    for one in stations:
+        step = step if name == "slip_rate" else 0.0
+        t, values, exact = _both(answer, one, name, step)
+        known = np.isfinite(values) & np.isfinite(exact)  # slip rate at the end of a patch is not
+        if known.sum() > 1:
+            t, values, exact = t[known], values[known], exact[known]
+            wrong += float(np.trapezoid(np.abs(values - exact), t))
+            whole += float(np.trapezoid(np.abs(exact), t))
+            unit += _unit(sheet, name) * float(t[-1] - t[0])
+    whole = whole if whole > NOTHING * unit else unit
+    return wrong / whole if whole else math.nan
 
 
-def _relative_errors(
-    run: Run, answer: Answered, stations: Iterable[Record], name: str
-) -> tuple[float, float]:
-    """Relative L1 and L2 error of a quantity; nan where no station has it."""
-    step = run.step if name == "slip_rate" else 0.0
-    parts = [part for one in stations if (part := _parts(answer, one, name, step))]
-    if not parts:
-        return math.nan, math.nan
-    unit = scale_of(run.sheet, name)
-    norms = []
-    for order in (1, 2):
-        wrong, whole, one = (
-            sum(np.trapezoid(np.abs(values) ** order, t) for t, values in column) ** (1 / order)
-            for column in (
-                [(t, off) for t, off, _ in parts],
-                [(t, exact) for t, _, exact in parts],
-                [(t, np.full(len(t), unit)) for t, _, _ in parts],
-            )
-        )
-        norms.append(float(wrong / (whole if whole > NOTHING * one else one)))
-    return norms[0], norms[1]
+def _unit(sheet: Sheet, name: str) -> float:
+    """What an error is relative to where the answer is zero, as it is nowhere but in scenes."""
+    if not isinstance(sheet.problem, Scene):
+        return 1.0
+    scale = slip_rate_scale if name in ("slip_rate", "slip") else stress_scale
+    return scale(sheet.problem)
 
 
-def _parts(
-    answer: Answered, record: Record, name: str, step: float
-) -> tuple[Array, Array, Array] | None:
-    """Times, errors and exact values of a record, where it holds any."""
-    if isinstance(answer, Reference):
-        record, step = answer.at_times(record, step), 0.0
-    values = record.values.get(name)
-    if values is None or np.isfinite(values).sum() < 2:
-        return None
-    exact = getattr(answer, name)(record.x, record.t)
-    known = np.isfinite(values) & np.isfinite(exact)  # slip rate at the end of a patch is infinite
-    t, exact = record.t[known], exact[known]
-    if step:  # a march ends at T
-        ends = np.minimum(t + step, 1.0)
-        moved = answer.slip(record.x, ends) - answer.slip(record.x, t)
-        exact = np.divide(moved, ends - t, out=exact, where=ends > t)
-    return t, values[known] - exact, exact
+def _both(answer: Answered, record: Record, name: str, step: float) -> tuple[Array, Array, Array]:
+    """Times, values of a record and exact ones, (n,); values that it does not hold are nan."""
+    values = record.values.get(name, np.full(len(record.t), math.nan))
+    if isinstance(answer, Stored):
+        # Fronts are so sharp that only a record, which has the steps of its code, may be
+        # interpolated.  A mean from t to t + step counts for the middle.
+        t = answer.t[(answer.t >= record.t[0]) & (answer.t <= record.t[-1])]
+        values = np.interp(t, record.t + step / 2, values)
+        return t, values, values_of(answer, name, record.x, t)
+    t, exact = record.t, values_of(answer, name, record.x, record.t)
+    if step:
+        ends = np.minimum(t + step, 1.0)  # a march ends at T
+        slips = [values_of(answer, "slip", record.x, one) for one in (t, ends)]
+        exact = np.divide(slips[1] - slips[0], ends - t, out=exact, where=ends > t)
+    return t, values, exact

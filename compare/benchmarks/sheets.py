@@ -1,149 +1,214 @@
-"""The problem sheets: scenes, a line without a slot, a wave at an angle, and interfaces."""
+"""Problem sheets for codes of dynamic contact: what is asked, at which stations, in which units.
+
+A sheet is a named scene, pair or whole line in units mu = rho = c_t = T = 1, or an interface in
+units of its own; data/sheets.toml lists them.
+"""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+import hashlib
+import json
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
 
-from compare.benchmarks.interfaces.sheets import INTERFACE_SHEETS
-from compare.benchmarks.sheet import OPENING, SLIPPING, Sheet
-from semianalytic.scene.errors import SceneError
+import numpy as np
 
-_SHEETS = (
-    Sheet(
-        "stuck",
-        "A slot struck from afar, friction that holds",
-        "diffraction at the edge: both tractions are singular there and nothing may slip",
-        (*SLIPPING, "pressure"),
-        arrival="",
-        note="Slip and slip rate are zero; errors of them are over those that the load would make "
-        "on a free surface.",
-    ),
-    Sheet(
-        "preloaded",
-        "Supershear daughter",
-        "slip from the edge behind the Rayleigh wave, a stick gap, and a daughter zone across the "
-        "shear wave",
-        SLIPPING,
-        note="Slip heals between the two zones.  Of the daughter, hardly faster than the shear "
-        "wave, the slip rate is at most a 24th of that at the edge.",
-    ),
-    Sheet(
-        "remote-shock",
-        "A shock from afar, friction just low enough",
-        "the same two zones under a pressure that varies and is singular at the edge",
-        (*SLIPPING, "pressure"),
-    ),
-    Sheet(
-        "auxetic",
-        "Reverse slip around the Rayleigh front",
-        "slip that changes its sense twice; slip rate has a logarithm at the Rayleigh front",
-        SLIPPING,
-        note="Poisson ratio -0.5: a code must not take it for positive.",
-    ),
-    Sheet(
-        "viscous",
-        "A viscous film",
-        "strength that grows with slip rate: one zone across the Rayleigh front",
-        SLIPPING,
-        note="Strength is friction times pressure plus 0.1 mu/c_t times slip rate.",
-    ),
-    Sheet(
-        "antiplane",
-        "Antiplane shear",
-        "one zone that grows from the edge, all of it in closed form",
-        SLIPPING,
-        note="In the place of Kostrov's problem, and not that problem: his crack of 1966 "
-        "(J. Appl. Math. Mech. 30, 1241) runs at a speed that is given, with a singular edge; here "
-        "friction gives the speed, c_t / (1 + f P_b / Q_0)^2 = 4/9 c_t, at which the edge carries "
-        "no singularity.",
-    ),
-    Sheet(
-        "lift-off",
-        "The contact opens from its edge",
-        "separation: up to 3/16 c_t, parting smoothly",
-        ("pressure",),
-        arrival=OPENING,
-        note="Nothing slips, for there is no shear.",
-    ),
-    Sheet(
-        "lift-off-shear",
-        "Slip ahead of an opening",
-        "separation with slip: friction grows from nothing at the end of the opening",
-        (*SLIPPING, "pressure"),
-        note="Where the contact is open, slip is the difference of the tangential displacements.",
-    ),
-    Sheet(
-        "tap",
-        "Separation ahead of a tap",
-        "a contact that opens ahead of the Rayleigh wave and closes again behind it",
-        ("pressure",),
-        arrival=OPENING,
-        note="Nothing slips, for there is no shear.",
-    ),
-    Sheet(
-        "pulse",
-        "A pulse of shear",
-        "a load that goes off again, at 0.4 T: slip slows down, heals, and turns back at the edge",
-        SLIPPING,
-        note="Not self-similar: the answer is marched, to as many digits as are sure.",
-    ),
-)
+from semianalytic import Pair, Scene, WholeLine, find_line
+from semianalytic.dissimilar.described import find_pair, pair_document
+from semianalytic.interface.files import InterfaceFile, parsed
+from semianalytic.interface.named import NAMED_INTERFACES
+from semianalytic.prediction import chosen_method
+from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.named import LINES, NAMED_PAIRS
+from semianalytic.whole_line.named import line_document
 
-SHEETS: Mapping[str, Sheet] = {sheet.name: sheet for sheet in _SHEETS}
-LINE_SHEETS: Mapping[str, Sheet] = {
-    "whole-line-patch": Sheet(
-        "whole-line-patch",
-        "Slip around an over-stressed patch",
-        "spontaneous edges without a slot: slip spreads smoothly to both sides of a patch whose "
-        "ends advance, at a speed that friction decides",
-        SLIPPING,
-        note="Slip rate has a logarithm at the ends of the patch.  The answer is even in x.",
-    )
-}
-"""Problems without a slot, which have no tolerance classes: our own codes do not take them."""
-FRONT_SHEETS: Mapping[str, Sheet] = {
-    "incident-sv": Sheet(
-        "incident-sv",
-        "An SV wave at an angle",
-        "a load whose front moves: the wave meets the contact first, adds pressure and shear to "
-        "it, and both are singular at the edge, which slips against the wave",
-        (*SLIPPING, "pressure"),
-        note="The wave has passed all of the contact by t = 0, so that the contact carries it from "
-        "the outset. With the stress S = rho c_t v_0 of the wave, 0.3 or 3 MPa, and theta = -20 "
-        "degrees, P_0 = -S sin(2 theta) and Q_0 = -S cos(2 theta).",
-    )
-}
-"""Problems with a slot and a load with a moving front, without measured tolerance classes."""
-PAIR_SHEETS: Mapping[str, Sheet] = {
-    "pair-slip": Sheet(
-        "pair-slip",
-        "Slip between two different bodies",
-        "slip that changes the pressure it feels: both tractions of the contact are unknown at "
-        "once, and their edge turns as it grows",
-        (*SLIPPING, "pressure"),
-        note="Friction is below the threshold above which waves grow along this interface however "
-        "fine the grid, for slip of either sense, so that a delay is neither needed nor wanted.",
-    ),
-    "pair-opening": Sheet(
-        "pair-opening",
-        "Two different bodies that part and slip",
-        "separation and slip that drive each other: the contact opens from its edge, and slips "
-        "ahead of the opening under a pressure that falls to nothing there",
-        (*SLIPPING, "pressure"),
-        note="Where the contact is open, slip is the difference of the tangential displacements.",
-    ),
-}
-"""Problems of two different bodies, whose classes are those of our finite elements too."""
-RATED_SHEETS: Mapping[str, Sheet] = {**SHEETS, **PAIR_SHEETS, **INTERFACE_SHEETS}
-"""Problems with tolerance classes."""
-ALL_SHEETS: Mapping[str, Sheet] = {
-    **SHEETS,
-    **LINE_SHEETS,
-    **FRONT_SHEETS,
-    **PAIR_SHEETS,
-    **INTERFACE_SHEETS,
-}
+STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
+"""Distances of the stations from the contact edge, over c_t T."""
+TIMES = (*(step / 64 for step in range(1, 64, 2)), 1.0)
+"""Times of the exact records, over T; no front of any sheet passes a station at one of them."""
+OPENING = "opening"
+"""`Sheet.arrival` where contacts open."""
+PLAIN, SI = "mu = rho = c_t = T = 1", "SI"
+"""Units of scenes, and of the problems of SCEC."""
+STATEMENT = "{bodies} {slot} {coulomb} {loaded} {along} {faces} {letters}"
+DATA = Path(str(files("compare.benchmarks").joinpath("data")))
+SUMS = "SHA256SUMS"
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A problem.
+
+    Attributes
+    ----------
+    name : str
+        That of the scene, pair or whole line, unless there is an interface.
+    title : str
+    tests : str
+        What a code that passes can do.
+    report : tuple of str
+        Quantities to record at the stations, among `compare.records.record.QUANTITIES`.
+    arrival : str
+        What is timed at the stations: "slip", the first slip rate above a level; "opening", the
+        first pressure below it; "" if nothing is.
+    note : str
+        What else has to be known.
+    statement : str
+        The problem in words.
+    interface : str
+        The interface as a file that `run` reads; "" of all else.
+    units : str
+        The system of units.
+    stations : tuple of float
+        Positions [length].
+    step : float
+        Distance of the times of an interface's answer [time].
+    extent : float
+        Length over which cells are counted [length].
+    extent_words : str
+        The same in words.
+    nodes, order : int
+        Nodes of the finest grid of an interface, and the order at which its runs converge.
+    level : float
+        Slip rate whose first time is the arrival at an interface [length / time].
+    classes : mapping of str to tuple of float
+        Largest errors of the classes A, B and C by quantity, relative, or over T for "arrival":
+        those of our finite elements on 200, 100 and 50 cells, rounded up to two digits.
+    """
+
+    name: str
+    title: str
+    tests: str
+    report: tuple[str, ...]
+    arrival: str = "slip"
+    note: str = ""
+    statement: str = STATEMENT
+    interface: str = ""
+    units: str = PLAIN
+    stations: tuple[float, ...] = STATIONS
+    step: float = 0.0
+    extent: float = 1.0
+    extent_words: str = "c_t T"
+    nodes: int = 0
+    order: int = 0
+    level: float = 0.0
+    classes: Mapping[str, tuple[float, ...]] = field(default_factory=dict, hash=False)
+
+    @property
+    def is_interface(self) -> bool:
+        """Whether the problem is an interface, whose answer is stored."""
+        return bool(self.interface)
+
+    @property
+    def is_marched(self) -> bool:
+        """Whether the answer is that of grids, with stated errors, and not exact."""
+        problem = self.problem
+        return self.is_interface or (
+            isinstance(problem, Scene) and chosen_method(problem) == "space-time"
+        )
+
+    @cached_property
+    def problem(self) -> Scene | Pair | WholeLine | InterfaceFile:
+        """The scene, two bodies, whole line or interface; all but the last in `PLAIN` units."""
+        if self.is_interface:
+            return parsed(self.interface, self.name, Path())
+        if self.name in NAMED_PAIRS:
+            return find_pair(self.name)
+        if self.name not in LINES:
+            return find_scene(self.name)
+        line = find_line(self.name)
+        assert isinstance(line, WholeLine)
+        return line
+
+    @property
+    def end_time(self) -> float:
+        """T [time]."""
+        problem = self.problem
+        return float(problem.end_time) if isinstance(problem, InterfaceFile) else 1.0
+
+    @property
+    def times(self) -> tuple[float, ...]:
+        """Times of the answer [time]."""
+        if not self.is_interface:
+            return TIMES
+        count = round(self.end_time / self.step)
+        return tuple((self.end_time * (np.arange(1, count + 1) / count)).tolist())
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The problem as plain dictionaries, strings and numbers."""
+        problem = self.problem
+        if isinstance(problem, InterfaceFile):
+            return {"interface": self.interface.strip()}
+        if isinstance(problem, Pair):
+            return pair_document(problem)
+        return line_document(problem) if isinstance(problem, WholeLine) else scene_document(problem)
+
+    @property
+    def file(self) -> str:
+        """The problem as a TOML file that slipfront reads."""
+        return (
+            self.interface.lstrip()
+            if self.is_interface
+            else "\n".join(_lines(self.document)) + "\n"
+        )
+
+
+def _lines(document: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the lines of a TOML file: numbers and words first, then tables."""
+    tables = {name: one for name, one in document.items() if isinstance(one, Mapping)}
+    for name, value in document.items():
+        if name not in tables and value is not None:
+            yield f"{name} = {json.dumps(value)}"
+    for name, table in tables.items():
+        yield f"[{name}]"
+        yield from _lines(table)
+
+
+def stored_text(name: str, folder: Path = DATA) -> str:
+    """Return the text of a file of the package.
+
+    Raises
+    ------
+    DataFileError
+        If it cannot be read, or is not what its checksum says.
+    """
+    path = folder / name
+    try:
+        data = path.read_bytes()
+        sums = dict(line.split()[::-1] for line in (folder / SUMS).read_text().splitlines())
+    except (OSError, ValueError) as error:
+        raise DataFileError(f"{path} cannot be read ({error}).") from error
+    if sums.get(name) != hashlib.sha256(data).hexdigest():
+        raise DataFileError(f"{path} does not fit its checksum in {SUMS}; take a new copy.")
+    return data.decode()
+
+
+@cache
+def sheets() -> Mapping[str, Sheet]:
+    """All sheets by name; raises as `stored_text`."""
+    described = tomllib.loads(stored_text("sheets.toml"))
+    phrases, classes = described.pop("phrases"), json.loads(stored_text("classes.json"))
+    found = {}
+    for name, given in described.items():
+        values: dict[str, Any] = {
+            key: tuple(one) if isinstance(one, list) else one for key, one in given.items()
+        }
+        bounds = classes.get(name, {}).items()
+        values["classes"] = {quantity: tuple(row) for quantity, row in bounds}
+        values["statement"] = given.get("statement", STATEMENT).format(**phrases)
+        interface = given.get("interface", "")
+        values["interface"] = NAMED_INTERFACES.get(interface, interface)
+        found[name] = Sheet(name, **values)
+    return found
 
 
 def find_sheet(name: str) -> Sheet:
@@ -154,8 +219,9 @@ def find_sheet(name: str) -> Sheet:
     SceneError
         If there is none.
     """
-    if name in ALL_SHEETS:
-        return ALL_SHEETS[name]
-    close = difflib.get_close_matches(name, ALL_SHEETS, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(ALL_SHEETS)}."
+    known = sheets()
+    if name in known:
+        return known[name]
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(known)}."
     raise SceneError(f"There is no benchmark called {name!r}; {hint}")

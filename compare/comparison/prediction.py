@@ -26,7 +26,7 @@ from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
 from semianalytic.spacetime.grid.resolution import nodes_for_loads
 from semianalytic.spacetime.march import check_march
-from semianalytic.spacetime.tuning import MOST_NODES
+from semianalytic.spacetime.march_plan import MOST_NODES
 
 if TYPE_CHECKING:
     from fem import Simulation

@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.text import Annotation
 
 from compare.comparison.scales import scene_fronts
-from compare.figures.fronts import Front, Moving, Window, fronts, moving_parts, reach
+from compare.figures.fronts import Front, Moving, Window, fronts, moving_parts
 from compare.figures.pairs import words_of
 from compare.figures.quantities import Array, Quantity
 from compare.figures.style import (
@@ -46,38 +45,19 @@ INK = {"size": ("white", "#333333"), "sign": ("#333333", "white"), "light": (ORA
 """Colour of the fronts over each kind of quantity, and of their outline."""
 
 
-def field_figure(
-    fields: Fields,
-    quantity: Quantity,
-    time: float,
-    window: Window | None = None,
-    points: int = 400,
-) -> Figure:
-    """Draw a quantity over both bodies at a time, with its fronts and zones.
+class FieldPicture:
+    """A picture of a field that can be moved to another time, with the same colours.
 
     Parameters
     ----------
     fields : Fields
     quantity : Quantity
         Quantity to draw, from `find_quantity`.
-    time : float
-        Time of the picture [time].
-    window : (x0, x1, y0, y1), optional
-        Part of the plane to draw [length]; everything the waves have reached by default.
+    window : (x0, x1, y0, y1)
+        Part of the plane to draw [length]; `reach` gives everything the waves have reached.
     points : int
         Number of points along the longer side of the window; the spacing is the same along the
         shorter one.
-    """
-    return FieldPicture(fields, quantity, window or reach(fields, time), points, time).figure
-
-
-class FieldPicture:
-    """A picture of a field that can be moved to another time, with the same colours.
-
-    Parameters
-    ----------
-    fields, quantity, window, points
-        Arguments of `field_figure`.
     time : float
         Time shown first, whose values determine the range of colours [time].
     """

@@ -20,7 +20,7 @@ EXAMPLES = (
     "fit_friction",
     "sensitivity",
     "fit_gauges",
-    "bent_posterior",
+    "posterior",
     "sweep_friction",
     "survey_map",
     "custom_history",

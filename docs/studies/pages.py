@@ -22,7 +22,7 @@ from __future__ import annotations
 import argparse
 import csv
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -143,17 +143,6 @@ def filled(text: str, folder: Path = DATA) -> str:
     return _BLOCK.sub(lambda block: block["mark"] + _table(block, folder) + block["end"], text)
 
 
-def _chart(_: str) -> str:
-    from compare.studies.chart.figure import chart_text
-    from compare.studies.chart.points import read_points
-
-    return chart_text(read_points(DATA / "chart.csv"))
-
-
-WHOLE: Mapping[str, Callable[[str], str]] = {"docs/chart.md": _chart}
-"""Pages that are generated as a whole."""
-
-
 def pages() -> list[Path]:
     """Return the paths of README and of all pages of docs."""
     return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -164,7 +153,7 @@ def stale_pages(write: bool = False) -> list[Path]:
     stale = []
     for page in pages():
         text = page.read_text(encoding="utf-8")
-        new = WHOLE.get(str(page.relative_to(ROOT)), filled)(text)
+        new = filled(text)
         if new != text:
             stale.append(page)
             if write:

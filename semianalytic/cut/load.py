@@ -9,7 +9,6 @@ from typing import Protocol
 
 import numpy as np
 
-from semianalytic.cut import tuning
 from semianalytic.cut.quadrature.layout import Layout, Zone
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors
@@ -17,6 +16,11 @@ from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
+
+LEAST_BASE = 1e-30
+"""Base over its step, or step over base, that is nothing: openings end within 1e-60 of fronts."""
+CRITICAL_BASE = 1e-14
+"""Relative difference of a base from friction that is the rounding of the two products."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +120,7 @@ class Load:
     def critical(self) -> bool:
         """Whether the base shear traction reaches friction ahead of all waves (one set)."""
         strength = self.friction * self.base_pressure
-        return bool(abs(self.base_shear) >= strength * (1 - tuning.CRITICAL_BASE))
+        return bool(abs(self.base_shear) >= strength * (1 - CRITICAL_BASE))
 
     @property
     def frictionless(self) -> np.ndarray:
@@ -124,7 +128,7 @@ class Load:
         shear; () or (k,)."""
         strength = np.asarray(per_set(self.friction)) * max(self.base_pressure, self.load_pressure)
         # Below this, the sum of strength and load has no digit of the strength.
-        negligible = tuning.NEGLIGIBLE_FRICTION * abs(self.load_shear)
+        negligible = 1e-15 * abs(self.load_shear)  # what rounding takes from the step
         return np.asarray((strength == 0) | (strength < negligible))
 
     def slips_from_front(self, sense: int) -> bool:
@@ -211,7 +215,7 @@ def _at_friction(
     An edge that rounding keeps off a front has no place in double precision.
     """
     strength = friction * pressure
-    if far_slip_rate or abs(abs(shear) - strength) > tuning.CRITICAL_BASE * strength:
+    if far_slip_rate or abs(abs(shear) - strength) > CRITICAL_BASE * strength:
         return pressure, shear
     return pressure, float(np.copysign(strength, shear))
 
@@ -220,10 +224,10 @@ def check_pressure(scene: Scene) -> None:
     """Raise TensionError where the contact of a scene would open all the way to infinity."""
     base, step = (part.pressure for part in scene.superposition)
     # p* = 0 ahead of all waves, so that the base alone holds the contact together there.
-    if base < 0 or (step != 0 and base <= max(tuning.LEAST_BASE * step, 0.0)):
+    if base < 0 or (step != 0 and base <= max(LEAST_BASE * step, 0.0)):
         raise TensionError(
             f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
-            f"ahead; make the base pressure positive, at least {tuning.LEAST_BASE:.0e} of the step "
+            f"ahead; make the base pressure positive, at least {LEAST_BASE:.0e} of the step "
             "(docs/limits.md)."
         )
 
@@ -238,4 +242,4 @@ def contact_opens(scene: Scene) -> bool:
     slowness = scene.front_slowness * scene.material.shear_speed
     # p* has its minimum at the Rayleigh front, which is therefore the first place to open.
     stuck = stuck_traction(scene.material.poisson_ratio, "I", slowness)
-    return step < -tuning.LEAST_BASE * base or base + step * stuck.at_rayleigh_front < 0
+    return step < -LEAST_BASE * base or base + step * stuck.at_rayleigh_front < 0

@@ -48,10 +48,6 @@ def stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
         yield Stencil(*_TO_ONE_SIDE, -size)
 
 
-_SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0, 0)
-"""Axes of the neighbouring sets, by the parts of `NodeFields`."""
-
-
 @dataclass(frozen=True)
 class NodeFields:
     """Fields at the nodes of panels, times dv/dy, and the positions of the panels; or derivatives.
@@ -86,8 +82,8 @@ class NodeFields:
 
     @classmethod
     def of(cls, profile: Profile) -> NodeFields:
-        """Return the fields of a profile; for k sets of zones, with an axis of k where `_SETS`
-        says."""
+        """Return the fields of a profile; for k sets of zones, with an axis of k as
+        `difference` has it."""
         panels, rate, traction = profile.panels, profile.rate_starts, profile.traction_starts
         return cls(
             profile.rate_integral.density * panels.jacobian,
@@ -115,7 +111,9 @@ class NodeFields:
         """Return derivatives from neighbours on a stencil: one by one, or all as sets of one."""
         parts, count = [], len(stencil.weights)
         for every, axis in zip(
-            zip(*(one._parts for one in beside), strict=True), _SETS, strict=True
+            zip(*(one._parts for one in beside), strict=True),
+            (1, 1, 1, 1, 2, 1, 1, 1, 0, 0),
+            strict=True,
         ):
             values = np.stack(every, axis) if len(beside) > 1 else every[0]
             # Numbers that all sets share have no axis of sets, and their difference is 0.

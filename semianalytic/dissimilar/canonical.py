@@ -34,11 +34,6 @@ from semianalytic.dissimilar.compliance import Complex, Compliance
 from semianalytic.dissimilar.stretch import Values
 from semianalytic.halfplane.rayleigh import Array
 
-_FACTOR, _DECAY, _LOST = 4.9, 2.0, 30.0
-"""The error is exp(-4.9 / h) + exp(-2 Y), Y being the length of the curve, times about 30: measured
-on the pairs of docs/dissimilar.md at h from 0.46 to 0.15."""
-_FINEST = 3e-15
-
 
 @dataclass(frozen=True, eq=False)
 class Glued:
@@ -116,10 +111,11 @@ def _rotation(compliance: Compliance, k: Values) -> Values:
 @lru_cache(maxsize=16)
 def glued(compliance: Compliance, tolerance: float) -> Glued:
     """Return the canonical matrix of two bodies to a tolerance; recent ones are kept."""
-    digits = np.log(_LOST / max(tolerance, _FINEST))
-    # The curve is as long as exp(-2 Y) asks for, and its points as close as exp(-4.9 / h) does.
-    count = int(np.ceil(digits / _DECAY / (_FACTOR / digits)))
-    spacing, m = digits / _DECAY / count, compliance.first
+    digits = np.log(30.0 / max(tolerance, 3e-15))  # finer ones are rounding
+    # The error is exp(-4.9 / h) + exp(-2 Y) times about 30, Y being the length of the curve:
+    # measured on the pairs of docs/dissimilar.md at h from 0.46 to 0.15.
+    count = int(np.ceil(digits / 2.0 / (4.9 / digits)))
+    spacing, m = digits / 2.0 / count, compliance.first
     y = spacing * np.arange(count + 1)
     nodes = m * np.sin(np.pi / 4 + 1j * y)
     # dz / (2 pi i) along the curve z = m sin(pi / 4 + i y).

@@ -31,10 +31,7 @@ Complex = NDArray[np.complex128]
 
 
 LEAST_CONTRAST = 1e-6
-"""Relative difference of moduli and slownesses below which no wave counts as growing.  Over a
-wavelength waves grow by no more than 1.1 times the contrast (friction up to 1), and below 1e-7
-rounding hides them: half and twice of it leave out, or let in, waves that grow by 1e-6.  Between
-such bodies wave fronts are too close to one another for nodes between them."""
+"""Contrast below which no wave grows: it would by 1.1 times it at most; rounding hides 1e-7."""
 
 
 @dataclass(frozen=True)

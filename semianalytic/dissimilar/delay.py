@@ -19,15 +19,8 @@ import numpy as np
 from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar.growth import GrowingWave, growing_waves, symbol
 
-_FROM, _TO = 0.2, 6.0
-"""Bounds of the search for q c_t t*, over the slowness of the fastest and of the slowest body wave.
-Of 30 random pairs with growing waves the largest growth was at 0.4 to 1 times the slowness of its
-own wave, except for growth below 1e-5; from 0.05 to 10 no other maximum was found."""
 _RATIO = 1.7
-"""Ratio of each trial q c_t t* to the one before; 1.35 found no other maximum for those pairs."""
-_MOST_NEWTON, _SETTLED = 40, 1e-12
-_DIFFERENCE = 1e-4
-"""Step of the difference quotient, over the distance of a slowness from the nearest wave front."""
+"""Ratio of each trial q c_t t* to the one before; 1.35 found no other maximum for 30 pairs."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +55,9 @@ def fastest_delayed_growth(compliance: Compliance, friction: float) -> DelayedGr
     """
     from scipy.optimize import minimize_scalar  # here, for `import semianalytic` is to be quick
 
-    low, high = np.log(_FROM * compliance.first), np.log(_TO * compliance.last)
+    # Of 30 pairs the largest growth was at 0.4 to 1 times the slowness of its own wave, none
+    # elsewhere from 0.05 to 10.
+    low, high = np.log(0.2 * compliance.first), np.log(6.0 * compliance.last)
     scale = np.linspace(low, high, int(np.ceil((high - low) / np.log(_RATIO))) + 1).tolist()
     found = [
         # Re lambda t* = (growth / q c_t) (q c_t t*): what is compared at different wave numbers.
@@ -93,9 +88,9 @@ def _followed(
 ) -> complex | None:
     """Follow a zero of Phi with a delay by Newton's method; None if it does not converge."""
     k = start
-    for _ in range(_MOST_NEWTON):
+    for _ in range(40):
         near = min(abs(k + side * front) for front in compliance.fronts for side in (1, -1))
-        step = _DIFFERENCE * near
+        step = 1e-4 * near
         value, before, after = symbol(
             compliance.at(np.array([k, k - step, k + step])), friction, delay
         )
@@ -103,6 +98,6 @@ def _followed(
         # A step that passes a front or the axis continues on another sheet.
         longest = min(near, abs(k.imag)) / 2
         k += move * min(1.0, longest / abs(move)) if move else 0.0
-        if abs(move) < _SETTLED * abs(k):
+        if abs(move) < 1e-12 * abs(k):
             return k
     return None

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MOST_NODES = 512
-"""Largest number of nodes that are read: the factor of the next one is 1 to 2e-3 for beta = 0.3."""
+"""Largest number of nodes that are read: the next one's factor is 1 to 2e-3 for beta = 0.3."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,31 +76,29 @@ class EdgeReading:
 
 
 @lru_cache(maxsize=16)
-def edge_factors(beta: float, count: int = MOST_NODES) -> tuple[float, Complex, Complex]:
+def edge_factors(beta: float) -> tuple[float, Complex, Complex]:
     """Return the offset of the grid's edge, and the factors of nodes of the contact and the slot.
 
     Parameters
     ----------
     beta : float
         Dundurs' beta of the bodies, that of the upper minus that of the lower one.
-    count : int
-        Number of factors.
 
     Returns
     -------
     float
         Distance from the edge to the first node of a contact x > 0, over the node distance.
-    (count,) complex arrays
+    (MOST_NODES,) complex arrays
         tau + i sigma at nodes of the contact, and slip + i gap at nodes of the slot, over the
         fields of a crack tip, K d^(-1/2 + i nu) and K d^(1/2 + i nu) with nu = -artanh(beta) / pi,
         at the nodes' distances d from the edge.
     """
     from scipy.special import loggamma  # here, for `import semianalytic` is to be quick
 
-    offset, smooth = edge_offset_and_factors()[0], log_factor()[: count - 1]
+    offset, smooth = edge_offset_and_factors()[0], log_factor()[: MOST_NODES - 1]
     total = log_factor().sum()  # ln E(1), with E(0) = 1
     nu = -np.arctanh(beta) / np.pi
-    k, j = np.arange(1, count), np.arange(count)
+    k, j = np.arange(1, MOST_NODES), np.arange(MOST_NODES)
     # ln(1 + z) = -sum (-z)^k / k, times i nu; those of the powers of (1 - z) are (1/2 + i nu) / k.
     alternating = -1j * nu * (-1.0) ** k / k
     contact: Complex = exponential((0.5 + 1j * nu) / k + alternating + smooth).astype(complex)

@@ -27,13 +27,6 @@ from semianalytic.scene.material import Material
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-_SAME = 1e-8
-"""Relative difference of two speeds below which they count as one: beside two fronts that are
-nearer, samples of the kernels differ by rounding alone."""
-_BESIDE = 1e-5
-"""Distance from the Stoneley pole at which its residues are taken: its square is what they are off
-by, and rounding over it."""
-
 
 @dataclass(frozen=True)
 class PairImpedance:
@@ -72,7 +65,8 @@ class PairImpedance:
     def branches(self) -> tuple[float, ...]:
         """Branch points over i: speeds of the body waves, nearly equal ones once."""
         speeds = np.sort(1 / self.compliance.fronts)
-        apart = np.diff(speeds, prepend=0.0) > _SAME * speeds
+        # Next to nearer fronts samples differ by rounding alone.
+        apart = np.diff(speeds, prepend=0.0) > 1e-8 * speeds
         return tuple(speeds[apart].tolist())
 
     def __call__(self, s: Complex) -> Complex:
@@ -97,7 +91,7 @@ class PairImpedance:
             return np.zeros(0, dtype=complex), np.zeros((3, 0), dtype=complex)
         # The kernels are analytic beside the pole; from the right, where they are defined,
         # e K = r + c e + ..., of which two e leave an error of e^2.
-        near = _BESIDE * np.array([1.0, 2.0])
+        near = 1e-5 * np.array([1.0, 2.0])  # off by its square, and by rounding over it
         once, twice = (self.at(1j * speed + near) * near).T
         return np.array([1j * speed]), (2 * once - twice)[:, None]
 

@@ -13,9 +13,7 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.scene.units import SI
 
 LARGEST_CONTRAST = 1e5
-"""Largest ratio of moduli or densities.  At 1e4 the canonical matrix keeps nine digits, and it
-loses one more for every further factor of ten (rigid bodies need no second half-plane).  Rubber on
-steel is 2.4e4."""
+"""Largest ratio of moduli or densities; at 1e4 the canonical matrix keeps nine digits."""
 
 TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
 _OF_BODIES = ("shear_modulus", "density", "poisson_ratio")

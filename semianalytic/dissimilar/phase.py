@@ -17,30 +17,8 @@ from semianalytic.dissimilar.compliance import Complex, Compliance, Entries
 from semianalytic.dissimilar.stretch import Stretch, stretches
 from semianalytic.halfplane.rayleigh import Array
 
-_STEP, _REACH = 0.5, 38.0
-"""First spacing of x on a stretch, and its largest value.  exp(-38) of the slowness of a front is
-below its rounding."""
 _LARGEST_TURN = 0.5
-"""Largest turn of the function between neighbouring points [rad]; points are added where it turns
-more.  Half of it gives the same phases of 200 random pairs, and at twice it none was wrong."""
-_NARROWEST = 1e-12
-"""Distance of points in x below which a turn of nearly half a circle is a zero on the cut."""
-
-
-_SHARP = 0.6
-"""Turn per unit of x [rad] beyond which a stretch is cut, as of a zero at a distance of 1.7 in x.
-Densities on a stretch without such a cut converge at half the rate of others.  At 0.8 some took
-four rules to reach 1e-8; at 0.45 there are a fifth more cuts."""
-
-
-_BESIDE = 1e-10
-"""Shift of x from a point where a function vanishes exactly."""
-_CLOSER = 121
-"""Points in three intervals of the table among which the fastest turn is sought."""
-
-
-_TURN_ERROR = 0.6
-"""Tolerance of the limit of theta_K [rad]; the next possible value is 2 pi away."""
+"""Largest turn between points [rad]: half of it gives the same phases of 200 random pairs."""
 
 
 @dataclass(frozen=True)
@@ -127,16 +105,18 @@ class CutPhase:
 
     @cached_property
     def sharp_turns(self) -> tuple[float, ...]:
-        """Slownesses at which the phase turns fastest, by more than `_SHARP` per unit of x.
+        """Slownesses at which the phase turns fastest, by more than 0.6 per unit of x.
 
         They are the real parts of zeros on other sheets that lie next to the cut.
         """
         found = []
         for part in self.table:
             rate = np.abs(np.diff(part.phase) / np.diff(part.x))
-            for top in np.flatnonzero((rate[1:-1] > _SHARP) & _is_peak(rate)) + 1:
+            # A zero 1.7 away in x turns it as fast.  Uncut, densities converge at half the rate;
+            # at 0.8 some took four rules to 1e-8, at 0.45 there are a fifth more cuts.
+            for top in np.flatnonzero((rate[1:-1] > 0.6) & _is_peak(rate)) + 1:
                 # Neighbouring points are about as far apart as the zero is from the cut.
-                fine = np.linspace(part.x[top - 1], part.x[top + 2], _CLOSER)
+                fine = np.linspace(part.x[top - 1], part.x[top + 2], 121)
                 values = self._on(part.stretch, fine)
                 fastest = int(np.argmax(np.abs(np.angle(values[1:] / values[:-1]))))
                 place = (fine[fastest] + fine[fastest + 1]) / 2
@@ -146,13 +126,15 @@ class CutPhase:
     def _resolved(self, stretch: Stretch) -> tuple[Array, Complex]:
         """Return points on a stretch between which the function turns little, and its direction.
 
-        About a zero on the cut they are as close as `_NARROWEST`.
+        About a zero on the cut they are as close as 1e-12.
         """
-        x = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
+        # exp(-38) of the slowness of a front is below its rounding.
+        x = np.arange(-38.0, 38.25, 0.5)
         values = self._on(stretch, x)
         while True:
             turns, widths = np.abs(np.angle(values[1:] / values[:-1])), np.diff(x)
-            wide = np.flatnonzero((turns > _LARGEST_TURN) & (widths > _NARROWEST))
+            # A turn of nearly half a circle between nearer points is a zero on the cut.
+            wide = np.flatnonzero((turns > _LARGEST_TURN) & (widths > 1e-12))
             if not len(wide):
                 return x, values
             between = (x[wide] + x[wide + 1]) / 2
@@ -167,7 +149,7 @@ class CutPhase:
         values = self.function(self.compliance.on_cut(points.v, from_fronts))
         size = np.abs(values)
         if not size.all():
-            return self._on(stretch, np.where(size, x, x + _BESIDE))
+            return self._on(stretch, np.where(size, x, x + 1e-10))
         return np.asarray(values / size)
 
 
@@ -211,7 +193,7 @@ class SlipPhase:
         """
         compliance = self.numerator.compliance
         expected = np.pi / 2 + np.arctan(friction * compliance.dundurs)
-        return bool(abs(self.limit - expected) < _TURN_ERROR)
+        return bool(abs(self.limit - expected) < 0.6)  # the next possible value is 2 pi away
 
 
 def slip_phase(compliance: Compliance, friction: float, resistance: float = 0.0) -> SlipPhase:

@@ -25,10 +25,6 @@ from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
-_LARGEST_CONTRAST = 1e10
-"""Largest ratio of moduli or densities; there the threshold of a rigid body, 1, still has
-eight digits."""
-
 
 @dataclass(frozen=True)
 class SlidingWave:
@@ -175,7 +171,8 @@ def sliding_stability(upper: Material, lower: Material, friction: float) -> Slid
     friction = checked_number(
         "pair: friction", friction, "be positive and finite", lambda given: given > 0
     )
-    check_contrast(upper, lower, _LARGEST_CONTRAST)
+    # There the threshold of a rigid body, 1, still has eight digits.
+    check_contrast(upper, lower, 1e10)
     # Everything below is in units of the upper body; speeds alone have to be turned back.
     compliance, unit = compliance_of(upper, lower), upper.shear_speed
     rayleigh, stoneley = generalised_rayleigh_speed(compliance), stoneley_speed(compliance)

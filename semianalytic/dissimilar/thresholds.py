@@ -15,14 +15,6 @@ from semianalytic.halfplane.rayleigh import Array
 
 LEAST_FRICTION = 1e-6
 """Threshold below which it counts as 0, since no interface is that smooth."""
-_REACH, _STEP = 38.0, 0.02
-"""Largest |x| on a stretch and the step between points at which crossings are sought: at half the
-step 200 random pairs had the same thresholds, at five times the step one of them differed."""
-_DECOUPLED = 1e-12
-"""Ratio |k D / A| below which a crossing is ignored: beside zeros of k D it is rounding."""
-_BESIDE = 1e-4
-"""Relative distance in friction from a crossing at which growing waves are counted: between two
-crossings nearer than that none is resolved."""
 
 
 def generalised_rayleigh_speed(compliance: Compliance) -> float | None:
@@ -66,7 +58,8 @@ def growth_threshold(compliance: Compliance, direction: int) -> float:
     low = 0.0
     # Between two crossings the number of growing waves is constant: one count serves each.
     for f in [*sorted(crossings), np.inf]:
-        middle = (1 + low) * 2 if f == np.inf else np.sqrt(max(low, f * _BESIDE) * f)
+        # Between two crossings nearer than that none is resolved.
+        middle = (1 + low) * 2 if f == np.inf else np.sqrt(max(low, f * 1e-4) * f)
         if count_growing(compliance, direction * middle):
             return low
         low = f
@@ -101,7 +94,8 @@ def _crossings_on(compliance: Compliance, stretch: Stretch) -> list[float]:
     def turned(x: float) -> float:
         return float(ratio(np.array([x]))[0].imag)
 
-    x = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
+    # Of 200 random pairs none has other thresholds at half the step, one at five times.
+    x = np.arange(-38.0, 38.01, 0.02)
     sign = np.sign(ratio(x).imag)
     found = []
     for i in np.flatnonzero(sign[1:] * sign[:-1] < 0):
@@ -109,7 +103,8 @@ def _crossings_on(compliance: Compliance, stretch: Stretch) -> list[float]:
         entries = compliance.on_cut(
             stretch.at(root).v, stretch.minus(stretch.at(root), compliance.fronts)
         )
-        if abs(entries.coupling[0]) > _DECOUPLED * abs(entries.normal[0]):
+        # Next to zeros of k D a crossing is rounding.
+        if abs(entries.coupling[0]) > 1e-12 * abs(entries.normal[0]):
             found.append(float((-entries.normal / entries.coupling).real[0]))
     return found
 

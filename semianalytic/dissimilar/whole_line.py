@@ -32,21 +32,14 @@ from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import SceneError
 
-_REACH, _PIECE, _POINTS = 36.0, 1.5, 12
-"""Largest |x| on a stretch, the length of its pieces, and Gauss points on each: theta is analytic
-except for hidden zeros, and half the length changes no digit of speeds in docs/dissimilar.md."""
-_SHARPER = 8
-"""Factor by which pieces within 3 in x of a hidden zero are shorter."""
+_REACH, _PIECE = 36.0, 1.5
+"""Largest |x| on a stretch, and length of pieces: half changes no digit of docs/dissimilar.md."""
 _TOO_FAST = (
     "no edge of slip is slower than all waves: slip runs ahead of them, or does not spread; make "
     "what is missing to friction larger, or less than what drives slip."
 )
-_TO_PATCH = 16.0
-"""Largest x towards the end of a patch, beyond which the edge conditions do not change."""
 _SPACING, _ETA_STEP = 0.25, 0.15
 """Spacing of x in the integral of slip rate, and of ln eta in the edge conditions."""
-_SLOWEST = 1e8
-"""Slowness over that of the slowest wave beyond which no edge is looked for."""
 
 
 RealFunction = Callable[[float], float]
@@ -91,7 +84,7 @@ class PhaseIntegrals:
         sharp = {*self.phase.numerator.sharp_turns, *self.phase.denominator.sharp_turns}
         stretch = whole if stop is None else Stretch(whole.left, stop)
         ends = _pieces(stretch, sorted(sharp))
-        t, weight = gauss(_POINTS)
+        t, weight = gauss(12)
         x = (ends[:-1, None] + np.diff(ends)[:, None] * t).ravel()
         dx = (np.diff(ends)[:, None] * weight).ravel()
         at = stretch.at(x)
@@ -124,7 +117,9 @@ class PhaseIntegrals:
         from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
         front = Stretch(self.fastest, None if limit == np.inf else limit)
-        ends = (-_REACH, np.log(_SLOWEST) if limit == np.inf else _TO_PATCH)
+        # Beyond x = 16 towards a patch the edge conditions do not change; no edge is looked
+        # for below 1e-8 of the slowest wave speed.
+        ends = (-_REACH, np.log(1e8) if limit == np.inf else 16.0)
 
         def slowness(x: float) -> float:
             return float(front.at(np.array([x])).v[0])
@@ -148,7 +143,8 @@ def _pieces(stretch: Stretch, sharp: list[float]) -> Array:
     for v in sharp:
         if stretch.left < v and (stretch.right is None or v < stretch.right):
             x = float(stretch.coordinate(v))
-            near = x + np.linspace(-3.0, 3.0, int(6 * _SHARPER / _PIECE) + 1)
+            # Pieces within 3 in x of a hidden zero are 8 times shorter.
+            near = x + np.linspace(-3.0, 3.0, int(48 / _PIECE) + 1)
             ends = np.concatenate([ends, near[np.abs(near) < _REACH]])
     return np.unique(ends)
 

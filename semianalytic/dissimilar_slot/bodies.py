@@ -32,12 +32,6 @@ from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_fac
 
 _MIRRORED = np.array([1, -1, 1, 1, -1, 1, -1])
 """Signs that turn the fields of the mirrored lower body into its own."""
-_ASKED = np.geomspace(0.01, 1e4, 7)
-_OF_CANONICAL = 5.0
-"""Slownesses over that of the slowest wave at which Psi^T R(-k) = n_inf is looked at, and error of
-fields over the largest residual: up to 4 was seen on 12 stuck pairs at rtol 1e-4 to 1e-8."""
-_AT_ONCE = 60_000
-"""Points times nodes at which Cauchy's integral is formed at once: some MB of working memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,8 +137,8 @@ class Face:
         place = float(self.places[owner]) if owner >= 0 else 0.0
         nodes = sum(part.panel.count for part in self.density.parts) + 1
         # Each point meets every node of every zone: in pieces, or memory would grow as their
-        # product.
-        pieces = np.array_split(offset.ravel(), 1 + offset.size * nodes // _AT_ONCE)
+        # product; these take some MB.
+        pieces = np.array_split(offset.ravel(), 1 + offset.size * nodes // 60_000)
         values = [self._densities(owner, place, piece) for piece in pieces]
         return np.concatenate(values, axis=1).reshape(-1, *offset.shape)
 
@@ -250,8 +244,9 @@ class PairBodies:
         `semianalytic.field.bodies.Bodies`, and what Psi^T R(-k) = n_inf leaves.
         """
         density, change = self.density, 0.0
-        far = density.interface.compliance.last * _ASKED
-        cells = tuning.CELL_ERROR + _OF_CANONICAL * density.glued.error(far)
+        # Fields of 12 stuck pairs were off by up to 4 times the largest residual of Psi^T R = n_inf
+        far = density.interface.compliance.last * np.geomspace(0.01, 1e4, 7)
+        cells = tuning.CELL_ERROR + 5.0 * density.glued.error(far)
         if density.parts:
             tolerance = tolerance_of(density.parts[0].panel.spacing)
             rule = rule_for(tuning.COARSER * tolerance)

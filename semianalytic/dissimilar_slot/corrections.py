@@ -11,14 +11,11 @@ from semianalytic.dissimilar_slot.densities.zones import Zone, edges_of, joined,
 from semianalytic.dissimilar_slot.placement import Placement
 
 _AT_FRONT, _BEYOND_FRONT = 1e-4, 0.1
-"""Relative distance in slowness below which an edge has run into a wave front, and the distance
-from that front at which it restarts on the other side, over the distance to the next front."""
+"""Relative distance of an edge that ran into a front; where it restarts in the next segment."""
 _MET = 1e-3
 """Relative width below which Newton's method is taken to have closed a stick gap or a zone."""
 _PARTED = 1e-3
 """Half the relative width of the stick zone that is put between slip of opposite senses."""
-_NEAR = 1e-6
-"""Relative distance in slowness below which two edges are the same."""
 
 
 def corrected(zones: Sequence[Zone], violations: Sequence[Violation]) -> tuple[Zone, ...]:
@@ -71,7 +68,7 @@ def _at(one: float | None, other: float | None) -> bool:
     """Tell whether two slownesses are the same edge."""
     if one is None or other is None:
         return one is other
-    return abs(one - other) < _NEAR * other
+    return abs(one - other) < 1e-6 * other
 
 
 def _cut(zones: list[Zone], wrong: Violation) -> None:

@@ -29,17 +29,8 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative, ZoneDerivative
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
-_STEP = 2e-3
-"""Step over the size of a parameter: half and twice of it change derivatives of the scenes of
-docs/dissimilar.md by less than their error estimates."""
-_TOLERANCE, _COARSER, _SHORTER = 1e-11, 10.0, 0.7
-"""Tolerance of the rule of neighbours; that of the companion from which errors are estimated, over
-it, and its step over that of the derivative."""
-_SAFETY, _LEAST = 4.0, 1e-9
-"""Error estimate over the difference from the companion, and the least one."""
-_COMPARED, _BESIDE = 200, 0.03
-"""Points at which derivative and companion are compared, and their distance from edges and fronts
-over the slowest wave speed."""
+_TOLERANCE = 1e-11
+"""Tolerance of the rule of neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,19 +138,19 @@ class PairDerivative:
         second, coarser derivative, which is computed on first access.
         """
         fine = self.varied
-        coarse = neighbours(fine.own, self.name, _COARSER * _TOLERANCE, _SHORTER * fine.step)
+        coarse = neighbours(fine.own, self.name, 10.0 * _TOLERANCE, 0.7 * fine.step)
         worst = _share(fine.edges, coarse.edges)
         pair, marks = self.pair, np.array(fine.own.marks)
         slowest = fine.own.profile.density.interface.compliance.last
-        velocity = np.linspace(0.0, 1.1 / marks[0], _COMPARED + 2)[1:-1]
+        velocity = np.linspace(0.0, 1.1 / marks[0], 202)[1:-1]
         apart = np.abs(velocity[:, None] - 1 / marks).min(axis=1) * slowest
-        v = 1 / velocity[apart > _BESIDE]
+        v = 1 / velocity[apart > 0.03]  # clear of edges and fronts, over the slowest wave speed
         one, other = fine.fields(v), coarse.fields(v)
         opened = is_open(self.opened, pair.upper.shear_speed / v, 1.0)
         # Where it is open tractions are 0 whatever the parameter; what is left of them is rounding.
         one[SHEAR:, opened] = other[SHEAR:, opened] = 0.0
         worst = max([worst, *(_share(*rows) for rows in zip(one, other, strict=True))])
-        return _LEAST + _SAFETY * worst
+        return 1e-9 + 4.0 * worst
 
 
 def _share(one: Array, other: Array) -> float:
@@ -200,7 +191,8 @@ def differentiated(
             "derivative: with respect to viscosity the pair needs ViscousFriction of a positive "
             "viscosity."
         )
-    varied = neighbours(own, name, _TOLERANCE, _STEP * _size(own, name))
+    # Half and twice the step change derivatives by less than their estimates.
+    varied = neighbours(own, name, _TOLERANCE, 2e-3 * _size(own, name))
     if status == "converged":
         status = border(varied, name) or status
     ends = edges_of(own.profile.density.zones)

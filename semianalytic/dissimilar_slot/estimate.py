@@ -10,16 +10,6 @@ from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.placement import Placement, edge_tractions, mismatch
 from semianalytic.halfplane.rayleigh import Array
 
-_COARSER = 6.0
-"""Tolerance of the rule with which an answer is compared, over the tolerance of its own rule."""
-_SAFETY = 2.0
-"""Error estimate over the difference of two rules, which is the error of the coarser one."""
-_BETWEEN = 4.0
-"""Error of rates and pressure between the compared points, over the tolerance of the rule: values
-up to 3 were seen (docs/dissimilar.md, "Accuracy of these answers")."""
-_LEAST = 3e-13
-"""Rounding error, which is part of every estimate."""
-
 
 def numerical_error(placement: Placement, tolerance: float) -> float:
     """Return the error estimate of placed zones on the rule of a tolerance.
@@ -29,11 +19,11 @@ def numerical_error(placement: Placement, tolerance: float) -> float:
     the differences of rates and tractions.
     """
     fine = placement.density
-    coarse = density_of(fine.interface, fine.glued, fine.zones, rule_for(_COARSER * tolerance))
-    error = _LEAST + fine.glued.error(np.array([0.0, fine.interface.compliance.last]))
+    coarse = density_of(fine.interface, fine.glued, fine.zones, rule_for(6.0 * tolerance))
+    error = 3e-13 + fine.glued.error(np.array([0.0, fine.interface.compliance.last]))  # rounding
     if not fine.zones:
         return error
-    error += _BETWEEN * tolerance
+    error += 4.0 * tolerance  # values up to 3 at points between those compared
     # One Newton step from the coarse mismatch tells where the coarse rule would put the edges.
     move = -placement.inverse @ (mismatch(coarse) - mismatch(fine))
     edges = np.array(edges_of(fine.zones))
@@ -42,7 +32,7 @@ def numerical_error(placement: Placement, tolerance: float) -> float:
     shifts = np.abs(shifted / edges - 1) * np.maximum(1.0, slowest / edges)
     left = placement.move * np.ones(1)
     changes = [shifts, left, _rate_change(fine, coarse), _traction_change(fine, coarse)]
-    return error + _SAFETY * max(float(change.max()) for change in changes)
+    return error + 2.0 * max(float(change.max()) for change in changes)
 
 
 def _rate_change(fine: Density, coarse: Density) -> Array:

@@ -30,31 +30,8 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones.collocation import lemke
 
-_GAUSS = 6
-"""Gauss points per element; the grid for identical bodies has as many."""
-_NEAREST_ENDS = 0.02
-"""Distance over the largest wave speed below which two wave fronts count as one on the grid."""
-_FEWEST = 5
-"""Least number of elements between two fronts."""
 _TOLERANCE = 1e-8
-"""Tolerance of the canonical matrix on the grid, where piecewise linear rates are in error by one
-percent."""
-_EDGE_SHARE, _EDGE_SLOPE, _RATIO_UNKNOWN, _MOST_SHARE = 0.25, 0.75, 0.5, 0.95
-"""Place of an edge between two nodes, from the ratio of the two outermost rates, as on the grid for
-identical bodies (`semianalytic.selfsimilar.zones.tuning`)."""
-_HALF_GAP, _HALF_SLIP = 0.1, 0.3
-"""Half widths of the stick between slip of opposite senses, and of the slip put beside an opening,
-over the distance of the nodes.  Newton's method finds the true widths."""
-_NO_SLIP = 1e-6
-"""Slip rate, over the largest gap over time, below which no shear is taken to act on an opening."""
-_ROW_POWERS = (0.0, 1.0, 0.5, -1.0, 2.0)
-"""Powers of the weights by which the rows are divided, tried one after the other."""
-_MOST_PIVOTS = 3
-"""Pivots, over the number of unknowns, beyond which a path counts as a ray: usual ones take a
-quarter.  One that went on to 7 ended in 16 wrong zones, and others to 20, the limit of `lemke`, in
-18 s."""
-_NEGLIGIBLE = 1e-9
-"""Rate or gap, over the largest one, below which it is rounding left by pivoting."""
+"""Tolerance of the canonical matrix on the grid, whose rates are one percent off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +80,8 @@ class Seen:
     @property
     def states(self) -> list[int]:
         """State of each node: 0 stuck, +1 or -1 slipping, 2 open."""
-        least_rate, least_gap = (_NEGLIGIBLE * np.abs(one).max() for one in (self.rate, self.gap))
+        # Less is rounding left by pivoting.
+        least_rate, least_gap = (1e-9 * np.abs(one).max() for one in (self.rate, self.gap))
         slipping = np.where(np.abs(self.rate) > least_rate, np.sign(self.rate), 0)
         return [int(s) for s in np.where(self.gap > least_gap, 2, slipping)]
 
@@ -114,13 +92,13 @@ def grid_of(compliance: Compliance, size: int) -> Grid:
     slownesses = [*compliance.distinct_fronts, *map(rayleigh_slowness, compliance.bodies)]
     ends = [0.0]
     for end in sorted(1 / v for v in slownesses):
-        if end - ends[-1] > _NEAREST_ENDS / compliance.first:
+        if end - ends[-1] > 0.02 / compliance.first:  # nearer fronts count as one
             ends.append(end)
     ends[-1] = 1 / compliance.first
     # By the root of their length, so that short stretches between fronts get their share.
     lengths = np.sqrt(np.diff(ends))
-    counts = np.maximum(np.round(size * lengths / lengths.sum()).astype(int), _FEWEST)
-    t, weight = gauss(_GAUSS)
+    counts = np.maximum(np.round(size * lengths / lengths.sum()).astype(int), 5)
+    t, weight = gauss(6)
     nodes, points, weights = [np.zeros(1)], [], []
     for (left, right), count in zip(pairwise(ends), counts, strict=True):
         s = np.arange(count + 1) / count
@@ -258,10 +236,12 @@ def _pivoted(matrix: Array, given: Array, weight: Array) -> Array:
 
     Where the path ends on a ray for one power, it may not for another.
     """
-    for power in _ROW_POWERS:
+    # Rows over powers of the weights, until pivoting does not end on a ray.
+    for power in (0.0, 1.0, 0.5, -1.0, 2.0):
         scale = weight**-power
         try:
-            return lemke(matrix * scale[:, None], given * scale, _MOST_PIVOTS * len(given)).z
+            # A quarter is usual; paths that went on to 7 ended in 16 wrong zones, to 20 took 18 s.
+            return lemke(matrix * scale[:, None], given * scale, 3 * len(given)).z
         except ComputationError as error:
             last = error
     raise last
@@ -315,12 +295,12 @@ def _boundary(seen: Seen, outer: _Run, inner: _Run) -> tuple[float, list[Zone], 
 
     states = {outer.state, inner.state}
     if states == {1, -1}:
-        return at(0.5 + _HALF_GAP), [], at(0.5 - _HALF_GAP)
+        return at(0.6), [], at(0.4)  # Newton's method finds the true widths
     if 2 in states and 0 in states:
         node = inner.last if inner.state == 2 else outer.first
-        if abs(seen.rate[node]) <= _NO_SLIP * seen.gap.max():
+        if abs(seen.rate[node]) <= 1e-6 * seen.gap.max():  # no shear acts on the opening
             return at(0.5), [], at(0.5)  # nothing shears the interface
-        slip = Zone(at(0.5 + _HALF_SLIP), at(0.5 - _HALF_SLIP), int(senses[node]) or 1)
+        slip = Zone(at(0.8), at(0.2), int(senses[node]) or 1)
         return slip.left, [slip], float(slip.right or 0.0)
     if 2 in states:
         return at(0.5), [], at(0.5)
@@ -329,7 +309,7 @@ def _boundary(seen: Seen, outer: _Run, inner: _Run) -> tuple[float, list[Zone], 
     inward = slipping - 1 if inner.state else slipping + 1
     run = inner if inner.state else outer
     known = run.first <= inward <= run.last
-    ratio = abs(seen.rate[slipping] / seen.rate[inward]) if known else _RATIO_UNKNOWN
-    share = min(_EDGE_SHARE + _EDGE_SLOPE * ratio, _MOST_SHARE)
+    ratio = abs(seen.rate[slipping] / seen.rate[inward]) if known else 0.5
+    share = min(0.25 + 0.75 * ratio, 0.95)  # as in `selfsimilar.zones.guesses`
     edge = at(share if inner.state else 1 - share)
     return edge, [], edge

@@ -41,17 +41,6 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError, SceneError
 
 _POINTS, _WEIGHTS = FOURTH_ORDER
-_LONGEST_MOVE, _MOST_SHORTENINGS = 0.02, 5
-"""Largest change of an unknown of the edges in a step, in logarithms of distances: an edge beside a
-front would cross it; and how often a step is shortened, by a tenth at most."""
-_ALONG = 5e-3
-"""Step in x of the differences along the interface."""
-_LOOSE = 1e-5
-"""Tolerance of the rule on which the Jacobian of the edges is formed."""
-_LAW = 1e-6
-"""Violation of the law of contact beyond which zones of a neighbour count as others."""
-_FARTHEST = 200.0
-"""Largest |x| at which fields are looked up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +136,7 @@ class Varied:
             here = index == k
             if not here.any():
                 continue
-            x = np.clip(stretch.coordinates(v[here]), -_FARTHEST, _FARTHEST)
+            x = np.clip(stretch.coordinates(v[here]), -200.0, 200.0)
             places = [other.at(x).v for other in others]
             at_place = self._difference(
                 [one.fields(place) for one, place in zip(self.beside, places, strict=True)]
@@ -155,7 +144,7 @@ class Varied:
             moved = self._difference(
                 [one.slowness(place) for one, place in zip(self.beside, places, strict=True)]
             )
-            along = [stretch.at(x + _ALONG * point).v for point in _POINTS]
+            along = [stretch.at(x + 5e-3 * point).v for point in _POINTS]
             slope = np.tensordot(_WEIGHTS, [self.own.fields(one) for one in along], 1)
             run = np.tensordot(_WEIGHTS, [self.own.slowness(one) for one in along], 1)
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -170,7 +159,7 @@ def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
     """Return a solved pair with its neighbours along a parameter, each with its own edges."""
     density, rule = own.profile.density, rule_for(tolerance)
     value = parameter_of(own.pair, name)
-    start = place(density.interface, density.glued, density.zones, rule_for(_LOOSE), _LOOSE)
+    start = place(density.interface, density.glued, density.zones, rule_for(1e-5), 1e-5)
     # The loose rule gives the Jacobian alone: neighbours start from the edges themselves.
     start = replace(start, unknowns=start.coordinates.unknowns(edges_of(density.zones)))
 
@@ -178,17 +167,17 @@ def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
         pair = changed(own.pair, name, value + step * point)
         return _neighbour(pair, start, density, rule, tolerance)
 
-    for attempt in range(_MOST_SHORTENINGS + 1):
+    for attempt in range(6):
         try:
             ahead, moved = at(1.0)
         except (ComputationError, SceneError):
-            if attempt == _MOST_SHORTENINGS:
+            if attempt == 5:
                 raise
             moved = np.inf
-        if moved <= _LONGEST_MOVE:
+        if moved <= 0.02:  # an edge next to a front would cross it
             break
         # Edges beside a front move fast: the step is chosen by them, not by the parameter.
-        step *= max(_LONGEST_MOVE / moved, 0.1)
+        step *= max(0.02 / moved, 0.1)
     beside = [ahead if point == 1 else at(float(point))[0] for point in _POINTS]
     return Varied(own, tuple(beside), step)
 
@@ -226,9 +215,9 @@ def _neighbour(
 
 def border(varied: Varied, name: str) -> str:
     """Return a sentence if neighbours break the law of contact; "" if all obey it."""
-    slowest = 1 / _LAW
+    slowest = 1e6
     for one, point in zip(varied.beside, _POINTS, strict=True):
-        if violations(one.profile, _LAW, slowest):
+        if violations(one.profile, 1e-6, slowest):  # its zones are others
             side = "above" if point > 0 else "below"
             return (
                 f"one-sided: {side} this value of {name} zones of another kind begin, and the "

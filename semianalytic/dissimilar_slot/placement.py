@@ -37,22 +37,11 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.selfsimilar.zones.edges import broyden
 
 _SPACING = 0.36
-"""Spacing of x along a half circle, which keeps pi / 2 from singularities: exp(-pi^2 / 0.36)
-= 1e-12."""
-_DIGITS = 30.0
-"""Logarithm of the factor by which the integrand has fallen where it is cut off."""
-_WEAKEST = 0.05
-"""Least decay of T dv/dx at an end; no admissible edge has an exponent nearer to -1."""
+"""Spacing of x along a half circle, pi / 2 from singularities: exp(-pi^2 / 0.36) = 1e-12."""
 _NUDGE = 1e-6
-"""Change of an unknown for its column of the Jacobian; half and twice that give the same steps."""
-_MOST_STEPS, _LONGEST_MOVE, _MOST_HALVINGS = 14, 1.2, 5
-"""Most Newton steps, the largest change of an unknown in one of them, and most halvings of a step
-that makes the mismatch larger.  From zones of the complementarity grid, two to five are usual."""
-_HARMLESS, _SLOW = 0.05, 0.3
-"""A step is not halved if the next one would be shorter than the first value.  After a step shorter
-than that the Jacobian is only updated, until a step exceeds 0.3 of the one before."""
-_FARTHEST = 40.0
-"""Size of an unknown beyond which its edge is at a front, another edge or the contact edge."""
+"""Change of an unknown for its column of the Jacobian."""
+_HARMLESS = 0.05
+"""A step is not halved if the next one is shorter; after one the Jacobian is updated."""
 
 
 def traction_change(
@@ -66,7 +55,8 @@ def traction_change(
         e of T ~ d^e at both ends; 0 where T is bounded.
     """
     stretch = Stretch(start, stop)
-    before, after = (_DIGITS / max(1 + min(e, 0.0), _WEAKEST) for e in exponents)
+    # The integrand falls to e^-30; no admissible edge has an exponent near -1.
+    before, after = (30.0 / max(1 + min(e, 0.0), 0.05) for e in exponents)
     # Im x = -pi / 2 is the half circle from start to stop in Im v < 0.
     x = np.arange(-before - stretch.lead, after + _SPACING, _SPACING) - 0.5j * np.pi
     points = stretch.at(x)
@@ -180,7 +170,7 @@ def place(
     if not len(unknowns):
         return Placement(coordinates, unknowns, inverse, density, True, 0, 0.0)
     values, before, renew = mismatch(density), np.inf, True
-    for step in range(1, _MOST_STEPS + 1):
+    for step in range(1, 15):  # two to five are usual from zones of the grid
         if renew:
             beside = [mismatch(at(unknowns + nudge)) for nudge in _NUDGE * np.eye(len(unknowns))]
             try:
@@ -192,18 +182,18 @@ def place(
         largest = float(np.abs(move).max())
         # An edge that has run into a front is no failure of the method: `rearranged` moves it
         # across.
-        if not largest < np.inf or np.abs(unknowns).max() > _FARTHEST:
+        if not largest < np.inf or np.abs(unknowns).max() > 40.0:
             break
         if largest < tolerance:
             return Placement(coordinates, unknowns, inverse, density, True, step, largest)
         # An updated Jacobian is formed anew when its steps shorten too little.
-        if not renew and largest > _SLOW * before:
+        if not renew and largest > 0.3 * before:  # steps that shrink slower renew the Jacobian
             renew = True
             continue
-        move *= min(1.0, _LONGEST_MOVE / largest)
+        move *= min(1.0, 1.2 / largest)
         trial = at(unknowns + move)
         left = mismatch(trial)
-        for _ in range(_MOST_HALVINGS):
+        for _ in range(5):
             # Natural monotonicity: the next step, with the present Jacobian, must not be longer.
             if np.abs(inverse @ left).max() <= max(largest, _HARMLESS):
                 break

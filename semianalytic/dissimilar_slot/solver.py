@@ -30,34 +30,14 @@ from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
 
 GRIDS = ((48, 1.0), (96, 1.0), (48, 0.7), (48, 0.4), (192, 1.0))
-"""Nodes of the complementarity grids, and share of friction on them, one after the other until
-zones hold.  One of 60 random pairs needed weaker friction, with which pivoting ends on a ray less
-often; the finest grid, whose pivoting may take 20 s, comes last."""
-_MOST_ZONES = 8
-"""Zones beyond which a set is not tried: placing 16 of them, which a grid whose pivoting had gone
-astray once showed, takes minutes.  The answers of 98 random pairs had three at most."""
+"""Nodes and share of friction of grids: one of 60 pairs needed a weaker one; the last may take 20
+s."""
 _LOCATING = 1e-5
 """Tolerance of the rule on which zones are looked for."""
-_LAW = 1e-3
-"""Largest violation of the law of contact in the search, a hundred times the rule's tolerance."""
-_MOST_ZONE_SETS = 8
-"""Sets of zones tried from one grid."""
-_LEAST_ZONE = 1e-2
-"""Speed over rtol and the slowest wave speed below which zones at the contact edge are left out.
-Their effect elsewhere falls like the ratio of their speed to x/t."""
 _LOCATED = 1e-4
 """Change of an unknown that ends Newton's method in the search."""
 _CANONICAL = 0.1
 """Tolerance of the canonical matrix over that of the rule."""
-_RULE_SHARE, _MOST_REFINEMENTS = 10.0, 4
-"""rtol over the tolerance of the first rule, and most rules tried until the estimate is below
-rtol."""
-_FINAL_LAW = 30.0
-"""Largest violation of the law of contact in the answer, over rtol: fields are known to rtol, and
-beside zone edges the law compares them with the root of a distance."""
-_LEAST_SINGULAR_VALUE = 1e-4
-"""Least singular value of equations that are trusted; 0.26 to 0.37 is usual, and 0.05 was seen with
-an edge next to a wave front."""
 
 
 def solve_pair(pair: Pair | str | PathLike[str], *, rtol: float = 1e-8) -> PairSolution:
@@ -127,7 +107,8 @@ def solve_pair(pair: Pair | str | PathLike[str], *, rtol: float = 1e-8) -> PairS
     estimate += 4 * contrast
     clock.append(perf_counter())
     profile = Profile(trial.placement.density)
-    lawful = trial.lawful and largest_breach(profile, _slowest(rtol)) <= _FINAL_LAW * rtol
+    # Fields are known to rtol, and at zone edges the law compares them with the root of a distance.
+    lawful = trial.lawful and largest_breach(profile, _slowest(rtol)) <= 30.0 * rtol
     clock.append(perf_counter())
     density = trial.placement.density
     statistics = PairStatistics(
@@ -165,7 +146,8 @@ class _Trial:
 
 def _slowest(rtol: float) -> float:
     """Return the slowness, over that of the slowest wave, beyond which zones are left out."""
-    return 1 / (_LEAST_ZONE * rtol)
+    # Slower zones at the contact edge matter as little elsewhere as their speed over x/t.
+    return 1 / (1e-2 * rtol)
 
 
 def _search(interface: Interface, rtol: float) -> _Trial:
@@ -175,8 +157,9 @@ def _search(interface: Interface, rtol: float) -> _Trial:
     rule = rule_for(_LOCATING)
     steps = sets = 0
     for zones in _guesses(interface):
-        for _ in range(_MOST_ZONE_SETS):
-            if len(zones) > _MOST_ZONES:
+        for _ in range(8):  # sets of zones tried from one grid
+            # The answers of 98 random pairs had three at most; placing 16 takes minutes.
+            if len(zones) > 8:
                 break
             _check_zones(interface, zones)
             placement = place(interface, canonical, zones, rule, _LOCATED)
@@ -189,7 +172,8 @@ def _search(interface: Interface, rtol: float) -> _Trial:
                     break
                 zones = other
                 continue
-            broken = violations(Profile(placement.density), _LAW, _slowest(rtol))
+            # A hundred times the rule's tolerance.
+            broken = violations(Profile(placement.density), 1e-3, _slowest(rtol))
             if not broken:
                 return _Trial(placement, True, steps, sets)
             zones = corrected(placement.zones, broken)
@@ -203,8 +187,8 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     """Refine edges and densities until the error estimate is below rtol; return both."""
     if not trial.lawful:
         return trial, np.inf
-    placement, steps, tolerance = trial.placement, trial.steps, rtol / _RULE_SHARE
-    for _ in range(_MOST_REFINEMENTS):
+    placement, steps, tolerance = trial.placement, trial.steps, rtol / 10.0
+    for _ in range(4):  # rules tried until the estimate is below rtol
         canonical = glued(placement.density.interface.compliance, _CANONICAL * tolerance)
         placement = polished(placement, canonical, rule_for(tolerance), tolerance)
         steps += placement.steps
@@ -273,7 +257,8 @@ def _status(lawful: bool, estimate: float, statistics: PairStatistics, rtol: flo
     """Return "converged", or a sentence that says what to distrust."""
     if not lawful:
         return "no set of zones was found that obeys the law of contact everywhere"
-    if statistics.smallest_singular_value < _LEAST_SINGULAR_VALUE:
+    # 0.26 to 0.37 is usual, 0.05 with an edge next to a wave front.
+    if statistics.smallest_singular_value < 1e-4:
         return (
             "the equations of the zones are nearly singular (smallest singular value "
             f"{statistics.smallest_singular_value:.1e})"

@@ -6,11 +6,7 @@ import math
 
 from semianalytic.engine.line import Grid
 from semianalytic.engine.tuning import (
-    CROSSINGS,
     LARGEST_HORIZON,
-    LEAST_HORIZON,
-    PAIR_TOLERANCE,
-    TABLES,
 )
 from semianalytic.interface.interface import Interface
 from semianalytic.memory.exponentials import fit_memory, fit_shared
@@ -28,13 +24,16 @@ def memories(
     """
     material, pair = interface.material, interface.pair
     speed = material.shear_speed if pair is None else pair.speed
-    reach = math.pi / grid.spacing * min(speed * end_time, CROSSINGS * interface.length)
-    horizon = min(max(reach, LEAST_HORIZON), LARGEST_HORIZON)
+    # The memory of an event with its echoes; later only the static stiffness acts.
+    reach = math.pi / grid.spacing * min(speed * end_time, 20.0 * interface.length)
+    horizon = min(max(reach, 100.0), LARGEST_HORIZON)
     # rounded up to a power of 2, so that runs of different lengths share a fit
     horizon = min(2.0 ** math.ceil(math.log2(horizon)), LARGEST_HORIZON)
-    line = grid.wavenumbers, 1 if grid.even else 2, TABLES
+    # Rungs whose tables are kept: 8 MB each at 4,096 nodes and 42 poles.
+    line = grid.wavenumbers, 1 if grid.even else 2, 8
     if pair is not None:
-        fit = fit_shared(pair.kernels, horizon, PAIR_TOLERANCE)
+        # The three kernels of different bodies take 33 to 59 poles.
+        fit = fit_shared(pair.kernels, horizon, 1e-6)
         direct = pair.kernels.direct
         slip, gap = (CoupledMemory(fit, own, float(direct[own]), *line) for own in (0, 1))
         return slip, gap, pair.stiffness

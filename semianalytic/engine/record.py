@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.checks import times_of_loads
 from semianalytic.engine.result import Run
 from semianalytic.engine.state import State
 from semianalytic.engine.steps import Stepper
@@ -159,35 +160,43 @@ def past_of(kept: Mapping[str, Any], prefix: str = "") -> Past:
     return Past(modes, lasting, rates, float(last), int(repeated))
 
 
-def fingerprint(stepper: Stepper) -> str:
-    """Return a digest of everything on the grid that a run depends on."""
+def fingerprint(stepper: Stepper, latest: float) -> str:
+    """Return a digest of everything on the grid that a run depends on until a time [time]."""
     parts: list[Any] = [stepper.interface.material, stepper.grid, stepper.interface.plate_rate]
     if stepper.pair is not None:
         parts.append(stepper.pair)
     parts += [stepper.interface.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
+    values: list[Any] = []
+    if is_dataclass(stepper.law):
+        values = [getattr(stepper.law, one.name) for one in fields(stepper.law)]
+    parts += [value for value in values if isinstance(value, str | bool)]
     digest = hashlib.sha256(repr(parts).encode())
-    laid = [stepper.pressure, stepper.shear, stepper.touching, *stepper.loads(stepper.shortest)]
+    laid: list[Any] = [
+        stepper.pressure,
+        stepper.shear,
+        stepper.touching,
+        *stepper.loads(stepper.shortest),
+    ]
+    for load in stepper.interface.loads:
+        laid += [
+            load.traction(stepper.grid.x, float(time), of=of)
+            for of in ("shear", "pressure")
+            for time in times_of_loads(latest)
+        ]
     if stepper.unilateral is not None:
         laid += stepper.unilateral.loads(stepper.shortest)
         if stepper.unilateral.adhesion is not None:
             laid += [stepper.unilateral.adhesion.strength, stepper.unilateral.adhesion.length]
-    if is_dataclass(stepper.law):
-        laid += [
-            value
-            for value in (getattr(stepper.law, one.name) for one in fields(stepper.law))
-            if isinstance(value, float | int | np.ndarray)
-        ]
+    laid += [value for value in values if isinstance(value, float | int | np.ndarray)]
     for value in laid:
         digest.update(np.ascontiguousarray(value).tobytes())
     return digest.hexdigest()
 
 
-def resumed(
-    stepper: Stepper, record: Record, earlier: Run, print_of: str, end_time: float
-) -> State:
+def resumed(stepper: Stepper, record: Record, earlier: Run, end_time: float) -> State:
     """Put the memory and the record of an earlier run in place and return its state."""
     kept = earlier.checkpoint
-    if str(kept["fingerprint"]) != print_of:
+    if str(kept["fingerprint"]) != fingerprint(stepper, float(kept["latest"])):
         raise DataFileError(
             "run: `go_on` is a run of another interface, grid or step; continue it with its own "
             "interface, `nodes` and `step_ratio`."

@@ -161,8 +161,9 @@ class Bodies:
 
     def _primitives(self, fields: ZoneFields) -> Primitives:
         rule = rule_for(self.tolerance)
-        # Transforms grow as k^1/2 at a stuck edge, where the rule of the zones may end earlier.
-        longer = replace(rule, reach=rule.reach + tuning.LONGER)
+        # Transforms grow as k^1/2 at a stuck edge, where the rule of the zones may end earlier: of
+        # what is left out at v they miss the share (k / v)^1/2.
+        longer = replace(rule, reach=rule.reach + 28.0)
         return Primitives(Step(Transform(replace(fields, rule=longer, tail=True))))
 
 

@@ -138,7 +138,8 @@ def _finite_or_not(
         at = x[singular], y[singular], t[singular], below[singular]
         # What is infinite grows as the singularity comes nearer, what is only steep does not.
         grown = few - _near(parts, quantity, at, tuning.CLOSE[1])
-        large = np.abs(grown) > tuning.GROWN * (1 + np.abs(few))
+        # Finite fields change like a square root at least, by 1e-8.
+        large = np.abs(grown) > 1e-6 * (1 + np.abs(few))
         rows[:, singular] = np.where(large, np.copysign(np.inf, grown), few)
     return rows
 
@@ -147,11 +148,13 @@ def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
     """Return the positions (m,) at t = 1 with the same fields, and times 1.
 
     Fields depend on x / t and y / t alone; displacement is proportional to t besides.  Positions
-    are limited to `FARTHEST`, and are put at the edge within `NEAREST` of it.
+    are limited to 1e16, and are put at the edge within 1e-16 of it.
     """
     with np.errstate(over="ignore"):
-        x, y = (np.clip(one / t, -tuning.FARTHEST, tuning.FARTHEST) for one in (x, y))
-    at_edge = np.hypot(x, y) < tuning.NEAREST
+        # From 1e16 c_t t on fields are those at infinity, to rounding.
+        x, y = (np.clip(one / t, -1e16, 1e16) for one in (x, y))
+    # Nearer points are the edge: antiplane stresses are off by 1e-8 at 1e-8 and by 6e-7 at 1e-15.
+    at_edge = np.hypot(x, y) < 1e-16
     return np.where(at_edge, 0.0, x), np.where(at_edge, 0.0, y), np.ones_like(t)
 
 
@@ -174,7 +177,8 @@ def points_around(reach: float) -> tuple[Array, Array]:
         Slowness of the slowest front or zone edge, over that of the unit of speed.
     """
     rng = np.random.default_rng(0)
-    angle, share = rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
+    # With 30 and 120 estimates of four scenes differ by 5 % at most.
+    angle, share = rng.uniform(size=(2, 60))
     # Evenly in the logarithm of the radius, so that the neighbourhood of the edge counts as much.
     radius, angle = 2 * (2 * reach) ** -share, 2 * np.pi * angle
     return radius * np.cos(angle), radius * np.sin(angle)
@@ -340,7 +344,8 @@ def _beside_edge(primitives: Primitives, x: Array, y: Array, t: Array, close: fl
     # k_S - k_P = i y (sqrt(t^2 - r^2) - sqrt(t^2 - a^2 r^2)) / r^2, with the difference
     # rationalised.
     step = 1j * y * (a * a - 1) / roots
-    nodes, weights = np.polynomial.legendre.leggauss(tuning.NEAR_EDGE_NODES)
+    # k_P and k_S lie within 1 % of k of one another.
+    nodes, weights = np.polynomial.legendre.leggauss(10)
     k = k_p + (nodes[:, None] + 1) / 2 * step
     beta = -1j * np.sqrt(k - 1) * np.sqrt(k + 1)
     # Its real part is the imaginary part of i times it.

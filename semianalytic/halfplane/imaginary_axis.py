@@ -12,10 +12,6 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
-_REACH, _SPACING = 44.0, 0.2
-"""Reach and spacing in ln eta.  Integrands fall like eta and 1/eta at the ends and are analytic to
-+- i pi/2, so that the spacing leaves exp(-pi^2 / 0.2) = 4e-22; twice it leaves 2e-11."""
-
 
 def impedance_on_axis(factors: RayleighFactors, eta: Array) -> Array:
     """Return M(i eta) of the mode of the factors at eta > 0 [mu b], free of cancellation.
@@ -52,9 +48,10 @@ def static_remainder(factors: RayleighFactors, eta: Array, edge: float) -> Array
     return np.asarray((factors.kappa * lead - own) / root)
 
 
-def over_axis(function: Callable[[Array], Array], spacing: float = _SPACING) -> float:
+# Analytic to +- i pi/2, integrands leave exp(-pi^2 / 0.2) = 4e-22; twice it leaves 2e-11.
+def over_axis(function: Callable[[Array], Array], spacing: float = 0.2) -> float:
     """Return the integral of a function of eta from 0 to infinity by the trapezoidal rule in ln."""
-    eta = np.exp(np.arange(-_REACH, _REACH + spacing / 2, spacing))
+    eta = np.exp(np.arange(-44.0, 44.0 + spacing / 2, spacing))
     return float(spacing * (eta @ function(eta)))
 
 

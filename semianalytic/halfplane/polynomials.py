@@ -12,8 +12,6 @@ Array = NDArray[np.float64]
 
 FOURTH_ORDER = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 """Points, in steps, and weights of the central difference of fourth order."""
-_ENOUGH = 0.8
-"""Largest share of the coefficients above rounding for which a series counts as complete."""
 
 
 @cache
@@ -33,7 +31,7 @@ def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
     for count in (degree // 8 + 1, degree // 2 + 1, degree + 1):
         series = _interpolant(function, count)
         above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
-        if above[-1] < _ENOUGH * count:
+        if above[-1] < 0.8 * count:  # else the series is not complete
             break
     return series[: above[-1] + 1]
 

@@ -19,9 +19,6 @@ from semianalytic.halfplane.stuck import (
     stuck_traction,
 )
 
-_DEGREE = 128
-_GAUSS = 48
-
 
 @dataclass(frozen=True)
 class StuckPrimitive:
@@ -42,7 +39,7 @@ class StuckPrimitive:
     def _before_shear_front(self) -> Array:
         """Series on a < u < b of the primitive over (u - a)^(5/2) or (u - a)^(3/2)."""
         a = self.factors.a
-        t, weight = gauss(_GAUSS)
+        t, weight = gauss(48)
 
         def series(z: Array) -> Array:
             # substituting v = a + (u - a) t^2 leaves the traction over (v - a)^power smooth
@@ -52,7 +49,7 @@ class StuckPrimitive:
             smooth = self._traction(v) / (width[:, None] * t**2) ** power
             return (2 * smooth * t ** (2 * power + 1)) @ weight
 
-        return chebyshev_series(series, _DEGREE)
+        return chebyshev_series(series, 128)
 
     @cached_property
     def _behind_shear_front(self) -> Array:

@@ -24,11 +24,6 @@ Array = NDArray[np.float64]
 Mode = Literal["I", "II", "III"]
 """Modes of fracture: opening, sliding across the edge, and sliding along it (antiplane)."""
 
-_REACH, _SPACING = 80.0, 0.08
-"""Largest |y|, and spacing, of the trapezoidal rule in v = a + (b - a) / (1 + exp(-y))."""
-_DEGREE = 256
-"""Largest degree of the Chebyshev series of ln S_+."""
-
 
 @dataclass(frozen=True)
 class RayleighFactors:
@@ -137,17 +132,17 @@ class RayleighFactors:
             # other.
             return -(((1 - z)[:, None] / (w * (1 - z)[:, None] + k_over[:, None])) @ density)
 
-        return chebyshev_series(log_s_plus, _DEGREE)
+        return chebyshev_series(log_s_plus, 256)
 
     @cached_property
     def _phase_rule(self) -> tuple[CutPoints, Array]:
         """Nodes and weights of (1/pi) int phi(w) ... dw over a < w < b (mode II)."""
         # Nodes crowd at both ends exponentially: for nu -> 0.5 the pole at -k comes near a.
-        y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
+        y = np.arange(-80.0, 80.08, 0.08)
         from_a, from_b = ((1 - self.a) / (1 + np.exp(sign * y)) for sign in (-1, 1))
         w = np.where(y < 0, self.a + from_a, 1 - from_b)
         at = CutPoints(np.stack([w, from_a, -from_b, w - self.c]))
-        return at, self.phase(at) * from_a * from_b / (1 - self.a) * _SPACING / np.pi
+        return at, self.phase(at) * from_a * from_b / (1 - self.a) * 0.08 / np.pi
 
     def log_s_plus_behind(self, at: CutPoints) -> Array:
         """Return ln S_+(-v) at v > b, where it is real, with all digits however small it is."""

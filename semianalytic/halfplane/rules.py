@@ -13,30 +13,16 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
 
-_FARTHEST = 100.0
-"""Largest |y| of a rule: what lies further out is below rounding."""
 REACH = 1.5
-"""Length of a rule over that at which a density has decayed to its tolerance: an integrand that
-decays like exp(-|y| / 2) is continued beyond the ends, the rest falls at least twice as fast."""
+"""Length of a rule over that of decay to its tolerance; beyond it exp(-|y| / 2) is continued."""
 _STEPS = 32
 """Spacings per power of two: finer rules come in steps, so that their tables are met again."""
-_LAGUERRE_POINTS = 60
-"""Points of the quadrature for Si(pi k): off by 1.3e-15 at most; with 40 by 6e-14, with 80 by
-4e-15, where the weights lose digits."""
 _FEW_POINTS = 20
-"""Points of a piece of a panel whose nearest singularity lies three times its half-length from its
-middle: polynomials of degree 19 are off by 5e-16 there; 14 points are off by 1e-11."""
-_STEP_TERMS, _MANY_POINTS = 18, 6
-"""Terms of the Chebyshev series of the integral of sinc between two nodes, off by 1e-15 at most (16
-by 2e-14), and the number of points from which they are quicker than Si(pi x) at each."""
-_POINTS_TO_CONVOLVE = 120
-"""Number of points, for each density, from which the coefficients of these series are convolved
-with the densities, once for all points.  At 250, 600 and 1500 nodes, 400 points then take 0.46,
-0.98 and 1.2 ms instead of 0.87, 1.6 and 2.9; 60 points would take 1.2 to 1.7 times as long as
-without it, and 240 points take 0.6 to 0.75 of it."""
+"""Points of a piece with singularities three half-lengths away: off by 5e-16, with 14 by 1e-11."""
+_STEP_TERMS = 18
+"""Terms of the series of the integral of sinc between nodes: off by 1e-15, with 16 by 2e-14."""
 _TABLES = 12
-"""Tables (n, n) of rules that are kept: they are quickly made again, and one takes 18 MB at 1,500
-nodes."""
+"""Tables (n, n) of rules that are kept: one takes 18 MB at 1,500 nodes."""
 
 
 @dataclass(frozen=True)
@@ -179,7 +165,7 @@ def _stepped(x: Array, first: int, values: Array) -> Array:
     """
     count = len(values)
     near = (x > first) & (x < first + count)
-    if np.count_nonzero(near) < _MANY_POINTS:
+    if np.count_nonzero(near) < 6:  # few points are quicker with Si(pi x) at each
         return np.asarray(_sinc_step(x[:, None] - (first + np.arange(count))) @ values)
     result, whole = np.empty((len(x), *values.shape[1:])), np.floor(x[near])
     if not near.all():
@@ -187,7 +173,9 @@ def _stepped(x: Array, first: int, values: Array) -> Array:
         result[~near] = _sinc_step(x[~near, None] - (first + np.arange(count))) @ values
     most = 2 ** int(np.ceil(np.log2(count)))
     orders = np.arange(_STEP_TERMS) * np.arccos(2 * (x[near] - whole)[:, None] - 1)
-    if len(whole) < _POINTS_TO_CONVOLVE * values[0].size:
+    # Convolved once for all points: 400 points then take about half as long (250 to 1,500 nodes),
+    # 60 would take 1.2 to 1.7 times as long.
+    if len(whole) < 120 * values[0].size:
         # The integral of sinc from -inf to x - k, for `count` more k on either side.
         steps = np.cos(orders) @ _step_table(most)[:, most - count : most + count + 1]
         chosen = np.lib.stride_tricks.sliding_window_view(steps, count, axis=1)
@@ -241,7 +229,8 @@ def _sinc_step_at_nodes(most: int) -> Array:
 def _laguerre() -> tuple[Array, Array]:
     """Return points and weights of the quadrature, whose eigenvalues are not to be solved for each
     rule."""
-    return np.polynomial.laguerre.laggauss(_LAGUERRE_POINTS)
+    # Off by 1.3e-15 at most; with 40 by 6e-14, with 80 by 4e-15.
+    return np.polynomial.laguerre.laggauss(60)
 
 
 @lru_cache(maxsize=_TABLES)
@@ -313,6 +302,7 @@ def finer_rule(rule: Rule, strip: float, further: float) -> Rule:
     """Return a rule for functions analytic in |Im y| < pi `strip`, `further` on either side."""
     if rule.held:
         return rule
-    beyond = int(np.ceil(min(further, _FARTHEST))) if further > 0 else 0
+    # What lies further out is below rounding.
+    beyond = int(np.ceil(min(further, 100.0))) if further > 0 else 0
     # The spacing that a narrower strip needs is proportional to it, rounded down to a step.
     return _finer(rule, int(np.ceil(-_STEPS * np.log2(strip))), beyond)

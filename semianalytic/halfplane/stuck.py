@@ -28,12 +28,6 @@ NEAR_FRONT = 0.04
 ARCTAN_SERIES = np.array([(-1) ** k / (2 * k + 3) for k in range(12)])
 """Coefficients of (r - arctan r) / r^3 in powers of r^2, which keep all digits for small r."""
 
-_DEGREE, _DEGREES = 128, (128, 512, 2048)
-"""Degree of the tables, and degrees that are tried for a moving front, whose pole at v = p lies at
-an end of the first table for p -> a, and at an end of the second for p -> -inf.  0.99 a takes 564,
--1e4 takes 800; with half of the last, p = -1e5 loses two digits of twelve, and with twice none."""
-_GAUSS = 48
-
 
 def series_behind_front(
     slope: Callable[[Array], Array], start: float, power: int, slowness: float = 0.0
@@ -53,7 +47,9 @@ def series_behind_front(
 
 def _resolved(series: Callable[[Array], Array], slowness: float) -> Array:
     """Return a Chebyshev series; for a moving front, of as high a degree as it needs."""
-    for degree in _DEGREES if slowness else (_DEGREE,):
+    # The pole of a moving front at p lies at an end of a table: 0.99 a takes 564, -1e4 takes 800,
+    # and p = -1e5 loses two of twelve digits with half of the last.
+    for degree in (128, 512, 2048) if slowness else (128,):
         found = chebyshev_series(series, degree)
         if len(found) < 0.8 * degree:
             break
@@ -110,7 +106,7 @@ class StuckTraction:
     def _before_shear_front(self) -> Array:
         """Series on a < u < b of q* / (u - a)^(3/2) or p* / (u - a)^(1/2)."""
         a = self.factors.a
-        t, weight = gauss(_GAUSS)
+        t, weight = gauss(48)
 
         def series(z: Array) -> Array:
             # With v = a + (u - a) t^2 the root at the front is part of dv; Im M is 4 v^2 alpha in

@@ -31,18 +31,13 @@ from semianalytic.scene.scene import Material, Tractions
 
 Response = Callable[[Array], Array]
 
-_BLOCK = 500_000
-_ORDERS = (24, 36)
-_PANELS_PER_PERIOD = 2
-_AT_FRONT = 1e-12
-
 
 def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: Array) -> Array:
     """Return the sum of amplitude * response(t - start) over pieces, in blocks of memory."""
     start, amplitude = np.array(pieces).reshape(-1, 2).T
     total = np.zeros(t.shape)
     # Tables of thousands of samples meet grids of thousands of points: not all at once.
-    block = max(1, _BLOCK // max(1, t.size))
+    block = max(1, 500_000 // max(1, t.size))
     for first in range(0, len(start), block):
         part = slice(first, first + block)
         shape = (-1,) + (1,) * t.ndim
@@ -67,10 +62,10 @@ def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) ->
     a, u = stuck.factors.a, (t - wave.start) / per
     if u <= a:
         return 0.0
-    if abs(u - 1) < _AT_FRONT:
+    if abs(u - 1) < 1e-12:
         u = 1.0  # no panel of rounding beside the root of dq*/dv
     # Gauss points follow half a period of the wave, however many of them lie between the fronts.
-    longest = 1 / (_PANELS_PER_PERIOD * wave.frequency * per)
+    longest = 1 / (2 * wave.frequency * per)
     ends = [a, min(u, 1.0)]
     if u > 1:
         ends += [min(u, 2.0)]
@@ -112,7 +107,7 @@ def _stuck(
             np.array(
                 [sum(_wave(w, stuck, *point, order) for w in pieces.waves) for point in points]
             )
-            for order in _ORDERS
+            for order in (24, 36)
         )
         error = abs(amplitude) * float(np.abs(fine - rough).max(initial=0.0))
         total += fine.reshape(x.shape)

@@ -9,8 +9,8 @@ import operator
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial, reduce
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.text_files import text_of
 
 Array = NDArray[np.float64]
 
@@ -25,10 +26,16 @@ _PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "µ": 
 UNITS = {f"{prefix}{unit}": size for unit in ("m", "s", "Pa") for prefix, size in _PREFIXES.items()}
 UNITS |= {f"{prefix}m/s": size for prefix, size in _PREFIXES.items()} | {"1": 1.0, "": 1.0}
 """Units that headers of tables may name, in SI units."""
-_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    **{name: getattr(np, name) for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "tanh")},
-    **{"abs": np.abs, "min": np.minimum, "max": np.maximum, "where": np.where},
+_ANY_NUMBER = 0
+_FUNCTIONS: Mapping[str, tuple[Callable[..., Any], int]] = {
+    **{name: (getattr(np, name), 1) for name in ("abs", "exp", "log", "sqrt", "sin", "cos", "tan")},
+    "tanh": (np.tanh, 1),
+    "min": (np.minimum, _ANY_NUMBER),
+    "max": (np.maximum, _ANY_NUMBER),
+    "where": (np.where, 3),
 }
+"""Functions of expressions, and how many arguments each takes: two or more, of two at a time, where
+any number is taken.  A further argument of numpy's own functions would be their `out`."""
 _OPERATORS: Mapping[type, Callable[..., Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -44,22 +51,10 @@ _OPERATORS: Mapping[type, Callable[..., Any]] = {
 }
 RESERVED = ("x", "t", "pi", "factor", *_FUNCTIONS)
 """Names that have a meaning in expressions."""
-PARTS = 8
-"""Parts of a cell in which a jump is looked for: with 4 a bump as wide as the cell passes for one,
-with 16 the same jumps are found."""
-FINE_PARTS = 64
-"""Parts of a cell with a jump over which the mean is taken: it puts the jump to 1/128 of the node
-distance, which moves slip by a hundredth of what half a node distance does."""
-JUMP_SHARE = 0.5
-"""Share of the change within a cell that one part of it holds at a jump; it is 1/7 where a field is
-linear and 1/4 at a maximum."""
 BARRIER = 10.0
-"""Ratio of the values of a parameter of a law at a jump up to which a node takes their mean.  Slip
-beside three times the friction is then off by .5 to .9 % instead of .9 to 5 % (512 nodes); beside
-thirty times, where the mean is a barrier as well, by 1 to 5 % either way, so that the node keeps
-its value."""
-LONGEST = 2000
-"""Characters of an expression; longer ones belong in a table or a script."""
+"""Ratio at a jump up to which nodes take means: at 3 slip is .9 % off, at 30 5 % either way."""
+DEEPEST = 250
+"""Levels of an expression.  Each takes a call within another, of which Python allows a thousand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +85,10 @@ class Table:
 
     def __post_init__(self) -> None:
         for name in ("x", "values"):
-            given = np.asarray(getattr(self, name), dtype=float)
+            try:
+                given = np.asarray(getattr(self, name), dtype=float)
+            except (TypeError, ValueError):  # words, or rows of different lengths
+                given = np.empty(0)
             if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all():
                 raise SceneError(f"table: {name} must be two or more finite numbers.")
             object.__setattr__(self, name, given)
@@ -118,9 +116,12 @@ class Table:
             If the file cannot be read, or a number or a unit is not known.
         """
         try:
-            lines = Path(path).read_text(encoding="utf-8").splitlines()
-        except (OSError, ValueError) as error:
-            raise SceneError(f"Cannot read the table {path}: {error}.") from error
+            lines = text_of(path).splitlines()
+        except OSError as error:
+            reason = error.strerror or error
+            raise SceneError(f"Cannot read the table {path}: {reason}.") from error
+        except ValueError as error:
+            raise SceneError(f"{path} is not a text file in UTF-8.") from error
         rows = list(csv.reader(line for line in lines if line.strip() and line[0] != "#"))
         if len(rows) < 3:
             raise SceneError(f"{path}: a table must have a header and two lines or more.")
@@ -245,15 +246,18 @@ def moving(field: Any, x: Array, t: float, spacing: float) -> Array:
 
 def _with_jumps(field: Any, x: Array, values: Array, spacing: float, largest: float) -> Array:
     """Return values at nodes (n,), of which those whose cells hold a jump are means."""
-    parts = _across(field, x, spacing, PARTS)
+    # With 4 a bump as wide as a cell passes for a jump, with 16 the same jumps are found.
+    parts = _across(field, x, spacing, 8)
     with np.errstate(invalid="ignore"):  # beyond the ends of a table there is nan
         steps = np.abs(np.diff(parts, axis=0))
-        # a smooth field has its change in many of the parts, a jump in one
-        jumps = steps.max(axis=0) > JUMP_SHARE * steps.sum(axis=0)
+        # A smooth field has its change in many of the parts, 1/7 in each where it is linear and 1/4
+        # at a maximum, a jump in one.
+        jumps = steps.max(axis=0) > 0.5 * steps.sum(axis=0)
         low, high = np.abs(parts).min(axis=0), np.abs(parts).max(axis=0)
         jumps &= np.isfinite(parts).all(axis=0) & (high / largest <= low)
     if jumps.any():
-        values[jumps] = _across(field, x, spacing, FINE_PARTS)[:, jumps].mean(axis=0)
+        # A jump is put to 1/128 of the node distance.
+        values[jumps] = _across(field, x, spacing, 64)[:, jumps].mean(axis=0)
     return values
 
 
@@ -306,6 +310,15 @@ def _joined(combined: Callable[..., Any], *parts: _Part) -> _Part:
     return lambda known: combined(*(part(known) for part in parts))
 
 
+def _levels(tree: ast.AST) -> int:
+    """Return how many nodes of a syntax tree lie within one another."""
+    levels, nodes = 0, [tree]
+    while nodes:
+        levels += 1
+        nodes = [child for node in nodes for child in ast.iter_child_nodes(node)]
+    return levels
+
+
 class Expression:
     """A function given as text: numbers, + - * / **, comparisons, and a few functions of numpy.
 
@@ -333,11 +346,17 @@ class Expression:
         self.text, self.variables = text, variables
         self.numbers: dict[str, float] = {}
         try:
-            tree = ast.parse(" ".join(text.split()), mode="eval") if len(text) <= LONGEST else None
+            # Longer expressions belong in a table or a script.
+            tree = ast.parse(" ".join(text.split()), mode="eval") if len(text) <= 2000 else None
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             tree = None
         if tree is None:
             raise SceneError(f"{shown(text)} is not an expression such as 1 + 0.1 * exp(-x**2).")
+        if _levels(tree) > DEEPEST:
+            raise SceneError(
+                f"{shown(text)} has more than {DEEPEST} operations within one another; give a "
+                "table or a shorter expression."
+            )
         names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         self.numbers = {name: one for name, one in (numbers or {}).items() if name in names}
         self._value = self._part(tree.body)
@@ -382,17 +401,17 @@ class Expression:
                 # a number, because the sum of two truth values of numpy is 1 where both hold
                 return lambda known: 1.0 * holds(known)
             case ast.Call(func=ast.Name(id=name), args=given, keywords=[]) if name in _FUNCTIONS:
-                called = _joined(_FUNCTIONS[name], *map(self._part, given))
-
-                def checked(known: Mapping[str, Any]) -> Any:
-                    try:
-                        return called(known)
-                    except (TypeError, ValueError) as error:
-                        raise SceneError(
-                            f"{shown(self.text)}: {name} takes other arguments."
-                        ) from error
-
-                return checked
+                combined, count = _FUNCTIONS[name]
+                if len(given) < 2 if count == _ANY_NUMBER else len(given) != count:
+                    takes = count or "two or more"
+                    raise SceneError(
+                        f"{shown(self.text)}: {name} takes {takes} argument{'s'[: count != 1]}, "
+                        f"got {len(given)}."
+                    )
+                parts = [self._part(one) for one in given]
+                if count == _ANY_NUMBER:
+                    return reduce(partial(_joined, combined), parts)
+                return _joined(combined, *parts)
         raise SceneError(
             f"{shown(self.text)}: {ast.unparse(node)} is not known here; use "
             f"{', '.join((*self.variables, *self.numbers))}, pi, + - * / **, < > <= >=, "

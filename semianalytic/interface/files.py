@@ -22,6 +22,7 @@ from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDep
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import INTERFACE_KEY
+from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.incident import load_from_document
 from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.loading import Tractions
@@ -34,19 +35,15 @@ LAWS: Mapping[str, type[InterfaceLaw]] = {
     "rate-and-state": RateAndState,
     "forced-front": ForcedFront,
 }
-_WORDS = ("shape", "evolution")
-"""Parameters of laws that are words."""
 _INTERFACE = ("length", "pressure", "shear", "mode", "rate", "plate_rate", "held", "even")
 _TAKEN = (*_INTERFACE, *(one.name for one in fields(Material)))
 """Names of parameters that named numbers cannot have."""
-_FIELDS = ("pressure", "shear", "rate")
 _ADHESION = ("strength", "length")
 _PARTS = (
     *("summary", "material", "lower_material", "law", "contact"),
     *("adhesion", "load", "run", "numbers"),
 )
 _TRACTIONS = ("shear", "pressure")
-_RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,9 +99,11 @@ def read_interface(path: str | PathLike[str]) -> InterfaceFile:
         file and key.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise SceneError(f"Cannot read the file {path}: {error}.") from error
+        text = text_of(path)
+    except OSError as error:
+        raise SceneError(f"Cannot read the file {path}: {error.strerror or error}.") from error
+    except ValueError as error:
+        raise SceneError(f"{path} is not a text file in UTF-8.") from error
     return parsed(text, str(path), Path(path).parent)
 
 
@@ -143,9 +142,10 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
         if name in document
     }
     plan = _table("run", document["run"])
-    _known("run.", plan, _RUN, ("end_time",))
+    options = ("nodes", "step_ratio", "every", "frames", "rtol")
+    _known("run.", plan, ("end_time", *options), ("end_time",))
     given |= {key: document[key] for key in _INTERFACE if key in document}
-    for key in _FIELDS:
+    for key in ("pressure", "shear", "rate"):
         if key in given:
             given[key] = _field(key, given[key], around)
     if "adhesion" in document:
@@ -170,8 +170,8 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
         if key not in named:
             raise SceneError(f"numbers.{key} stands in no expression; use it, or leave it out.")
     # The end time is an argument of `run` by itself; a fit or a survey may replace the others.
-    options = {key: value for key, value in plan.items() if key != "end_time"}
-    return InterfaceFile(interface, plan["end_time"], options, str(document.get("summary", "")))
+    others = {key: value for key, value in plan.items() if key != "end_time"}
+    return InterfaceFile(interface, plan["end_time"], others, str(document.get("summary", "")))
 
 
 def _numbers(table: Any) -> dict[str, float]:
@@ -198,7 +198,7 @@ def _law(table: dict[str, Any], around: _Around) -> InterfaceLaw:
     law = _kind("law", table, LAWS)
     _known("law.", table, ("kind", *_names(law)))
     values = {
-        key: value if key in _WORDS else _field(f"law.{key}", value, around)
+        key: value if key in ("shape", "evolution") else _field(f"law.{key}", value, around)
         for key, value in table.items()
         if key != "kind"
     }

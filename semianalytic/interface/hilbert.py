@@ -14,7 +14,7 @@ from semianalytic.scene.loads import LoadHistory
 Array = NDArray[np.float64]
 
 _REST = 1e-12
-"""Value or slope at the end, relative to the largest jump or slope, up to which it is rounding."""
+"""Value or slope at the end, over the largest jump or slope, up to which it is rounding."""
 
 
 def comes_back(history: LoadHistory) -> bool:

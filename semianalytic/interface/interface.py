@@ -17,8 +17,7 @@ from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.material import Material
-
-MODES = ("in-plane", "antiplane")
+from semianalytic.scene.scene import MODES
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,6 +208,13 @@ class Interface:
         It is mu / (2 c_t) between identical bodies.
         """
         return self.material.shear_impedance / 2 if self.pair is None else self.pair.impedances[0]
+
+    @property
+    def fastest(self) -> float:
+        """Speed of the fastest wave [length / time], in antiplane shear without pressure c_t."""
+        bodies = (self.material, self.lower_material or self.material)
+        sheared = self.mode == "antiplane"
+        return max(one.shear_speed if sheared else one.longitudinal_speed for one in bodies)
 
     @property
     def opening_impedance(self) -> float:

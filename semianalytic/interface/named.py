@@ -15,6 +15,7 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import INTERFACE_KEY
 from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.text_files import text_of
 
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"
@@ -276,7 +277,7 @@ def described_interface(source: object) -> InterfaceFile | None:
         return find_interface(path)
     try:
         # Whatever cannot be read here is refused by the reader of scenes, which says why.
-        found = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        found = tomllib.loads(text_of(path))
     except (OSError, ValueError, RecursionError):
         return None
     return read_interface(path) if INTERFACE_KEY in found else None

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import Gauge, check_gauge
 from semianalytic.inversion.intervals import intervals
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
@@ -18,170 +18,15 @@ from semianalytic.inversion.search import ROUNDS, minima, refine
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
 from semianalytic.inversion.verdict import covariance_of, verdict
-from semianalytic.results.notebook import html_table
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.solution import Solution
 
 if TYPE_CHECKING:
     from semianalytic.interface.files import InterfaceFile
     from semianalytic.interface.interface import Interface
-
-ROUGH = 0.2
-"""Relative error of derivatives in the bodies from which on the status says so."""
-COARSE = 1.0
-"""Change of what gauges see by the grid, over the noise, from which on the status says so: values
-are off by up to a standard error."""
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """The parameters that fit gauge records best, with their uncertainty.
-
-    Attributes
-    ----------
-    parameters : tuple of str
-        Names of the parameters.
-    values : (p,) array
-        Estimates, in the units of the scene.
-    covariance : (p, p) array
-        Covariance of the estimates; infinite for parameters that the data do not constrain.
-    interval : (p, 2) array
-        Lower and upper end of each value: there chi2, with the other values fitted anew, is one
-        above its least.  If chi2 is a parabola, this is one standard error to either side; an end
-        is infinite where the data set none.
-    chi2 : float
-        Sum of squares of the misfits over the noise, and over the widths of priors.
-    freedom : int
-        Number of samples and priors less that of parameters; chi2 is about as large if the noise is
-        right.
-    unconstrained : tuple of str
-        Parameters that the data do not constrain, alone or together.
-    status : str
-        "converged", or a sentence saying what to distrust.  It also says so if the misfits, or the
-        distances of estimates from their priors, would occur in only one fit in a million.
-    solution : Solution
-        Solution of the scene with these parameters; of an interface its `run`, as `solution.run`.
-    setup : Setup
-        Set-up of the gauges with these parameters.
-    gauges : tuple of Gauge
-        The records.
-    minima : (m, p) array
-        Values at all minima that the search found, the lowest first.
-    chi2_of_minima : (m,) array
-        chi2 at these minima.
-    derivative_error : float
-        Relative error of the derivatives by differences that gauges in the bodies need; 0 without
-        any.
-    solutions : int
-        Number of solutions that were computed one by one, without those of sweeps.
-    trials : Trials
-        Misfits of any values.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from semianalytic import Gauge, Normal, find_scene, fit, solve
-    >>> scene, t = find_scene("antiplane"), np.linspace(0.3, 1.5, 5)
-    >>> record = Gauge(x=0.2, t=t, values=solve(scene).slip(0.2, t), noise=1e-3, quantity="slip")
-    >>> found = fit([record], scene, "friction", priors={"friction": Normal(0.5, 0.1)})
-    >>> found.status, found.freedom, bool(found.standard_errors[0] < 0.002)
-    ('converged', 5, True)
-    """
-
-    parameters: tuple[str, ...]
-    values: Array
-    covariance: Array
-    interval: Array
-    chi2: float
-    freedom: int
-    unconstrained: tuple[str, ...]
-    status: str
-    solution: Solution
-    setup: Setup
-    gauges: tuple[Gauge, ...]
-    minima: Array
-    chi2_of_minima: Array
-    derivative_error: float
-    solutions: int
-    trials: Trials = field(repr=False)
-
-    def __repr__(self) -> str:
-        values = ", ".join(
-            f"{name} {self.values[number]:.5g} {self.error_in_words(number)}"
-            for number, name in enumerate(self.parameters)
-        )
-        return f"<Fit: {values}; chi2 {self.chi2:.4g} of {self.freedom}; {self.status}>"
-
-    def _repr_html_(self) -> str:
-        rows = [
-            (name, f"{self.values[number]:.6g}", self.error_in_words(number))
-            for number, name in enumerate(self.parameters)
-        ]
-        caption = f"Fit: chi2 {self.chi2:.4g} of {self.freedom}; {self.status}"
-        return html_table(caption, ("parameter", "value", "error"), rows)
-
-    def error_in_words(self, number: int) -> str:
-        """Return the error of a value as text, with two sides where they differ.
-
-        Parameters
-        ----------
-        number : int
-            Place of the parameter.
-
-        Returns
-        -------
-        str
-            Such as "± 0.0031", "+0.06 -0.16" or "not constrained".
-        """
-        error = float(self.standard_errors[number])
-        if not np.isfinite(error):
-            return "not constrained"
-        below, above = np.abs(self.interval[number] - self.values[number])
-        # Ends that were not sought apart are one standard error away, but for rounding.
-        if max(abs(above - error), abs(below - error)) < 1e-6 * error:
-            return f"± {error:.2g}"
-        return f"+{above:.2g} -{below:.2g}"
-
-    @property
-    def scene(self) -> Scene:
-        """The scene with the fitted parameters."""
-        return self.solution.scene
-
-    @property
-    def standard_errors(self) -> Array:
-        """Standard deviations of the estimates, (p,)."""
-        return np.sqrt(np.diag(self.covariance))
-
-    @property
-    def correlation(self) -> Array:
-        """Correlations of the estimates, (p, p); nan where the data do not constrain them."""
-        errors = self.standard_errors
-        # Infinite over infinite: a parameter that the data do not constrain has no correlation.
-        with np.errstate(invalid="ignore"):
-            return np.asarray(self.covariance / np.outer(errors, errors))
-
-    @property
-    def next_minimum(self) -> float:
-        """Difference of chi2 between the next minimum and the lowest; infinite without one."""
-        above = self.chi2_of_minima[1:] - self.chi2_of_minima[0]
-        return float(above[0]) if above.size else np.inf
-
-    @property
-    def residuals(self) -> tuple[Array, ...]:
-        """Record less fit for each gauge, in the units of its quantity."""
-        return tuple(one.values - self.seen(one, one.t) for one in self.gauges)
-
-    def seen(self, gauge: Gauge, t: Array) -> Array:
-        """Return what a gauge would have recorded without noise at times (n,) of the records."""
-        t = np.asarray(t, dtype=float)
-        # The same code as in the fit, so that residuals are what was minimised; values and noise do
-        # not enter what a gauge sees.
-        like = Samples((replace(gauge, t=t, values=np.zeros_like(t), noise=1.0),))
-        return np.asarray(like.gain(self.setup) * like.of(self.solution, self.setup))
 
 
 def fit(
@@ -271,17 +116,17 @@ def fit(
             break
     unconstrained = tuple(name for name, one in zip(names, free, strict=True) if one)
     derivative_error = trials.difference_error(best.scaled)
-    trials.progress = None  # a posterior goes on with these trials and reports its own steps
+    trials.progress = None  # later misfits, as of `Fit.log_density`, are no part of this search
     scene, fitted = trials.at(best.scaled)
     solution = trials.final(best.scaled)
     # What makes the values doubtful comes before what makes only their errors doubtful.
     status = verdict(ends, solution, unconstrained, covariance, trials)
-    if status == "converged" and derivative_error > ROUGH:
+    if status == "converged" and derivative_error > 0.2:
         status = (
             f"derivatives by differences are off by {derivative_error:.0%}, and the errors as much"
         )
     off = trials.grid_error(best.scaled, solution)
-    if status == "converged" and off > COARSE:
+    if status == "converged" and off > 1.0:  # values are off by up to a standard error
         status = f"the grid changes what gauges see by {off:.2g} times the noise; raise `nodes`"
     return Fit(
         parameters=names,

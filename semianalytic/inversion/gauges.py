@@ -39,8 +39,6 @@ FIELDS: Mapping[str, str] = {
 """Quantities of the bodies by name, as vx, uy, sxx and exy, and their dimensions."""
 
 QUANTITIES: Mapping[str, str] = {**INTERFACE, **FIELDS}
-_ALONG = "z"
-"""Letter that marks the components of antiplane shear, at their beginning or end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +174,8 @@ def check_gauge(gauge: Gauge, scene: Scene) -> None:
     quantity = gauge.quantity
     if gauge.on_interface:
         checked_size(f"gauge {gauge.label}: x", gauge.x)
-    if quantity in FIELDS and _ALONG in quantity and not scene.antiplane:
+    # The letter of antiplane shear.
+    if quantity in FIELDS and "z" in quantity and not scene.antiplane:
         raise SceneError(
             f'gauge: {quantity} is zero in this scene; it takes one with mode="antiplane".'
         )

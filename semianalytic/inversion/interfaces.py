@@ -37,16 +37,6 @@ from semianalytic.inversion.unknowns import (
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 
-FRAMES = 1000
-"""Times at which a run keeps fields: between them slip is cubic, and all else linear."""
-RUN_ERROR = 1e-3
-"""Error of runs from which the step of differences follows, which is then its longest: a run
-changes by 1e-4 when its steps fall elsewhere."""
-LATER = 0.25
-"""Part of the records' length by which runs go on beyond them if the trigger is fitted."""
-_SIGNED = ("shear", "rate", "plate_rate", "pressure", "angle", "at", "factor")
-"""Ends of names of parameters that may change their sign."""
-
 
 @dataclass(frozen=True, eq=False)
 class TrialInterface(InterfaceFile):
@@ -93,7 +83,7 @@ class RecordedRun:
     @property
     def error_estimate(self) -> float:
         """Error of runs from which the step of differences follows."""
-        return RUN_ERROR
+        return 1e-3  # a run changes by 1e-4 when its steps fall elsewhere
 
     @property
     def status(self) -> str:
@@ -211,7 +201,10 @@ class InterfaceUnknowns(Unknowns):
             return -half, half
         # Numbers that a file names for its expressions may mean anything, and so may be negative.
         named = self.known[name].targets[0][0][-1] == name
-        if name != "pressure" and (name.endswith(_SIGNED) or named):
+        if name != "pressure" and (
+            name.endswith(("shear", "rate", "plate_rate", "pressure", "angle", "at", "factor"))
+            or named
+        ):
             return -math.inf, math.inf
         return (1e-3 * self.size(name), math.inf) if self.value(name) > 0 else (0.0, math.inf)
 
@@ -278,13 +271,14 @@ class InterfaceTrials(Trials):
 
 def recorded(scene: TrialInterface, nodes: int, estimate: bool) -> RecordedRun:
     """Run an interface for gauges; errors are those of `run`."""
-    options = {key: value for key, value in scene.options.items() if key not in _OWN}
-    done = run(scene.interface, scene.end_time, nodes, frames=FRAMES, estimate=estimate, **options)
+    options = {
+        key: value
+        for key, value in scene.options.items()
+        if key not in ("nodes", "rtol", "every", "frames", "times")
+    }
+    # Between these times slip is cubic, and all else linear.
+    done = run(scene.interface, scene.end_time, nodes, frames=1000, estimate=estimate, **options)
     return RecordedRun(scene, done)
-
-
-_OWN = ("nodes", "rtol", "every", "frames", "times")
-"""Options of files that fits do not take from them."""
 
 
 def plain_name(given: str) -> str:
@@ -339,7 +333,7 @@ def interface_trials(
     samples = Samples(gauges)
     duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
     # A trigger that is fitted may turn out earlier, which needs a later end of the run.
-    end = float(samples.t.max()) - setup.t0 + (LATER * duration if "t0" in names else 0.0)
+    end = float(samples.t.max()) - setup.t0 + (0.25 * duration if "t0" in names else 0.0)
     if end <= 0:
         raise SceneError("fit: all records end before the load acts; check t0.")
     options = dict(described.options) | ({} if nodes is None else {"nodes": nodes})

@@ -14,21 +14,10 @@ from semianalytic.inversion.verdict import LARGEST_CONDITION
 
 RISE = 1.0
 """Rise of chi2 at the ends of an interval: that at one standard error, if chi2 is a parabola."""
-PARABOLIC = 0.25
-"""Difference of the rise at one standard error from `RISE` up to which chi2 is taken for a
-parabola: the standard error is then right within an eighth."""
 NEAR = 0.1
-"""Difference of the rise from `RISE` at which an end is found: within a twentieth of its distance,
-as between two draws of the noise."""
+"""Difference from `RISE` at which an end is found: within a twentieth of its distance."""
 FARTHEST = 20.0
 """Standard errors at which the search for an end stops; there is none to this side then."""
-LOOKS = 12
-"""Trials between one that is too near and one that is too far; three are mostly enough."""
-STEP = 1e-3
-"""Step of differences, over the standard error of a value with all others held."""
-REFITS = 6
-"""Solutions for fitting the other values anew.  They start where a parabola or the last trial has
-these values, so that the third is mostly the last."""
 
 
 def intervals(best: Minimum, covariance: Array, trials: Trials) -> tuple[Array, Array | None]:
@@ -112,14 +101,15 @@ def _crossing(rise: Callable[[float], float], room: float) -> float | None:
     """Return where a rise from 0 at 0 reaches `RISE`, None if it does not within the room."""
     near, below, far = 0.0, 0.0, min(1.0, room)
     above = rise(far)
-    if far == 1.0 and abs(above - RISE) <= PARABOLIC:
+    # Then chi2 is a parabola: the standard error is right within an eighth.
+    if far == 1.0 and abs(above - RISE) <= 0.25:
         return far
     while above < RISE - NEAR:
         if far == room:
             return None
         near, below, far = far, above, min(2 * far, room)
         above = rise(far)
-    for _ in range(LOOKS):
+    for _ in range(12):  # three are mostly enough
         if abs(above - RISE) <= NEAR:
             break
         # The root of chi2 is straight where chi2 is a parabola; a tenth from either end, since
@@ -154,7 +144,7 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
 
     # The derivatives at the minimum say where to, and are all that slow trials are given.
     slopes = best.jacobian[:, others]
-    steps = STEP / sizes[others]
+    steps = 1e-3 / sizes[others]
 
     def jacobian(part: Array) -> Array:
         if trials.is_slow:
@@ -168,6 +158,7 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
     def misfit(part: Array) -> Array:
         return trials.misfit(whole(part))
 
+    # Fits start where a parabola or the last trial is: the third is mostly the last.
     found = least_squares(
         misfit,
         np.clip(start[others], low + 1e-9, high - 1e-9),
@@ -176,6 +167,6 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
         xtol=1e-9,
         ftol=1e-3,
         gtol=1e-3,
-        max_nfev=REFITS,
+        max_nfev=6,
     )
     return whole(found.x), 2 * float(found.cost)

@@ -26,8 +26,6 @@ from semianalytic.selfsimilar.solution import Solution
 
 CLOSE = 0.01
 """Step of differences over time and place, over half the time between samples."""
-_MOTION = {"length / time", "length", "1"}
-_GROWN = {"length", "1"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,8 +194,8 @@ class Samples:
         by_speed = t * self.over_time(solution, setup, t)
         by_impedance = np.zeros(len(t))
         for name, part in self.groups.items():
-            if QUANTITIES[name] in _MOTION:
+            if QUANTITIES[name] in {"length / time", "length", "1"}:
                 by_impedance[part] = -seen[part]
-            if QUANTITIES[name] in _GROWN:
+            if QUANTITIES[name] in {"length", "1"}:
                 by_speed[part] -= seen[part]
         return by_impedance, by_speed

@@ -16,11 +16,6 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import is_of_setup
 
-SCENES = (1, 32, 96, 144)
-"""Scenes of a scan for no, one, two and more unknowns that take a solution."""
-FIELD_SHARE = 3
-"""Factor by which there are fewer scenes if gauges are in the bodies, whose fields cost more, or if
-an interface is fitted, whose runs do."""
 SETUPS = (1, 7, 16)
 """Trial values of the other unknowns in each of these scenes, by their number."""
 STARTS, NEAR_STARTS = 3, 2
@@ -28,16 +23,8 @@ STARTS, NEAR_STARTS = 3, 2
 ROUNDS = 4
 WORTH = 0.3
 """Fall of chi2 that calls for one more round: a tenth of what parameters cost it."""
-NEARBY = 20
-"""Number of points of a scan of surroundings, per unknown."""
 SHORT = 9
 """Solutions of least squares that need not end: the lowest are taken further."""
-REACH = 6.0
-"""Half-width of that scan, in standard errors."""
-WIDEST = 0.1
-"""Largest standard error that is scanned, in sizes of the parameter."""
-APART = 0.5
-"""Distance from which on minima count as two, in standard errors."""
 SETTLED = 1e-5
 """Relative change of chi2 that ends a search: a hundredth of that of noise."""
 
@@ -110,7 +97,7 @@ def refine(trials: Trials, ends: list[Minimum], start: Array) -> None:
 def _add(ends: list[Minimum], end: Minimum) -> None:
     """Add a minimum to a list; of minima that are the same, the lowest stays."""
     # A new minimum replaces those that it is the better end of.
-    near = [one for one in ends if one.distance(end.scaled) < APART]
+    near = [one for one in ends if one.distance(end.scaled) < 0.5]  # nearer minima count as one
     if not near or end.chi2 < min(one.chi2 for one in near):
         ends[:] = [one for one in ends if one not in near]
         ends.append(end)
@@ -155,30 +142,30 @@ def _counts(trials: Trials) -> tuple[int, int]:
     """Return the number of scenes of a scan, and of trial values of other unknowns in each."""
     solved = sum(not is_of_setup(name) for name in trials.unknowns.names)
     other = len(trials.unknowns.names) - solved
-    count = SCENES[min(solved, len(SCENES) - 1)]
+    count = (1, 32, 96, 144)[min(solved, 3)]
     return max(count // _share(trials), 1), SETUPS[min(other, len(SETUPS) - 1)]
 
 
 def _share(trials: Trials) -> int:
     """Return the factor by which scans have fewer scenes."""
-    return FIELD_SHARE if trials.is_slow else 1
+    return 3 if trials.is_slow else 1  # fields in the bodies and runs of interfaces cost more
 
 
 def _nearby(trials: Trials) -> int:
     """Return the number of points of a scan of surroundings."""
-    return NEARBY * len(trials.unknowns.names) // _share(trials)
+    return 20 * len(trials.unknowns.names) // _share(trials)
 
 
 def surroundings(trials: Trials, end: Minimum) -> list[Array]:
-    """Return the best starts around a minimum, within `REACH` standard errors."""
+    """Return the best starts around a minimum, within six standard errors."""
     p = len(end.scaled)
     # The principal axes of the ellipsoid of errors, with half-axes 1 / singular value;
-    # unconstrained axes are cut off at `WIDEST`.
+    # unconstrained axes are cut off at a tenth of the parameter's size.
     _, values, rows = np.linalg.svd(end.jacobian, full_matrices=False)
-    widths = 1 / np.maximum(values, 1 / WIDEST)
+    widths = 1 / np.maximum(values, 10.0)
     # If misfits exceed the noise, the real errors are as much larger, and minima as much further
     # apart.
-    reach = REACH * max(1.0, np.sqrt(end.chi2 / max(len(end.jacobian) - p, 1)))
+    reach = 6.0 * max(1.0, np.sqrt(end.chi2 / max(len(end.jacobian) - p, 1)))
     points = reach * (2 * spread(_nearby(trials), p) - 1)
     around = np.clip(end.scaled + (points * widths) @ rows, *trials.bounds)
     return _best(trials, list(around), NEAR_STARTS)

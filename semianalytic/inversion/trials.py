@@ -22,13 +22,6 @@ from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 
-STEPS = (1e-5, 1e-2)
-"""Smallest and largest step of differences of solutions, over the size of a parameter."""
-SWEPT = 1e-4
-"""Accuracy `rtol` of sweeps."""
-_KEPT = 8
-"""Number of solutions that are cached."""
-
 
 @dataclass
 class Trials:
@@ -140,7 +133,7 @@ class Trials:
             solution = self._known[scene] = self._solve(scene)
             # Misfit and Jacobian at one point, and both sides of a difference, ask for the same
             # scene; more would only hold memory.
-            for oldest in list(self._known)[:-_KEPT]:
+            for oldest in list(self._known)[:-8]:
                 self._known.pop(oldest, None)  # unless another thread has
         return solution
 
@@ -184,7 +177,7 @@ class Trials:
                 for _, scene, _ in ready
             ]
         ratios = [scene.material.poisson_ratio for _, scene, _ in ready]
-        answers = sweep(self.unknowns.scene, frictions, SWEPT, poisson_ratio=ratios)
+        answers = sweep(self.unknowns.scene, frictions, 1e-4, poisson_ratio=ratios)
         for (number, _, setup), answer in zip(ready, answers, strict=True):
             rows[number] = self.misfit_of(answer, setup, points[number])
         return rows
@@ -302,7 +295,7 @@ class Trials:
         """
         size = float(self.sizes[self.unknowns.names.index(name)])
         # The sum of e / h and h^2 is least at h about the cubic root of e.
-        step = longer * size * float(np.clip(np.cbrt(solution.error_estimate), *STEPS))
+        step = longer * size * float(np.clip(np.cbrt(solution.error_estimate), 1e-5, 1e-2))
         alone = self.unknowns.alone(name, solution.scene, setup)
         value, ends = alone.value(name), []
         for moved in (value + step, value - step):

@@ -36,7 +36,6 @@ DIMENSIONS: Mapping[str, str] = {
 }
 """Dimensions of parameters; others have none."""
 
-_TINY = 1e-3
 _LONE_GAIN = "gain:"
 
 
@@ -172,12 +171,12 @@ class Unknowns:
         if name == "angle":
             return -GRAZING, GRAZING
         if name == "load_speed":  # no front of no speed lies between
-            least = _TINY * self.scene.material.shear_speed
+            least = 1e-3 * self.scene.material.shear_speed
             return (least, float("inf")) if self.value(name) >= 0 else (float("-inf"), -least)
         if name in MATERIAL or name.startswith("gain"):
             # Zero would make no solid and no record; a thousandth of the guess is below anything
             # plausible.
-            return _TINY * self.size(name), float("inf")
+            return 1e-3 * self.size(name), float("inf")
         return float("-inf"), float("inf")
 
     def plausible(self, name: str) -> tuple[float, float]:

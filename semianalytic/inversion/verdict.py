@@ -10,26 +10,12 @@ from semianalytic.inversion.trials import Trials
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.solution import Solution
 
-UNCONSTRAINED = 1.0
-"""Standard error over the size of a parameter from which data are said not to constrain it."""
 LARGEST_CONDITION = 1e8
 """Condition number of the weighted Jacobian beyond which some direction counts as free."""
-AS_GOOD = 4.0
-"""Difference of chi2 up to which another minimum is as good: two standard deviations of one."""
 FAR = 3.0
 """Standard errors between two minima that are as good, from which on the status says so."""
 OUT_OF_REACH = 20.0
-"""Standard errors at which chi2, 400 by its parabola, has to be 9 above its least: three standard
-errors of another size.  Of 14 fits to records that see no slip 8 give a value with an error; all of
-them are told with 20 and with 10.  With 6 the time of a trigger is told as well, whose error is two
-to four times as large to one side (`pmma_gauges` and `pmma_line`)."""
-SILENT = 1e-6
-"""Fraction of the variance of a prior that data take away, below which they do not contradict it;
-rounding leaves 1e-14 of it."""
-TOO_RARE = 1e-6
-"""Probability of the misfits, if noise and priors are right, below which the status says that they
-are not.  For 100 samples it is reached when the noise is 1.35 times as large as stated; 1e-3 is
-reached at 1.22 times, and 1e-12 at 1.53 times."""
+"""Standard errors where chi2 is 9 above its least: 10 tells the same 8 of 14 silent fits."""
 
 
 def verdict(
@@ -55,7 +41,7 @@ def verdict(
         away = other.scaled - best.scaled
         # Mahalanobis distance: in standard errors along the direction between the two minima.
         apart = float(np.sqrt(away @ np.linalg.solve(covariance, away)))
-        if other.chi2 - best.chi2 < AS_GOOD and apart > FAR:
+        if other.chi2 - best.chi2 < 4.0 and apart > FAR:  # two standard deviations of chi2
             return (
                 f"another minimum, {apart:.1f} standard errors away, fits as well "
                 f"(chi2 {other.chi2 - best.chi2:.2g} above)"
@@ -116,8 +102,8 @@ def _contradiction(trials: Trials, best: Minimum, covariance: Array) -> str:
     rows = best.jacobian[len(trials.samples.t) :]
     left, axes = np.linalg.eigh(np.eye(len(rows)) - rows @ covariance @ rows.T)
     # Directions in which the data say nothing leave a prior where it is: its distance is 0 over 0
-    # there.
-    told = left > SILENT
+    # there.  Rounding leaves 1e-14 of the variance of a prior.
+    told = left > 1e-6
     along = (axes.T @ list(pulls.values()))[told] / np.sqrt(left[told])
     if _is_rare(float(along @ along), int(told.sum())):
         names = " and ".join(pulls)
@@ -132,7 +118,9 @@ def _is_rare(square: float, freedom: int) -> bool:
     """Return whether so large a sum of squares of normal numbers occurs once in a million."""
     from scipy.special import chdtrc  # here, for `import semianalytic` is to be quick
 
-    return freedom > 0 and float(chdtrc(freedom, square)) < TOO_RARE
+    # Of 100 samples it is reached when the noise is 1.35 times as large as stated; 1e-3 at 1.22
+    # times.
+    return freedom > 0 and float(chdtrc(freedom, square)) < 1e-6
 
 
 def covariance_of(jacobian: Array, known: np.ndarray) -> tuple[Array, np.ndarray]:
@@ -153,7 +141,8 @@ def covariance_of(jacobian: Array, known: np.ndarray) -> tuple[Array, np.ndarray
     # A share of 1e-3 of a lost direction is above what rounding mixes into it, and below what would
     # be seen in a standard error.
     within = np.abs(rows[lost]).max(axis=0, initial=0.0) > 1e-3
-    free = within | (~known & (np.diag(covariance) > UNCONSTRAINED**2))
+    # The standard error exceeds the size of the parameter.
+    free = within | (~known & (np.diag(covariance) > 1.0))
     covariance[free, :] = covariance[:, free] = 0.0
     covariance[free, free] = np.inf
     return covariance, free

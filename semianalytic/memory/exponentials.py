@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.memory.impedance import Impedance
-from semianalytic.memory.rational import fitted, samples
-from semianalytic.memory.tuning import LEAST_KERNEL, SAMPLES
+from semianalytic.memory.rational import SAMPLES, fitted, samples
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -154,7 +153,8 @@ def fit_shared(kernels: Kernels, horizon: float, tolerance: float) -> SharedMemo
         return kernels(s) - direct - static / s
 
     sizes = np.abs(remainder(samples(kernels.branches, horizon, SAMPLES))).max(axis=1)
-    sizes = np.maximum(sizes, LEAST_KERNEL * sizes.max())[:, None]
+    # Smaller kernels do not matter, and rounding of 1e-11 of the largest hides them.
+    sizes = np.maximum(sizes, 1e-3 * sizes.max())[:, None]
     poles, residues, error = fitted(
         lambda s: remainder(s) / sizes, kernels.branches, horizon, tolerance
     )

@@ -18,7 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.memory.exponentials import Memory, SharedMemory
-from semianalytic.memory.tuning import MEMORY_SIZE, MEMORY_STEPS, REPEATED_STEPS
+
+MEMORY_STEPS = 4
+"""Steps between updates of a large memory: 2 take 1.5 times as long, 8 three quarters."""
+MEMORY_SIZE = 20_000
+"""Poles times wavenumbers of a large memory: without it 1,000 nodes take 1.2 times as long."""
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -223,7 +227,7 @@ class LineMemory:
         # half as the start of this step, half as the end value left out of the one before
         self._lasting += table.whole * amplitudes
         self._repeated += 1
-        if self._is_large and self._repeated > REPEATED_STEPS:
+        if self._is_large and self._repeated > 2:  # equal steps of which more are expected
             if self._taken == MEMORY_STEPS:
                 self._catch_up()
             if not self._taken:

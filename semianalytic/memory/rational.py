@@ -11,8 +11,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.memory.tuning import FAR_SAMPLE, MOST_PAIRS, SAMPLES, SHORTEST_SAMPLE
 from semianalytic.scene.errors import ComputationError
+
+SAMPLES = 60
+"""Points of the transform on each of five stretches; the fit is checked on four times as many."""
+MOST_PAIRS = 60
+"""Largest number of pairs of conjugate poles; the finest tolerance takes 45 poles."""
+FAR_SAMPLE = 30.0
+"""Largest s of samples, where 1.5/s^2, the tail of G - 1, is right to 0.1 % (nu = 1/3)."""
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -52,7 +58,7 @@ def samples(branches: tuple[float, ...], horizon: float, count: int) -> Complex:
     On that line the inverse transform amplifies errors by exp(x/horizon) <= e at most, for all x up
     to the horizon.
     """
-    near, last = SHORTEST_SAMPLE / horizon, max(branches)
+    near, last = 0.1 / horizon, max(branches)
     spread = np.geomspace(near, last, count)
     parts = [np.geomspace(near, max(FAR_SAMPLE, 3 * last), count)]
     parts += [branch + sign * spread for branch in branches for sign in (1, -1)]

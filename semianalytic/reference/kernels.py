@@ -41,7 +41,6 @@ Field = Callable[[Array, Array], Array]
 Slot = Literal["free", "held"]
 
 _ORDER = 12
-_MOST_PANELS = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -317,7 +316,7 @@ def interface_traction(
 
     panels, coarse = 1, evaluate(1)
     # The difference of two rules is the error of the coarser one, a bound for that of the finer.
-    while panels < _MOST_PANELS:
+    while panels < 16:
         panels *= 2
         fine = evaluate(panels)
         error = float(np.abs(fine - coarse).max(initial=0.0))

@@ -1,4 +1,4 @@
-"""Scenes that have an answer in closed form, and those to which the published algorithm applies."""
+"""Scenes that have an answer in closed form."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from semianalytic.reference.closed_forms import (
     slip_rate_under_shear_step,
     slip_rate_without_friction,
 )
-from semianalytic.reference.published import PublishedSlip, published_slip
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
@@ -86,40 +85,3 @@ def _antiplane_form(scene: Scene) -> KnownAnswer:
         lambda speed: antiplane_slip_rate(material, shear, ratio, speed),
         antiplane_edge_speed(material, ratio),
     )
-
-
-def published_obstacle(scene: Scene) -> str:
-    """Say why the published algorithm does not apply to a scene, or return "".
-
-    It treats one load, a sudden remote one, and divides by f P_0.
-    """
-    if not scene.is_step:
-        return "its loads are not steps"
-    if scene.front_slowness:
-        return "its load moves along the interface"
-    if scene.friction_law != CoulombFriction():
-        return "its strength depends on slip"
-    if scene.antiplane:
-        return "its shear is in plane"
-    held, load = scene.superposition
-    if held != load:
-        return "its only load is a sudden remote one, on no base"
-    return "" if scene.friction * load.pressure * load.shear > 0 else "f P_0 is zero"
-
-
-def published_answer(scene: Scene) -> PublishedSlip | None:
-    """Return the result of the published algorithm in its default reading, where it applies."""
-    if published_obstacle(scene):
-        return None
-    load = scene.superposition.taken_off
-    ratio = scene.friction * load.pressure / load.shear
-    return published_slip(ratio, poisson_ratio=scene.material.poisson_ratio)
-
-
-def published_unit(scene: Scene) -> float:
-    """Return the factor from the published one-sided rates to relative slip rates.
-
-    It is 2 f P_0/(mu b) [length / time].
-    """
-    load = scene.superposition.taken_off
-    return 2 * scene.friction * load.pressure / scene.material.shear_impedance

@@ -33,9 +33,6 @@ from semianalytic.scene.scene import Material
 
 Field = Callable[[Array, Array], Array]
 
-_ORDER = 16
-_MOST_PANELS = 256
-
 
 def _direct(factors: RayleighFactors, v: Array, mode: Mode) -> Array:
     """Return -(1/pi) Im 1/M(-v + i0) for v > a, b = mu = 1."""
@@ -228,7 +225,7 @@ def surface_displacement(
 
     def evaluate(order: int, panels: int) -> Array:
         rays = _rays(factors, order)
-        node, node_weight = gauss(_ORDER)
+        node, node_weight = gauss(16)
         fraction = ((np.arange(panels)[:, None] + node) / panels).ravel()
         weight = np.tile(node_weight / panels, panels)
         result = np.empty((2, len(places)))
@@ -248,7 +245,7 @@ def surface_displacement(
 
     order, panels = 16, 2
     coarse = evaluate(order, panels)
-    while panels < _MOST_PANELS:
+    while panels < 256:
         # Both rules grow together: either may be the one that limits the digits.
         order, panels = order + 8, 2 * panels
         fine = evaluate(order, panels)

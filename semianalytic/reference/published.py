@@ -46,8 +46,6 @@ ARTICLE_SHEAR_SLOWNESS = 0.2
 """Slowness 1 / c_t in the article's units (c_t = 5; section 6 exchanges a and b and halves b)."""
 REVERSE_LIMIT = 0.0575
 """chi below which the article finds reverse slip."""
-_LAST = 5.0  # slowness [1/b] up to which it collocates: x = c_t t / 5
-_MOST_REVERSALS = 15  # rounds of reversal after which signs do not settle
 _SIGNS = {"equal": (1, 1), "four minus square": (1, -1), "square minus four": (-1, 1)}
 
 
@@ -144,7 +142,8 @@ def published_grid(
         raise SceneError("published_grid: size must be at least 2 and place between 0 and 1.")
     a = rayleigh_factors(poisson_ratio).a
     start = {"0": 0.0, "a": a, "b": 1.0}[reading.start]
-    edges = np.linspace(start, _LAST, size + 1)
+    # Slowness [1/b] up to which it collocates: x = c_t t / 5.
+    edges = np.linspace(start, 5.0, size + 1)
     points = edges[:-1] + place * np.diff(edges)
     # As printed, a kernel is 0 until the lag exceeds its front; else the lag counts from the front.
     shifts = (0.0, 0.0) if reading.delay == "printed" else (a, 1.0)
@@ -241,7 +240,7 @@ def published_slip(
         # An unknown that is exactly 0 keeps the forward sense, or the rounds would not end.
         slip_sense = np.where(rate < 0, -1.0, 1.0)
         settled = bool(np.array_equal(slip_sense, sense))
-        if settled or reversals == _MOST_REVERSALS:
+        if settled or reversals == 15:  # after 15 rounds signs do not settle
             break
         sense, reversals = slip_sense, reversals + 1
     u = grid.points if reading.basis == "box" else grid.edges[:-1]

@@ -12,12 +12,6 @@ from semianalytic.scene.checks import checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
 
-CONTINUATION = 40
-"""Steps of the continuation from the neutral wavelength; all 210 growth rates of docs/engine.md are
-met to 1e-11."""
-QUADRATURE = 400
-"""Points of the quadratures, which are smooth: 1e-9."""
-
 
 def critical_wavenumber(ratio: float, inertia: float, impedance: Impedance) -> float:
     """Return mu q L / (2 a sigma) of the wave that neither grows nor decays in steady sliding.
@@ -77,7 +71,8 @@ def growth(ratio: float, inertia: float, wavenumber: float, impedance: Impedance
         stiff = impedance.static if inertia == 0 else s * _value(impedance, s)
         return 1 - ratio / (1 + value) + kappa / value * stiff
 
-    for kappa in np.geomspace(start, wavenumber, CONTINUATION + 1)[1:]:
+    # All 210 growth rates of docs/engine.md are met to 1e-11.
+    for kappa in np.geomspace(start, wavenumber, 41)[1:]:
         for _ in range(50):
             step = 1e-7 * abs(found)
             slope = (residual(found + step, kappa) - residual(found - step, kappa)) / (2 * step)
@@ -176,7 +171,7 @@ def supershear_strength(poisson_ratio: float, speed: float = 1.0) -> float:
     impedance = InPlane(a)
     e = 1 / (share * material.rayleigh_speed)
     # (1/pi) int_0^inf M(i n) dn / (e^2 + n^2)^(3/2), M(i n) = G(1/n), with n = tan of half an angle
-    nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
+    nodes, weights = np.polynomial.legendre.leggauss(400)  # smooth integrands: 1e-9
     angle = (nodes + 1) * math.pi / 4
     n = e * np.tan(angle)
     drop = (

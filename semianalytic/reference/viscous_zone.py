@@ -33,7 +33,6 @@ from semianalytic.scene.scene import Material
 
 _STEP, _REACH = 0.4, 76.0
 _NODES = _STEP * (np.arange(-round(_REACH / _STEP), round(_REACH / _STEP)) + 0.5)
-_GAUSS = gauss(16)
 
 
 def viscous_edge_speed(material: Material, strength_ratio: float, viscosity: float) -> float:
@@ -134,7 +133,7 @@ class _ViscousZone:
         # y = ln(u / u_s - 1) at u = 1 / velocity; the contact edge is at infinity.
         last = _REACH if velocity == 0 else np.log(1 / (velocity * self.edge) - 1)
         ends = np.linspace(-_REACH, last, int(last + _REACH) + 2)
-        x, weight = _GAUSS
+        x, weight = gauss(16)
         y = (ends[:-1, None] + np.diff(ends)[:, None] * x).ravel()
         weights = (np.diff(ends)[:, None] * weight).ravel()
         slopes = np.concatenate([self._slope(part) for part in np.array_split(y, 20)])

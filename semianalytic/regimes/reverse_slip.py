@@ -32,8 +32,6 @@ from semianalytic.regimes.thresholds import (
 from semianalytic.selfsimilar.solver import solve
 
 _FASTEST = -60.0  # `past_rayleigh` of a front indistinguishable from the longitudinal one
-_WIDE = 1e-7  # reversed strips wider than this are solved for, narrower ones follow a closed form
-_MODERATE = 0.03  # up to this width the closed form of a narrow strip is good to 5 %
 
 
 def log_frictionless_half_width(poisson_ratio: float) -> float:
@@ -45,7 +43,7 @@ def log_frictionless_half_width(poisson_ratio: float) -> float:
     """
     zone = one_zone("preload", poisson_ratio, past_rayleigh(poisson_ratio, _FASTEST))
     narrow = rayleigh_logarithm(zone).log_half_width
-    if narrow < math.log(_WIDE):
+    if narrow < math.log(1e-7):
         return narrow - math.log(rayleigh_factors(poisson_ratio).c)
     solution = solve(scene_of("preload", poisson_ratio, 0.0), rtol=1e-10)
     reverse = next(zone for zone in solution.zones if zone.sense < 0)
@@ -102,14 +100,14 @@ def reverse_threshold(poisson_ratio: float) -> float:
         If Newton's method fails.
     """
     log_width = log_frictionless_half_width(poisson_ratio)
-    if log_width < math.log(_WIDE):
+    if log_width < math.log(1e-7):
         return math.exp(log_narrow_reverse_threshold(poisson_ratio))
     nucleating = nucleation_alone("preload", poisson_ratio)
     front = float(nucleating.profile.panels.left[-1].from_c[0])
     least = _least_traction(nucleating.profile, front)
     if least < NEGLIGIBLE:
         return _threshold_on_one_zone(poisson_ratio, front)
-    if log_width < math.log(_MODERATE):
+    if log_width < math.log(0.03):  # up to 0.03 the closed form of a narrow strip is good to 5 %
         chi = 1.1 * math.exp(log_narrow_reverse_threshold(poisson_ratio))
     else:
         chi = (1 - 0.85 * least) * nucleating.chi  # the threshold is near 1 - 0.92 least

@@ -30,11 +30,10 @@ from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.loading import REMOTE, SLOT, Tractions
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.solver import solve
+from semianalytic.selfsimilar.zones.tuning import NARROWEST_GAP
 
 Loading = Literal["preload", "remote"]
 
-NARROWEST = 1e-14
-"""Half-width of the narrowest stick gap that positions x/t in double precision resolve."""
 _TRACTIONS = {
     "preload": (Tractions(1.0, 0.0), Tractions(0.0, 1.0), SLOT),
     "remote": (Tractions(0.0, 0.0), Tractions(1.0, 1.0), REMOTE),
@@ -43,15 +42,13 @@ _TRACTIONS = {
 SLOW_FRONTS = (math.log(1e-6), math.log(1e6))
 """Logarithms of v - c for fronts between c_R and nearly 0."""
 NEGLIGIBLE = 5e-4
-"""Friction, or traction over it, by which a threshold is passed up to which the zone that has just
-begun at the shear front is left out: it is tiny, and shifts other thresholds by less than 1e-8."""
+"""Friction past a threshold whose new zone is left out: others shift by less than 1e-8."""
 RULE = rule_for(1e-12)
 """Rule of all thresholds: the traction at a front is right to 40 times its tolerance at worst."""
 _PAST_FRONTS = (-15.0, 3.0)
 """Unknowns of `past_rayleigh` for fronts from close to c_l to close to c_t."""
 _BESIDE = 1e-6
-"""Distance from c at which the logarithm is read: what is left of V, averaged over both sides, is
-O(1e-12)."""
+"""Distance from c at which the logarithm is read: what is left of V is O(1e-12)."""
 
 
 @dataclass(frozen=True)
@@ -242,12 +239,12 @@ def gap_threshold(loading: Loading, poisson_ratio: float) -> float | None:
     """Return the friction below which double precision does not resolve the stick gap at c_R.
 
     The logarithm at c_R in a zone that covers it always reverses V, so a gap always exists; it
-    narrows like exp(-level / residue).  None if it never gets as narrow as `NARROWEST`.
+    narrows like exp(-level / residue).  None if it never gets as narrow as `NARROWEST_GAP`.
     """
 
     def excess(unknown: float) -> float:
         zone = one_zone(loading, poisson_ratio, past_rayleigh(poisson_ratio, unknown))
-        return rayleigh_logarithm(zone).log_half_width - math.log(NARROWEST)
+        return rayleigh_logarithm(zone).log_half_width - math.log(NARROWEST_GAP)
 
     if excess(_PAST_FRONTS[0]) > 0:
         return None

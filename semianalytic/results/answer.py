@@ -186,14 +186,6 @@ def checked_arrival(of: object) -> str:
     return str(of)
 
 
-POINT_BYTES = 3600
-"""Memory that a history takes per point while it is computed: 1,800 bytes were measured of constant
-friction, 3,000 where the contact opens, 3,500 of a viscous film.  With half of it a history of the
-last kind may be started that the memory does not hold."""
-FEW_POINTS = 100_000
-"""Points from which on the memory is looked at: so many take a third of a gigabyte."""
-
-
 def sampled_history(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
     """Return all fields of an answer at positions x (n,) [length] and times t (m,) [time].
 
@@ -204,9 +196,10 @@ def sampled_history(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> Interf
     """
     x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
     # Looking at the memory takes longer than small histories do.
-    if x.size * t.size > FEW_POINTS:
+    if x.size * t.size > 100_000:  # so many take a third of a gigabyte
+        # 1,800 bytes a point were measured of constant friction, 3,500 of a viscous film.
         check_memory(
-            POINT_BYTES * x.size * t.size,
+            3600 * x.size * t.size,
             None,
             f"history: {x.size:,} positions and {t.size:,} times",
             "ask for fewer of them, or for some times after others",

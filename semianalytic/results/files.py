@@ -30,9 +30,7 @@ NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _SEALED = re.compile(
     rb"(?:\$Comments\n|<!-- |\n)slipfront sha256 ([0-9a-f]{64})(?:\n\$EndComments| -->|)\n\Z"
 )
-_UNSEALED = "it has lost its checksum, or an earlier version wrote it"
-_LONGEST_SEAL = 160
-_CHUNK = 1 << 20
+_UNSEALED = "it has lost its checksum"
 _KEEPS_WHAT_IS_OPEN = sys.platform == "win32"
 """Whether the system neither renames nor removes a file that is open.
 
@@ -209,7 +207,7 @@ def has_seal(path: str | Path) -> bool:
     """
     with Path(path).open("rb") as stream:
         size = stream.seek(0, os.SEEK_END)
-        start = max(size - _LONGEST_SEAL, 0)
+        start = max(size - 160, 0)
         # The seal is at the end, so that a file without one is told from its last bytes.
         stream.seek(start)
         seal = _SEALED.search(stream.read())
@@ -218,7 +216,7 @@ def has_seal(path: str | Path) -> bool:
         left = start + seal.start()
         stream.seek(0)
         digest = hashlib.sha256()
-        while left and (chunk := stream.read(min(left, _CHUNK))):
+        while left and (chunk := stream.read(min(left, 1 << 20))):
             digest.update(chunk)
             left -= len(chunk)
     if digest.hexdigest() != seal[1].decode():

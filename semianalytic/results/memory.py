@@ -10,8 +10,6 @@ from semianalytic.scene.errors import SceneError
 
 GIGABYTE = 10**9
 
-_SHARE = 0.7
-_UNKNOWN = 4 * GIGABYTE
 _MEMINFO = Path("/proc/meminfo")
 _GROUPS = (
     (
@@ -39,7 +37,7 @@ def available_memory() -> int:
         except (OSError, ValueError):
             continue  # no such group, or "max": no limit
     known = [amount for amount in amounts if amount is not None]
-    return max(0, min(known)) if known else _UNKNOWN
+    return max(0, min(known)) if known else 4 * GIGABYTE
 
 
 def _of_machine() -> int | None:
@@ -68,7 +66,7 @@ def memory_limit(limit: float | None) -> int:
         If it is not a positive finite number.
     """
     if limit is None:
-        return int(_SHARE * available_memory())
+        return int(0.7 * available_memory())
     return int(
         checked_number("memory", limit, "be a positive number of bytes", lambda given: given > 0)
     )

@@ -33,11 +33,10 @@ from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
 """Relative amount by which a time or position may exceed the last one."""
 ONSET_SHARE = 0.01
-"""Fraction of the largest slip rate so far that counts as the beginning of slip.  Grids and damping
-smear a front over a few nodes: a tenth of the value would let it begin ahead of the waves."""
+"""Share of the largest slip rate that is slip; a tenth would let it begin ahead of the waves."""
 _NO_SLIP = 1e-6
 """Fraction of the largest recorded slip rate that counts as none; it is exactly 0 in stick."""
 
@@ -317,7 +316,7 @@ def _between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.in
 
 def _check_times(t: Array, recorded: Array) -> None:
     """Raise SceneError for times that are not finite or later than what was recorded."""
-    if np.any(finite_times(t) > recorded[-1] * (1 + _ROUNDING)):
+    if np.any(finite_times(t) > recorded[-1] * (1 + ROUNDING)):
         raise SceneError(
             f"this answer ends at t = {recorded[-1]:.6g}; ask for earlier times, or compute it to "
             "a later end time."
@@ -330,7 +329,7 @@ def _check_positions(x: Array, nodes: Array) -> None:
     # Nodes are the middles of cells: the last cell ends as far beyond its node as the first begins
     # before its own.
     reach = nodes[-1] + nodes[0]
-    if np.any(x > reach * (1 + _ROUNDING)):
+    if np.any(x > reach * (1 + ROUNDING)):
         raise SceneError(
             f"this answer reaches to x = {reach:.6g}; ask for nearer positions, or compute it on a "
             "greater length or to a later end time."

@@ -56,11 +56,6 @@ def traction_ahead(
     return np.where(lag < 0, before, after)
 
 
-HISTORY_TIMES = 2000
-"""Times at which a history is looked at besides those where it jumps or bends.  The crest of a
-harmonic of ten periods is then known to 1.2e-4; with half as many to 4.9e-4, with twice to 3e-5."""
-
-
 def wave_slips_ahead(scene: Scene, until: float) -> bool:
     """Return whether an incident wave alone makes the contact slip, ahead of the edge's waves.
 
@@ -75,7 +70,8 @@ def wave_slips_ahead(scene: Scene, until: float) -> bool:
         return False
     base, load, low, high = scene.before_load, scene.superposition.taken_off, 0.0, 0.0
     for history in scene.acting_histories.values():
-        times = np.append(np.linspace(0.0, until, HISTORY_TIMES), history.pieces.breaks)
+        # The crest of a harmonic of ten periods is known to 1.2e-4, with twice as many to 3e-5.
+        times = np.append(np.linspace(0.0, until, 2000), history.pieces.breaks)
         # just before and just after a jump; the load is linear in the value
         values = history.value(np.concatenate([times, np.nextafter(times, np.inf)]))
         low, high = min(low, float(values.min())), max(high, float(values.max()))

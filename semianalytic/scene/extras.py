@@ -13,29 +13,26 @@ FEM = ("skfem", "meshio", "gmsh", "h5py", "platformdirs")
 """Modules that the finite-element model imports."""
 HDF5 = ("h5py",)
 """Modules that saved results need."""
-PLOT = ("matplotlib", "PIL")
+PLOT = ("matplotlib",)
 """Modules that figures need."""
 EXPLORE = ("bokeh",)
 """Modules that the page in the browser needs, besides those of figures."""
-XARRAY = ("xarray", "h5netcdf", "h5py", "zarr")
+XARRAY = ("xarray", "h5netcdf", "h5py")
 """Modules that datasets and their files need."""
 CLUSTER = ("dask", "distributed")
 """Modules that runs on several machines need."""
-BAYES = ("emcee",)
-"""Modules that sampling of posteriors needs."""
 UNITS = ("pint",)
 """Modules that parse the names of units in files."""
 
 _HOUSE = Path(__file__).parents[2]
 """Folder that the packages are in: of the checkout, or that of installed packages."""
-_DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
+_DISTRIBUTIONS = {"skfem": "scikit-fem"}
 _EXTRAS = {
     "fem": FEM,
     "plot": PLOT,
     "explore": EXPLORE,
     "xarray": XARRAY,
     "cluster": CLUSTER,
-    "bayes": BAYES,
     "units": UNITS,
 }
 """Modules of each extra.  A module of two extras is asked for by the first of them, unless another

@@ -18,9 +18,6 @@ from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
-UNBALANCED = 1e-3
-"""Largest part of the traction by which the slip rate of a law may miss its balance: far above what
-the root of any solver misses, and far below a factor that was left out."""
 _STOPPED = (1.2, 2.0, 5.0)
 """Tractions over friction times pressure at which a law is tried."""
 
@@ -137,7 +134,8 @@ def check_balance(law: FrictionLaw, frictional: float, impedance: float) -> None
     left = stopping - np.asarray(law.strength(size, speed, path), dtype=float) - impedance * speed
     # Where the interface sticks, strength may exceed the traction; nan is wrong either way.
     off = np.where(speed == 0, np.maximum(left, 0.0), np.abs(left))
-    if not np.all(off <= UNBALANCED * stopping):
+    # 1e-3 is far above what the root of any solver misses, and far below a factor left out.
+    if not np.all(off <= 1e-3 * stopping):
         raise SceneError(
             f"scene: slip_speed of the friction law {type(law).__name__} must return the slip rate "
             "V >= 0 at which strength(frictional, V, path) + impedance V is the traction that "

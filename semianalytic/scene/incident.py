@@ -22,9 +22,7 @@ from semianalytic.scene.quantities import with_quantities
 WAVES = ("P", "SV", "SH")
 SIDES = ("below", "above")
 GRAZING = 89.9
-"""Largest angle [degrees].  At 90 degrees a wave runs along the interface and its front never
-reaches it; the tractions of a front are linear in what is left of 90 degrees, and half or twice
-that rest changes no digit of an answer's error estimate."""
+"""Largest angle [degrees]: half or twice what is left of 90 changes no digit of estimates."""
 
 
 @with_quantities

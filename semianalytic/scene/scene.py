@@ -38,14 +38,8 @@ from semianalytic.scene.plugins import kind_of
 from semianalytic.scene.quantities import made_in_si, with_quantities
 from semianalytic.scene.units import SI
 
-NEAREST_FRONT = 1e-2
-"""Least distance of the front of a load that comes along the slot from the first wave, over the
-latter's slowness.  Tables of stuck tractions have all digits at this distance and at half of it;
-at a hundredth of it, 5 in mode I."""
 SLOWEST_FRONT = 1e-4
-"""Least speed of the front of a load over c_t.  Tables of stuck tractions have all digits at it,
-and at a tenth of it ten; the digits of the edge of a zone are those of p + (J / S)^2 M_+(-p)^2, a
-difference of numbers of the size of p."""
+"""Least speed of a load's front over c_t: all digits are there, at a tenth of it ten."""
 IN_PLANE, ANTIPLANE = "in-plane", "antiplane"
 MODES = (IN_PLANE, ANTIPLANE)
 """Directions of shear: along x, across the edge of the contact, or along z, along that edge."""
@@ -363,7 +357,8 @@ class Scene:
     def front_too_slow(self) -> bool:
         """Whether the front of the load comes along the slot no faster than the first wave."""
         # p c >= 1: the front along the slot is no faster than the first wave that it sends out.
-        return self.front_slowness * self.fastest_speed >= 1 - NEAREST_FRONT
+        # Tables of stuck tractions have all digits 1e-2 from it; at 1e-4, 5 in mode I.
+        return self.front_slowness * self.fastest_speed >= 1 - 1e-2
 
     def check_front(self) -> None:
         """Raise SceneError if the front of the load leaves no self-similar answer."""

@@ -16,9 +16,6 @@ from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
-_SHOWN_SAMPLES = 4
-"""Largest number of samples of a table that its repr writes out."""
-
 
 def _samples(given: Iterable[float]) -> Array:
     """Return the samples of a table (n,); raise SceneError unless all are finite numbers."""
@@ -88,7 +85,7 @@ class Tabulated(LoadHistory):
         object.__setattr__(self, "value_at_t", tuple(values.tolist()))
 
     def __repr__(self) -> str:
-        if len(self.t) <= _SHOWN_SAMPLES:
+        if len(self.t) <= 4:
             return f"Tabulated(t={self.t}, value_at_t={self.value_at_t})"
         return f"Tabulated({len(self.t)} samples, t = {self.t[0]:.4g} ... {self.t[-1]:.4g})"
 

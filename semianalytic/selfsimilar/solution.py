@@ -23,7 +23,6 @@ from semianalytic.results.reading import (
     first_times,
     self_similar_reading,
 )
-from semianalytic.results.renamed import renamed
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions
@@ -33,7 +32,6 @@ from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said, zones_table
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.totals import ContactTotals
-from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, motion, over_slowness
 from semianalytic.separation.normal import Normal
 
@@ -371,11 +369,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         scene, rate, stress = self.scene, self._rate_unit, self.stress_unit
         return ContactTotals(scene, self.profile, self._motion, rate, stress)
 
-    front_speeds = renamed("front_speeds", "edge_speeds", "0.3")
-    heat = renamed("heat", "frictional_work", "0.3")
-    friction_work = renamed("friction_work", "work_density", "0.3")
-    energy_flux = renamed("energy_flux", "frictional_power", "0.3")
-
     @cached_property
     def _surroundings(self) -> Surroundings:
         """Neighbouring sets of zones, which all derivatives share."""
@@ -422,7 +415,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
 
         fields = on_any_panels(self.profile)
         # Transforms that grow like k^(1/2) lose some digits far out: the bodies use a finer rule.
-        tolerance = max(tuning.FIELD_RULE_SHARE * fields.rule.tolerance, tuning.FINEST_FIELD_RULE)
+        tolerance = max(0.1 * fields.rule.tolerance, 1e-14)
         opened = None if self.normal is None else self.normal.profile.fields
         return Bodies(self.scene, fields, opened, self.stress_unit, tolerance)
 

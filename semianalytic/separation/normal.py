@@ -6,15 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.cut.load import Load, Opened, normal_load
+from semianalytic.cut.load import LEAST_BASE, Load, Opened, normal_load
 from semianalytic.cut.profile import Profile
-from semianalytic.cut.tuning import LEAST_BASE
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.separation import tuning
 from semianalytic.separation.opening import Opening, opening_of
+
+RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
+"""Tolerance over what is asked for, and at least: shear is to find nothing missing in it."""
 
 
 @dataclass(frozen=True)
@@ -82,18 +83,19 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
 
 def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | None:
     """Solve the normal problem of a load to an accuracy; None if the contact stays closed."""
-    tolerance = max(rtol * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
+    tolerance = max(rtol * RULE_SHARE, LEAST_TOLERANCE)
     of_load = poisson_ratio, load.base_pressure, load.load_pressure
     opening = opening_of(*of_load, tolerance, load.slowness)
     while (
         # Slip zones are placed with the rest of rtol, which the opening must not use up.
-        opening and opening.error > tuning.EDGE_SHARE * rtol and tolerance > tuning.LEAST_TOLERANCE
+        opening and opening.error > 0.2 * rtol and tolerance > LEAST_TOLERANCE
     ):
-        tolerance = max(tolerance * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
+        tolerance = max(tolerance * RULE_SHARE, LEAST_TOLERANCE)
         opening = opening_of(*of_load, tolerance, load.slowness)
     if opening is None:
         return None
     given = normal_load(load.base_pressure, load.load_pressure, load.slowness)
     factors, rule = rayleigh_factors(poisson_ratio, "I"), rule_for(tolerance)
     fields = ZoneFields(factors, given, (opening.zone,), rule, closing=opening.closing)
-    return Normal(opening, Profile(fields), opening.error + tuning.BETWEEN_NODES * tolerance)
+    # At most 4.5 tolerances between nodes, next to the threshold in all scenes.
+    return Normal(opening, Profile(fields), opening.error + 6.0 * tolerance)

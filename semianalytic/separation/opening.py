@@ -29,7 +29,14 @@ from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_fac
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
-from semianalytic.separation import tuning
+
+CLOSINGS = np.linspace(np.log(0.3), np.log(60.0), 6)
+"""Log distances of the closing edge from c over the opening's: 3 at the threshold, 25 at nu =
+0.49."""
+NUDGE = 1e-6
+"""Change of an unknown for its column of the Jacobian: about the root of 1e-12."""
+LEAST_ERROR = 1e-14
+"""Rounding error, part of every estimate."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +101,7 @@ def _from_contact_edge(poisson_ratio: float, ratio: float, slowness: float) -> O
     start = (1 - poisson_ratio) * (1 + ratio) ** 2 / factors.a
     if slowness:
         start = slowness + ((1 + ratio) * factors.m_plus_off_cut(-slowness)) ** 2
-    return Opening(Zone(factors.cut([start]), None, 1), (), tuning.LEAST_ERROR)
+    return Opening(Zone(factors.cut([start]), None, 1), (), LEAST_ERROR)
 
 
 @lru_cache(maxsize=64)
@@ -110,10 +117,11 @@ def detached_opening(
     # How far the base is below the least that keeps the contact closed: a barely open contact needs
     # a finer rule already for its first edges.
     below = 1 + ratio / stuck_traction(poisson_ratio, "I", slowness).at_rayleigh_front
-    loose = max(min(tuning.LOOSE_RULE, tuning.LOOSE_SHARE * below), tuning.LEAST_LOOSE)
+    # The width of the opening grows like the root of `below`.
+    loose = max(min(1e-3, 0.1 * below), 1e-12)
     unknowns, inverse = _located(replace(problem, rule=rule_for(loose)))
-    least = max(tuning.LEAST_MOVE, problem.rule.tolerance / 2)
-    for _ in range(tuning.MOST_CHORD_STEPS):
+    least = max(1e-13, problem.rule.tolerance / 2)
+    for _ in range(12):
         left = Left(problem.fields(unknowns))
         # A chord method: the Jacobian of the loose rule serves on the fine one, and each step gains
         # as many digits as both rules agree in.
@@ -121,14 +129,15 @@ def detached_opening(
         if np.abs(move).max() < least:
             break
         unknowns = unknowns + move
-    coarser = rule_for(tuning.COARSER_COMPANION * problem.rule.tolerance)
+    coarser = rule_for(5.0 * problem.rule.tolerance)
     move = -inverse @ Left(replace(problem, rule=coarser).fields(unknowns)).mismatch
     zone = problem.zone(unknowns)
     assert zone.right is not None
     # R = R_0 (1 - rho / e): `ZoneFields` finds it from r = rho R_0 and P(0)
     amount = float(left.term) * float(left.fields.amplitude[0])
     error = _shift(zone, problem.zone(unknowns + move))
-    return Opening(zone, ((zone.right, amount),), tuning.LEAST_ERROR + tuning.SAFETY * error)
+    # The rate of the gap changes several times as much as the edges, relative to itself.
+    return Opening(zone, ((zone.right, amount),), LEAST_ERROR + 15.0 * error)
 
 
 def _shift(one: Zone, other: Zone) -> float:
@@ -140,22 +149,24 @@ def _shift(one: Zone, other: Zone) -> float:
     ends = [(float(1 / p.v[0]), float(1 / q.v[0])) for p, q in pairs if p and q]
     largest = max(abs(before - after) for before, after in ends)
     width = abs(ends[0][0] - ends[-1][0])
-    return largest / min(1.0, width / tuning.NARROW)
+    # The gap's error is about 15 times that of edges over the width, for which there is room down
+    # to 0.2 c_t.
+    return largest / min(1.0, width / 0.2)
 
 
 def _located(problem: Detached) -> tuple[Array, Array]:
     """Return approximate edges by Newton's method, and the inverse Jacobian there."""
     unknowns = problem.start()
     # Three sets of edges at once: the edges themselves, and one with either edge nudged.
-    nudges = tuning.NUDGE * np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    for _ in range(tuning.MOST_NEWTON_STEPS):
+    nudges = NUDGE * np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    for _ in range(30):  # five are usual
         values = Left(problem.fields(unknowns[:, None] + nudges)).mismatch
-        jacobian = (values[:, 1:] - values[:, :1]) / tuning.NUDGE
+        jacobian = (values[:, 1:] - values[:, :1]) / NUDGE
         inverse = np.asarray(np.linalg.inv(jacobian))
         move = -inverse @ values[:, 0]
         largest = float(np.abs(move).max())
-        unknowns = unknowns + move * min(1.0, tuning.LONGEST_MOVE / largest)
-        if largest < tuning.LAST_MOVE:
+        unknowns = unknowns + move * min(1.0, 2.0 / largest)
+        if largest < 1e-2:  # the Jacobian is kept, and the rule made finer
             return unknowns, inverse
     raise ComputationError("the edges of the opening were not found; please report the scene.")
 
@@ -188,7 +199,7 @@ class Detached:
             from_a < from_c, factors.beside("a", from_a).parts, factors.beside("c", -from_c).parts
         )
         left[1], left[3] = from_a, -from_c
-        at_b = np.abs(left[2]) < tuning.AT_SHEAR_FRONT  # on one side of it in all parts
+        at_b = np.abs(left[2]) < 1e-14  # rounding of sums: on one side of it in all parts
         left[0] = np.where(at_b, 1.0 + left[2], left[0])
         right = factors.beside("c", np.exp(unknowns[1])).parts
         return Zone(CutPoints(left[..., None]), CutPoints(right[..., None]), 1)
@@ -201,9 +212,9 @@ class Detached:
         """
         width = self.factors.c - self.factors.a
         first = self._tried_openings()
-        second = tuning.CLOSINGS[:, None] + np.log(width / (1 + np.exp(first)))
+        second = CLOSINGS[:, None] + np.log(width / (1 + np.exp(first)))
         both = np.stack([np.broadcast_to(first, second.shape), second])
-        loose = replace(self, rule=rule_for(tuning.FIRST_RULE))
+        loose = replace(self, rule=rule_for(1e-2))
         pressure, gap = Left(loose.fields(both.reshape(2, -1))).mismatch.reshape(both.shape)
         # The gap left at the closing edge changes sign between two of the tried edges.
         closes = gap[1:] * gap[:-1] <= 0
@@ -213,7 +224,7 @@ class Detached:
         share = np.where(before * after < 0, before / (before - after), 1.0)
         rest, closing = (
             each[row, column] + share * (each[row + 1, column] - each[row, column])
-            for each in (pressure, np.broadcast_to(tuning.CLOSINGS[:, None], gap.shape))
+            for each in (pressure, np.broadcast_to(CLOSINGS[:, None], gap.shape))
         )
         # `np.interp` needs increasing abscissas, and the pressure left need not fall with the edge.
         order = np.argsort(rest)
@@ -226,18 +237,20 @@ class Detached:
         They lie ahead of that place near the longitudinal front, where the pressure falls like a
         root at first, else behind it, and on one side of every cut.
         """
-        factors, logits = self.factors, tuning.LOGITS
+        factors, logits = self.factors, np.linspace(-40.0, 40.0, 321)
         width, stuck = factors.c - factors.a, stuck_traction(self.poisson_ratio, "I", self.slowness)
         left = stuck(factors.a + width / (1 + np.exp(-logits))) + self.base
         last = int(np.argmax(left < 0))
         start = float(np.interp(0.0, left[[last, last - 1]], logits[[last, last - 1]]))
-        stop = start / 2 if start < tuning.NEAR_FRONT else start + tuning.FARTHER
+        # The edge lies at 0.5 to 0.97 of the zero, elsewhere 0.1 to 0.6 beyond it: Newton's method
+        # then takes two steps in the median of a hundred scenes.
+        stop = start / 2 if start < -1.0 else start + 0.9
         for cut in factors.cuts:
             bound = float(np.log(cut.from_a[0] / -cut.from_c[0]))
             # Panels differ on the two sides of a cut, and with them the mismatch, which would jump.
             if start < bound < stop:
-                stop = bound - tuning.BESIDE_CUT * (bound - start)
-        return np.linspace(start, stop, tuning.OPENINGS)
+                stop = bound - 0.05 * (bound - start)
+        return np.linspace(start, stop, 4)
 
     def fields(self, unknowns: Array) -> ZoneFields:
         """Return the fields with r = 0, without the part behind the opening."""

@@ -29,7 +29,9 @@ from semianalytic.spacetime.march_memory import affordable_every, state_bytes
 from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.stepping import Segment, Walk, segments_between
-from semianalytic.spacetime.tuning import TOLERANCES
+
+TOLERANCES = (1e-11, 1e-2)
+"""Range of the memory's tolerance: 1e-11 takes 45 poles; 1e-2 is coarser than the grid."""
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from semianalytic.spacetime.state import Extremes, MarchState, MarchStatistics
 
 FORMAT = "slipfront march 4"
 
-_OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}
+_OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int, "entry": float}
 _GROUPS = {
     "interface": InterfaceHistory,
     "totals": Totals,
@@ -87,8 +87,6 @@ def _write(group: Any, march: Mapping[str, Any]) -> None:
     for name in ("rtol", "order"):
         if march[name] is not None:
             group.attrs[name] = march[name]
-    if march["entry"]:
-        group.attrs["entry"] = march["entry"]
     group.attrs["statistics"] = json.dumps(asdict(march["statistics"]))
     group.attrs["departure"] = json.dumps(asdict(march["departure"]))
     for name in _GROUPS:
@@ -114,7 +112,6 @@ def _read(group: Any) -> dict[str, Any]:
         "departure": Departure(**json.loads(group.attrs["departure"])),
         "rtol": _number_or_none(group, "rtol"),
         "order": _number_or_none(group, "order"),
-        "entry": float(group.attrs.get("entry", 0.0)),
         **parts,
     }
 

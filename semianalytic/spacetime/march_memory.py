@@ -11,23 +11,17 @@ from semianalytic.results.memory import check_memory, memory_limit
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid.nodes import extents
 from semianalytic.spacetime.marched import Marched
-from semianalytic.spacetime.tuning import (
-    BYTES_PER_NODE,
-    BYTES_PER_POLE,
-    BYTES_PER_STEP,
-    BYTES_STORED,
-    LEAST_LEVELS,
-    TYPICAL_POLES,
-)
+
+BYTES_STORED = 32
+"""Bytes per observed node and stored level: four fields."""
 
 Array = NDArray[np.float64]
-
-_HUGE = 1e30
 
 
 def state_bytes(size: int, poles: int) -> int:
     """Return the memory of a march on a grid of `size` nodes [bytes], measured at its peak."""
-    return size * (poles * BYTES_PER_POLE + BYTES_PER_NODE)
+    # Bytes at the peak of a march, measured: eight complex arrays of poles.
+    return size * (poles * 128 + 400)
 
 
 def check_size(
@@ -48,9 +42,9 @@ def check_size(
     """
     # all nodes over the observed ones, as in `causal_grid`
     share = sum(extents(scene, latest, length, entry)) / length
-    size = int(min(share, _HUGE) * min(nodes, _HUGE))
+    size = int(min(share, 1e30) * min(nodes, 1e30))
     check_memory(
-        state_bytes(size + companion * (size // 2), TYPICAL_POLES),
+        state_bytes(size + companion * (size // 2), 25),  # 15 to 40 poles
         memory,
         f"march: a grid of {size:.3g} nodes",
         "lower `nodes`, `end_time` or `latest`, or raise `length`",
@@ -80,14 +74,14 @@ def affordable_every(marched: Marched, memory: float | None, steps: int, table: 
     state = sum(state_bytes(one.grid.size, one.statistics.poles) for one in both)
     per_level = sum(one.grid.observed * BYTES_STORED for one in both)
     earlier = sum(len(one.interface.t) * one.grid.observed * BYTES_STORED for one in both)
-    sums = len(both) * steps * BYTES_PER_STEP
-    fixed = int(state + table + sums + earlier + LEAST_LEVELS * per_level)
+    sums = len(both) * steps * 96  # for times, loads and totals
+    fixed = int(state + table + sums + earlier + 16 * per_level)  # at least 16 levels must fit
     check_memory(
         fixed,
         memory,
         f"march: {steps:.6g} steps of {marched.grid.size} nodes",
         "lower `nodes` or `end_time`, or raise `step_ratio` or `length`",
     )
-    # `fixed` has room for LEAST_LEVELS already, which leaves one level more as a margin
+    # `fixed` has room for 16 levels already, which leaves one level more as a margin.
     levels = (memory_limit(memory) - fixed) // per_level + 1
     return max(marched.every, math.ceil(steps / levels))

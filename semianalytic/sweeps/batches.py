@@ -152,7 +152,7 @@ def _newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Arr
             break
         # A long move is shortened, not refused: unknowns are logarithms of distances from fronts,
         # and a linear model holds over about one e-fold of them.
-        share = np.minimum(1.0, tuning.LONGEST_MOVE / np.maximum(largest, 1e-300))
+        share = np.minimum(1.0, 1.5 / np.maximum(largest, 1e-300))
         unknowns[:, waiting] += move * share
         admitted = sets.edges.chosen(waiting).admits(unknowns[:, waiting])
         # Quadratic convergence at least halves each move; what does not is no root of these zones,
@@ -182,7 +182,7 @@ def approached(
     # On the first step nothing is known yet by which the inverse could be updated.
     move = before = np.zeros((len(start), 0))
     step = 0
-    while len(waiting) and step < tuning.BROYDEN_STEPS:
+    while len(waiting) and step < 4:  # steps with neighbours' Jacobians
         going = sets.chosen(waiting)
         values = going.mismatch(unknowns[:, waiting], rule)
         if step:
@@ -223,7 +223,7 @@ def _located(
     # A prediction that is hardly in doubt and yet leads nowhere means that the zones have changed;
     # full Newton steps would only confirm that.
     misled = ~arrived & (doubt < tuning.LEADING_DOUBT)
-    rest = np.flatnonzero(~misled & ~(arrived & (rtol >= tuning.LOOSE_RTOL)))
+    rest = np.flatnonzero(~misled & ~(arrived & (rtol >= 1e-5)))  # from 1e-5 on those steps suffice
     if len(rest):
         at_rest, inverse[rest], last, more = _newton(sets.chosen(rest), unknowns[:, rest], rule)
         unknowns[:, rest], contraction[rest] = at_rest, 2 * last
@@ -282,7 +282,7 @@ def _polished(
         near = left <= max(LEFT_SHIFT * rtol, LEAST_LEFT_SHIFT)
         # The fields are those before the last step, so that this step itself has to be small, not
         # only what it leaves.
-        settled = near & (size <= tuning.LAST_MOVE * rtol)
+        settled = near & (size <= 10 * rtol)  # longest last move of an edge unknown
         converging = going.edges.admits(unknowns) & (size < tuning.SLOW * previous)
         if np.all(settled | ~converging) or step == tuning.MOST_STEPS - 1:
             sound[kept] = settled
@@ -325,7 +325,8 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
     doubt = np.array([one.doubt for one in predictions])
     estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)
     kept, steps, nodes = np.arange(count), 0, 0
-    contraction = np.maximum(tuning.CONTRACTION * doubt, tuning.LEAST_CONTRACTION)
+    # Share of itself that a chord step leaves, by the doubt of its prediction.
+    contraction = np.maximum(20.0 * doubt, tuning.LEAST_CONTRACTION)
     # Predictions that are all trusted are about as near to the edges as the loose rule would bring
     # them, and go straight to the fine one.
     if size and not np.all(doubt < tuning.TRUSTED_DOUBT):
@@ -333,14 +334,15 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
         contraction = np.maximum(left, tuning.LEAST_CONTRACTION)
         kept = np.flatnonzero(left < np.inf)
         loose = loose_tolerance(rtol)
-        if len(kept) and tolerances[kept].min() < tuning.FAR_RULES * loose:
+        # Rules so far apart need a chord step on one between them.
+        if len(kept) and tolerances[kept].min() < 1e-2 * loose:
             # The geometric mean: one step there is cheaper than a second step on the finest rule.
             between = rule_for(float(np.sqrt(loose * tolerances[kept].min())))
             going = sets.chosen(kept)
             unknowns[:, kept] -= moves(inverse[kept], going.mismatch(unknowns[:, kept], between))
             kept = kept[going.edges.admits(unknowns[:, kept])]
             steps += 1
-    for _ in range(tuning.MOST_REFINEMENTS):
+    for _ in range(3):
         if not len(kept):
             break
         # The loosest rule that any set still asks for: sets that need a finer one come again in the
@@ -359,5 +361,5 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
         # Errors fall about as the tolerance, so that the ratio of the wanted to the found error is
         # the next change of the rule.
         finer = HOPED_ERROR * rtol / estimate[kept]
-        tolerances[kept] *= np.maximum(finer, tuning.FASTEST_REFINEMENT)
+        tolerances[kept] *= np.maximum(finer, 1e-3)
     return ContinuedZones(unknowns, estimate, sound, inverse, tolerances, steps, nodes)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.sweeps import tuning
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ class Neighbourhood:
 
     def stencils(self, to: Array) -> Stencils:
         """Return local polynomials around points (t, 2), by weighted least squares."""
-        near = self.nearest(to, tuning.NEIGHBOURS)
+        near = self.nearest(to, 32)  # known points that a polynomial is fitted to
         offset = self.places[near] - to[:, None]
         # Offsets over the distance of the farthest neighbour lie in the unit disc, so that
         # monomials of any degree stay comparable.
@@ -94,7 +93,7 @@ class Neighbourhood:
         degrees = [1]
         while True:
             degree = len(degrees)
-            if len(terms) + degree + 1 > near.shape[1] / tuning.NEIGHBOURS_PER_TERM:
+            if len(terms) + degree + 1 > near.shape[1] / 1.4:
                 break
             # The monomials of the next degree: x times each of the last degree, and y times its
             # last one, y^d.
@@ -103,9 +102,10 @@ class Neighbourhood:
         distance = np.square(offset).sum(axis=-1)
         # Near neighbours count more, by the inverse distance; the constant keeps one that coincides
         # with the point from outweighing all others.
-        own = 1 / np.sqrt(tuning.NEAREST_WEIGHT + distance)
+        own = 1 / np.sqrt(0.05 + distance)
         q, r = np.linalg.qr(np.stack(terms, axis=-1) * own[..., None])
-        lower = np.swapaxes(r, 1, 2) + tuning.LEAST_PIVOT * np.eye(len(terms))
+        # For neighbours that lie on a line.
+        lower = np.swapaxes(r, 1, 2) + 1e-14 * np.eye(len(terms))
         # The value at the point itself is the coefficient of the constant term, since offsets count
         # from there.
         at_centre = np.zeros((len(to), len(terms), 1))

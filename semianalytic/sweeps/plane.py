@@ -87,7 +87,8 @@ class Plane:
     def _lattices(self) -> Iterator[np.ndarray]:
         """Yield the points nearest to those of finer and finer lattices, and at last all others."""
         # Points are nowhere asked to lie on a grid: the nearest ones to a lattice stand for it.
-        left, spaces = np.ones(len(self.scenes), dtype=bool), tuning.FIRST_LATTICE - 1
+        # The first has six points to a side, each further one twice as many spaces.
+        left, spaces = np.ones(len(self.scenes), dtype=bool), 5
         everywhere = Neighbourhood(self.places)
         while (spaces + 1) ** 2 < len(self.scenes):
             side = np.linspace(0, 1, spaces + 1)
@@ -103,7 +104,7 @@ class Plane:
     def _advance(self, targets: np.ndarray) -> None:
         """Solve some points with the help of those that are known."""
         if self.zones:
-            for rank in range(tuning.PATTERNS_TRIED):
+            for rank in range(2):  # of the nearest known points
                 waiting = [int(i) for i in targets if self._closed[i] and i not in self.origin]
                 for (pattern, certain), some in self._patterns(waiting, rank).items():
                     self._follow(pattern, certain, np.array(some))

@@ -114,14 +114,14 @@ def predicted(
     # The median: a single neighbour on a very fine rule, beside a threshold, does not make all
     # points around it expensive.
     tolerance = np.median(np.array([one.tolerance for one, _ in footed])[near], axis=1)
-    nearest = near[:, : tuning.NEAREST_ESTIMATES]
+    nearest = near[:, :4]  # the largest error estimate of the nearest four
     # The largest error of the nearest neighbours is taken over: a point between them is not known
     # better than they are.
     estimate = np.array([one.estimate for one, _ in footed])[nearest].max(axis=1)
     shift = np.array([footing.shift for _, footing in footed])[near].max(axis=1)
     # What the estimate leaves for the error of a looser rule; a little is left in any case, so that
     # the logarithm below exists.
-    room = np.maximum(rtol - estimate, tuning.LEAST_ROOM * rtol)
+    room = np.maximum(rtol - estimate, 0.05 * rtol)
     loose = np.maximum(_loose_enough(shift, room, rtol), tolerance)
     share = (loose / loose_tolerance(rtol)) ** tuning.LACK_ORDER
     # On the fine rule itself nothing is lacking that the neighbours' estimates do not hold.
@@ -180,7 +180,7 @@ def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
     Errors (t,) of the loose rule fall like a power of the tolerance; on the rule they take only a
     share of the room that the error estimate leaves.
     """
-    most = tuning.LOOSE_SHARE * room / SAFETY
+    most = 0.5 * room / SAFETY  # half of what rtol leaves
     decades = np.log10(np.maximum(shift / most, 1.0)) / tuning.LACK_ORDER
     steps = np.ceil(decades / tuning.RULE_STEP)
     return np.asarray(loose_tolerance(rtol) * 10 ** (-tuning.RULE_STEP * steps))
@@ -267,11 +267,14 @@ def _stepped(
     size, apart = np.abs(move).max(axis=0), np.abs(move + moves(inverse[1], values))
     # Two inverse Jacobians from two polynomials: their disagreement is the linear error of the
     # step, and the square of the step stands for the curvature.
-    unknowns, rest = start + move, np.maximum(apart, tuning.LEAST_LEFT * size) + np.square(size)
+    # Amid far neighbours both were 17 % off, and agreed to 0.2 %.
+    unknowns, rest = start + move, np.maximum(apart, 0.2 * size) + np.square(size)
     left = shift_error(sets.edges, unknowns, unknowns + rest, fields)
-    agreed = apart.max(axis=0, initial=0.0) <= tuning.MOST_DISAGREEMENT * size
-    left[~((size < tuning.FARTHEST_STEP) & agreed)] = np.inf
-    for _ in range(tuning.MORE_STEPS):
+    # Nearly singular inverse Jacobians take short steps far from the edges: two of 3,107 points of
+    # a fine grid were 3 and 18 times their estimate off, at disagreements of 0.4 and 44.
+    agreed = apart.max(axis=0, initial=0.0) <= 0.3 * size
+    left[~((size < 1e-2) & agreed)] = np.inf  # longer chord steps say little about what is left
+    for _ in range(3):  # chord steps after the first
         again = np.flatnonzero(left < np.inf)
         again = again[SAFETY * left[again] > room[again]]
         if not len(again):

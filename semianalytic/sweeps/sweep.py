@@ -20,7 +20,6 @@ from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
-from semianalytic.sweeps import tuning
 from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
 
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
@@ -287,9 +286,10 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
     coulomb = coulomb and not scene.front_slowness
     # With many frictions for each Poisson ratio, following them one ratio at a time is faster than
     # in the plane.
-    scattered = len(scenes) < tuning.FRICTIONS_ALONE * len(materials)
+    scattered = len(scenes) < 400 * len(materials)
     runs: list[Any] = []
-    if coulomb and scattered and len(materials) > 1 and len(scenes) >= tuning.FEWEST_IN_PLANE:
+    # Neighbours of other Poisson ratios help from 300 points on.
+    if coulomb and scattered and len(materials) > 1 and len(scenes) >= 300:
         from semianalytic.sweeps.plane import Plane  # here, for a quick import
 
         runs.append(Plane(scenes, rtol))

@@ -20,12 +20,6 @@ from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.growing_zone import GrowingZone, growing_zone
 
 POWERS = (1, 2)
-_SAMPLES = 300
-"""Velocities at which the sense of slip, and Coulomb's inequality ahead of it, are checked."""
-_TOLERANCE = 1e-9
-"""Largest error estimate of an answer that has converged: that of n = 2 is some 1e-10."""
-_PIECES = 40
-"""Pieces of the zone, each half as long as the last towards the contact edge, in totals."""
 
 
 @dataclass(frozen=True)
@@ -268,7 +262,8 @@ class GrowingSolution(SelfSimilarAnswer):
     def _area(self) -> float:
         """Integral of |slip rate| over x at t = 1."""
         t, weight = gauss(20)
-        ends = np.concatenate([[0.0], 0.5 ** np.arange(_PIECES, -1, -1)])
+        # Each half as long as the last towards the contact edge.
+        ends = np.concatenate([[0.0], 0.5 ** np.arange(40, -1, -1)])
         # share = 1 - s^2 takes the root at the edge of slip
         share = ends[:-1, None] + np.diff(ends)[:, None] * t
         rule = np.diff(ends)[:, None] * weight
@@ -324,15 +319,15 @@ def solve_growing(slot: GrowingSlot) -> GrowingSolution:
     scale = zone.edge ** np.arange(slot.power + 1) * (1 + slot.strength_ratio)
     error = float(np.abs(zone.conditions / scale).max()) + 1e-14
     status = "converged"
-    if error > _TOLERANCE:
-        status = f"the error estimate {error:.1e} exceeds {_TOLERANCE:.0e}"
+    if error > 1e-9:  # that of n = 2 is some 1e-10
+        status = f"the error estimate {error:.1e} exceeds 1e-09"
     return GrowingSolution(slot, status, error, zone)
 
 
 def _check_one_zone(zone: GrowingZone) -> None:
     """Raise SceneError if shear meets strength ahead of slip, or slip turns."""
     edge, fastest = 1 / zone.edge, 1 / zone.factors.a
-    share = np.arange(1, _SAMPLES) / _SAMPLES
+    share = np.arange(1, 300) / 300
     # Traction turns at the shear wave and at the Rayleigh wave, which samples might pass over.
     ahead = np.sort([1.0, 1 / zone.factors.c, *(edge + (fastest - edge) * share)])
     traction = np.abs(zone.traction(ahead[ahead > edge]))

@@ -26,20 +26,12 @@ from semianalytic.halfplane.running import RunningIntegral, panels_to
 from semianalytic.scene.errors import SceneError
 
 _POINTS = 12
-"""Points of a finite part on a panel that is as long as 1 / `_SHORT` of its distance from the next
-singular point.  With 8 slip rates are off by 1e-9; with 24 the weights, which differentiate n
-times, lose four more digits where n = 2."""
+"""Points on a panel: with 8 slip rates are off by 1e-9; with 24 weights lose four digits (n =
+2)."""
 _SHORT = 4.0
-"""Distance of a panel from the next singular point over its length: half of it leaves an error of
-1e-10 of the slip rate, and twice of it changes nothing."""
+"""Distance of a panel from a singular point over its length: half leaves 1e-10, twice 0."""
 _FARTHEST = 1e16
 """Slowness over that of the edge beyond which the slip rate no longer changes."""
-_SLOWEST = 1e12
-"""Slowness of an edge over that of the slowest wave beyond which none is looked for."""
-_TIP = 1e-15
-"""Least distance ahead of the edge, over its slowness, at which tractions are evaluated."""
-_NEAREST = 1e-12
-"""Least distance of an edge from the slowest wave, over its slowness, that is looked for."""
 
 
 @lru_cache(maxsize=32)
@@ -267,7 +259,8 @@ class GrowingZone:
         near = self.edge - u < self._close
         if near.any():
             y, weight = finite_part(n, n)
-            length = np.maximum(self.edge - u[near], _TIP * self.edge)[:, None]
+            # Tractions are evaluated no nearer to the edge.
+            length = np.maximum(self.edge - u[near], 1e-15 * self.edge)[:, None]
             at = self.factors.cut((self.edge - length * y).ravel())
             values = self._traction_density(at).reshape(length.shape[0], -1)
             # (1 - v/u)^n = (-length / u)^n (1 - y)^n, and length^n times length^(1/2 - n) is a
@@ -295,7 +288,7 @@ def growing_zone(factors: RayleighFactors, power: int, ratio: float) -> GrowingZ
     def zone(x: float) -> GrowingZone:
         return GrowingZone(factors, power, ratio, factors.c * (1 + float(np.exp(x))))
 
-    ends = float(np.log(_NEAREST)), float(np.log(_SLOWEST))
+    ends = float(np.log(1e-12)), float(np.log(1e12))
     # T(0) falls as the edge becomes slower: the load 1 lies between the two ends, or nowhere.
     if zone(ends[0]).load < 1:
         wave = "Rayleigh" if factors.has_rayleigh_wave else "shear"

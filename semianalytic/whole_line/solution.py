@@ -139,10 +139,6 @@ class LineSolution(SelfSimilarAnswer):
         # The sense is 0 where the interface opens: nothing slips there.
         return abs(self.line.sense) * self._areas(self.spreading.area, t)
 
-    def opened_area(self, t: ArrayLike) -> Array:
-        """Integral of the gap over the line at times t [length^2]; it grows as t^2."""
-        return self._opens * self._areas(self.spreading.area, t)
-
     def frictional_work(self, t: ArrayLike) -> Array:
         """Energy turned to heat on the interface until t, per unit depth [stress length^2]."""
         line = self.line

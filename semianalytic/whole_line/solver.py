@@ -11,12 +11,6 @@ from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
 from semianalytic.whole_line.solution import LineSolution
 from semianalytic.whole_line.spreading import Spreading, least_missing, spread
 
-_TOLERANCE = 1e-9
-"""Largest error estimate of an answer that has converged."""
-_COARSE = 0.3
-"""Spacing of the quadrature whose difference from the usual one counts as an error."""
-_ROUNDING = 1e-14
-"""Rounding error that both evaluations share, added to the error estimate."""
 _STEP = 1e-4
 """Relative change of the edge by which the slope of the condition is formed."""
 
@@ -81,8 +75,8 @@ def solve_line(line: WholeLine) -> LineSolution | Solution:
         _check_one_zone(line, found, unit)
     error = _error(found, line.missing / unit)
     status = "converged"
-    if error > _TOLERANCE:
-        status = f"the error estimate {error:.1e} exceeds {_TOLERANCE:.0e}"
+    if error > 1e-9:
+        status = f"the error estimate {error:.1e} exceeds 1e-09"
     return LineSolution(line, status, error, found)
 
 
@@ -112,7 +106,8 @@ def _error(found: Spreading, missing: float) -> float:
 
     The scale of slip rate, the patch's impedance, is exact to rounding; its shape follows the edge.
     """
-    residual = abs(found.missing_again - missing) + abs(found.missing(_COARSE) - missing)
+    # A coarser quadrature, whose difference counts as an error.
+    residual = abs(found.missing_again - missing) + abs(found.missing(0.3) - missing)
     nearer = (found.edge + found.lead * _STEP, found.lead * (1 - _STEP))
     if not found.patch:
         nearer = (found.edge * (1 + _STEP), found.lead)
@@ -121,4 +116,5 @@ def _error(found: Spreading, missing: float) -> float:
     slope = abs(other.missing() - found.missing()) / share
     # Beside a patch that is nearly as fast as the edge, fields change with their distance.
     distance = 1.0 if not found.patch else found.lead / (found.lead + found.edge)
-    return float(residual / (slope * distance) + _ROUNDING / distance)
+    # Rounding that both evaluations share.
+    return float(residual / (slope * distance) + 1e-14 / distance)

@@ -29,17 +29,8 @@ from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
 from semianalytic.scene.errors import SceneError
 
-_NEAREST, _FARTHEST = -36.0, 36.0
-"""Range of ln((e_s - c) / (e_p - e_s)) in which an edge is looked for: e^-36 is below rounding."""
-_TO_PATCH = 12.0
-"""Limit of that logarithm in the search for the edge at which a second zone starts, which is never
-close to the patch."""
-_SLOWEST = 1e12
-"""Slowness of an edge under a point force, over that of the slowest wave, beyond which none is
-looked for."""
-_PATCH_PIECES = 40
-"""Pieces of the patch, each half as long as the last towards its end, in the integral of slip rate
-over it; with 30 the logarithm there costs 1e-9."""
+_NEAREST = -36.0
+"""ln((e_s - c) / (e_p - e_s)) from which an edge is looked for: e^-36 is below rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +185,8 @@ class Spreading:
         """Integral of the slip rate over the patch, |xi| < w."""
         # The slip rate has a logarithm at |xi| = w, towards which the pieces become shorter.
         t, weight = gauss(20)
-        ends = 1 - 0.5 ** np.arange(_PATCH_PIECES + 1)
+        # With 30 the logarithm at the end of the patch costs 1e-9.
+        ends = 1 - 0.5 ** np.arange(41)
         xi = self.patch * (ends[:-1, None] + np.diff(ends)[:, None] * t)
         rule = self.patch * np.diff(ends)[:, None] * weight
         return float(2 * np.sum(rule * self.slip_rate(xi)))
@@ -224,7 +216,7 @@ def spread(factors: RayleighFactors, patch: float, missing: float) -> Spreading:
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
     at = partial(_at, factors, patch)
-    farthest = float(np.log(_SLOWEST)) if not patch else _FARTHEST
+    farthest = float(np.log(1e12)) if not patch else 36.0
 
     def excess(x: float) -> float:
         return at(x).missing() - missing
@@ -265,7 +257,7 @@ def least_missing(factors: RayleighFactors, patch: float) -> float:
     if factors.mode == "II" and margin(x) < 0:
         # Traction ahead of the zone peaks at the shear wave in mode II: there it would meet
         # strength first.
-        x = brentq(margin, x, _TO_PATCH, xtol=1e-10)
+        x = brentq(margin, x, 12.0, xtol=1e-10)  # a second zone never starts close to the patch
     return _at(factors, patch, x).missing()
 
 

@@ -13,6 +13,7 @@ from types import FrameType
 
 from slipfront.cli.endings.faults import READER_GONE, crashed, printable
 from slipfront.cli.endings.interruption import INTERRUPTED, INTERRUPTION, TERMINATED
+from slipfront.hidden import hiding
 
 BROKEN_FILE, BROKEN_PACKAGE = 3, 5
 """Exit codes of `DataFileError` and `PluginError`, repeated here as their import may fail."""
@@ -44,6 +45,9 @@ def main() -> int:
         signal.signal(signal.SIGTERM, _leave)
         if heeded:
             signal.signal(signal.SIGINT, _leave)
+        if hidden := hiding():  # before a file of the user runs as if it were a part of slipfront
+            print(printable(hidden), file=sys.stderr)
+            return BROKEN_PACKAGE
         from slipfront.cli import commands as cli
 
         cli.command_for(sys.argv[1:])  # which imports the command

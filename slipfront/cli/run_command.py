@@ -150,7 +150,7 @@ def run_command(
             Console().print(f"Saved in {path}", highlight=False)
     if judgement is not None and judgement.verdict == DIFFERS:
         raise typer.Exit(1)
-    if done.status.startswith("interrupted"):
+    if done.is_interrupted:
         raise typer.Exit(INTERRUPTED)
     if done.status != "done":
         raise ComputationError(f"{source} is {done.status}")

@@ -1,6 +1,5 @@
-"""Fits of measured data: files of gauges, posteriors by emcee, pictures, documents."""
+"""Fits of measured data: files of gauges, pictures, documents."""
 
 from slipfront.fits.data import read_gauges
-from slipfront.fits.posterior import Posterior, posterior
 
-__all__ = ["Posterior", "posterior", "read_gauges"]
+__all__ = ["read_gauges"]

@@ -8,12 +8,11 @@ import numpy as np
 
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
 from semianalytic.interface.parameters import interface_parameters
-from semianalytic.inversion.fitting import Fit
+from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.priors import Normal
 from semianalytic.inversion.unknowns import DIMENSIONS, is_of_setup
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.scene import Scene
-from slipfront.fits.posterior import Posterior
 
 WELL = 3.0
 """Standard deviations that chi2 may exceed its freedom by in a fit as good as noise allows."""
@@ -31,8 +30,8 @@ def dimension(name: str, scene: object = None) -> str:
     return DIMENSIONS.get(name.partition(":")[0], "1")
 
 
-def fit_document(fit: Fit, posterior: Posterior | None = None) -> dict[str, Any]:
-    """Return a fit, and its posterior if there is one, as dictionaries, lists, text and numbers."""
+def fit_document(fit: Fit) -> dict[str, Any]:
+    """Return a fit as dictionaries, lists, text and numbers."""
     rows = zip(fit.parameters, fit.values, fit.standard_errors, fit.interval, strict=True)
     document: dict[str, Any] = {
         "scene": _subject(fit.scene),
@@ -79,9 +78,6 @@ def fit_document(fit: Fit, posterior: Posterior | None = None) -> dict[str, Any]
         "gauges": {"x": "length", "y": "length", "chi2": "1"},
         "derivative_error": "1",
     }
-    if posterior is not None:
-        document["posterior"] = _posterior_document(posterior)
-        dimensions["posterior"] = {"parameters": units, "autocorrelation_time": "steps"}
     document["units"] = units_document(document, dimensions, fit.scene)
     return document
 
@@ -89,29 +85,6 @@ def fit_document(fit: Fit, posterior: Posterior | None = None) -> dict[str, Any]
 def _subject(scene: Any) -> dict[str, Any]:
     """Return a scene or an interface as text and numbers."""
     return scene_document(scene) if isinstance(scene, Scene) else dict(scene.document())
-
-
-def _posterior_document(posterior: Posterior) -> dict[str, Any]:
-    low, middle, high = posterior.quantiles(0.05, 0.5, 0.95)
-    return {
-        "parameters": {
-            name: {
-                "mean": float(posterior.mean[number]),
-                "standard_deviation": float(posterior.standard_deviations[number]),
-                "median": float(middle[number]),
-                "from": float(low[number]),
-                "to": float(high[number]),
-            }
-            for number, name in enumerate(posterior.parameters)
-        },
-        "autocorrelation_time": float(np.max(posterior.autocorrelation_time)),
-        "samples": len(posterior.samples),
-        "steps": posterior.steps,
-        "walkers": posterior.walkers,
-        "seed": posterior.seed,
-        "acceptance": posterior.acceptance,
-        "status": posterior.status,
-    }
 
 
 def misfit_sentence(fit: Fit) -> str:

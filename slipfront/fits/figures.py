@@ -10,8 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compare.figures.style import (
-    BROWN,
-    ORANGE,
     PREDICTION,
     SMALL,
     VERMILLION,
@@ -24,12 +22,11 @@ from compare.figures.style import (
     styled,
 )
 from compare.records.record import Array
-from semianalytic.inversion.fitting import Fit
+from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 from slipfront.fits.documents import dimension
-from slipfront.fits.posterior import Posterior
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,7 +41,6 @@ SHARES = (0.5, 0.9)
 """Probabilities that the ellipses enclose."""
 WIDTH = 3.5
 """Half-width of the panels of parameters, in standard errors."""
-DOTS = 3000
 TINY = "x-small"
 """Font size of numbers at the axes of small panels."""
 STRONG = 0.9
@@ -71,12 +67,11 @@ class _Panel:
 
 
 @styled
-def fit_figure(fit: Fit, posterior: Posterior | None = None) -> Figure:
+def fit_figure(fit: Fit) -> Figure:
     """Draw records and residuals of a fit on the left, its parameters on the right.
 
     On the right, the diagonal shows the density of each parameter.  Ellipses below it enclose 50
-    and 90 % of the probability by the covariance, with samples of the posterior if there is one.
-    Correlations stand above it.
+    and 90 % of the probability by the covariance.  Correlations stand above it.
     """
     panels = list(_panels(fit))
     height = max(1.9 * len(panels) + 0.8, 2.0 * len(fit.parameters) + 1.2, 3.6)
@@ -84,7 +79,7 @@ def fit_figure(fit: Fit, posterior: Posterior | None = None) -> Figure:
     figure = describe(new_figure(12.5, height), what)
     left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(6.5, 6), squeeze=False))
     _draw_records(left, fit, panels)
-    _draw_parameters(right, fit, posterior)
+    _draw_parameters(right, fit)
     return figure
 
 
@@ -169,11 +164,11 @@ def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None
             left.legend(fontsize=SMALL)
 
 
-def _draw_parameters(figure: SubFigure, fit: Fit, posterior: Posterior | None) -> None:
+def _draw_parameters(figure: SubFigure, fit: Fit) -> None:
     p, errors = len(fit.parameters), fit.standard_errors
     axes = figure.subplots(p, p, squeeze=False)
     spread = np.where(np.isfinite(errors), errors, np.maximum(np.abs(fit.values), 1e-300))
-    ranges = [_range(fit, posterior, k, float(spread[k])) for k in range(p)]
+    ranges = [_range(fit, k, float(spread[k])) for k in range(p)]
     for row in range(p):
         for column in range(p):
             panel = axes[row, column]
@@ -183,9 +178,9 @@ def _draw_parameters(figure: SubFigure, fit: Fit, posterior: Posterior | None) -
             panel.xaxis.offsetText.set_fontsize(TINY)
             panel.yaxis.offsetText.set_fontsize(TINY)
             if row == column:
-                _draw_density(panel, fit, posterior, row, ranges[row])
+                _draw_density(panel, fit, row, ranges[row])
             elif row > column:
-                _draw_pair(panel, fit, posterior, (column, row), (ranges[column], ranges[row]))
+                _draw_pair(panel, fit, (column, row), (ranges[column], ranges[row]))
             else:
                 _draw_correlation(panel, float(fit.correlation[row, column]))
             if row == p - 1:
@@ -193,8 +188,6 @@ def _draw_parameters(figure: SubFigure, fit: Fit, posterior: Posterior | None) -
             if column == 0 and row:
                 panel.set_ylabel(_axis(fit, row), fontsize=SMALL)
     handles = [line_handle("50 and 90 % by the covariance", PREDICTION)]
-    if posterior is not None:
-        handles.append(marker_handle(f"posterior, {posterior.status.split(':')[0]}", BROWN))
     if len(fit.minima) > 1:
         handles.append(marker_handle("other minima", VERMILLION, "x"))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=SMALL)
@@ -205,15 +198,11 @@ def _axis(fit: Fit, number: int) -> str:
     return f"{name.replace('_', ' ')} [{unit(dimension(name, fit.scene), fit.scene.units)}]"
 
 
-def _range(fit: Fit, posterior: Posterior | None, number: int, error: float) -> tuple[float, float]:
+def _range(fit: Fit, number: int, error: float) -> tuple[float, float]:
     """Return the range of a parameter that a panel shows."""
     value = float(fit.values[number])
     below, above = np.maximum(np.abs(_ends(fit, number, error) - value), error)
-    low, high = value - WIDTH * float(below), value + WIDTH * float(above)
-    if posterior is not None:
-        least, most = posterior.quantiles(0.002, 0.998)[:, number]
-        low, high = min(low, float(least)), max(high, float(most))
-    return low, high
+    return value - WIDTH * float(below), value + WIDTH * float(above)
 
 
 def _ends(fit: Fit, number: int, error: float) -> Array:
@@ -222,20 +211,9 @@ def _ends(fit: Fit, number: int, error: float) -> Array:
     return np.where(np.isfinite(fit.interval[number]), fit.interval[number], around)
 
 
-def _draw_density(
-    panel: Axes, fit: Fit, posterior: Posterior | None, number: int, limits: tuple[float, float]
-) -> None:
+def _draw_density(panel: Axes, fit: Fit, number: int, limits: tuple[float, float]) -> None:
     error = float(fit.standard_errors[number])
     at = np.linspace(*limits, 300)
-    if posterior is not None:
-        panel.hist(
-            posterior.samples[:, number],
-            bins=30,
-            range=limits,
-            density=True,
-            color=ORANGE,
-            alpha=0.6,
-        )
     if np.isfinite(error):
         # Normal to either side, each as wide as its part of the interval.
         below, above = np.abs(_ends(fit, number, error) - fit.values[number])
@@ -259,15 +237,10 @@ def _draw_density(
 def _draw_pair(
     panel: Axes,
     fit: Fit,
-    posterior: Posterior | None,
     pair: tuple[int, int],
     limits: tuple[tuple[float, float], tuple[float, float]],
 ) -> None:
     chosen = list(pair)
-    if posterior is not None:
-        every = max(len(posterior.samples) // DOTS, 1)
-        x, y = posterior.samples[::every, chosen].T
-        panel.plot(x, y, ".", color=BROWN, markersize=1.0, alpha=0.8)
     part = fit.covariance[np.ix_(chosen, chosen)]
     if np.all(np.isfinite(part)):
         angle = np.linspace(0, 2 * np.pi, 200)

@@ -1,14 +1,11 @@
-"""A survey as an xarray dataset, in memory or as a Zarr store, filled chunk by chunk."""
+"""A survey as an xarray dataset, filled chunk by chunk, and as a NetCDF file."""
 
 from __future__ import annotations
 
 import json
-import shutil
-import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -84,7 +81,7 @@ def _of_body(prefix: str, quantity: Quantity) -> Quantity:
 
 
 def filled(arrays: Mapping[str, Any], plan: Plan, chunks: Chunks) -> None:
-    """Copy the chunks of a survey into numpy or Zarr arrays that are filled with absent values."""
+    """Copy the chunks of a survey into arrays that are filled with absent values."""
     for index, data in chunks():
         region = plan.regions[index]
         shape = tuple(part.stop - part.start for part in region)
@@ -212,43 +209,3 @@ def netcdf_bytes(dataset: Any) -> Any:
             if variable.dtype == object:
                 encoding[name] |= {"dtype": "S1", "shuffle": False}
     return dataset.to_netcdf(engine="h5netcdf", encoding=encoding)
-
-
-def write_zarr(folder: Path, plan: Plan, chunks: Chunks, command: str) -> None:
-    """Write the survey as a Zarr store, chunk by chunk, replacing whatever is in the folder."""
-    import zarr
-
-    shutil.rmtree(folder, ignore_errors=True)
-    group = zarr.create_group(folder, attributes=attributes(plan, command))
-    variables = variables_of(plan, chunks)
-    arrays = {}
-    for name, one in variables.items():
-        arrays[name] = group.create_array(
-            name,
-            shape=one.shape,
-            chunks=tuple(plan.block.get(d, n) for d, n in zip(one.along, one.shape, strict=True)),
-            dtype=str if one.quantity.kind == TEXT else one.quantity.kind,
-            fill_value=one.quantity.absent,
-            dimension_names=one.along,
-            attributes=dict(one.attrs),
-        )
-    filled(arrays, plan, chunks)
-    for name, speeds in wave_speeds(plan).items():
-        arrays[name][...] = speeds
-    used = {along for one in variables.values() for along in one.along}
-    apart = [name for name, (along, *_) in coordinates(plan).items() if along != (name,)]
-    if apart:  # xarray would take these for variables
-        group.attrs["coordinates"] = " ".join(apart)
-    for name, (along, values, attrs) in coordinates(plan).items():
-        if used.issuperset(along):
-            text = values.dtype.kind == "U"
-            group.create_array(
-                name,
-                shape=values.shape,
-                dtype=str if text else values.dtype,
-                dimension_names=along,
-                attributes={**attrs},
-            )[...] = values.astype(object) if text else values
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Zarr's version 3 has not settled the format of text yet
-        zarr.consolidate_metadata(group.store)

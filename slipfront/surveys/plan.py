@@ -221,13 +221,8 @@ class Plan:
             **asdict(self.question),
         }
 
-    def check_memory(self, whole: bool) -> None:
+    def check_memory(self) -> None:
         """Refuse a survey that needs more memory than there is.
-
-        Parameters
-        ----------
-        whole : bool
-            Whether the whole survey must fit into memory, and not only one chunk.
 
         Raises
         ------
@@ -244,9 +239,8 @@ class Plan:
             advice += ", or lower `chunk`"
         what = f"survey: a chunk of {least:,} points{fields}"
         check_memory(each * least, None, what, advice)
-        if whole:
-            advice = "write it as .zarr, chunk by chunk, or ask for less"
-            check_memory(each * self.count, None, f"survey: {self.count:,} points{fields}", advice)
+        advice = "ask for less, or for parts of the values, each in a file of its own"
+        check_memory(each * self.count, None, f"survey: {self.count:,} points{fields}", advice)
 
     @property
     def digest(self) -> str:

@@ -7,7 +7,6 @@ the last bit on one process, on many, and on a cluster, with or without interrup
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -23,14 +22,12 @@ from semianalytic.interface.parameters import can_travel
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.extras import require
+from semianalytic.scene.extras import XARRAY, require
 from slipfront.surveys.parameters import Subject
 from slipfront.surveys.plan import Plan, Question, planned
 from slipfront.surveys.points import solved_chunk
-from slipfront.surveys.store import Store, check_folder, opened_store, seal_folder
+from slipfront.surveys.store import Store, opened_store
 
-SUFFIXES = {".nc": ("xarray", "h5netcdf", "h5py"), ".zarr": ("xarray", "zarr")}
-"""File types of a survey and the libraries that each needs."""
 FIELDS = ("slip_rate", "shear_traction", "pressure")
 
 
@@ -83,8 +80,8 @@ def survey(
         Number of nodes and length [length] of marches, see `predict`; nodes and period of
         interfaces.
     path : path, optional
-        File to write, .nc (NetCDF) or .zarr.  Until it is complete, finished chunks are kept in a
-        hidden folder beside it, from which an interrupted survey resumes.
+        NetCDF file to write, NAME.nc.  Until it is complete, finished chunks are kept in a hidden
+        folder beside it, from which an interrupted survey resumes.
     chunk : int, optional
         Largest number of points that are solved and saved together; results depend on it
         within their error estimates.
@@ -107,7 +104,7 @@ def survey(
     -------
     xarray.Dataset
         Every variable has its unit and long_name as attributes.  A scene that is refused has nan
-        values, and its status says why.  A dataset in a .zarr path is read lazily.
+        values, and its status says why.
 
     Raises
     ------
@@ -153,7 +150,7 @@ def run_survey(
     """
     if isinstance(plan.scene, InterfaceFile) and client is None:
         workers = workers if can_travel(plan.scene.interface) else 1
-    plan.check_memory(whole=path is None or path.suffix == ".nc")
+    plan.check_memory()
     if path is None:
         require("A survey", "xarray")
         from slipfront.surveys.dataset import dataset_of
@@ -161,9 +158,9 @@ def run_survey(
         kept: dict[int, bytes] = {}
         _solve(plan, {}, kept.__setitem__, workers, client, progress)
         return dataset_of(plan, lambda: sorted(kept.items()), command)
-    if path.suffix not in SUFFIXES:
-        raise SceneError(f"{path} is written as NetCDF or Zarr; let its name end in .nc or .zarr.")
-    require(f"A survey as {path.suffix}", *SUFFIXES[path.suffix])
+    if path.suffix != ".nc":
+        raise SceneError(f"{path} is written as NetCDF; let its name end in .nc.")
+    require("A survey in a file", *XARRAY)
     if path.exists():
         return _written(path, plan)
     check_file(path)
@@ -200,9 +197,7 @@ def _solve(
 
 def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
     """Write all chunks to the file and return the survey."""
-    import xarray
-
-    from slipfront.surveys.dataset import dataset_of, netcdf_bytes, write_zarr
+    from slipfront.surveys.dataset import dataset_of, netcdf_bytes
 
     def chunks() -> Iterator[tuple[int, bytes]]:
         for index in range(len(plan.regions)):
@@ -211,20 +206,9 @@ def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
                 raise DataFileError(f"A chunk of {path} was damaged meanwhile; start again.")
             yield index, data
 
-    if path.suffix == ".nc":
-        result = dataset_of(plan, chunks, command)
-        write_bytes(path, netcdf_bytes(result), Seal.TRAILING)
-        return result
-    part = path.with_name(f".{path.name}.part")
-    try:
-        write_zarr(part, plan, chunks, command)
-        seal_folder(part)
-        os.replace(part, path)
-    except OSError as error:
-        raise DataFileError(f"Cannot write {path}: {error.strerror or error}.") from error
-    finally:
-        shutil.rmtree(part, ignore_errors=True)  # what is left if it failed
-    return xarray.open_zarr(path, chunks=None)
+    result = dataset_of(plan, chunks, command)
+    write_bytes(path, netcdf_bytes(result), Seal.TRAILING)
+    return result
 
 
 def _written(path: Path, plan: Plan) -> Any:
@@ -232,12 +216,8 @@ def _written(path: Path, plan: Plan) -> Any:
     import xarray
 
     try:
-        if path.suffix == ".nc":
-            check_seal(path)
-            found = xarray.load_dataset(path, engine="h5netcdf")
-        else:
-            check_folder(path)
-            found = xarray.open_zarr(path, chunks=None)
+        check_seal(path)
+        found = xarray.load_dataset(path, engine="h5netcdf")
     except Exception as error:  # readers fail in any way on files that are no survey
         raise DataFileError(
             f"{path} cannot be read as a survey ({error}); move it away or give another path."

@@ -1,8 +1,7 @@
-"""Storage of the chunks of a survey until it is complete, and the checksums of a Zarr store."""
+"""Storage of the chunks of a survey until it is complete."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -15,8 +14,6 @@ from semianalytic.scene.errors import DataFileError
 from slipfront.surveys.plan import Plan
 
 _PLAN = "survey.json"
-_SUMS = "sha256.txt"
-"""File of checksums in a Zarr store; readers of Zarr ignore it, ``sha256sum -c`` checks it."""
 
 
 class Store:
@@ -57,46 +54,6 @@ class Store:
 def store_folder(path: Path) -> Path:
     """Return the folder beside the file of a survey that keeps its chunks until it is complete."""
     return path.with_name(f".{path.name}.survey")
-
-
-def seal_folder(folder: Path) -> None:
-    """Write the checksums of all files of a folder into one more file.
-
-    Raises
-    ------
-    DataFileError
-        If it cannot be written.
-    """
-    write_text(folder / _SUMS, "".join(f"{sum_}  {name}\n" for name, sum_ in _sums(folder)))
-
-
-def check_folder(folder: Path) -> None:
-    """Check that a folder holds exactly the files that were sealed, unchanged.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be read.
-    ValueError
-        If a file or the checksums are damaged or missing.
-    """
-    lines = (folder / _SUMS).read_text(encoding="utf-8").splitlines()
-    known = {line[_DIGITS + 2 :]: line[:_DIGITS] for line in lines}
-    wrong = [name for name, sum_ in _sums(folder) if known.pop(name, sum_) != sum_]
-    for name in (*wrong, *known):
-        raise ValueError(f"the checksum of {name} does not fit what it holds: it is damaged")
-
-
-_DIGITS = 64
-
-
-def _sums(folder: Path) -> Iterator[tuple[str, str]]:
-    """Yield name and SHA-256 of each file of a folder, in the order of names."""
-    for path in sorted(folder.rglob("*")):
-        if path.is_file() and path.name != _SUMS:
-            with path.open("rb") as stream:
-                digest = hashlib.file_digest(stream, "sha256")
-            yield path.relative_to(folder).as_posix(), digest.hexdigest()
 
 
 @contextmanager

@@ -7,6 +7,7 @@ import re
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import docs.examples
@@ -108,6 +109,21 @@ def test_friction_is_recovered_within_three_standard_errors(runs):
 
 def test_sweep_meets_the_closed_form(runs):
     assert runs("sweep_friction")[0] < 1e-8
+
+
+@pytest.mark.slow
+def test_a_product_bends_the_posterior_and_the_chains_follow(runs):
+    """Two gains act by their product c and are alike beforehand: ln gain is normal about
+    half of ln c, with the width of their priors over the root of two."""
+    samples = runs("posterior")[0]
+    logarithms = np.log(samples)
+    product = logarithms.sum(axis=1)
+    width, effective = np.log(1.4) / 2**0.5, (len(samples) / 2) ** 0.5
+    assert product.std() < 0.3 * logarithms[:, 0].std()
+    assert logarithms[:, 0].std() == pytest.approx(width, rel=4 / effective)
+    assert logarithms[:, 0].mean() == pytest.approx(product.mean() / 2, abs=4 * width / effective)
+    third = np.mean((samples[:, 0] - samples[:, 0].mean()) ** 3)
+    assert third / samples[:, 0].std() ** 3 > 0.4  # no ellipse is skew
 
 
 @pytest.mark.slow

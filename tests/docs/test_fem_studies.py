@@ -1,6 +1,5 @@
 """The committed studies, the command line's checkpoints, and histories as xarray."""
 
-import csv
 import importlib.util
 import io
 import re
@@ -13,123 +12,49 @@ from catalogue import solved
 from rich.console import Console
 
 from compare.output.progress import progress_bar
-from compare.studies.stability import fem as stability
 from docs.studies.accuracy import fem as study
-from docs.studies.accuracy import fem_loads
+from docs.studies.profiles import PROFILE, profile_errors
 from fem import load_simulation
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import MissingLibraryError
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.loads import Ramp
 from slipfront.cli import commands as cli
 
 
 def test_errors_of_the_exact_profile_are_zero():
     solution = solved(NAMED_SCENES["preloaded"].scene)
-    exact = solution.slip_rate(study.PROFILE, 1.0)
-    errors = study.profile_errors(solution, exact, 1.01 * exact)
+    exact = solution.slip_rate(PROFILE, 1.0)
+    errors = profile_errors(solution, exact, 1.01 * exact)
     assert errors.last == 0
     for peak in (errors.averaged, errors.first_peak, errors.second_peak):
         assert peak == pytest.approx(0.01)
 
 
 def test_accuracy_has_a_row_per_mesh_and_the_extrapolation():
-    coarse, fine, limit = study.accuracy("preloaded", (20, 40))
-    assert [row.h for row in (coarse, fine, limit)] == ["1/20", "1/40", "extrapolated"]
-    assert np.isnan(coarse.last_order)
-    assert fine.last_order == pytest.approx(np.log2(coarse.last / fine.last))
-    assert fine.last_order > 0.8
-    assert limit.seconds != limit.seconds
+    coarse, fine, limit = study.slip_rates("preloaded", (20, 40))
+    assert [row["h"] for row in (coarse, fine, limit)] == ["1/20", "1/40", "extrapolated"]
+    assert np.isnan(coarse["last_order"])
+    assert fine["last_order"] == pytest.approx(np.log2(coarse["last"] / fine["last"]))
+    assert fine["last_order"] > 0.8
+    assert np.isnan(limit["seconds"])
 
 
-@pytest.mark.slow
-def test_smoothing_has_a_row_per_scene_and_setting(monkeypatch):
-    trials = (study.Smoothing(40), study.Smoothing(40, "Q2", 0.0), study.Smoothing(40, damping=0.2))
-    monkeypatch.setattr(study, "SMOOTHING_TRIALS", trials)
-    rows = study.smoothing_rows()
-    assert len(rows) == 12
-    assert {row.h for row in rows} == {"1/40"}
-    default, undamped, smeared = rows[:3]
-    named = [(row.element, row.damping) for row in rows[:3]]
-    assert named == [("Q1", 0.02), ("Q2", 0.0), ("Q1", 0.2)]
-    assert undamped.work > default.work
-    assert undamped.bar > default.bar > default.last  # it rings
-    assert smeared.second_zone > default.second_zone > 0
-    assert smeared.slip > default.slip
-
-
-@pytest.mark.slow
-def test_rows_say_how_stuck_tractions_and_slip_converge(monkeypatch):
-    monkeypatch.setattr(fem_loads, "LOADS", {"ramp": Ramp(0.5)})
-    assert [row.h for row in fem_loads.stuck_rows((20, 40))] == ["1/20", "1/40"]
-    two = dict(list(fem_loads.VARIANTS.items())[:2])
-    monkeypatch.setattr(fem_loads, "VARIANTS", two)
-    assert [row.variant for row in fem_loads.change_rows((10, 20, 40))] == list(two)
-    pressure, shear, beside = fem_loads.stuck_errors(Ramp(0.5), 32)
-    assert max(pressure, beside) < 0.3 * shear < 0.02
-    changes = fem_loads.slip_changes(NAMED_SCENES["preloaded"].scene, (10, 20, 40))
-    assert changes[0] > 2 * changes[1]
-
-
-def test_edge_rows_say_what_the_place_of_the_edge_is_worth():
-    at_node, beside = fem_loads.edge_rows(("remote-shock",), (24,))
-    assert (at_node.edge, beside.edge) == (0.0, pytest.approx(0.2417, abs=1e-4))
-    for field in ("slip", "shear", "pressure"):
-        assert getattr(beside, field) < 0.5 * getattr(at_node, field)
-    stuck = fem_loads.edge_rows(("stuck",), (20,))
-    assert all(np.isnan(row.slip_rate) and np.isnan(row.slip) for row in stuck)
-
-
-def test_cost_is_that_of_the_mesh_that_is_simulated():
-    [cost] = fem_loads.cost_rows("preloaded", (40,))
-    run = study.simulated("preloaded", 40, every=10**6)
-    assert cost.unknowns == run.unknowns
-    assert cost.ratio == pytest.approx(cost.step / cost.product)
-    assert cost.window > 1
-    assert cost.trimming > 1
-
-
-def test_elements_and_damping_have_a_row_each(monkeypatch):
-    monkeypatch.setattr(study, "ELEMENTS", (("Q1", "squares"),))
-    coarse, fine = study.element_rows("preloaded", (12, 24))
-    assert fine.unknowns > coarse.unknowns
-    assert fine.order == pytest.approx(np.log2(coarse.error / fine.error))
-    rows = study.damping_rows("preloaded", 20)
-    assert [row.damping for row in rows] == sorted(row.damping for row in rows)
-    assert rows[0].energy == pytest.approx(0, abs=1e-14)
-    assert rows[-1].critical_step < rows[0].critical_step == 1
+def test_openings_and_fields_converge():
+    coarse, fine = study.openings("tap", (30, 60))
+    assert np.log2(coarse["gap"] / fine["gap"]) == pytest.approx(fine["order"])
+    assert fine["order"] > 0.8
+    assert abs(fine["inner"] - fine["exact_inner"]) < 0.01
+    rows = study.fields("preloaded", (10, 20, 40))
+    assert min(row["order"] for row in rows) > 0.5
 
 
 @pytest.mark.slow
 def test_default_mesh_and_three_meshes_reach_what_is_promised():
     """At most 0.3 % in L1 with defaults, 0.1 % on the next mesh, and of first order or better."""
-    solution, errors = solved(NAMED_SCENES["preloaded"].scene), []
-    for resolution in (50, 100, 200):
-        profile = study.last_profile(study.simulated("preloaded", resolution, every=10**6))
-        errors.append(study.profile_errors(solution, profile, profile).last)
+    errors = [row["last"] for row in study.slip_rates("preloaded", (50, 100, 200))]
     assert errors[1] < 3e-3
     assert errors[2] < 1e-3
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
-
-
-@pytest.mark.slow
-def test_quick_stability_study_writes_its_files(tmp_path, monkeypatch):
-    planned = list(stability.trials(quick=True))
-    chosen = [t for t in planned if t.step_ratio == 1.05] + planned[5:6] + planned[-1:]
-    monkeypatch.setattr(stability, "trials", lambda quick: chosen)
-    seen = []
-    outcomes = stability.fem_stability(
-        tmp_path / "new", quick=True, progress=lambda *n: seen.append(n)
-    )
-    assert seen[-1] == (len(chosen), len(chosen))
-    assert outcomes[0].outcome == "stopped"
-    assert "lower `step_ratio`" in outcomes[0].message
-    assert outcomes[-1].switches <= 4
-    assert outcomes[-1].energy_gained < 1e-15
-    with (tmp_path / "new" / "fem-stability.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [row["study"] for row in rows] == [trial.study for trial in chosen]
-    assert (tmp_path / "new" / "fem-stability.png").stat().st_size > 10_000
 
 
 @pytest.mark.slow

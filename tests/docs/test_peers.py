@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from docs.studies.peers import adhesion, cracklet, rows, sem2dpack, uguca
+from docs.studies.peers import adhesion, cracklet, rows, sem2dpack
 from semianalytic.interface.law import check_law
 
 ROW = rows.Row("A", "case", "slip", "1 m", "2 m", 0.01, None, 0.02, None, 3.0, 4.0, "command")
@@ -71,44 +71,41 @@ def test_friction_of_cracklet_is_steady_at_the_slip_rate_it_prints(rest: float) 
     check_law(law, np.full(1, 1e6), state)
 
 
-def test_rows_of_uguca_are_held_against_its_limit_and_our_finest_grid() -> None:
+def fields_of(error: float, nodes: int = 240) -> rows.GridRun:
+    return rows.GridRun(f"{nodes} nodes", {"slip rate": np.full((2, nodes // 2 + 1), 1 + error)}, 3)
+
+
+def test_errors_are_held_against_the_other_code_and_changes_against_the_own() -> None:
     """Errors of h and h^2 about 1: the limit of their two grids is exact, ours is our finest."""
-
-    def run(code: str, nodes: int, error: float) -> tuple[uguca.Cost, dict[str, np.ndarray]]:
-        field = np.full((2, min(nodes, 1440) // 2), 1 + error)
-        return uguca.Cost("tpv101", code, nodes, None, None, 1.0, 2.0), {"slip_rate": field}
-
-    theirs = [run("UGUCA, default build", nodes, 10 / nodes) for nodes in (1440, 2880)]
-    ours = [run("slipfront", nodes, 1e3 / nodes**2) for nodes in (720, 1440)]
-    (row,) = uguca.rows_of([*theirs, *ours], [(2880, 1440)], 72e3)
+    theirs = [fields_of(10 / nodes, nodes) for nodes in (1440, 2880)]
+    ours = [fields_of(1e3 / nodes**2, nodes) for nodes in (720, 1440)]
+    pairs = list(zip(theirs, ours, strict=True))
+    first, row = rows.compared("A", "case", "command", pairs, fields_of(0.0, 1440).fields)
     fine, ours_fine = 10 / 2880, 1e3 / 1440**2
-    assert (row.quantity, row.their_grid, row.our_grid) == ("slip rate", "25 m", "50 m")
+    assert (row.quantity, row.their_grid, row.our_grid) == ("slip rate", "2880 nodes", "1440 nodes")
     assert row.their_error == pytest.approx(fine - ours_fine, rel=1e-2)
     assert row.our_error == pytest.approx(ours_fine, rel=1e-2)
     assert row.their_change == pytest.approx(fine, rel=1e-2)
     assert row.our_change == pytest.approx(3 * ours_fine, rel=1e-2)
-    assert (row.their_seconds, row.our_seconds) == (3.0, 3.0)
+    assert (first.their_change, first.our_change) == (None, None)
+    assert first.our_error == pytest.approx(4 * ours_fine, rel=1e-2)
+    assert first.their_error == pytest.approx(2 * fine - ours_fine, rel=1e-2)
 
 
-def test_rows_of_a_cut_hold_errors_to_the_other_code_and_changes_of_the_own() -> None:
-    """Fields 1 + 1/n of one code and 1 - 1/n of the other, on n nodes."""
-    known, found = (
-        {
-            nodes: (dict.fromkeys(adhesion.QUANTITIES, np.full((20, 256), 1 + sign / nodes)), cost)
-            for nodes in adhesion.GRIDS
-        }
-        for sign, cost in ((1, 9.0), (-1, 2.0))
+def test_a_peer_with_one_grid_has_no_error_of_its_own() -> None:
+    """Nothing tells whose error the difference of both is."""
+    known = fields_of(0.0)
+    first, second = rows.compared(
+        "A", "case", "command", [(known, fields_of(0.02)), (known, fields_of(0.01, 480))]
     )
-    first, second, *_ = adhesion.rows_of(known, found)
-    assert first.their_error == pytest.approx(1 / 256 + 1 / 2048, rel=0.01)
-    assert first.their_change is None
-    assert second.our_change == pytest.approx(1 / 512, rel=0.01)
-    assert (second.their_seconds, second.our_seconds) == (9.0, 2.0)
+    assert (first.their_error, first.their_change, second.their_change) == (None, None, None)
+    assert second.our_error == pytest.approx(0.01, rel=0.02)
+    assert second.our_change == pytest.approx(0.01, rel=0.02)
 
 
 def test_our_cut_grows_under_tension() -> None:
     """The cut of the comparison with UGUCA has grown to four times its length at the end."""
-    fields, _ = adhesion.ours(256)
+    fields = adhesion.ours(256).fields
     assert fields["gap"].shape == (20, 256)
     assert (fields["gap"][-1] > adhesion.GAP).sum() > 4 * 32
     assert -1.0 <= fields["pressure"].min() < -0.8

@@ -1,324 +1,156 @@
-"""Studies of the finite-element model against the exact solution: accuracy, elements, smoothing.
+"""The finite-element model against the exact solution, by element size: the tables of docs/fem.md.
 
-``python -m docs.studies.accuracy.fem accuracy`` prints a table; `STUDIES` lists the others.  With
-``--csv docs/data``, the data of docs/fem.md are written.
+``python -m docs.studies.accuracy.fem fem-accuracy --output docs`` computes the slip rate of two
+scenes, `opening-meshes` contacts that open, and `fields-convergence` the fields in the bodies.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
-import numpy as np
-from numpy.typing import NDArray
+from matplotlib.figure import Figure
 
-from compare.comparison.measures import norm
-from compare.studies.profiles import (
-    PROFILE,
-    Errors,
-    averaged_profile,
-    errors_of,
-    last_profile,
-    profile_errors,
-)
-from compare.studies.tables import Study, run_studies
-from semianalytic import solve
-from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.scene import Material, Scene, Tractions
+from compare.comparison.fields.errors import FieldErrors, field_errors, fronts_in, pair_errors
+from compare.comparison.judgement import side_by_side
+from compare.comparison.quantities.edge_rows import opening_rows
+from compare.comparison.quantities.profile_rows import gap_rows
+from compare.comparison.rows import Row as JudgedRow
+from compare.figures.snapshots import snapshot_figure
+from docs.studies.profiles import Errors, averaged_profile, last_profile, profile_errors
+from docs.studies.runner import Row, Study, main
+from fem import Simulation, simulate
+from semianalytic import find_scene, solve
 
-if TYPE_CHECKING:
-    from fem import Simulation
-
-Array = NDArray[np.float64]
+DRAWN = "lift-off-shear"
+MESHES = 50, 100, 200
+AFAR = 0.1
+"""Distance from all fronts [c_t T] that stays fixed when the mesh is refined."""
 
 
-@dataclass(frozen=True)
-class MeshRow:
-    """Errors of a scene on one mesh, or extrapolated from two; for the errors see `Errors`.
+def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
+    """Return the errors of the slip rate on meshes, each twice as fine as the last, by `Errors`.
 
-    `last_order` and `averaged_order` are the observed orders since the mesh before, nan for the
-    first mesh; `seconds` is the time of stepping.
+    The last row extrapolates from the two finest, 2 V(h/2) - V(h), which removes errors of first
+    order in h.  Orders are those observed since the mesh before; `seconds` is the time of stepping.
     """
+    solution, profiles, rows = solve(find_scene(scene)), [], list[Row]()
+    for resolution in resolutions:
+        run = simulate(find_scene(scene), resolution=resolution)
+        profiles.append((last_profile(run), averaged_profile(run)))
+        before = rows[-1] if rows else {}
+        row = _error_row(scene, f"1/{resolution}", profile_errors(solution, *profiles[-1]), before)
+        rows.append({**row, "seconds": run.seconds["steps"]})
+    last, averaged = (2 * fine - coarse for coarse, fine in zip(*profiles[-2:], strict=True))
+    limit = _error_row(scene, "extrapolated", profile_errors(solution, last, averaged), {})
+    return [*rows, {**limit, "seconds": math.nan}]
 
-    scene: str
-    h: str
-    last: float
-    last_order: float
-    averaged: float
-    averaged_order: float
-    first_peak: float
-    second_peak: float
-    second_over_largest: float
-    seconds: float
+
+def _error_row(scene: str, h: str, errors: Errors, before: Row) -> Row:
+    row: Row = {"scene": scene, "h": h}
+    for name, error in asdict(errors).items():
+        row[name] = error
+        if name in ("last", "averaged"):
+            row[f"{name}_order"] = math.log2(before[name] / error) if before else math.nan
+    return row
 
 
-def accuracy(scene: str, resolutions: Sequence[int], **options: Any) -> list[MeshRow]:
-    """Compute errors and observed orders on several meshes, and extrapolate from the two finest.
+def openings(scene: str, resolutions: Sequence[int]) -> list[Row]:
+    """Return the ends of the opening over c_t, by the rules of the judge, and errors of the gap.
 
-    The extrapolation (r V(h/r) - V(h))/(r - 1) in the last row removes errors of first order in h.
+    The gap at T is compared in L1, `largest` is the relative error of the largest gap, and ends
+    are nan where there is none.
     """
-    solution = solve(NAMED_SCENES[scene].scene)
-    rows: list[MeshRow] = []
-    profiles: list[tuple[Array, Array]] = []
-    for index, resolution in enumerate(resolutions):
-        simulation = simulated(scene, resolution, **options)
-        profiles.append((last_profile(simulation), averaged_profile(simulation)))
-        errors = profile_errors(solution, *profiles[-1])
-        orders = (math.nan, math.nan)
-        if rows:
-            r = resolution / resolutions[index - 1]
-            orders = (
-                observed_order(rows[-1].last, errors.last, r),
-                observed_order(rows[-1].averaged, errors.averaged, r),
-            )
-        seconds = simulation.seconds["steps"]
-        rows.append(_mesh_row(scene, f"1/{resolution}", errors, orders, seconds))
-    r = resolutions[-1] / resolutions[-2]
-    last, averaged = (
-        (r * fine - coarse) / (r - 1) for coarse, fine in zip(*profiles[-2:], strict=True)
-    )
-    errors = profile_errors(solution, last, averaged)
-    return [*rows, _mesh_row(scene, "extrapolated", errors, (math.nan, math.nan), math.nan)]
-
-
-def _mesh_row(
-    scene: str, h: str, errors: Errors, orders: tuple[float, float], seconds: float
-) -> MeshRow:
-    return MeshRow(
-        scene,
-        h,
-        errors.last,
-        orders[0],
-        errors.averaged,
-        orders[1],
-        errors.first_peak,
-        errors.second_peak,
-        errors.second_over_largest,
-        seconds,
-    )
-
-
-@dataclass(frozen=True)
-class ElementRow:
-    """Accuracy and cost of an element family on one mesh.
-
-    `step` is the critical time step times c_l/h, `error` the L1 error at T, and `order` its
-    observed order since the mesh before; `steps` and `meshing` are times [s].
-    """
-
-    element: str
-    mesh: str
-    h: str
-    unknowns: int
-    step: float
-    error: float
-    order: float
-    steps: float
-    meshing: float
-
-
-def element_rows(scene: str, resolutions: Sequence[int]) -> list[ElementRow]:
-    """Measure accuracy and cost of every element family on every kind of mesh."""
-    solution, rows = solve(NAMED_SCENES[scene].scene), []
-    for element, mesh in ELEMENTS:
-        before = math.nan
-        for resolution in resolutions:
-            simulation = simulated(scene, resolution, element=element, mesh=mesh)
-            error = errors_of(simulation, solution).last
-            step = simulation.critical_step / simulation.element_size
-            rows.append(
-                ElementRow(
-                    element,
-                    mesh,
-                    f"1/{resolution}",
-                    simulation.unknowns,
-                    step * simulation.scene.material.longitudinal_speed,
-                    error,
-                    observed_order(before, error),
-                    simulation.seconds["steps"],
-                    simulation.seconds["mesh"],
-                )
-            )
-            before = error
+    exact, rows = solve(find_scene(scene)), list[Row]()
+    for resolution in resolutions:
+        case = side_by_side(exact, simulate(find_scene(scene), resolution=resolution))
+        found = {row.name: row for row in (*opening_rows(case), *gap_rows(case))}
+        gap, largest = found["gap, L1"].difference or 0.0, found["largest gap"]
+        order = math.log2(rows[-1]["gap"] / gap) if rows else math.nan
+        ends: Row = {}
+        for end in ("inner", "outer"):
+            row = found.get(f"opening 1, {end} edge")
+            ends |= {end: _value(row, "simulated"), f"exact_{end}": _value(row, "exact")}
+        off = _value(largest, "difference") / _value(largest, "at_nodes")
+        found_row = {"scene": scene, "h": f"1/{resolution}", **ends}
+        rows.append({**found_row, "gap": gap, "order": order, "largest": off})
     return rows
 
 
-ELEMENTS = (
-    ("Q1", "squares"),
-    ("P1", "squares"),
-    ("P1", "triangles"),
-    ("Q2", "squares"),
-    ("Q1", "graded"),
-)
+def _value(row: JudgedRow | None, name: str) -> float:
+    value = None if row is None else getattr(row, name)
+    return math.nan if value is None else float(value)
 
 
-@dataclass(frozen=True)
-class DampingRow:
-    """Effect of damping.
+def fields(scene: str, resolutions: Sequence[int]) -> list[Row]:
+    """Return relative L1 errors of the components at T, and orders between the last two meshes.
 
-    It holds errors as in `Errors`, dissipated energy and residual over the external work, and the
-    critical step over the undamped one.
+    They are those over both bodies, outside a band of two elements around the fronts, and farther
+    than `AFAR` from all fronts.
     """
-
-    damping: float
-    last: float
-    averaged: float
-    second_peak: float
-    energy: float
-    critical_step: float
-    residual: float
-
-
-def damping_rows(scene: str, resolution: int) -> list[DampingRow]:
-    """Measure how damping affects the error, the dissipated energy and the critical step."""
-    solution, rows, undamped = solve(NAMED_SCENES[scene].scene), [], math.nan
-    for damping in (0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2):
-        simulation = simulated(scene, resolution, damping=damping)
-        if not damping:
-            undamped = simulation.critical_step
-        errors, energy = errors_of(simulation, solution), simulation.energy
-        rows.append(
-            DampingRow(
-                damping,
-                errors.last,
-                errors.averaged,
-                errors.second_peak,
-                float(energy.damping[-1] / energy.external[-1]),
-                simulation.critical_step / undamped,
-                energy.residual,
-            )
-        )
+    rows = list[Row]()
+    for meshes in zip(*(_field_errors(scene, n) for n in resolutions), strict=True):
+        row: Row = {"scene": scene, "component": meshes[0][0]}
+        for place, part in enumerate(("", "_outside", "_afar")):
+            errors = [errors[place] for _, errors in meshes]
+            order = math.log2(errors[-2] / errors[-1])
+            names = [f"{size}{part}" for size in ("coarse", "medium", "fine", "order")]
+            row |= dict(zip(names, [*errors, order], strict=True))
+        rows.append(row)
     return rows
 
 
-class Smoothing(NamedTuple):
-    """Options of a run, which are fields of `fem.Settings`."""
-
-    resolution: int = 100
-    element: str = "Q1"
-    damping: float = 0.02
-    step_ratio: float = 0.95
-
-
-SMOOTHING_TRIALS = (
-    Smoothing(),
-    Smoothing(damping=0.005),
-    Smoothing(damping=0.01),
-    Smoothing(damping=0.03),
-    Smoothing(102, step_ratio=1.0),
-    Smoothing(90, "P1"),
-    Smoothing(78, "Q2", damping=0.01),
-    Smoothing(142),
-)
-"""Settings that might resolve a narrow second zone better.
-
-The first is the default.  All others but the last cost as much as the first."""
-
-SMOOTHING_SCENES: Mapping[str, Scene] = {
-    **{name: NAMED_SCENES[name].scene for name in ("preloaded", "remote-shock")},
-    "auxetic": Scene(Material(1.0, 1.0, -0.5), 0.05, Tractions(1.0, 0.0), Tractions(0.0, 1.0)),
-    "shock, less base": Scene(
-        Material(1.0, 1.0, 0.25), 1.0, Tractions(1.0, 0.8), Tractions(1.0, 1.0)
-    ),
-}
-"""Self-similar scenes with two slip zones, the second ahead of the shear wave."""
-
-
-@dataclass(frozen=True)
-class SmoothingRow:
-    """Result of one of the `SMOOTHING_TRIALS`: errors as in `Errors`, and those of the second zone.
-
-    `second_zone` is the relative L1 error at T over that zone, `slip` that of slip at T, `bar` the
-    relative L1 change at T from a mesh of twice the element size, `work` unknowns times steps.
-    """
-
-    scene: str
-    h: str
-    element: str
-    damping: float
-    step_ratio: float
-    work: float
-    last: float
-    bar: float
-    averaged: float
-    second_peak: float
-    second_zone: float
-    slip: float
-
-
-def smoothing_rows() -> list[SmoothingRow]:
-    """Measure errors and error bars of settings that smooth more or less, and of second zones."""
+def _field_errors(scene: str, resolution: int) -> list[tuple[str, tuple[float, float, float]]]:
+    run, errors = last_frame(scene, resolution)
+    width = AFAR * run.scene.material.shear_speed * run.end_time
+    fronts = fronts_in(solve(run.scene), run.scene)
+    afar = pair_errors(errors.last, fronts, run.end_time, width)
     return [
-        _smoothing_row(name, scene, trial)
-        for name, scene in SMOOTHING_SCENES.items()
-        for trial in SMOOTHING_TRIALS
+        (near.component, (near.whole, near.outside, far.outside))
+        for near, far in zip(errors.frames[-1], afar, strict=True)
     ]
 
 
-def _smoothing_row(name: str, scene: Scene, trial: Smoothing) -> SmoothingRow:
-    from fem import Settings, simulate
-
-    solution, place = solve(scene), PROFILE * scene.material.shear_speed
-    settings = Settings(**trial._asdict())
-    run = simulate(scene, 1.0, settings)
-    coarse = simulate(scene, 1.0, settings, resolution=trial.resolution // 2, every=10**6)
-    last, exact, exact_slip = (
-        last_profile(run),
-        solution.slip_rate(place, 1.0),
-        solution.slip(place, 1.0),
-    )
-    slip = np.interp(place, run.interface.x, run.interface.slip[-1])
-    errors = profile_errors(solution, last, averaged_profile(run))
-    second = solution.zones[1]
-    inside = (place > second.inner) & (place < second.outer)
-    return SmoothingRow(
-        name,
-        f"1/{trial.resolution}",
-        trial.element,
-        trial.damping,
-        trial.step_ratio,
-        work=float(run.unknowns) * run.steps,
-        last=errors.last,
-        bar=_relative(last - last_profile(coarse), exact),
-        averaged=errors.averaged,
-        second_peak=errors.second_peak,
-        second_zone=_relative((last - exact) * inside, exact * inside),
-        slip=_relative(slip - exact_slip, exact_slip),
-    )
+def last_frame(name: str, resolution: int) -> tuple[Simulation, FieldErrors]:
+    """Simulate a scene with one snapshot at its end; return the simulation and the errors."""
+    scene = find_scene(name)
+    with TemporaryDirectory() as folder:
+        run = simulate(scene, resolution=resolution, snapshots=folder, frames=1)
+        errors = field_errors(solve(scene), run, Path(folder))
+    assert errors is not None  # a self-similar solution always has fields
+    return run, errors
 
 
-def _relative(difference: Array, exact: Array) -> float:
-    return norm(difference, PROFILE, 1) / norm(exact, PROFILE, 1)
+def field_figure(rows: list[Row]) -> Figure:
+    """Draw the fields of a scene by both methods, and their difference."""
+    run, errors = last_frame(DRAWN, MESHES[1])
+    return snapshot_figure(errors, run)
 
 
-def simulated(scene: str, resolution: int, **options: Any) -> Simulation:
-    """Simulate a named scene."""
-    from fem import simulate
+def points(
+    names: Sequence[str], resolutions: Sequence[int]
+) -> Callable[[bool], list[tuple[str, list[int]]]]:
+    """Return the function of the points of a study."""
 
-    return simulate(NAMED_SCENES[scene].scene, resolution=resolution, **options)
+    def chosen(quick: bool) -> list[tuple[str, list[int]]]:
+        return [(name, [n // (2 if quick else 1) for n in resolutions]) for name in names]
+
+    return chosen
 
 
-def observed_order(coarse: float, fine: float, refinement: float = 2.0) -> float:
-    """Return the observed order of convergence when h is divided by the refinement."""
-    return math.log(coarse / fine) / math.log(refinement)
-
-
-ACCURACY_MESHES = (100, 200, 400)
-
-STUDIES: Mapping[str, Study] = {
-    "accuracy": lambda: [
-        *accuracy("preloaded", ACCURACY_MESHES),
-        *accuracy("remote-shock", ACCURACY_MESHES),
-    ],
-    "undamped": lambda: accuracy("preloaded", ACCURACY_MESHES, damping=0.0),
-    "finest": lambda: accuracy("remote-shock", (400, 560)),
-    "elements": lambda: element_rows("preloaded", (50, 100, 200)),
-    "damping": lambda: damping_rows("preloaded", 200),
-    "smoothing": smoothing_rows,
-}
-
+STUDIES = [
+    Study("fem-accuracy", points(("preloaded", "remote-shock"), (100, 200, 400)), slip_rates),
+    Study("opening-meshes", points(("lift-off", "lift-off-shear", "tap"), MESHES), openings),
+    Study(
+        "fields-convergence",
+        points(("preloaded", DRAWN), MESHES),
+        fields,
+        figures={f"fields_{DRAWN}": field_figure},
+    ),
+]
 
 if __name__ == "__main__":
-    raise SystemExit(run_studies("docs.studies.accuracy.fem", "fem", STUDIES))
+    raise SystemExit(main("docs.studies.accuracy.fem", STUDIES))

@@ -1,292 +1,136 @@
-"""Named scenes by both methods: the numbers and figures of docs/scenes.md.
+"""Named scenes by both methods: the tables and figures of docs/scenes.md.
 
-``python -m docs.studies.accuracy.scenes summary quantities unresolved --csv docs/data`` writes
-the numbers; ``python -m docs.studies.accuracy.scenes figures`` draws
-docs/figures/scene_NAME.png.
+``python -m docs.studies.accuracy.scenes --output docs`` writes the tables;
+``python -m docs.studies.accuracy.scenes figures`` draws docs/figures/scene_NAME.png.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 
-import numpy as np
+from matplotlib.figure import Figure
+from PIL import Image
 
-from compare.comparison.case import EDGE_CELLS, Case
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import method_of, predict_like
-from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.figures.histories import comparison_figures
-from compare.figures.saving import figure_png
-from compare.studies.tables import Study, run_studies
-from semianalytic import Solution
+from compare.figures.style import look
+from docs.studies.runner import Point, Row, Study, main
+from semianalytic import find_scene
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.given.named import NAMED_SCENES
 
 RESOLUTION = 100
 """Default resolution of `slipfront compare`."""
 
+_ZONE = "zone 1, outer edge"
+_TOTALS = "slip, L1; frictional work, L1"
+_TWO_ZONES = f"{_ZONE}; zone 2, inner edge; zone 2, outer edge"
+_REVERSING = "reverse slip, part of map; onset at 0.50 c_t T; accumulated |slip|, L1"
 QUANTITIES = {
-    "preloaded": (
-        ("slow zone, from the edge to [c_t]", "zone 1, outer edge"),
-        ("second zone, from [c_t]", "zone 2, inner edge"),
-        ("to [c_t]", "zone 2, outer edge"),
-        ("frictional work, integral", "frictional work, L1"),
-    ),
-    "remote-shock": (
-        ("slow zone, from the edge to [c_t]", "zone 1, outer edge"),
-        ("second zone, from [c_t]", "zone 2, inner edge"),
-        ("to [c_t]", "zone 2, outer edge"),
-    ),
-    "auxetic": (
-        ("slow zone, from the edge to [c_t]", "zone 1, outer edge"),
-        ("reversed zone, from [c_t]", "zone 2, inner edge"),
-        ("to [c_t]", "zone 2, outer edge"),
-        ("fast zone, from [c_t]", "zone 3, inner edge"),
-        ("to [c_t]", "zone 3, outer edge"),
-        ("reverse slip, part of the map", "reverse slip, part of map"),
-        ("reversal at x = 0.75 c_t T [T]", "reversal at 0.75 c_t T"),
-    ),
-    "ramp": (
-        ("onset at x = 0.25 c_t T [T]", "onset at 0.25 c_t T"),
-        ("onset at x = 0.5 c_t T [T]", "onset at 0.50 c_t T"),
-        ("slip at T, integral", "slip, L1"),
-    ),
-    "unload": (
-        ("reverse slip, part of the map", "reverse slip, part of map"),
-        ("onset at x = 0.5 c_t T [T]", "onset at 0.50 c_t T"),
-        ("accumulated slip, integral", "accumulated |slip|, L1"),
-    ),
-    "pulse": (
-        ("reverse slip, part of the map", "reverse slip, part of map"),
-        ("onset at x = 0.5 c_t T [T]", "onset at 0.50 c_t T"),
-        ("accumulated slip, integral", "accumulated |slip|, L1"),
-    ),
-    "harmonic": (
-        ("forward slip, part of the map", "forward slip, part of map"),
-        ("reverse slip, part of the map", "reverse slip, part of map"),
-        ("frictional work in cycle 1", "work in cycle 1"),
-        ("frictional work in cycle 2", "work in cycle 2"),
-        ("frictional work in cycle 3", "work in cycle 3"),
-    ),
-    "pressure-drop": (
-        ("zone, from [c_t]", "zone 1, inner edge"),
-        ("to [c_t]", "zone 1, outer edge"),
-        ("onset at x = 0.75 c_t T [T]", "onset at 0.75 c_t T"),
-        ("frictional work, integral", "frictional work, L1"),
-    ),
-    "viscous": (
-        ("zone, from the edge to [c_t]", "zone 1, outer edge"),
-        ("slip at T, integral", "slip, L1"),
-        ("frictional work, integral", "frictional work, L1"),
-    ),
-    "antiplane": (
-        ("zone, from the edge to [c_t]", "zone 1, outer edge"),
-        ("slip at T, integral", "slip, L1"),
-        ("frictional work, integral", "frictional work, L1"),
-    ),
-    "incident-p": (
-        ("open up to [c_t]", "opening 1, outer edge"),
-        ("backward zone, to [c_t]", "zone 1, outer edge"),
-        ("slip at T, integral", "slip, L1"),
-    ),
-    "incident-sv": (
-        ("backward zone, from the edge to [c_t]", "zone 1, outer edge"),
-        ("slip at T, integral", "slip, L1"),
-        ("frictional work, integral", "frictional work, L1"),
-    ),
-    "incident-pulse": (
-        ("slip at T, integral", "slip, L1"),
-        ("accumulated slip, integral", "accumulated |slip|, L1"),
-        ("frictional work, integral", "frictional work, L1"),
-    ),
-    "moving-load": (
-        ("zone, from the edge to [c_t]", "zone 1, outer edge"),
-        ("slip at T, integral", "slip, L1"),
-        ("frictional work, integral", "frictional work, L1"),
-    ),
-    "lift-off": (
-        ("open up to [c_t]", "opening 1, outer edge"),
-        ("gap at T, integral", "gap, L1"),
-    ),
-    "lift-off-shear": (
-        ("open up to [c_t]", "opening 1, outer edge"),
-        ("slow zone, to [c_t]", "zone 1, outer edge"),
-        ("second zone, from [c_t]", "zone 2, inner edge"),
-        ("to [c_t]", "zone 2, outer edge"),
-        ("frictional work, integral", "frictional work, L1"),
-    ),
-    "tap": (
-        ("open from [c_t]", "opening 1, inner edge"),
-        ("to [c_t]", "opening 1, outer edge"),
-        ("gap at T, integral", "gap, L1"),
-        ("largest gap", "largest gap"),
-    ),
+    "preloaded": f"{_TWO_ZONES}; frictional work, L1",
+    "remote-shock": _TWO_ZONES,
+    "auxetic": f"{_TWO_ZONES}; zone 3, inner edge; zone 3, outer edge; "
+    "reverse slip, part of map; reversal at 0.75 c_t T",
+    "ramp": "onset at 0.25 c_t T; onset at 0.50 c_t T; slip, L1",
+    "unload": _REVERSING,
+    "pulse": _REVERSING,
+    "harmonic": "forward slip, part of map; reverse slip, part of map; "
+    "work in cycle 1; work in cycle 2; work in cycle 3",
+    "pressure-drop": f"zone 1, inner edge; {_ZONE}; onset at 0.75 c_t T; frictional work, L1",
+    "viscous": f"{_ZONE}; {_TOTALS}",
+    "antiplane": f"{_ZONE}; {_TOTALS}",
+    "incident-p": f"opening 1, outer edge; {_ZONE}; slip, L1",
+    "incident-sv": f"{_ZONE}; {_TOTALS}",
+    "incident-pulse": "slip, L1; accumulated |slip|, L1; frictional work, L1",
+    "moving-load": f"{_ZONE}; {_TOTALS}",
+    "lift-off": "opening 1, outer edge; gap, L1",
+    "lift-off-shear": f"opening 1, outer edge; {_TWO_ZONES}; frictional work, L1",
+    "tap": "opening 1, inner edge; opening 1, outer edge; gap, L1; largest gap",
 }
-"""Quantities of each scene in docs/scenes.md: their names there, and in the judgement."""
-
-COMPARED = tuple(NAMED_SCENES)
-"""Scenes of the tables."""
+"""Rows of the judgement of each scene that docs/scenes.md shows."""
 
 FIGURES = {
-    "remote-shock": "slip_rate",
+    **dict.fromkeys(("remote-shock", "viscous", "antiplane", "lift-off-shear"), "slip_rate"),
+    **dict.fromkeys(("auxetic", "ramp", "unload", "pulse", "harmonic", "pressure-drop"), "sense"),
+    **dict.fromkeys(("lift-off", "tap"), "gap"),
     "stuck": "tractions",
-    "auxetic": "sense",
-    "ramp": "sense",
-    "unload": "sense",
-    "pulse": "sense",
-    "harmonic": "sense",
-    "pressure-drop": "sense",
-    "viscous": "slip_rate",
-    "antiplane": "slip_rate",
-    "lift-off": "gap",
-    "lift-off-shear": "slip_rate",
-    "tap": "gap",
 }
 """Figure of `slipfront compare SCENE` that docs/scenes.md shows for each scene."""
-
-
-@dataclass(frozen=True)
-class SummaryRow:
-    """Judgement of a scene, and differences between the two methods.
-
-    It holds the numbers of rows with each verdict, and relative L1 differences, nan if nothing
-    slips.  `sense` is the share of the reached (x, t) area in which the sense of slip differs, and
-    `sense_bar` its error bar.  `profile` is the difference of slip rates, at T if the scene is
-    self-similar and otherwise over space and time, and `profile_bar` its error bar.
-    """
-
-    scene: str
-    summary: str
-    friction: float
-    solver: str
-    verdict: str
-    agree: int
-    unresolved: int
-    differ: int
-    profile: float
-    profile_bar: float
-    sense: float
-    sense_bar: float
-    slip_rate: float
-    slip: float
-    accumulated_slip: float
-    frictional_work: float
-    shear_traction: float
-    pressure: float
-
-
-@dataclass(frozen=True)
-class QuantityRow:
-    """One quantity of a scene, as in `Row`; values are nan where an answer has none.
-
-    `bar` is in the unit of the values.  For quantities that are not judged, `bar` is nan and
-    `verdict` empty.
-    """
-
-    scene: str
-    quantity: str
-    exact: float
-    at_nodes: float
-    simulated: float
-    bar: float
-    verdict: str
-
-
-@dataclass(frozen=True)
-class UnresolvedRow:
-    """A quantity that the mesh does not resolve, the reason, and the resolution that would.
-
-    `resolution` is in node distances per c_t T, nan if unknown.
-    """
-
-    scene: str
-    quantity: str
-    obstacle: str
-    resolution: float
 
 
 @cache
 def _judgement(scene: str, resolution: int) -> Judgement:
     from fem import simulate
 
-    simulation = simulate(NAMED_SCENES[scene].scene, resolution=resolution)
+    simulation = simulate(find_scene(scene), resolution=resolution)
     return judge(predict_like(simulation), simulation)
 
 
-def _rows(scene: str, resolution: int) -> dict[str, Row]:
-    return {row.name: row for row in _judgement(scene, resolution).rows}
+def summary(scene: str, resolution: int) -> Row:
+    """Return the judgement of a scene, and relative L1 differences between the two methods.
 
+    `sense` is the share of the reached (x, t) area in which the sense of slip differs, `profile`
+    the difference of slip rates, at T if the scene is self-similar and otherwise over space and
+    time.  Both have an error bar; all are nan if nothing slips.
+    """
+    named, judgement = NAMED_SCENES[scene], _judgement(scene, resolution)
+    rows, over_time = {row.name: row for row in judgement.rows}, "slip rate over (x, t), L1"
 
-def summary(resolution: int = RESOLUTION) -> list[SummaryRow]:
-    """Judge every scene that both methods answer."""
-    return [_summary(scene, resolution) for scene in COMPARED]
+    def difference(name: str, what: str = "difference") -> float:
+        return _number(getattr(rows[name], what) if name in rows else None)
 
-
-def _summary(scene: str, resolution: int) -> SummaryRow:
-    named, rows = NAMED_SCENES[scene], _rows(scene, resolution)
-    judgement = _judgement(scene, resolution)
-    counts = judgement.counts
-    over_time = "slip rate over (x, t), L1"
     profile = "slip rate, L1" if named.scene.is_self_similar else over_time
     sense = "other sense, part of map"
-
-    def difference(name: str) -> float:
-        return _number(rows[name].difference if name in rows else None)
-
-    def bar(name: str) -> float:
-        return _number(rows[name].bar if name in rows else None)
-
-    return SummaryRow(
-        scene,
-        named.summary,
-        named.scene.friction,
-        method_of(judgement.prediction),
-        judgement.verdict,
-        counts[AGREES],
-        counts[UNRESOLVED],
-        counts[DIFFERS],
-        difference(profile),
-        bar(profile),
-        difference(sense),
-        bar(sense),
-        difference(over_time),
-        difference("slip, L1"),
-        difference("accumulated |slip|, L1"),
-        difference("frictional work, L1"),
-        difference("shear traction, L1"),
-        difference("pressure, L1"),
-    )
+    return {
+        "scene": scene,
+        "summary": named.summary,
+        "friction": named.scene.friction,
+        "solver": method_of(judgement.prediction),
+        "verdict": judgement.verdict,
+        "agree": judgement.counts[AGREES],
+        "unresolved": judgement.counts[UNRESOLVED],
+        "differ": judgement.counts[DIFFERS],
+        "profile": difference(profile),
+        "profile_bar": difference(profile, "bar"),
+        "sense": difference(sense),
+        "sense_bar": difference(sense, "bar"),
+        "slip_rate": difference(over_time),
+        "slip": difference("slip, L1"),
+        "accumulated_slip": difference("accumulated |slip|, L1"),
+        "frictional_work": difference("frictional work, L1"),
+        "shear_traction": difference("shear traction, L1"),
+        "pressure": difference("pressure, L1"),
+    }
 
 
-def quantities(resolution: int = RESOLUTION) -> list[QuantityRow]:
-    """Return the quantities that docs/scenes.md names, scene by scene."""
-    return [row for scene in QUANTITIES for row in _quantities(scene, resolution)]
-
-
-def _quantities(scene: str, resolution: int) -> Iterator[QuantityRow]:
-    judgement, rows = _judgement(scene, resolution), _rows(scene, resolution)
-    if judgement.case.slips:
-        predicted, simulated = largest_rates(judgement.case)
-        if predicted > 0:
-            rates = math.nan, predicted, simulated, math.nan
-            yield QuantityRow(scene, "largest forward V", *rates, "")
-    for name, quantity in QUANTITIES[scene]:
-        row = rows[quantity]
+def quantities(scene: str, resolution: int) -> list[Row]:
+    """Return the rows that docs/scenes.md shows; bars are in the unit of the values."""
+    rows = {row.name: row for row in _judgement(scene, resolution).rows}
+    found = []
+    for name in QUANTITIES[scene].split("; "):
+        row = rows[name]
         exact, at_nodes, simulated = map(_number, (row.exact, row.at_nodes, row.simulated))
         bar = _number(row.bar) * (at_nodes if row.relative else 1.0)
-        yield QuantityRow(scene, name, exact, at_nodes, simulated, bar, row.verdict)
+        values: Row = {"exact": exact, "at_nodes": at_nodes, "simulated": simulated, "bar": bar}
+        found.append({"scene": scene, "quantity": row.label, **values, "verdict": row.verdict})
+    return found
 
 
-def unresolved(resolution: int = RESOLUTION) -> list[UnresolvedRow]:
-    """Return all unresolved rows of all scenes."""
+def unresolved(scene: str, resolution: int) -> list[Row]:
+    """Return the rows that the mesh does not resolve, why, and the resolution that would."""
     return [
-        UnresolvedRow(scene, row.name, row.obstacle, _number(row.resolution))
-        for scene in COMPARED
+        {
+            "scene": scene,
+            "quantity": row.name,
+            "obstacle": row.obstacle,
+            "resolution": _number(row.resolution),
+        }
         for row in _judgement(scene, resolution).having(UNRESOLVED)
     ]
 
@@ -296,40 +140,42 @@ def _number(value: float | None) -> float:
     return math.nan if value is None else value
 
 
-def largest_rates(case: Case) -> tuple[float, float]:
-    """Return the largest forward slip rates four elements off the edge, at the nodes and simulated.
-
-    They are taken at T if the scene is self-similar, otherwise over space and time from 0.2 T on.
-    """
-    seen = case.seen
-    shown = seen.x > (EDGE_CELLS + 0.5) * case.simulation.element_size
-    since = 1.0 if isinstance(case.prediction, Solution) else 0.2
-    places = np.ix_(seen.t >= since * case.end_time, shown)
-    return float(case.at_nodes.slip_rate[places].max()), float(seen.slip_rate[places].max())
+def figure_png(figure: Figure, dpi: int = 100, colours: int = 64) -> bytes:
+    """Return a figure as PNG with few colours, a third as large; rare colours are kept."""
+    drawn, packed = BytesIO(), BytesIO()
+    with look():
+        figure.savefig(drawn, format="png", dpi=dpi)
+    picture = Image.open(drawn).convert("RGB")
+    few = picture.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few.save(packed, format="png", optimize=True)
+    return packed.getvalue()
 
 
 def write_figures(folder: Path) -> None:
     """Write the figures of docs/scenes.md as scene_NAME.png; few colours keep them small."""
     for scene, name in FIGURES.items():
         case = _judgement(scene, RESOLUTION).case
-        picture = figure_png(comparison_figures(case)[name](case), 100, 64)
+        picture = figure_png(comparison_figures(case)[name](case))
         write_bytes(folder / f"scene_{scene}.png", picture)
 
 
-STUDIES: dict[str, Study] = {
-    "summary": summary,
-    "quantities": quantities,
-    "unresolved": unresolved,
-}
+def points(quick: bool) -> list[Point]:
+    """Return all named scenes."""
+    return [(name, 60 if quick else RESOLUTION) for name in NAMED_SCENES]
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Print or write rows, or draw the figures."""
-    if list(arguments) == ["figures"]:
-        write_figures(Path("docs", "figures"))
-        return 0
-    return run_studies("docs.studies.accuracy.scenes", "scenes", STUDIES, arguments)
-
+STUDIES = [
+    Study("scenes-summary", points, summary),
+    Study(
+        "scenes-quantities",
+        lambda quick: [p for p in points(quick) if p[0] in QUANTITIES],
+        quantities,
+    ),
+    Study("scenes-unresolved", points, unresolved),
+]
 
 if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    if sys.argv[1:] == ["figures"]:
+        write_figures(Path("docs", "figures"))
+    else:
+        raise SystemExit(main("docs.studies.accuracy.scenes", STUDIES))

@@ -10,7 +10,6 @@ It is no part of this package.
 
 from __future__ import annotations
 
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -18,17 +17,16 @@ from pathlib import Path
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, Row, off, replace_rows, rounded, seconds_of
+from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows, seconds_of
 
 COMMAND = "python -m docs.studies.peers.adhesion PROGRAM"
 GRIDS = (256, 512, 1024, 2048)
 LENGTH, END, FRAMES = 8.0, 3.0, 21
 TENSION, CUT, GAP = 0.5, 0.5, 0.2
-QUANTITIES = ("gap", "pressure")
 
 
-def theirs(program: Path, nodes: int) -> tuple[dict[str, Array], float]:
-    """Run the program; return its fields (20, 256) after t = 0 and the seconds of the processor."""
+def theirs(program: Path, nodes: int) -> GridRun:
+    """Run the program; its fields are those at the 20 times after t = 0, on 256 nodes."""
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
         (here / "kernels").symlink_to(program.resolve().parent / "kernels")
@@ -39,15 +37,12 @@ def theirs(program: Path, nodes: int) -> tuple[dict[str, Array], float]:
             values = np.fromfile(file, dtype="<f4").reshape(FRAMES, nodes).astype(float)
             return np.asarray(values[1:, :: nodes // GRIDS[0]])
 
-        fields = {
-            "gap": field("top_disp_1") - field("bot_disp_1"),
-            "pressure": -field("cohesion_1"),
-        }
-    return fields, seconds
+        gap = field("top_disp_1") - field("bot_disp_1")
+        return GridRun(f"{nodes} nodes", {"gap": gap, "pressure": -field("cohesion_1")}, seconds)
 
 
-def ours(nodes: int) -> tuple[dict[str, Array], float]:
-    """Run the same problem; return its fields (20, 256) and the seconds of the processor."""
+def ours(nodes: int) -> GridRun:
+    """Run the same problem."""
     bonds = sf.Adhesion(strength=lambda x: 1.0 * (np.abs(x) >= CUT), length=GAP)
     face = sf.Interface(
         sf.Material(1.0, 1.0, 0.25),
@@ -60,48 +55,17 @@ def ours(nodes: int) -> tuple[dict[str, Array], float]:
     times = np.linspace(0, END, FRAMES)[1:].tolist()
     began = time.process_time()
     done = sf.run(face, END, nodes, times=times, estimate=False)
-    seconds = time.process_time() - began
-    return {name: getattr(done, name)[:, :: nodes // GRIDS[0]] for name in QUANTITIES}, seconds
+    seconds, every = time.process_time() - began, nodes // GRIDS[0]
+    fields = {"gap": done.gap[:, ::every], "pressure": done.pressure[:, ::every]}
+    return GridRun(f"{nodes} nodes", fields, seconds)
 
 
-def rows_of(
-    known: dict[int, tuple[dict[str, Array], float]],
-    found: dict[int, tuple[dict[str, Array], float]],
-) -> list[Row]:
-    """Return the rows of all grids from what both codes computed on them, by nodes."""
-    rows, finest = [], GRIDS[-1]
-    for name in QUANTITIES:
-        for before, nodes in zip((None, *GRIDS), GRIDS, strict=False):
-            their, our = known[nodes][0][name], found[nodes][0][name]
-            rows.append(
-                Row(
-                    "UGUCA",
-                    "a cut under tension",
-                    name,
-                    f"{nodes} nodes",
-                    f"{nodes} nodes",
-                    rounded(off(their, found[finest][0][name])),
-                    rounded(off(our, known[finest][0][name])),
-                    None if before is None else rounded(off(their, known[before][0][name])),
-                    None if before is None else rounded(off(our, found[before][0][name])),
-                    rounded(known[nodes][1], 2),
-                    rounded(found[nodes][1], 2),
-                    COMMAND,
-                )
-            )
-    return rows
-
-
-def main(program: Path) -> None:
+def main() -> None:
     """Run both codes on all grids and write the rows."""
-    known, found = {}, {}
-    for nodes in GRIDS:
-        known[nodes], found[nodes] = theirs(program, nodes), ours(nodes)
-    rows = rows_of(known, found)
-    for row in rows:
-        print(row)
-    replace_rows(rows)
+    (program,) = places(__doc__, "PROGRAM")
+    pairs = [(theirs(program, nodes), ours(nodes)) for nodes in GRIDS]
+    replace_rows(compared("UGUCA", "a cut under tension", COMMAND, pairs))
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

@@ -10,7 +10,6 @@ in the larger mesh that the example has commented out.
 from __future__ import annotations
 
 import re
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -18,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, Row, off, replace_rows, rounded, seconds_of
+from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows, seconds_of
 from docs.studies.peers.sem2dpack import Fields, plain_input, read_fault
 
 COMMAND = "python -m docs.studies.peers.bimaterial PROGRAM FOLDER"
@@ -33,7 +32,6 @@ END = 0.03
 """Time [s] until which they are compared: then waves return from their outer boundaries."""
 TIMES = np.arange(0.002, END + 1e-9, 0.001)
 PLACES = np.arange(-90.0, 90.5, 1.0)
-QUANTITIES = ("slip", "slip rate")
 
 
 def their_input(folder: Path, count: int) -> str:
@@ -78,31 +76,27 @@ def our_run(nodes: int) -> tuple[Fields, float]:
     return Fields(done.t, done.x, {"slip": done.slip, "slip rate": done.slip_rate}), seconds
 
 
-def main(program: Path, folder: Path) -> None:
+def main() -> None:
     """Run both codes in turn on three grids, and write the rows."""
-    runs = [(their_run(program, folder, count), our_run(nodes)) for count, nodes in GRIDS]
-    rows = []
-    for quantity in QUANTITIES:
-        theirs, ours = ([one[k][0].at(quantity, TIMES, PLACES) for one in runs] for k in (0, 1))
-        for i, (count, nodes) in enumerate(GRIDS):
-            rows.append(
-                Row(
-                    "SEM2DPACK",
-                    "Bimaterial_fault, mended",
-                    f"{quantity}, until {END:g} s",
-                    f"{LENGTH / count / 2:.3g} m",
-                    f"{LENGTH / nodes:.3g} m",
-                    rounded(off(theirs[i], ours[-1])),
-                    rounded(off(ours[i], theirs[-1])),
-                    rounded(off(theirs[i], theirs[i - 1])) if i else None,
-                    rounded(off(ours[i], ours[i - 1])) if i else None,
-                    rounded(runs[i][0][1], 2),
-                    rounded(runs[i][1][1], 2),
-                    COMMAND,
-                )
+    program, folder = places(__doc__, "PROGRAM", "FOLDER")
+    pairs = []
+    for count, nodes in GRIDS:
+        theirs, ours = their_run(program, folder, count), our_run(nodes)
+        grids = (f"{LENGTH / count / 2:.3g} m", f"{LENGTH / nodes:.3g} m")
+        one, other = (
+            GridRun(
+                grid,
+                {
+                    f"{name}, until {END:g} s": fields.at(name, TIMES, PLACES)
+                    for name in ("slip", "slip rate")
+                },
+                seconds,
             )
-    replace_rows(rows)
+            for grid, (fields, seconds) in zip(grids, (theirs, ours), strict=True)
+        )
+        pairs.append((one, other))
+    replace_rows(compared("SEM2DPACK", "Bimaterial_fault, mended", COMMAND, pairs))
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:]))
+    main()

@@ -1,15 +1,13 @@
 """Onset of sliding under rate-and-state friction against results that cRacklet tests itself by.
 
-``python -m docs.studies.peers.cracklet FOLDER [BUILD]`` writes rows of docs/data/peers.csv.
-FOLDER is a checkout of github.com/Xinyuan-yang/MycRacklet, which holds tests/friction/*.verified;
-BUILD, if given, is a folder with their test programs, which are timed.  Neither is part of this
-package.
+``python -m docs.studies.peers.cracklet FOLDER`` writes rows of docs/data/peers.csv.  FOLDER is a
+checkout of github.com/Xinyuan-yang/MycRacklet, which holds tests/friction/*.verified and is no part
+of this package.
 """
 
 from __future__ import annotations
 
 import re
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,9 +16,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, Row, off, replace_rows, rounded, seconds_of
+from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows
 
-COMMAND = "python -m docs.studies.peers.cracklet FOLDER [BUILD]"
+COMMAND = "python -m docs.studies.peers.cracklet FOLDER"
 STEP = 3.90625e-7
 """Their time step [s]; the state is disturbed after the sixth of them."""
 KICK = 1e-7
@@ -84,16 +82,8 @@ class Problem:
 
 
 PROBLEMS = (
-    Problem("test_rate_and_state_PMMA", 0.285, 0.005, 0.0, 0.36e6, 512, 0.5),
-    Problem(
-        "test_rate_and_state_PMMA_regularized",
-        5 / 18,
-        0.0055,
-        1e-9,
-        1.005 * 0.34475668e6,
-        2048,
-        2.0,
-    ),
+    Problem("PMMA", 0.285, 0.005, 0.0, 0.36e6, 512, 0.5),
+    Problem("PMMA_regularized", 5 / 18, 0.0055, 1e-9, 1.005 * 0.34475668e6, 2048, 2.0),
 )
 
 
@@ -108,8 +98,8 @@ def verified(path: Path) -> tuple[float, Array, Array]:
     return float(start[1]), t[1:], rise[1:]
 
 
-def our_run(problem: Problem, times: Array, nodes: int, near: float) -> tuple[float, Array, float]:
-    """Return the slip rate at the start, what `verified` returns, and seconds of the processor."""
+def our_run(problem: Problem, times: Array, nodes: int, near: float) -> tuple[Array, float]:
+    """Return the largest slip rate less that of the first node, and seconds of the processor."""
     bare = Pmma(problem.f, problem.a, 0.0, problem.rest)
 
     def missing(rate: float) -> float:
@@ -136,46 +126,29 @@ def our_run(problem: Problem, times: Array, nodes: int, near: float) -> tuple[fl
     began = time.process_time()
     done = sf.run(fault, float(times[-1]), nodes, times=list(times), estimate=False)
     seconds = time.process_time() - began
-    print(done, done.steps, f"{seconds:.1f} s", flush=True)
-    return rate, done.slip_rate.max(axis=1) - done.slip_rate[:, 0], seconds
+    print(f"{nodes} nodes: slip rate at the start {rate:.7g}, theirs {near:.7g} m/s", flush=True)
+    return done.slip_rate.max(axis=1) - done.slip_rate[:, 0], seconds
 
 
-def main(folder: Path, build: Path | None = None) -> None:
+def main() -> None:
     """Write the rows."""
-    rows = []
+    (folder,) = places(__doc__, "FOLDER")
     for problem in PROBLEMS:
-        rate, t, theirs = verified(folder / f"tests/friction/{problem.name}.verified")
-        their_seconds = None
-        if build is not None:
-            program = next(build.glob(f"**/{problem.name}"))
-            their_seconds = seconds_of([program.resolve()], program.parent)
+        rate, t, theirs = verified(
+            folder / f"tests/friction/test_rate_and_state_{problem.name}.verified"
+        )
         grows = np.arange(len(t)) < (np.argmax(theirs > rate) if theirs.max() > rate else len(t))
-        before = None
+        parts = {"growing wave": grows, "event after it": ~grows}
+        spans = {f"slip rate, {words}": part for words, part in parts.items() if part.any()}
+        known = {name: theirs[part] for name, part in spans.items()}
+        pairs = []
         for nodes in (problem.elements // 8, problem.elements // 4, problem.elements // 2):
-            mine, ours, seconds = our_run(problem, t - 6 * STEP, nodes, rate)
-            print(nodes, f"slip rate at the start {mine:.7g}, theirs {rate:.7g} m/s", flush=True)
-            for words, part in (("growing wave", grows), ("event after it", ~grows)):
-                if part.any():
-                    rows.append(
-                        Row(
-                            "cRacklet",
-                            problem.name,
-                            f"slip rate, {words}",
-                            f"{problem.elements} elements",
-                            f"{nodes} nodes",
-                            None,
-                            rounded(off(ours[part], theirs[part])),
-                            None,
-                            None if before is None else rounded(off(ours[part], before[part])),
-                            None if their_seconds is None else rounded(their_seconds, 2),
-                            rounded(seconds, 2),
-                            COMMAND,
-                        )
-                    )
-                    print(rows[-1], flush=True)
-            before = ours
-    replace_rows(rows)
+            rise, seconds = our_run(problem, t - 6 * STEP, nodes, rate)
+            found = {name: rise[part] for name, part in spans.items()}
+            their = GridRun(f"{problem.elements} elements", known, None)
+            pairs.append((their, GridRun(f"{nodes} nodes", found, seconds)))
+        replace_rows(compared("cRacklet", f"test_rate_and_state_{problem.name}", COMMAND, pairs))
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:]))
+    main()

@@ -1,19 +1,18 @@
 """SCEC TPV3 in two dimensions, in plane and antiplane, against SEM2DPACK's own examples.
 
-``python -m docs.studies.peers.sem2dpack PROGRAM FOLDER [EXAMPLE]`` writes rows of
-docs/data/peers.csv.  PROGRAM is SEM2DPACK's solver, FOLDER a checkout of
-github.com/jpampuero/sem2dpack, whose examples EXAMPLES/TestFlt2D_SCEC_TPV3_inplane and _antiplane
-(or one of them: `inplane`, `antiplane`) are run on three grids; neither is part of this package.
+``python -m docs.studies.peers.sem2dpack PROGRAM FOLDER`` writes rows of docs/data/peers.csv.
+PROGRAM is SEM2DPACK's solver, FOLDER a checkout of github.com/jpampuero/sem2dpack, whose examples
+EXAMPLES/TestFlt2D_SCEC_TPV3_inplane and _antiplane are run on three grids; neither is part of this
+package.
 """
 
 from __future__ import annotations
 
 import re
 import shutil
-import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -21,9 +20,9 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, Row, off, replace_rows, rounded, seconds_of
+from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows, seconds_of
 
-COMMAND = "python -m docs.studies.peers.sem2dpack PROGRAM FOLDER [EXAMPLE]"
+COMMAND = "python -m docs.studies.peers.sem2dpack PROGRAM FOLDER"
 FIELDS = {"Slip": "slip", "Slip_Rate": "slip rate", "Shear_Stress": "shear traction"}
 PLACES = np.arange(250.0, 14.8e3, 250.0)
 """Points [m] of their fault and ours at which both are compared.  Those at the ends of a patch show
@@ -34,19 +33,15 @@ RECORD_MARK = 4
 
 @dataclass(frozen=True)
 class Problem:
-    """An example of theirs, its grids and ours, and where and until when both are compared.
+    """An example of theirs, its grids, and when [s] a wave may be back from its boundaries.
 
-    `edit` makes their input that of a grid; `until` [s] is when a wave may be back from the outer
-    boundaries of their mesh, `places` are points [m] of their fault and ours.
+    `edit` makes their input that of a grid; `depth` is whether their fault is along their depth.
     """
 
     example: str
-    grids: tuple[tuple[int, str], ...]
+    grids: Mapping[int, str]
     edit: Callable[[str, int], str]
-    nodes: tuple[int, ...]
     until: float
-    end: float
-    x: Array
     depth: bool
 
 
@@ -73,27 +68,10 @@ def _points(text: str, count: int) -> str:
 
 
 PROBLEMS = (
-    Problem(
-        "inplane",
-        ((35, "200 m"), (70, "100 m"), (105, "67 m")),
-        _elements,
-        (960, 1920, 3840),
-        6.6,
-        12.0,
-        PLACES,
-        False,
-    ),
-    Problem(
-        "antiplane",
-        ((4, "167 m"), (6, "100 m"), (8, "71 m")),
-        _points,
-        (960, 1920, 3840),
-        8.6,
-        12.0,
-        PLACES,
-        True,
-    ),
+    Problem("inplane", {35: "200 m", 70: "100 m", 105: "67 m"}, _elements, 6.6, False),
+    Problem("antiplane", {4: "167 m", 6: "100 m", 8: "71 m"}, _points, 8.6, True),
 )
+NODES, END = (960, 1920, 3840), 12.0
 
 
 def plain_input(folder: Path) -> str:
@@ -112,7 +90,7 @@ def their_input(folder: Path, problem: Problem, count: int) -> str:
     text = plain_input(folder)
     text = problem.edit(text, count)
     text = re.sub(r"(TtH='PWCONR' *),[^/]*/", r"\1, otd=0.02d0 /", text)
-    return re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={problem.end}d0", text)
+    return re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={END}d0", text)
 
 
 def their_run(program: Path, folder: Path, problem: Problem, count: int) -> tuple[Fields, float]:
@@ -166,52 +144,29 @@ def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     return Fields(done.t, done.x, fields), seconds
 
 
-def rows_of(
-    problem: Problem, runs: list[tuple[Fields, Fields]], costs: list[tuple[float, float]]
-) -> Iterator[Row]:
-    """Yield the rows of a problem from the runs of both codes, coarse grids first."""
-    t = np.arange(0.05, problem.end - 0.05, 0.02)
-    for quantity, until in [
-        *((one, problem.until) for one in FIELDS.values()),
-        ("slip", problem.end),
-    ]:
-        at = t[t < until]
-        theirs, ours = (
-            [run.at(quantity, at, problem.x) for run in one] for one in zip(*runs, strict=True)
-        )
-        for i, (_, spacing) in enumerate(problem.grids):
-            yield Row(
-                "SEM2DPACK",
-                f"TPV3, {'antiplane' if problem.depth else 'in plane'}",
-                f"{quantity}, until {until:g} s",
-                spacing,
-                f"{96e3 / problem.nodes[i]:g} m",
-                rounded(off(theirs[i], ours[-1])),
-                rounded(off(ours[i], theirs[-1])),
-                rounded(off(theirs[i], theirs[i - 1])) if i else None,
-                rounded(off(ours[i], ours[i - 1])) if i else None,
-                rounded(costs[i][0], 2),
-                rounded(costs[i][1], 2),
-                COMMAND,
-            )
+def at_points(problem: Problem, fields: Fields, grid: str, seconds: float) -> GridRun:
+    """Return the fields that are compared: all until waves return, slip also until the end."""
+    t = np.arange(0.05, END - 0.05, 0.02)
+    spans = [*((name, problem.until) for name in FIELDS.values()), ("slip", END)]
+    values = {
+        f"{name}, until {until:g} s": fields.at(name, t[t < until], PLACES) for name, until in spans
+    }
+    return GridRun(grid, values, seconds)
 
 
-def main(program: Path, folder: Path, example: str = "") -> None:
+def main() -> None:
     """Run both codes in turn on three grids, and write the rows."""
-    rows: list[Row] = []
-    for problem in (one for one in PROBLEMS if example in ("", one.example)):
-        t = np.arange(0.0, problem.end, 0.02)
-        runs, costs = [], []
-        for (count, _), nodes in zip(problem.grids, problem.nodes, strict=True):
+    program, folder = places(__doc__, "PROGRAM", "FOLDER")
+    for problem in PROBLEMS:
+        times, pairs = np.arange(0.0, END, 0.02), []
+        for (count, spacing), nodes in zip(problem.grids.items(), NODES, strict=True):
             theirs, their_seconds = their_run(program, folder, problem, count)
-            ours, our_seconds = our_run(problem, nodes, t)
-            runs.append((theirs, ours))
-            costs.append((their_seconds, our_seconds))
-        for row in rows_of(problem, runs, costs):
-            rows.append(row)
-            print(row, flush=True)
-    replace_rows(rows)
+            ours, our_seconds = our_run(problem, nodes, times)
+            one = at_points(problem, theirs, spacing, their_seconds)
+            pairs.append((one, at_points(problem, ours, f"{96e3 / nodes:g} m", our_seconds)))
+        case = f"TPV3, {'antiplane' if problem.depth else 'in plane'}"
+        replace_rows(compared("SEM2DPACK", case, COMMAND, pairs))
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]), *sys.argv[3:])
+    main()

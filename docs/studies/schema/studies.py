@@ -4,92 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from compare.benchmarks.classes import Tolerance
 from compare.benchmarks.scores import Score
-from compare.benchmarks.sheet import Sheet
-from compare.studies.article.claims import Verdict
-from compare.studies.chart.points import Point
-from compare.studies.dissimilar.points import NamedPoint, ThresholdPoint
-from compare.studies.evidence.study import ClosedForm
-from compare.studies.regimes.points import BoundaryPoint
-from compare.studies.supershear.points import TransitionPoint
-from compare.studies.wear import MostRow, WearRow
+from compare.benchmarks.sheets import Sheet
+from compare.chart.figure import Found
+from compare.chart.points import Point
 from docs.studies.schema.parts import (
-    COUNTS,
     MATERIAL,
     PROBLEM,
-    VERDICT,
 )
 from docs.studies.schema.vocabulary import (
     NUMBER,
-    SCENE,
     TEXT,
     TRUTH,
-    WHOLE,
     Key,
     list_of,
     named,
-    object_of,
-    or_null,
     row_of,
 )
 from semianalytic import SlidingWave
 
-_CLAIMS = Key(
-    "claims of the article, with the verdict of each method",
-    list_of(object_of(section=TEXT, claim=TEXT, base=TEXT, verdicts=named(row_of(Verdict)))),
-)
+_SHEET = row_of(Sheet, scene=PROBLEM)
 
 STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
-    "benchmark": (
-        {"sheets": Key("all problem sheets", list_of(row_of(Sheet, marched=TRUTH, scene=PROBLEM)))},
-    ),
+    "benchmark": ({"sheets": Key("all problem sheets", list_of(_SHEET))},),
     "benchmark show": (
         {
-            "sheet": Key("name of the sheet", TEXT),
-            "title": Key("title of the sheet", TEXT),
-            "system": Key("system of units", TEXT),
-            "scene": Key("the scene, pair or whole line, or the file of the interface", PROBLEM),
-            "si_scene": Key("the same scene in SI units; null for interfaces", or_null(PROBLEM)),
-            "si_scales": Key("factors that convert answers to SI units", named(NUMBER)),
-            "stations": Key("positions of the stations; of scenes over c_t T", list_of(NUMBER)),
+            "sheet": Key("the sheet; its scene is that, or the file of the interface", _SHEET),
             "times": Key("times; of scenes over T", list_of(NUMBER)),
-            "arrival": Key("event whose arrival time is asked for", TEXT),
-            "sure": Key("how many digits are reliable, in words", TEXT),
             "answers": Key("answers by quantity", {"type": "object"}),
-            "errors": Key("errors of marched answers, of interfaces relative", {"type": "object"}),
-            "tolerances": Key("tolerances by class", list_of(row_of(Tolerance))),
+            "errors": Key("stated relative errors of marched answers", named(NUMBER)),
         },
     ),
     "benchmark export": ({"sheets": Key("names of the sheets", list_of(TEXT))},),
     "benchmark score": (
         {"scores": Key("scores of each run and quantity", list_of(row_of(Score)))},
-    ),
-    "benchmark enter": (
-        {
-            "sheet": Key("name of the sheet", TEXT),
-            "code": Key("code that was run", TEXT),
-            "cells": Key("number of cells over c_t T", NUMBER),
-            "stations": Key("stations recorded", list_of(NUMBER)),
-            "seconds": Key("time taken in seconds", NUMBER),
-        },
-    ),
-    "regimes": (
-        {
-            "regimes": Key("number of points of each map in each regime", named(named(WHOLE))),
-            "boundaries": Key("curves between the regimes", list_of(row_of(BoundaryPoint))),
-        },
-        {
-            "thresholds": Key(
-                "with --dissimilar: friction above which waves grow",
-                list_of(row_of(ThresholdPoint)),
-            ),
-            "named": Key("growth per wavelength of pairs of solids", list_of(row_of(NamedPoint))),
-            "transitions": Key(
-                "with --supershear: where ruptures overtake shear waves",
-                list_of(row_of(TransitionPoint)),
-            ),
-        },
     ),
     "sliding": (
         {
@@ -107,56 +55,10 @@ STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "dundurs": Key("Dundurs' parameter beta", NUMBER),
         },
     ),
-    "stability": (
-        {
-            "studies": Key(
-                "tables of each study, as in its files", named(named(list_of({"type": "object"})))
-            )
-        },
-    ),
-    "article": (
-        {
-            "claims": _CLAIMS,
-            "disagreement": Key("mean difference between solver and simulation", NUMBER),
-        },
-    ),
     "chart": (
         {
             "points": Key("points measured, as in data/chart.csv", list_of(row_of(Point))),
-            "slopes": Key("slope of error against time, by scene and method", named(named(NUMBER))),
-        },
-    ),
-    "wear": (
-        {
-            "rows": Key("results of each transient", list_of(row_of(WearRow))),
-            "most": Key(
-                "friction at which the frictional work is largest", list_of(row_of(MostRow))
-            ),
-        },
-    ),
-    "evidence": (
-        {
-            "verdict": VERDICT,
-            "counts": COUNTS,
-            "scenes": Key(
-                "results of all methods for each scene",
-                list_of(
-                    object_of(
-                        scene=TEXT,
-                        parameters=SCENE,
-                        verdict=or_null(TEXT),
-                        counts=named(WHOLE),
-                        methods=list_of(TEXT),
-                        obstacle=TEXT,
-                    )
-                ),
-            ),
-            "closed_forms": Key(
-                "errors of all methods against closed forms", list_of(row_of(ClosedForm))
-            ),
-            "claims": _CLAIMS,
-            "stamp": Key("versions, machine and date", named({"type": ["string", "number"]})),
-            "seconds": Key("time taken in seconds", NUMBER),
+            "found": Key("what they say, as in data/chart-found.csv", list_of(row_of(Found))),
         },
     ),
 }

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.cut.quadrature import tuning
 from semianalytic.cut.quadrature.layout import Layout, Zone, outline
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.halfplane.cut_points import CutPoints
@@ -72,7 +71,8 @@ def _fitted_rule(
         elif layout.gap:
             further = max(further, -float(np.log((before + after[0]).min())))
     elif layout.slips_at_c:
-        strip = min(strip, tuning.STRIP_AT_CUT_C)
+        # M + eta vanishes at c + i eta / m'(c), at right angles from c, however small eta.
+        strip = min(strip, 0.5)
     return finer_rule(rule, strip, further)
 
 

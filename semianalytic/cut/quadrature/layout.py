@@ -13,7 +13,6 @@ from itertools import groupby
 
 import numpy as np
 
-from semianalytic.cut.quadrature import tuning
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
@@ -328,11 +327,13 @@ def _on_the_way(factors: RayleighFactors, left: CutPoints, right: CutPoints) -> 
     the largest value on a panel. The number of points is determined from the first set.
     """
     ratio = right.first[0] / left.first[0]
-    if left.first[2] < 0 or ratio < tuning.WIDE_PANEL:
+    # Under a base 1e6 times the step tractions were 1e3 tolerances off in one panel, and one
+    # tolerance in eleven; beyond 1e14 the parts grow.
+    if left.first[2] < 0 or ratio < 32.0:
         return []
     # Equal ratios of slowness from end to end: a power is then equally smooth on every part.
-    count = int(np.ceil(np.log(ratio) / np.log(tuning.PANEL_GROWTH)))
-    count = min(count, tuning.MOST_PANELS)
+    count = int(np.ceil(np.log(ratio) / np.log(16.0)))
+    count = min(count, 12)
     growth = np.log(right.v / left.v) / count
     return [factors.cut(left.v * np.exp(step * growth)) for step in range(1, count)]
 

@@ -20,11 +20,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from semianalytic.cut.quadrature import tuning
 from semianalytic.cut.quadrature.layout import Layout, Pairs
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule
+
+MANY_NODES = 100
+"""Nodes per panel from which it pays to leave some out."""
 
 
 class _Piece(NamedTuple):
@@ -140,14 +142,15 @@ class Panels:
         weights = self.rule.weights * weights
         # w - v is negative for sources ahead of their targets; distances are positive.
         weights[behind:] *= -1
-        if own.shape[-1] < tuning.MANY_NODES or not len(source):
+        if own.shape[-1] < MANY_NODES or not len(source):
             return _summed(weights, own, other)
         # From here on the nodes of both count outward from the end between them.
         for values, part in ((weights, slice(behind, None)), (own, slice(behind, None))):
             values[part] = values[part, ..., ::-1].copy()
         other[:behind] = other[:behind, ..., ::-1].copy()
         result, sizes = np.zeros_like(own), np.abs(weights) / own
-        least = tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2) * self.rule.spacing
+        # A millionth of what the reach of a rule leaves out does not count either.
+        least = 1e-6 * np.exp(-self.rule.reach / 2) * self.rule.spacing
         matter = sizes.reshape(len(own), -1, own.shape[-1]).max(axis=1) > least
         for i, (sent, target) in enumerate(zip(source, pairs.target, strict=True)):
             # Nodes whose contribution is negligible to every target are left out.
@@ -204,7 +207,8 @@ class Panels:
         far, size = half
         # The least gap over all sets of zones decides, 0 between neighbours.
         most, least = float(size.max()), float(gap.min())
-        if not (least > 0 and least * 2.0**tuning.MOST_HALVINGS >= most):
+        # With 5 or 20 halvings four named scenes take the same time.
+        if not (least > 0 and least * 2.0**10 >= most):
             return slice(0, far.nodes.start), [far]
         near = self.rule.beside_end(max(1, int(np.ceil(np.log2(most / least)))))
         share = near.share / near.rest if self.right[panel] is None else near.share
@@ -240,11 +244,10 @@ class Panels:
         unbounded = [i for i, right in enumerate(self.right) if right is None]
         if over_c < 0:
             return tuple(unbounded)
-        # what slips beside a strip around c begins beyond the stick gaps on either side of it
         # Slip beside a narrow zone around c begins beyond the stick gaps on either side of that
         # zone.
         slips = 0 <= self.layout.pole < last
-        near = 2 if slips and bool(np.all(self.widths[over_c] < tuning.NARROW_STRIP)) else 1
+        near = 2 if slips and bool(np.all(self.widths[over_c] < 0.01)) else 1
         return (*range(max(over_c - near, 0), min(over_c + near, last) + 1), *unbounded)
 
     def principal_values(self, sources: np.ndarray, weights: Array) -> Array:
@@ -264,7 +267,8 @@ def _summed(weights: Array, own: Array, other: Array) -> Array:
     m, n = own.shape[-1], other.shape[-1]
     rows, sources, to = weights.reshape(-1, m, 1), own.reshape(-1, 1, m), other.reshape(-1, n, 1)
     result = np.empty((len(to), n, 1))
-    step = max(1, min(len(to), tuning.CACHED_KERNEL // (m * n)))
+    # Kernel values that stay in the processor's cache.
+    step = max(1, min(len(to), 50_000 // (m * n)))
     kernel = np.empty((step, n, m))
     for start in range(0, len(to), step):
         part = slice(start, start + step)

@@ -12,10 +12,12 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut.quadrature import tuning
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array
+
+LEAST_SHARE = 1e-8
+"""Share of a panel down to which a density at its end is taken as it is."""
 
 
 @dataclass(frozen=True)
@@ -147,9 +149,10 @@ def split_power(
     """
     unit = Power(panel, at_left, exponent, np.ones_like(exponent))
     jacobian, shape, share = panels.jacobian[panel], unit.by_y(panels), unit.share(panels)
-    away = share.reshape(-1, share.shape[-1]).min(axis=0) > tuning.LEAST_SHARE
+    away = share.reshape(-1, share.shape[-1]).min(axis=0) > LEAST_SHARE
     nodes = np.flatnonzero(away)[:: 1 if at_left else -1]
-    stride = max(1, round(tuning.SHARE_LOGARITHM / panels.rule.spacing))
+    # From the shares of two nodes the density is continued to 1e-16, the rounding.
+    stride = max(1, round(2.0 / panels.rule.spacing))
     three, near = nodes[[0, stride, 2 * stride]], ~away
     terms = np.stack([np.ones_like(share), share, share * np.log(share)], axis=-1)
     over = (density[panel] * jacobian)[..., three] / shape[..., three]

@@ -33,10 +33,6 @@ from semianalytic.dissimilar_slot.densities.poles import Pole, poles_on
 from semianalytic.dissimilar_slot.densities.zones import Zone
 from semianalytic.halfplane.rayleigh import Array
 
-_POWER_STEPS = 12
-"""Steps of the inverse power iteration, after which the smallest singular value is known to a
-tenth."""
-
 
 @dataclass(frozen=True, eq=False)
 class OnPanel:
@@ -132,7 +128,7 @@ class Density:
         except np.linalg.LinAlgError:
             return 0.0
         vector = np.random.default_rng(0).standard_normal(len(normal))
-        for _ in range(_POWER_STEPS):
+        for _ in range(12):  # the smallest singular value is then known to a tenth
             vector = cho_solve(factor, vector / np.linalg.norm(vector))
         # The iteration tends to the largest eigenvalue of (M^T M)^(-1), which is 1 / sigma^2.
         return float(np.linalg.norm(vector) ** -0.5)

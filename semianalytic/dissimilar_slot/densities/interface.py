@@ -23,8 +23,6 @@ from semianalytic.dissimilar.phase import (
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Material
 
-_KEPT = 64
-
 
 @dataclass(frozen=True)
 class Interface:
@@ -94,7 +92,7 @@ class Interface:
         return turns if opened else tuple(sorted({*turns, *phase.numerator.sharp_turns}))
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=64)
 def rayleigh_slowness(body: Body) -> float:
     """Return the slowness of the Rayleigh wave of a free body."""
     # The Rayleigh speed over c_t depends on the ratio of the body waves alone: any solid of this
@@ -124,16 +122,16 @@ def interface_of(pair: Pair) -> tuple[Interface, float]:
     return interface, unit
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=64)
 def _slip_phase(compliance: Compliance, friction: float, resistance: float) -> SlipPhase:
     return slip_phase(compliance, friction, resistance)
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=64)
 def _contact_phase(compliance: Compliance, friction: float) -> CutPhase:
     return contact_phase(compliance, friction)
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=64)
 def _rayleigh_phases(compliance: Compliance) -> tuple[CutPhase, CutPhase]:
     return rayleigh_phases(compliance)

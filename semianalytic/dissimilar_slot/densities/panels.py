@@ -26,21 +26,6 @@ from semianalytic.dissimilar_slot.densities.interface import Interface
 from semianalytic.dissimilar_slot.densities.zones import Zone, neighbours
 from semianalytic.halfplane.rayleigh import Array
 
-_PLACE, _PLACE_FAR = 0.65, 0.35
-"""Place of the power between its bounds, at an end and at the contact edge: the smallest singular
-value is 0.26 to 0.37 there; nearer to a bound it falls like the distance from it."""
-_SHARED, _SHARED_POWER = 0.03, 0.3
-"""Relative distance of shear fronts that count as one, and the power of omega there: below 1/2, of
-which 0.2 and 0.4 give the same smallest singular value within a tenth."""
-_BEHIND_POLE = 2.0
-"""Slowness at which an opening that reaches the contact edge is cut, over that of a Rayleigh
-wave."""
-_SAME = 1e-13
-"""Distance in x below which a point is taken to be a node at this distance."""
-_SLOWEST_DECAY = 0.05
-"""Least decay of phi at the end of a panel; an exponent nearer to -1 would need thousands of
-points."""
-
 
 @dataclass(frozen=True)
 class End:
@@ -57,9 +42,11 @@ def edge_end(exponent: float, bounded: bool = False) -> End:
     """
     # The line Re = -p has to leave e to its right and e - 1 to its left, and p is between 0 and 1.
     low, high = max(0.0, -exponent), min(1.0, 1 - exponent)
-    power = low + _PLACE * (high - low)
+    # The smallest singular value is 0.26 to 0.37 there; it falls like the distance from a bound.
+    power = low + 0.65 * (high - low)
     slowest = min(exponent, 0.0) if bounded else exponent
-    return End(power, max(power + slowest, _SLOWEST_DECAY))
+    # An exponent nearer to -1 would need thousands of points.
+    return End(power, max(power + slowest, 0.05))
 
 
 def front_end(interface: Interface, v: float) -> End:
@@ -69,8 +56,10 @@ def front_end(interface: Interface, v: float) -> End:
     d^(-1/2).
     """
     one, two = (body.b for body in interface.compliance.bodies)
-    shared = abs(one - two) < _SHARED * one and min(abs(v - one), abs(v - two)) < _SHARED * v
-    return End(_SHARED_POWER, _SHARED_POWER) if shared else edge_end(0.0)
+    # Shear fronts within 3 % of one another count as one.
+    shared = abs(one - two) < 0.03 * one and min(abs(v - one), abs(v - two)) < 0.03 * v
+    # Below 1/2; 0.2 and 0.4 give the same smallest singular value within a tenth.
+    return End(0.3, 0.3) if shared else edge_end(0.0)
 
 
 def contact_end(interface: Interface, zone: Zone) -> End:
@@ -79,7 +68,7 @@ def contact_end(interface: Interface, zone: Zone) -> End:
     The density falls at least like v^(-3/2) or v^(lambda - 2), whichever falls more slowly.
     """
     slowest = -1.5 if zone.open else max(-1.5, interface.edge_decay(zone.sense) - 2)
-    power = 1 - _PLACE_FAR * (slowest + 1)
+    power = 1 - 0.35 * (slowest + 1)
     return End(power, -(power + slowest))
 
 
@@ -206,7 +195,8 @@ class Panel:
         total = kernel @ masses
         total -= np.exp(-1j * np.pi / h * y)[:, None] * (kernel @ (masses * signs[:, None]))
         # The node that is closest, without the difference of two large numbers.
-        away = np.where(np.abs(away) < _SAME, _SAME, away)[close]
+        # A point nearer than 1e-13 is taken to be a node at this distance.
+        away = np.where(np.abs(away) < 1e-13, 1e-13, away)[close]
         apart = self.jacobian[there] * -np.expm1(-away)
         if right is not None:
             apart = self.jacobian[there] * 2 * np.sinh(away / 2)
@@ -284,7 +274,7 @@ def panels_of(interface: Interface, zones: Sequence[Zone], rule: Rule) -> tuple[
         cuts = {*interface.compliance.distinct_fronts}
         cuts.update(interface.sharp_turns(zone.sense, zone.open))
         if zone.open and zone.right is None:  # poles lie on panels that end
-            cuts.update(_BEHIND_POLE * c for c in interface.rayleigh_slownesses if c > zone.left)
+            cuts.update(2.0 * c for c in interface.rayleigh_slownesses if c > zone.left)
         inside = sorted(v for v in cuts if zone.left < v and (zone.right is None or v < zone.right))
         ends = [zone.left, *inside, zone.right]
         for start, stop in pairwise(ends):

@@ -25,9 +25,6 @@ from semianalytic.dissimilar.stretch import Values
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array
 
-_GAUSS = 48
-"""Gauss points of integrals over a panel, on which Psi is smooth."""
-
 
 @dataclass(frozen=True, eq=False)
 class Pole:
@@ -74,7 +71,7 @@ class Pole:
     @cached_property
     def _nodes(self) -> tuple[Array, Array, Values]:
         """Gauss points on the panel, their weights, and `_carried` there."""
-        t, weight = gauss(_GAUSS)
+        t, weight = gauss(48)
         w = self.left + (self.right - self.left) * t
         return w, (self.right - self.left) * weight, self._carried(w)
 

@@ -32,14 +32,6 @@ RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)
 
 _LENGTH = 2.0
 """Length in x of an interval on which the slopes of tractions are evaluated directly."""
-_DIGITS = 28.0
-"""Logarithm of the factor by which the integrand has fallen at the ends of intervals on stick."""
-_AT_FRONT = -0.5
-"""Exponent of traction slopes at a front that both bodies share, the lowest at any front."""
-_TO_CONTACT_EDGE = 46.0
-"""Largest x on stick that reaches the contact edge: x/t down to 1e-20 of the wave speeds."""
-_NEAR_MOST = 101
-"""Points around the largest slip, among which it is known to 1e-4 of their distance squared."""
 _STEPS = 3
 """Steps between the nodes of a density per interval of its series."""
 
@@ -129,9 +121,11 @@ class Profile:
 
         def reach(end: float) -> float:
             """Return the reach in x to an end; traction slopes may be like d^(-1/2) at a front."""
-            return _DIGITS / (1 + min(_AT_FRONT, exponents.get(end, 0.0)))
+            # At a front of both bodies slopes have the lowest exponent, -1/2; the integrand falls
+            # to e^-28.
+            return 28.0 / (1 + min(-0.5, exponents.get(end, 0.0)))
 
-        before, after = stretch.lead + reach(left), _TO_CONTACT_EDGE
+        before, after = stretch.lead + reach(left), 46.0  # x/t down to 1e-20 of the wave speeds
         if stretch.right is not None:
             after = reach(stretch.right)
         intervals = Intervals(stretch, -before, _LENGTH, int(np.ceil((before + after) / _LENGTH)))
@@ -225,7 +219,8 @@ class Profile:
             if part.zone >= 0:
                 x = part.series.intervals.points.x
                 best = int(np.argmax(self._slip_over_time(part, x)))
-                near = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], _NEAR_MOST)
+                # The largest slip is then known to 1e-4 of their distance squared.
+                near = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], 101)
                 largest = max(largest, float(self._slip_over_time(part, near).max()))
         return largest
 

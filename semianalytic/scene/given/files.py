@@ -14,6 +14,7 @@ from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.load_tables import with_tables
+from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.scene import Material, Scene
 
 TABLES = {
@@ -103,7 +104,7 @@ def read_document(path: str | Path) -> dict[str, Any]:
     """Read a TOML file; raise SceneError if it cannot be read, or is none."""
     text = ""
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = text_of(path)
         return tomllib.loads(text)
     except OSError as error:
         reason = error.strerror or str(error)
@@ -127,10 +128,6 @@ def _headings(text: str) -> list[str]:
     return [line for line in lines if re.fullmatch(r"\[[A-Za-z_][\w.-]*\]", line)]
 
 
-_NAMED_OTHERWISE = {"step": "what is loaded goes into the table [load]."}
-"""Hints for keys that may be mistaken for others but are spelt too differently to be guessed."""
-
-
 def _check_keys(
     path: str | Path,
     prefix: str,
@@ -145,7 +142,6 @@ def _check_keys(
             close = difflib.get_close_matches(key, known, n=1)
             others = f"known are {', '.join(known)} (docs/not_here.md)."
             hint = f"did you mean {close[0]}?" if close else others
-            hint = _NAMED_OTHERWISE.get(prefix + key, hint)
             raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
         if key in (*TABLES, *OPTIONAL_TABLES):
             if not isinstance(value, dict):

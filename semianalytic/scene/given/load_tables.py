@@ -10,17 +10,15 @@ from typing import Any
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.units import SI, size_of, units_shown
 
 FILE = "file"
 """The key of a history of kind "tabulated" that names a table in place of its numbers."""
-_TIMES = ("t", "time")
-_VALUES = ("value", "value_at_t", "f")
 _LOADS: Mapping[str, tuple[str, ...]] = {
     "shear_history": ("shear", "shear_traction", "traction"),
     "pressure_history": ("pressure", "traction"),
 }
-_SEPARATORS = ";\t,"
 _HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*\Z")
 
 
@@ -74,8 +72,9 @@ def _read(
     headings, rows = _rows(table)
     # Instruments write Time as well as time.
     names = [name.lower() for name, _ in headings]
-    time = [place for place, name in enumerate(names) if name in _TIMES]
-    value = [place for place, name in enumerate(names) if name in (*_VALUES, *loads)]
+    time = [place for place, name in enumerate(names) if name in ("t", "time")]
+    values = ("value", "value_at_t", "f", *loads)
+    value = [place for place, name in enumerate(names) if name in values]
     if len(headings) != 2 or len(time) != 1 or len(value) != 1:
         raise SceneError(
             f"{table} must have two columns, t and value, or t and {loads[0]}; it has "
@@ -120,8 +119,7 @@ def _size(table: Path, heading: tuple[str, str], dimension: str, units: str) -> 
 def _rows(table: Path) -> tuple[list[tuple[str, str]], list[list[float]]]:
     """Return the headings of a table, each a name and a unit, and its numbers."""
     try:
-        # Spreadsheets put a mark before UTF-8, which would become part of the first name.
-        text = table.read_text(encoding="utf-8-sig")
+        text = text_of(table)
     except OSError as error:
         raise SceneError(f"Cannot read the table {table}: {error.strerror or error}.") from error
     except ValueError as error:
@@ -136,7 +134,7 @@ def _rows(table: Path) -> tuple[list[tuple[str, str]], list[list[float]]]:
             f"{table} is empty; it needs a header, as t [us],value, and rows of numbers."
         )
     # The comma comes last: beside semicolons or tabs it is a decimal mark.
-    separator = next((one for one in _SEPARATORS if one in lines[0][1]), ",")
+    separator = next((one for one in ";\t," if one in lines[0][1]), ",")
     cells = list(csv.reader([line for _, line in lines], delimiter=separator))
     headings = [_HEADING.match(cell) for cell in cells[0]]
     named = [(one[1], one[2] or "") if one else ("", "") for one in headings]

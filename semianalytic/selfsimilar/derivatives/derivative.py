@@ -24,8 +24,6 @@ from semianalytic.selfsimilar.derivatives.variation import Surroundings
 from semianalytic.selfsimilar.derivatives.varied import VariedProfile
 from semianalytic.selfsimilar.zones.motion import over_slowness
 
-_TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
-
 
 @dataclass(frozen=True)
 class ZoneDerivative:
@@ -150,8 +148,9 @@ class Derivative:
     def _size(self) -> float:
         """Value of the parameter, by whose own unit `varied` differentiates; if that is 0, 1 or the
         unit of stress."""
-        is_traction = self.name in (*_TRACTIONS, "wave_stress")
-        return abs(parameter(self.scene, self.name)) or (self.stress if is_traction else 1.0)
+        tractions = ("base_pressure", "base_shear", "load_pressure", "load_shear", "wave_stress")
+        unit = self.stress if self.name in tractions else 1.0
+        return abs(parameter(self.scene, self.name)) or unit
 
     def __repr__(self) -> str:
         speeds = ", ".join(f"{one.inner:.4g} and {one.outer:.4g}" for one in self.zones)
@@ -344,7 +343,7 @@ def _zones(
     # The strip that sticks behind the front has a width like the 2/3 power of the excess; under a
     # step of pressure like its square.
     excess = varied.variation.rates.front_excess
-    if excess and not fields.load.load_pressure:  # as the 2/3 power; under a step of pressure, 2
+    if excess and not fields.load.load_pressure:
         known[scene.fastest_speed] = float(np.copysign(np.inf, excess * fields.zones[0].sense))
 
     def moved(speed: float) -> float:

@@ -22,11 +22,14 @@ def difference_error(fine: VariedProfile, coarse: VariedProfile, size: float) ->
     worst = _share(edges_moved(fine), edges_moved(coarse), 1 / size)
     worst = max(worst, _largest_share(fine, coarse, u, size))
     if profile.edge_slips:
-        # A film may slip at the contact edge alone, nearer than any of these points.
-        near = _compared(profile, tuning.NEAREST_COMPARED)
+        # A film may slip at the contact edge alone, nearer than any of these points: one of
+        # resistance 65 slipped on 0.046 c_t, and its estimate was 2.4 times too small.
+        near = _compared(profile, 1e-6)
         worst = max(worst, _largest_share(fine, coarse, near, size))
-    safety = tuning.UNSEEN_SAFETY if _passes_over_a_strip(profile, u) else tuning.SAFETY
-    return tuning.LEAST_DERIVATIVE_ERROR + safety * worst
+    # No compared velocity lies between the edges: with 5 one of 60 random films was 1.7 times its
+    # estimate off, with 10 0.6 times.
+    safety = 20.0 if _passes_over_a_strip(profile, u) else tuning.SAFETY
+    return 1e-10 + safety * worst  # 1e-10 is rounding of differences
 
 
 def _largest_share(fine: VariedProfile, coarse: VariedProfile, u: Array, size: float) -> float:
@@ -59,7 +62,7 @@ def _compared(profile: Profile, nearest: float = tuning.CLEAR_OF_EDGES) -> Array
     """
     factors = profile.fields.factors
     marks = np.array([edge.v[0] for edge in edges_of_zones(profile)] + [factors.a, 1.0, factors.c])
-    xi = np.geomspace(nearest, 1 / factors.a, tuning.COMPARED_POINTS)
+    xi = np.geomspace(nearest, 1 / factors.a, 100)
     return np.asarray(1 / xi[np.abs(xi[:, None] - 1 / marks).min(axis=1) > tuning.CLEAR_OF_EDGES])
 
 

@@ -29,14 +29,6 @@ from semianalytic.selfsimilar.zones.edges import Edges, edges_of
 from semianalytic.selfsimilar.zones.placement import linearised
 from semianalytic.separation.normal import with_opening
 
-_OF_SLOWNESS = 0.5
-"""Step of the slowness of the front of a load over its distance from the first front, before which
-fields bend; the share of the step in it is that of every unknown."""
-_OF_POISSON = 0.25
-"""Step of the Poisson ratio over its distance from its bounds: the longitudinal front moves, and
-fields on nodes right behind it bend faster than the ratio itself."""
-
-
 _OF_LOAD = (
     "friction",
     "base_pressure",
@@ -171,7 +163,8 @@ class Surroundings:
     @cached_property
     def _loose_rule(self) -> Rule:
         """Rule on which directions are found, to the digits of a Jacobian."""
-        return rule_for(max(tuning.DIRECTION_RULE, self._fields.rule.tolerance))
+        # As good as a Jacobian from one-sided differences.
+        return rule_for(max(1e-6, self._fields.rule.tolerance))
 
     @cached_property
     def _placed(self) -> tuple[Edges, Array]:
@@ -232,7 +225,7 @@ class Surroundings:
             return own, load
         known = self._opened
         if (rates, point) not in known:
-            opened, _ = with_opening(replace(load, opened=None), own, tuning.VARIED_OPENING)
+            opened, _ = with_opening(replace(load, opened=None), own, 1e-12)
             known[rates, point] = opened
         return own, known[rates, point]
 
@@ -250,11 +243,11 @@ class Surroundings:
         """Return the longest step in a direction that changes no panel by much; infinite if none
         moves."""
         step = self._step_of_unknowns(rates, moved)
-        for _ in range(tuning.MOST_NARROWINGS if step < np.inf else 0):
+        for _ in range(8 if step < np.inf else 0):  # a strip of 1e-14 is reached
             change = self._change_of_widths(rates, moved, step)
             if change <= self._share_of_step:
                 break
-            step *= max(self._share_of_step / change, tuning.FASTEST_NARROWING)
+            step *= max(self._share_of_step / change, 1e-2)
         return step
 
     def _change_of_widths(self, rates: Rates, moved: Array, step: float) -> float:
@@ -279,13 +272,16 @@ class Surroundings:
             steps.append(1 / float(np.abs(moved).max()))
         # Fields are singular at nu = 1/2, where a = 0, and at nu = -1.
         if rates.poisson_ratio:
-            steps.append(_OF_POISSON * min(0.5 - nu, 1 + nu))
+            # The longitudinal front moves, and fields right behind it bend faster than the ratio
+            # itself.
+            steps.append(0.25 * min(0.5 - nu, 1 + nu))
         if rates.resistance:
             steps.append(float(np.max(self._fields.load.resistance or 0.0)))
         if rates.slowness:
             # the pole of the load at v = p keeps its distance from the first front
             distance = self._fields.panels.ends.v[0].flat[0] - self._fields.load.slowness
-            steps.append(_OF_SLOWNESS * float(distance) / abs(rates.slowness))
+            # Fields bend before the front of the load reaches the first front.
+            steps.append(0.5 * float(distance) / abs(rates.slowness))
         steps.extend(self._steps_of_opening(rates))
         return self._share_of_step * min(steps)
 
@@ -306,8 +302,9 @@ class Surroundings:
 
     @property
     def _share_of_step(self) -> float:
-        shorter = 1.0 if self.finer is None else tuning.COMPANION_STEP
-        return tuning.VARIED_STEP * shorter
+        # Truncation, of fourth order, shows by three quarters.
+        shorter = 1.0 if self.finer is None else 0.7
+        return 3e-3 * shorter  # truncation and rounding are each some 1e-11
 
     def _stencil(
         self, rates: Rates, moved: Array, central: tuple[Array, Array] = FOURTH_ORDER
@@ -396,9 +393,9 @@ class Surroundings:
     def _improved(self, moved: Array, change: _Change, unfulfilled: Array) -> tuple[Array, _Change]:
         """Return derivatives of unknowns and fields, corrected for the remaining mismatch."""
         largest = float(np.abs(moved).max())
-        for _ in range(tuning.MOST_IMPROVEMENTS):
+        for _ in range(4):  # one is usual
             more = -self._inverse @ unfulfilled
-            if np.abs(more).max() <= tuning.NEGLIGIBLE_CHANGE * largest:
+            if np.abs(more).max() <= 1e-11 * largest:
                 break
             stencil = self._stencil(Rates(), more, SECOND_ORDER)
             assert stencil is not None

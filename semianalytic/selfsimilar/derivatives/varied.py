@@ -28,13 +28,6 @@ from semianalytic.halfplane.rayleigh import Array, Mode
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.derivatives.variation import Variation
 
-_CLOSE = 12.0
-"""Distance in y from the middle of a panel, and from where its middle is: further out a slope is
-continued by its power, for there slope times dv/dy is too small to tell it.  The left of a panel is
-as close to other fronts as they are to each other, however wide it is: that is added."""
-_HALF_POWER = 1e-2
-"""Largest difference of a fitted power from the multiple of one half that it is."""
-
 
 @dataclass(frozen=True)
 class VariedProfile:
@@ -135,7 +128,7 @@ class VariedProfile:
             y = np.where(-at.minus(right) < rounding, np.inf, y)
             wide = max(0.0, float(np.log(panels.widths[panel, 0])))
         skew = 0.0 if right is None else float(np.log(panels.skew[panel, 0]))
-        first, last = min(skew, 0.0) - _CLOSE - wide, max(skew, 0.0) + _CLOSE
+        first, last = min(skew, 0.0) - 12.0 - wide, max(skew, 0.0) + 12.0
         within = panels.inside(panel, np.clip(y, first, last))
         value = integral.slope(panel, within)
         # Beyond the innermost part the slope continues as a power of the distance from the end.
@@ -344,4 +337,5 @@ def _growth(pair: Array) -> float:
     growth = float(np.log(pair[0] / pair[1]))
     # Where the power is a multiple of 1/2, as beside most edges, rounding makes it exact.
     halves = round(2 * growth) / 2
-    return halves if abs(growth - halves) < _HALF_POWER else growth
+    # Powers at ends are multiples of one half.
+    return halves if abs(growth - halves) < 1e-2 else growth

@@ -94,7 +94,7 @@ def unsettled(last: Profile, law: UnitLaw, speed: float) -> str:
 def settled_zones(start: Profile, law: UnitLaw, tolerance: float, speed: float) -> Rated | None:
     """Return zones corrected from those of a profile until Coulomb's law holds; None if none do."""
     zones, profile = list(start.fields.zones), start
-    for _ in range(tuning.MOST_ZONE_SETS):
+    for _ in range(12):  # sets of zones tried from one start; more were never needed
         rated = rated_zones(profile, zones, law, tolerance)
         if not rated.converged:
             return None

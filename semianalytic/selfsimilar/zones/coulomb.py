@@ -60,7 +60,8 @@ def largest_excess(profile: Profile, rounding: float, mismatch: Array) -> Array:
     real, imag = profile.fields.factors.impedance_ahead(panels.at[ahead])
     # The bound from below keeps an impedance near zero from making any rounding count.
     impedance = tuning.SLIP_PER_EXCESS * np.hypot(real, imag)
-    excess[: len(ahead)] /= np.clip(impedance, tuning.LEAST_IMPEDANCE, 1.0)
+    # The impedance falls to 0 at the longitudinal front for nu near 0.
+    excess[: len(ahead)] /= np.clip(impedance, 1e-3, 1.0)
     slipping = np.pad(layout.slipping, 1)
     beside = (slipping[:-2] | slipping[2:])[layout.stick]
     # without unknowns the mismatch is one number for all scenes of a batch
@@ -209,8 +210,8 @@ def _first_edge_zone(profile: Profile, excess: float) -> CutPoints | None:
     This place lies beyond all nodes; None if it is too far away to be reached.
     """
     factors, start = profile.fields.factors, float(profile.panels.left[-1].v[0])
-    widest = 4 * min(excess, tuning.WIDEST_FIRST_EDGE_ZONE)
-    at = factors.cut(np.geomspace(max(2 * start, 1 / widest), tuning.SLOWEST_EDGE, 400))
+    widest = 4 * min(excess, 0.02)  # under a base 1e6 times the step such a zone ends at 1e12 / c_t
+    at = factors.cut(np.geomspace(max(2 * start, 1 / widest), 1e60, 400))
     slips = np.abs(profile.traction_at(at)) > profile.strength(at.v)
     return at[[int(np.argmax(slips))]] if slips.any() else None
 
@@ -296,8 +297,10 @@ def doubtful(profile: Profile) -> np.ndarray:
     # The parabola through three nodes has its maximum at `top`.
     bend = 2 * middle - before - after
     top = middle + np.square(after - before) / (8 * np.where(bend > 0, bend, np.inf))
-    result = (middle >= before) & (middle > after) & (top > -tuning.PARABOLA_ERROR)
-    result &= np.abs(y[1:-1]) < tuning.HIDING_REACH
+    # A parabola through three nodes is off by less.
+    result = (middle >= before) & (middle > after) & (top > -3e-3)
+    # Farther out nodes are closer together than what could hide between them.
+    result &= np.abs(y[1:-1]) < 8.0
     if profile.panels.layout.pole >= 0:
         # V is unbounded at c, where a parabola says nothing.
         result[profile.panels.layout.pole] = False
@@ -307,7 +310,7 @@ def doubtful(profile: Profile) -> np.ndarray:
 def hidden(profile: Profile, tolerance: float) -> list[Hidden]:
     """Return where the law of one set of zones fails between nodes by more than a tolerance."""
     panels, result = profile.panels, []
-    steps = np.linspace(-1, 1, 2 * tuning.CLOSER_POINTS + 1)
+    steps = np.linspace(-1, 1, 17)
     for panel, node in np.argwhere(doubtful(profile)):
         centre, step = panels.rule.y[node + 1], panels.rule.spacing
         # Two rounds of closer points, each around the highest point of the one before.
@@ -315,7 +318,7 @@ def hidden(profile: Profile, tolerance: float) -> list[Hidden]:
             y = centre + step * steps
             value = profile.wrong(panel, panels.inside(panel, y))
             best = int(np.clip(np.argmax(value), 1, len(y) - 2))
-            centre, step = y[best], step / tuning.CLOSER_POINTS
+            centre, step = y[best], step / 8
         before, top, after = value[best - 1 : best + 2]
         bend = 2 * top - before - after
         if bend > 0 and (top := top + (after - before) ** 2 / (8 * bend)) > tolerance:

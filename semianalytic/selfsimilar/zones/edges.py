@@ -20,11 +20,6 @@ from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 from semianalytic.halfplane.rules import Rule
 from semianalytic.selfsimilar.zones import tuning
 
-_CLOSEST = 16 * np.finfo(float).eps
-"""Least distance of an edge from an end of the opening, over its slowness: where they coincide but
-for rounding, no panel fits between them.  The edge of the scene that showed it was 1 ulp off; half
-and twice this value, and 1e-10, lead to the same status."""
-
 
 @dataclass(frozen=True)
 class Edges:
@@ -148,7 +143,8 @@ class Edges:
         for index, (p, q) in enumerate(pairwise(self.points(np.where(near, unknowns, 0.0)))):
             # Segments between the edges of one zone alternate with those between zones.
             inside = (index % 2 == 0) != opens
-            least = tuning.LEAST_WIDTH * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
+            # Rounding spoils narrower zones.
+            least = 1e-10 * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
             near &= (q.minus(p) > least)[..., 0]
         return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))
 
@@ -165,7 +161,9 @@ class Edges:
         for side, point in zip(self.sides, self.points(unknowns), strict=True):
             bound = self.opening.left if side < 0 else self.opening.right
             if side and bound is not None:
-                least = _CLOSEST * bound.v
+                # No panel fits between an edge and an end of the opening that differ by rounding, 1
+                # ulp once.
+                least = 16 * np.finfo(float).eps * bound.v
                 keeps &= (side * point.minus(bound) > least)[..., 0]
         return keeps
 
@@ -180,7 +178,8 @@ class Edges:
         for edge in np.flatnonzero(self._gaps):
             outward = points[edge - 1]
             gap = points[edge].minus(outward)[..., 0]
-            rounding = tuning.GAP_ROUNDING * np.abs(outward.parts[outward.nearest])[..., 0]
+            # A nudge of a narrow gap exceeds the rounding of its distance from a front.
+            rounding = 1e-13 * np.abs(outward.parts[outward.nearest])[..., 0]
             result[edge] = np.clip(rounding / gap, tuning.NUDGE, tuning.LONGEST_NUDGE)
         return result
 
@@ -298,7 +297,8 @@ def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     scales = np.abs(np.log(after[3] / before[3]))
     faster = np.flatnonzero(np.array(edges.segments) == 0)
     scales[faster] = 0.0
-    counted = np.maximum(shifts, tuning.GAP_LOGARITHM_SHARE * scales)
+    # The slip rate at a narrow stick gap follows the logarithm of its width.
+    counted = np.maximum(shifts, 0.1 * scales)
     roots = np.abs(np.sqrt(after[1, faster]) - np.sqrt(before[1, faster]))
     counted[faster] = np.maximum(counted[faster], roots)
     return np.asarray(counted.max(axis=0, initial=0.0))

@@ -22,7 +22,7 @@ from semianalytic.selfsimilar.zones import tuning
 def behind_front(factors: RayleighFactors) -> CutPoints:
     """Return points from the longitudinal to the shear front, even in the logarithm of their
     distance."""
-    nearest, farthest = np.log(tuning.NEAREST_TO_FRONT), np.log(1 - factors.a)
+    nearest, farthest = np.log(1e-16), np.log(1 - factors.a)
     return factors.beside("a", np.exp(np.arange(nearest, farthest, tuning.FRONT_STEP)))
 
 
@@ -60,7 +60,7 @@ def with_slip_at_front(
         # In antiplane shear no shear arrives ahead of the shear front, which would hold the strip.
         return [replace(first, left=None), *zones[1:]]
     at = behind_front(factors)
-    at = at[at.from_a > tuning.NARROWEST_FRONT_ZONE]
+    at = at[at.from_a > 1e-11]  # of less rounding shows nothing
     if load.opened is None:
         pressure = load.friction * load.load_pressure * load.stuck(factors, "I").at(at)
     else:

@@ -81,8 +81,9 @@ def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
     if opening is not None:
         parts = [part for zone in parts for part in _in_contact(zone, opening)]
     zones = (_in_velocity(zone, profile, material) for zone in reversed(parts))
-    # Parts beside an opening that only rounding leaves are no zones.
-    least = 0.0 if opening is None else tuning.NO_ZONE
+    # Parts beside an opening that only rounding leaves are no zones: out of the plane nothing
+    # drives slip ahead of the shear front.
+    least = 0.0 if opening is None else 1e-9
     speed = material.shear_speed
     return tuple(one for one in zones if one.outer - one.inner > least * min(one.outer, speed))
 

@@ -42,11 +42,12 @@ def slip_senses(profile: Profile) -> tuple[list[int], list[CutPoints]]:
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
     factors = profile.fields.factors
-    least = tuning.FRICTIONLESS_NOISE * profile.fields.rule.tolerance * float(profile.largest_rate)
+    # Noise over tolerance; V is no less just behind the front.
+    least = 1e-2 * profile.fields.rule.tolerance * float(profile.largest_rate)
     low, ahead = np.log(tuning.NEAREST_TO_C), factors.c - factors.a * (1 + 1e-6)
     senses: list[int] = []
     changes: list[CutPoints] = []
-    for side, high in ((-1, np.log(ahead)), (1, np.log(tuning.FARTHEST_FROM_C))):
+    for side, high in ((-1, np.log(ahead)), (1, np.log(1e6))):
 
         def rate(log: float, side: int = side) -> float:
             at = factors.beside("c", [side * np.exp(log)])
@@ -83,7 +84,7 @@ def weak_friction_zones(factors: RayleighFactors, load: Load) -> list[Zone] | No
     if not strongest < tuning.WEAK_FRICTION * abs(load.load_shear):
         return None
     without = replace(load, friction=0.0)
-    profile = frictionless_profile(factors, without, rule_for(tuning.FRICTIONLESS_RULE))
+    profile = frictionless_profile(factors, without, rule_for(1e-6))
     senses, changes = slip_senses(profile)
     first = int(np.sign(far or load.load_shear))
     # Ahead of the shear front M is complex and the formula for the gaps does not hold.
@@ -110,7 +111,8 @@ def _gaps(
     which is twice as wide as the strip would be (docs/solver.md, "Weak friction and thresholds").
     """
     widths = [_gap_width(profile, load, change) for change in changes]
-    if len(changes) == 2 and widths[0] > tuning.WIDEST_GAP * abs(changes[0].from_c[0]):
+    # Beside a narrow strip the ratio is below 4 / pi.
+    if len(changes) == 2 and widths[0] > 1.2 * abs(changes[0].from_c[0]):
         strip = [2 * change.from_c[0] for change in changes]
         if -strip[0] < 2 * tuning.NARROWEST_GAP:
             return []
@@ -126,7 +128,7 @@ def _gaps(
 def _gap_width(profile: Profile, load: Load, change: CutPoints) -> float:
     """Return the width in slowness of the stick gap that friction opens where V changes sense."""
     fields, from_c = profile.fields, change.from_c
-    step = tuning.GAP_SLOPE_STEP * from_c
+    step = 1e-4 * from_c
     beside = fields.factors.beside("c", np.concatenate([from_c - step, from_c + step]))
     before, after = profile.slip_rate_at(beside)
     slope = abs((after - before) / (2 * step[0]))

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid.tuning import MARGIN_NODES
 
 Array = NDArray[np.float64]
 
@@ -106,8 +105,10 @@ def causal_grid(scene: Scene, latest: float, length: float, nodes: int, entry: f
     from scipy.fft import next_fast_len
 
     spacing = length / nodes
+    # Without any, 6e-4 of the slip rate comes back from the mirrors (`remote-shock`); from two on
+    # nothing.
     contact, slot = (
-        math.ceil(part / spacing) + MARGIN_NODES for part in extents(scene, latest, length, entry)
+        math.ceil(part / spacing) + 8 for part in extents(scene, latest, length, entry)
     )
     # the nodes that are added for the fast transform lengthen the slot
     size = next_fast_len(contact + slot, real=True)

@@ -19,14 +19,15 @@ from compare.output.printed import Table
 from compare.output.progress import progress_bar
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.named import described_interface
-from semianalytic.inversion.fitting import Fit, fit
+from semianalytic.inversion.fitted import Fit
+from semianalytic.inversion.fitting import fit
 from semianalytic.inversion.gauges import QUANTITIES
 from semianalytic.inversion.interfaces import interface_name
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.unknowns import SETUP, Setup, check_known
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.extras import BAYES, PLOT, require
+from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.scene import Scene
@@ -42,7 +43,6 @@ from slipfront.cli.options import (
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.fits.data import gauge_unit, read_gauges
 from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence
-from slipfront.fits.posterior import Posterior, posterior
 
 PRIORS: Mapping[str, type] = {"normal": Normal, "lognormal": LogNormal, "uniform": Uniform}
 _PRIOR = re.compile(r"([^=]+)=\s*(\w+)\s*\(\s*([^,()]+?)\s*,\s*([^,()]+?)\s*\)\s*$")
@@ -94,11 +94,6 @@ def fit_command(
     nodes: Annotated[
         int | None, typer.Option(help="Nodes of one period, if the scene is an interface.")
     ] = None,
-    sample: Annotated[
-        bool, typer.Option("--posterior", help="Sample the posterior as well, with emcee.")
-    ] = False,
-    steps: Annotated[int, typer.Option(help="Largest number of steps of the chains.")] = 2000,
-    seed: Annotated[int, typer.Option(help="Seed of the chains.")] = 0,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw records, fit and parameters.")
     ] = None,
@@ -111,9 +106,9 @@ def fit_command(
     """Fit parameters of a scene, or of an interface, to the records of gauges.
 
     Values of the scene are the first guess; the search covers the plausible ranges of parameters,
-    or those of their priors.  The exit code is 4 if the fit or the posterior is unreliable.
+    or those of their priors.  The exit code is 4 if the fit is unreliable.
     """
-    require("slipfront fit", *(PLOT if plot else ()), *(BAYES if sample else ()))
+    require("slipfront fit", *(PLOT if plot else ()))
     names = tuple(part.strip() for part in parameters.split(",") if part.strip())
     interface = described_interface(scene_name)
     if interface is None:
@@ -139,49 +134,37 @@ def fit_command(
     notes = Console(stderr=True)
     with progress_bar(notes, quiet or as_json, "fitting") as progress:
         found = fit(gauges, scene, names, priors=known, setup=setup, nodes=nodes, progress=progress)
-    chains = None
-    if sample and not found.unconstrained:
-        with progress_bar(notes, quiet or as_json, "sampling") as progress:
-            chains = posterior(found, steps=steps, seed=seed, progress=progress)
     written = [path for path in (plot, output) if path is not None]
-    text = json_text(envelope("fit", fit_document(found, chains), files=written))
+    text = json_text(envelope("fit", fit_document(found), files=written))
     if plot is not None:
         from compare.figures.saving import save_figure
         from slipfront.fits.figures import fit_figure
 
-        save_figure(fit_figure(found, chains), plot)
+        save_figure(fit_figure(found), plot)
     if output is not None:
         write_text(output, text)
     if as_json:
         print(text, end="")
     else:
-        _show(found, chains, written)
-    _check_converged(found, chains)
+        _show(found, written)
+    _check_converged(found)
 
 
-def _check_converged(found: Fit, chains: Posterior | None) -> None:
-    """Raise ComputationError if fit or posterior are unreliable; call after printing."""
+def _check_converged(found: Fit) -> None:
+    """Raise ComputationError if a fit is unreliable; call after printing."""
     if found.status != "converged":
         raise ComputationError(f"The fit is not to be relied upon: {found.status}.")
-    if chains is not None and chains.status != "converged":
-        raise ComputationError(f"The posterior is {chains.status}.")
 
 
-def _show(found: Fit, chains: Posterior | None, written: Sequence[Path]) -> None:
+def _show(found: Fit, written: Sequence[Path]) -> None:
     console = Console()
-    console.print(_values_table(found, chains))
+    console.print(_values_table(found))
     console.print(_gauges_table(found))
     lines = [
         f"chi2 {found.chi2:.4g} of {found.freedom}: {misfit_sentence(found)}.",
         f"{_minima(found)}; {found.solutions} solutions.",
     ]
     lines += [f"The data add nothing to the prior of {name}." for name in known_by_prior(found)]
-    if chains is not None:
-        lines.append(
-            f"Posterior: {len(chains.samples)} samples of {chains.walkers} chains of "
-            f"{chains.steps} steps, autocorrelation time {chains.autocorrelation_time.max():.0f}; "
-            f"{chains.status}."
-        )
     lines += [f"Written to {path}" for path in written]
     for line in lines:
         console.print(line, highlight=False, markup=False)
@@ -194,23 +177,17 @@ def _minima(found: Fit) -> str:
     return f"The search found {count} minima, the next with a chi2 {found.next_minimum:.3g} above"
 
 
-def _values_table(found: Fit, chains: Posterior | None) -> Table:
+def _values_table(found: Fit) -> Table:
     table = Table("parameter", title=f"Fit: {found.status}")
     for name in ("value", "error", "unit"):
         table.add_column(name, justify="left" if name == "unit" else "right")
-    if chains is not None:
-        table.add_column("posterior, 5 to 95 %", justify="right")
-        low, high = chains.quantiles(0.05, 0.95)
     for number, name in enumerate(found.parameters):
-        row = [
+        table.add_row(
             name,
             f"{found.values[number]:.6g}",
             found.error_in_words(number),
             escape(unit(dimension(name, found.scene), found.scene.units)),
-        ]
-        if chains is not None:
-            row.append(f"{low[number]:.5g} to {high[number]:.5g}")
-        table.add_row(*row)
+        )
     return table
 
 

@@ -18,9 +18,6 @@ MESH_NAMES = {
     "element": ("P1", "Q1", "Q2"),
     "mesh": ("squares", "graded", "triangles"),
 }
-CHARTED = ("preloaded", "remote-shock", "auxetic", "ramp")
-CODES = ("fem", "march", "run")
-LOADINGS = ("both", "preload", "remote")
 FORMATS = ("gif", "mp4")
 """Choices of options.  They repeat those of the functions, whose modules import numpy: importing
 them would make completion slow."""
@@ -61,9 +58,9 @@ def figure_names(incomplete: str) -> list[str]:
 
 def sheet_names(incomplete: str) -> list[str]:
     """Complete names of benchmark sheets."""
-    from compare.benchmarks.sheets import ALL_SHEETS
+    from compare.benchmarks.sheets import sheets
 
-    return _starting(ALL_SHEETS, incomplete)
+    return _starting(sheets(), incomplete)
 
 
 def _toml_files(incomplete: str) -> list[str]:

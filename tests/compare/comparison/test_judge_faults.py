@@ -15,7 +15,7 @@ from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.own_rows import own_rows
-from docs.studies.judge.faults import FAULTS
+from docs.studies.trials.wrong_answers import FAULTS
 from fem import simulate, with_companions
 from semianalytic import (
     CoulombFriction,
@@ -237,7 +237,7 @@ class TestLevelsThatAreStoredFarApart:
         scene = find_scene(name)
         run, right = with_companions(simulate(scene, resolution=40, every=every)), solved(scene)
         assert judge(right, run).verdict == "agrees"
-        faults = {fault.name: fault.make(run) for fault in FAULTS}
+        faults = {fault: make(run) for fault, make in FAULTS.items()}
         assert judge(right, faults["slip × 1.05"]).verdict != "agrees"
         for fault in ("shear reversed", "motion × 1.03", "node × 10, slip", "node × 10, shear"):
             assert judge(right, faults[fault]).verdict == "differs", fault
@@ -266,9 +266,9 @@ class TestSimulationsAtFault:
     """A fault in the finest run does not agree with anything, whatever bars it makes."""
 
     @pytest.mark.thinned(12)
-    @pytest.mark.parametrize("fault", FAULTS[:-1], ids=lambda fault: fault.name)
+    @pytest.mark.parametrize("fault", [name for name in FAULTS if name != "not a number"])
     def test_it_differs(self, solution, coarse, fault):
-        assert judge(solution, fault.make(coarse)).verdict == "differs"
+        assert judge(solution, FAULTS[fault](coarse)).verdict == "differs"
 
     @pytest.mark.slow
     def test_a_pressure_that_no_coarser_mesh_has_does_not_agree_where_nothing_slips(self):

@@ -13,11 +13,12 @@ from PIL import Image
 
 from compare.figures import animation
 from compare.figures.animation import check_format, write_animation
-from compare.figures.fields import FieldPicture, field_figure
+from compare.figures.fields import FieldPicture
 from compare.figures.fronts import fronts, moving_parts, reach
 from compare.figures.quantities import ALONG_Z, QUANTITIES, find_quantity
-from compare.figures.saving import figure_png, save_figure
+from compare.figures.saving import save_figure
 from compare.figures.style import SENSE_COLOURS
+from docs.studies.accuracy.scenes import figure_png
 from semianalytic import (
     ComputationError,
     IncidentWave,
@@ -48,9 +49,7 @@ def test_names_of_fronts_that_cross_stand_clear_of_each_other():
     """The circle of the P wave meets the front of this SV wave where both have their names."""
     wave = IncidentWave("SV", angle=-30.0, stress=0.2)
     scene = Scene(find_scene("preloaded").material, 0.3, Tractions(1.0, 0.0), wave)
-    panel = field_figure(solve(scene, rtol=1e-4), find_quantity("sxy", scene), 1.0, points=8).axes[
-        0
-    ]
+    panel = picture(solve(scene, rtol=1e-4), "sxy", 8).figure.axes[0]
     places = {text.get_text(): text.xy for text in panel.texts}
     assert {"P", "S", "incident SV"} <= set(places)
     x0, x1, y0, y1 = (*panel.get_xlim(), *panel.get_ylim())
@@ -164,7 +163,7 @@ def test_unknown_quantities_are_refused(name, words):
 def test_picture_of_a_window_has_square_cells(tmp_path):
     solution = solved(find_scene("preloaded"))
     quantity = find_quantity("speed", solution.scene)
-    figure = field_figure(solution, quantity, 1.0, (-1.0, 1.0, 0.0, 0.5), 40)
+    figure = FieldPicture(solution, quantity, (-1.0, 1.0, 0.0, 0.5), 40, 1.0).figure
     (image,) = figure.axes[0].get_images()
     assert image.get_array().shape == (10, 40)
     assert {text.get_text() for text in figure.axes[0].texts} <= {"head wave", "S", "Mach front"}
@@ -259,8 +258,8 @@ def test_a_missing_ffmpeg_is_one_sentence(monkeypatch):
 def test_few_colours_keep_those_of_the_senses():
     """A line on a picture of many colours is rare, and says which way it slips."""
     scene = find_scene("auxetic")
-    picture = field_figure(solved(scene), find_quantity("max-shear", scene), 1.0, points=60)
-    with Image.open(BytesIO(figure_png(picture, dpi=80))) as packed:
+    drawn = picture(solved(scene), "max-shear", 60).figure
+    with Image.open(BytesIO(figure_png(drawn, 80, 256))) as packed:
         pixels = np.asarray(packed.convert("RGB"), dtype=float).reshape(-1, 3)
     for sense in ("slip", "reverse slip"):
         colour = 255 * np.array(to_rgb(SENSE_COLOURS[sense]))

@@ -156,8 +156,8 @@ def test_figures_of_a_folder_take_a_format(form, tmp_path, capsys):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "command",
-    ["compare", "regimes", "stability --solver", "article", "chart", "wear", "field preloaded",
-     "validate a.csv --scene preloaded", "benchmark score a.csv"],
+    ["compare", "chart", "field preloaded",
+     "validate a.csv --scene preloaded"],
 )  # fmt: skip
 def test_other_formats_are_refused_before_anything_is_done(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

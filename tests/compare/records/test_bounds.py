@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from junk_files import JUNK
 
 from compare.records import bounds
 from compare.records.read import read_records
-from docs.studies.validate.writers import JUNK
 from semianalytic.scene.errors import DataFileError
 
 READ = """

@@ -10,7 +10,7 @@ from compare.records.record import Records, Stated, Unit
 from compare.validation import Conventions, validate
 from compare.validation.bars import MEAN_NOISE, Bar, noise_mean, pooled_bar
 from compare.validation.data import as_runs
-from docs.studies.validate.power import SPOILS, history_arrays
+from docs.studies.trials.validate import SPOILS, history_arrays
 from semianalytic import Material, Scene, Tractions
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene

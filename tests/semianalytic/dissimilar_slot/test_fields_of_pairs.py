@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from compare.studies.dissimilar.pairs import SCENES, random_pair
+from docs.studies.dissimilar.pairs import SCENES, random_pair
 from semianalytic import Material, Pair, Scene, SceneError, Tractions, solve, solve_pair
 from semianalytic.dissimilar.pair import PARAMETERS, changed, parameter_of
 from tests.semianalytic.field.body_fields import (

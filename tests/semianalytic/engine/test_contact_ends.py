@@ -334,3 +334,24 @@ def test_slip_of_a_patch_does_not_depend_on_where_its_ends_meet_the_grid(contact
     for nodes in (400, 408, 416):
         assert error(patch(contact), nodes) < 3e-3
     assert error(patch(contact, 0.4 * 0.97), 400) > 1e-2
+
+
+@pytest.mark.parametrize(
+    ("length", "status", "caution"),
+    [(20.0, "done", ""), (14.0, "done", "arrived beyond"), (6.0, "unresolved", "raise `length`")],
+)
+def test_a_half_line_is_one_until_waves_come_back_from_the_end_of_its_period(
+    length, status, caution
+):
+    """The exact answer of the same slot holds until then, and the run says when it does not."""
+    scene = sf.find_scene("preloaded")
+    loads = [sf.InterfaceLoad(scene.load.shear, on="slot")]
+    half = {"contact": Contact.half_line(), "loads": loads, "pressure": 1.0}
+    face = sf.Interface(scene.material, sf.Coulomb(scene.friction), length, **half)
+    done = sf.run(face, 2.0, nodes=int(32 * length))
+    assert done.status.startswith(status), done.status
+    assert caution in done.caution
+    x = done.x[done.touching & (done.x < 1.0)]
+    exact = sf.solve(scene).slip(x, 2.0)
+    off = np.abs(done.at(done.slip[-1], x) - exact).sum() / exact.sum()
+    assert off < 0.01 or status == "unresolved"

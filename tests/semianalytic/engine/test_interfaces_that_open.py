@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
-from docs.studies.engine import beside_slot
+from docs.studies.accuracy.engine import beside_slot
 from semianalytic.engine.run import run
 from semianalytic.engine.steps import Stepper
 from semianalytic.memory.exponentials import fit_memory

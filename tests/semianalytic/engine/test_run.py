@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from docs.studies.engine import freund_slip, kostrov_slip
+from docs.studies.accuracy.engine import freund_slip, kostrov_slip
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, InPlane
 

@@ -168,3 +168,61 @@ def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
     ):
         with pytest.raises(sf.DataFileError, match="is a run of another interface"):
             sf.Run.load(tmp_path / "own.npz", sf.Interface(UNIT, COULOMB, **other))
+
+
+def strengthened(shape="linear", evolution="ageing", since=0.5, law="slip"):
+    """An interface that another one resembles but for a word, or for when its load comes."""
+    laws = {
+        "slip": sf.SlipDependent(0.6, 0.3, 0.5, shape=shape),
+        "state": sf.RateAndState(0.01, 0.014, 0.6, 1e-3, 1e-2, evolution=evolution),
+    }
+    load = sf.InterfaceLoad(lambda x, t: 0.2 * (abs(x) < 1) * (t > since), history=None)
+    rate = 1e-3 if law == "state" else 0.0
+    return sf.Interface(UNIT, laws[law], 16.0, 1.0, 0.3, rate=rate, loads=[load])
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"shape": "exponential"}, {"law": "state", "evolution": "slip"}, {"since": 2.0}],
+    ids=str,
+)
+def test_a_run_goes_on_only_under_the_same_words_and_the_same_past(changed):
+    law = {"law": changed.get("law", "slip")}
+    first = run(strengthened(**law), 1.0, nodes=64, latest=3.0, estimate=False)
+    rest = run(strengthened(**law), 1.5, go_on=first, estimate=False)
+    assert rest.end_time == 1.5
+    with pytest.raises(sf.DataFileError, match="another interface"):
+        run(strengthened(**changed), 3.0, go_on=first, estimate=False)
+
+
+def test_an_interrupt_during_the_estimate_leaves_the_complete_run():
+    sent = []
+
+    def shear(x, t):
+        if len(x) == 32 and t > 0.3 and not sent:
+            sent.append(t)
+            signal.raise_signal(signal.SIGINT)
+        return 0.5 * np.exp(-(x**2)) * min(t, 1.0)
+
+    loads = [sf.InterfaceLoad(shear, history=None)]
+    fault = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=loads)
+    done = run(fault, 1.0, nodes=64, rtol=1e-6)
+    assert sent
+    assert done.is_interrupted
+    assert done.error_estimates == {}
+    assert done.end_time == 1.0
+    assert np.array_equal(done.slip, run(fault, 1.0, nodes=64, estimate=False).slip)
+
+
+def test_a_damaged_file_of_a_run_is_refused(tmp_path):
+    fault, path = forced_front(), tmp_path / "run.npz"
+    run(fault, 0.5, nodes=32, estimate=False).save(path)
+    whole = path.read_bytes()
+    assert sf.Run.load(path, fault).nodes == 32
+    for at in np.random.default_rng(2).integers(0, len(whole), 12):
+        path.write_bytes(bytes(byte ^ 4 * (i == at) for i, byte in enumerate(whole)))
+        with pytest.raises(sf.DataFileError, match="cannot be read as a saved run"):
+            sf.Run.load(path, fault)
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(sf.DataFileError):
+        sf.Run.load(path, fault)

@@ -132,7 +132,6 @@ def test_a_law_of_the_user_is_a_small_class():
     [
         (lambda: sf.RateAndState(0.01, 0.01, 0.6, 1e-6, 0.0), "distance must be positive"),
         (lambda: sf.RateAndState(0.01, 0.01, 0.6, 1e-6, 1.0, "aging"), "ageing or slip"),
-        (lambda: sf.Coulomb(-0.1), "friction must be 0 or more"),
         (lambda: sf.SlipDependent(0.6, 0.1, 0.1, shape="cubic"), "linear or exponential"),
         (lambda: sf.Coulomb(lambda x: x[:2]).on([0.0, 1.0, 2.0]), "must return 3 numbers"),
         (lambda: sf.Coulomb(lambda x: -x).on([0.0, 1.0, 2.0]), "friction must be 0 or more"),

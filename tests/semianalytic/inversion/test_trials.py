@@ -170,13 +170,8 @@ def test_what_the_data_leave_free_a_prior_may_hold():
         (lambda: silent("speed", y=0.1), "quantity must be among vx|quantity must be among slip"),
         (lambda: silent("vx"), "say at which y"),
         (lambda: silent("slip", y=0.1), "leave y out"),
-        (lambda: Gauge(0.3, T, T, -1.0), "noise must be positive"),
         (lambda: Gauge(0.3, T, T, T[:3]), "noise must be positive"),
         (lambda: fit([silent("vz", y=0.1)], PRELOADED, ("friction",)), "antiplane"),
-        (
-            lambda: fit([silent("slip")], PRELOADED, ("friction",), priors={"t0": Normal(0, 1)}),
-            "which is not fitted",
-        ),
         (
             lambda: fit([silent("slip")], PRELOADED, ("friction",), priors={"friction": 0.3}),
             "must be Normal, LogNormal or Uniform",

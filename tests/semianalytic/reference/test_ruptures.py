@@ -10,7 +10,7 @@ import scipy
 from dissimilar_pairs import GOUGE_ON_ROCK, ROCK
 
 import semianalytic as sf
-from docs.studies.engine import marched_growth
+from docs.studies.accuracy.engine import marched_growth
 from semianalytic import Material, SceneError
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.memory.impedance import Antiplane, InPlane

@@ -40,24 +40,16 @@ TAKES_A_SIZE = ("shear_modulus", "density", "duration", "frequency", "rate", "di
 
 NO_NUMBERS = [
     True,
-    np.True_,
     "0.25",
-    b"0.25",
     None,
-    [0.25],
-    (0.25,),
-    {},
     0.25 + 0j,
-    np.array(0.25),
     np.array([[0.25, 0.5]] * 40),
     float("nan"),
-    float("inf"),
-    10**400,
-    10**5000,
-    -(10**400),
     np.float64("inf"),
+    10**5000,
     1e300,
 ]
+"""One of each kind: no number, no real one, several, long to show, infinite, out of range."""
 
 
 def stored(made):
@@ -131,10 +123,9 @@ def test_tables_refuse_what_is_not_a_number_and_slopes_beyond_range():
         ("friction_law", "must be one of CoulombFriction, "),
     ],
 )
-@pytest.mark.parametrize("value", [(1.0, 0.0), None, {"pressure": 1.0}, 1.0, "rock"], ids=repr)
-def test_parts_of_a_scene_of_the_wrong_type_are_named(name, said, value):
+def test_parts_of_a_scene_of_the_wrong_type_are_named(name, said):
     with pytest.raises(sf.SceneError, match=f"scene: {name} {said}"):
-        replace(PRELOADED, **{name: value})
+        replace(PRELOADED, **{name: "rock"})
 
 
 @pytest.mark.parametrize("value", [50.0, True, "50", None, 10**400, 10**17], ids=shown)
@@ -219,8 +210,6 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: slipfront.solve("preload"), "no scene called 'preload'; did you mean preloaded"),
-        (lambda: slipfront.solve("point-load"), "point-load has no slot, or a load that grows"),
         (lambda: slipfront.march(0.3), "march: scene must be a Scene, or the name or file of one"),
         (lambda: slipfront.predict(None), "or the name or file of one, got None."),
         (lambda: slipfront.simulate("none.toml"), "Cannot read the scene file none.toml"),

@@ -84,36 +84,20 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
     [
         ("friction = 0.4", "frction = 0.4", "unknown key frction; did you mean friction?"),
         ("friction = 0.4", "friction = 0.4\nzzz = 1", "unknown key zzz; known are friction, "),
-        ("friction = 0.4", "friction = 0.4\nmdoe = 'antiplane'", "key mdoe; did you mean mode?"),
-        ("friction = 0.4", "friction = 0.4\nmode = 3", "mode must be in-plane or antiplane, got 3"),
         ("friction = 0.4", "", "friction is missing"),
         ("friction = 0.4", "friction = [1]", r"friction must be a number, got \[1\]"),
-        ("density = 7800", "", "material.density is missing"),
-        ("density = 7800", "density = '7800'", "material.density must be a number, got '7800'"),
-        ("density = 7800", "density = true", "material.density must be a number, got True"),
         ("density = 7800", "density = -1", "density must be positive"),
-        ("pressure = 1e6", "presure = 1e6", "base.presure; did you mean pressure?"),
-        ("[load]", "[laod]", "unknown key laod; did you mean load?"),
-        ("[load]", "[step]", r"unknown key step; what is loaded goes into the table \[load\]\."),
         ("friction = 0.4", "friction = ", "not a valid TOML file"),
         ("[base]", "[base]  # once\n[base]", r"the table \[base\] twice"),
-        ("friction = 0.4", "friction = \n[[a]]\n[[a]]", "not a valid TOML file"),
         *(
             ("friction = 0.4", f"friction = 0.4\n{line}", named)
             for line, named in (
                 ('shear_history = {kind = "sawtooth"}', "kind must be one of step, ramp"),
                 ('shear_history = {kind = "ramp"}', "kind ramp needs rise_time"),
-                ('shear_history = {kind = "ramp", rise_time = -1.0}', "0 or more, got -1.0"),
                 ('shear_history = {kind = "ramp", rise = 1.0}', "kind ramp has no 'rise'"),
-                ('shear_history = {kind = "pulse", duration = nan}', "must be a positive number"),
                 (
                     'shear_history = {kind = "tabulated", t = [1, 0], value_at_t = [0, 1]}',
                     "must start at 0 or later and not decrease",
-                ),
-                ('shear_histories = {kind = "step"}', "did you mean shear_history"),
-                (
-                    'friction_law = {kind = "rate-weakening", reduction = 2, rate = 1}',
-                    "between 0 and 1",
                 ),
                 (
                     'friction_law = {kind = "rate-weakening", reduction = 1, rate = 1e-8}',
@@ -278,16 +262,13 @@ def test_tables_are_read_in_the_units_of_their_header(tmp_path, table):
     ("table", "given", "said"),
     [
         ("t [us],V [mm]\n0,0\n", {}, "two columns, t and value, or t and shear; it has t, V"),
-        ("t,value,more\n0,0,0\n", {}, "it has t, value, more"),
         ("0,0\n1,1\n", {}, "no header"),
         ("t [min],value\n0,0\n", {}, "t must be in s, ms, us or ns, or have no unit, got 'min'"),
         ("t,shear [m]\n0,0\n", {}, "shear must be in Pa, kPa, MPa or GPa"),
         ("t,value\n0,a\n", {}, "line 2: there must be 2 numbers"),
-        ("t,value\n0\n", {}, "line 2: there must be 2 numbers"),
         ("", {}, "is empty"),
         ("t [us],value\n0,0\n", {"units": ""}, 'write units = "SI"'),
         ("t,shear\n0,0\n1,1\n", {"shear": "0.0"}, "divided by that of"),
-        ("t,value\n1,0\n0,1\n", {}, "not decrease"),
         ("t,value\n0,0\n", {"file": "absent.csv"}, "Cannot read the table .*absent.csv"),
     ],
 )

@@ -10,12 +10,10 @@ import semianalytic
 HOUSE = Path(semianalytic.__file__).parent
 FOLDERS = ("cut", "separation", "selfsimilar")
 STAGES = (
-    "cut.quadrature.tuning",
     "cut.quadrature.layout",
     "cut.quadrature.panels",
     "cut.quadrature.laying",
     "cut.quadrature.running",
-    "cut.tuning",
     "cut.load",
     "cut.canonical",
     "cut.strength",
@@ -26,7 +24,6 @@ STAGES = (
     "cut.profile",
     "cut.slot_faces",
     "cut.totals",
-    "separation.tuning",
     "separation.opening",
     "separation.normal",
     "selfsimilar.zones.tuning",

@@ -10,19 +10,22 @@ from catalogue import PRELOADED, SHOCK, over, problems, unit_scene
 
 import semianalytic as sf
 from compare.comparison.documents import march_document
-from docs.studies.accuracy.march_error import (
+from docs.studies.accuracy.march import (
     WEAKENING,
-    all_judged,
-    error_scenes,
+    error_points,
+    error_scene,
     judged,
+    judged_march,
     rate_error,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import InPlane
+from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime import march_plan
-from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, MOST_NODES, READING_SAFETY
+from semianalytic.spacetime.march_error import ERROR_SAFETY, MEMORY_SAFETY
+from semianalytic.spacetime.march_plan import MOST_NODES
 from slipfront.cli.commands import main
 
 WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, friction_law=sf.SlipWeakening(2 / 3, 0.05))
@@ -64,7 +67,8 @@ def test_errors_of_random_scenes_are_honest():
 
     Measured 100 % of slip rates, 93 % of accumulated slip and 98 % or more of the rest.
     """
-    rows = [row for row in all_judged() if row.scenes != "rate weakening"]
+    judged_rows = (row for point in error_points(False) for row in judged_march(*point))
+    rows = [row for row in judged_rows if row.scenes != "rate weakening"]
     assert len(rows) > 200
     for quantity in {row.quantity for row in rows}:
         ratios = np.array([r.estimate / r.true for r in rows if r.quantity == quantity])
@@ -87,7 +91,7 @@ def test_error_of_any_reading():
     for quantity in ("slip", "shear traction", "largest slip"):
         assert found[quantity].true <= found[quantity].estimate < 6 * found[quantity].true
     x = np.linspace(0.1, 1.0, 5)
-    by_hand = READING_SAFETY * np.abs(marched.slip(x, 0.7) - marched.companion.slip(x, 0.7))
+    by_hand = SAMPLED_SAFETY * np.abs(marched.slip(x, 0.7) - marched.companion.slip(x, 0.7))
     np.testing.assert_array_equal(marched.error_of(lambda one: one.slip(x, 0.7)), by_hand)
 
 
@@ -295,8 +299,9 @@ def test_nodes_are_chosen_for_the_process_zone():
 
 
 def test_scenes_of_the_measurement_are_of_every_kind():
-    kinds = {kind for kind, _ in error_scenes()}
-    assert kinds == {"self-similar", "histories and slip weakening", "rate weakening"}
+    scenes = [error_scene(*point) for point in error_points(False)]
+    assert {scene.is_self_similar for scene in scenes} == {True, False}
+    assert {type(one.friction_law) for one in scenes} >= {sf.RateWeakening, sf.SlipWeakening}
     assert len(problems("exact")) > 15
 
 

@@ -11,7 +11,6 @@ from catalogue import PRELOADED, REMOTE, SHOCK, unit_scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from compare.studies.chart.benchmark import SWEEPS, edge_difference
 from semianalytic import SceneError, solve
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -21,6 +20,27 @@ from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATE
 from semianalytic.sweeps.neighbours import Neighbourhood
 from semianalytic.sweeps.predictions import Followed, Footing, predicted
 from semianalytic.sweeps.sweep import Sweep, sweep
+
+SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}
+"""Frictions of sweeps of named scenes, which cross thresholds."""
+
+
+def edge_difference(one, other):
+    """The largest difference of zone edges over c_t; None if the zones differ in number.
+
+    Zones that are closer to each other than rounding count as one.
+    """
+    speed = one.scene.material.shear_speed
+    mine, theirs = (joined(solution.edge_speeds / speed) for solution in (one, other))
+    if len(mine) != len(theirs):
+        return None
+    return max((abs(p - q) for p, q in zip(mine, theirs, strict=True) if p != q), default=0.0)
+
+
+def joined(fronts):
+    edges = fronts.ravel().tolist()
+    gaps = [i for i in range(1, len(edges) - 1, 2) if edges[i + 1] - edges[i] < 1e-13]
+    return [edge for i, edge in enumerate(edges) if i not in gaps and i - 1 not in gaps]
 
 
 def check_against_single(swept, rtol):

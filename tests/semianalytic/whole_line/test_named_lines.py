@@ -72,22 +72,17 @@ def test_files_describe_the_named_ones(tmp_path):
         ('kind = "patch"\n', "", "belong to a scene, without contact"),
         ("patch", "path", "kind must be one of patch, point-force, half-line"),
         ("speed = 0.3\n", "", "load.speed is missing"),
-        ("speed = 0.3", "speed = 0.0", "patch: speed must be positive"),
         ("speed = 0.3", 'speed = "fast"', "load.speed must be a number"),
         ("shear = 1.0", "sheer = 1.0", "unknown key load.sheer; did you mean shear"),
         ("friction = 0.5", "", "friction is missing"),
         ("friction = 0.5", "friction = 0.5\ngrowth = 1", "not both"),
         ("friction = 0.5", 'friction = 0.5\nload_on = "slot"', "unknown key load_on"),
-        ("friction = 0.5", "friction = 1.5", "nothing slips"),
-        ("density = 1.0", "density = -1.0", "density must be positive"),
         ('patch"\nspeed = 0.3', 'half-line"\nspeed = 0.3', "unknown key load.speed"),
-        ("growth = 1", "growth = 4", "power must be 1 or 2"),
         (
             "33\n[load]",
             "33\n[base]\npressure = 1\nshear = 0\n[load]",
             "march a scene with this base",
         ),
-        ("pressure = 1.0\nshear = 1.0", "shear = 1.0", "load.pressure is missing"),
     ],
 )
 def test_a_wrong_file_is_refused_with_its_name(tmp_path, old, new, said):

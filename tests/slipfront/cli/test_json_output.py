@@ -1,37 +1,19 @@
 """What commands print with --json: one envelope, a schema, nothing else on standard output."""
 
 import json
-from collections import Counter
 from pathlib import Path
 
 import jsonschema
-import numpy as np
 import pytest
 from json_checks import VALIDATOR, checked
 
 import docs.studies.schema
+from compare.chart.figure import chart_document
+from compare.chart.points import read_points
 from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
-from compare.studies.article.claims import METHODS, Claim, Verdict
-from compare.studies.article.study import Article
-from compare.studies.chart.benchmark import TOLERANCES, measure, median_times
-from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
-from compare.studies.chart.points import read_points
-from compare.studies.documents import (
-    article_document,
-    chart_document,
-    evidence_document,
-    regimes_document,
-    stability_document,
-    wear_document,
-)
-from compare.studies.evidence.study import ClosedForm, Evidence
-from compare.studies.regimes.figures import RegimeResults
-from compare.studies.regimes.points import BoundaryPoint, MapPoint
-from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
-from semianalytic.cut.load import contact_opens
 from semianalytic.scene.given.documents import scene_document
 from slipfront.cli.commands import command_for, main
 
@@ -116,12 +98,13 @@ def test_scenes_and_init_fit_their_schema(printed):
 def test_benchmark_fits_its_schema(printed):
     assert printed("benchmark")["sheets"]
     assert printed("benchmark show tap")["units"]["answers"]["pressure"] == "stress"
-    printed("benchmark enter march stuck --cells 20 --output a.csv")
-    scored = printed("benchmark score a.csv --output scores")
-    assert scored["files"] == [f"scores/scores.{form}" for form in ("csv", "json", "png")]
+    shown = printed("benchmark show tpv101")
+    assert shown["units"]["answers"]["shear_traction"] == "Pa"
+    assert "rate-and-state" in shown["sheet"]["scene"]["interface"]
     written = printed("benchmark export out stuck")["files"]
     assert "out/stuck/stuck.md" in written
     assert all(Path(path).is_file() for path in written)
+    assert printed("benchmark score out/stuck/stuck.csv")["scores"]
 
 
 @pytest.mark.parametrize(
@@ -161,9 +144,9 @@ def test_simulate_compare_and_validate_fit_their_schema(printed, capsys):
     assert "run/simulation.h5" not in document["files"]
     report = json.loads(Path("run/report.json").read_text())
     assert report == {key: document[key] for key in report}
-    main(["benchmark", "enter", "march", "stuck", "--cells", "20", "--output", "a.csv"])
+    main(["benchmark", "export", "out", "stuck"])
     capsys.readouterr()
-    main(["validate", "a.csv", "--scene", "stuck", "--json"])
+    main(["validate", "out/stuck/stuck.csv", "--scene", "stuck", "--json"])
     document = checked(capsys.readouterr().out)
     assert document["files"][-1].endswith("validation.png")
 
@@ -183,87 +166,5 @@ def test_files_are_what_is_new_or_changed(tmp_path):
 
 
 def test_documents_of_studies_fit_their_schema():
-    wear = [
-        WearRow(load, nu, chi, 1.0, chi, 0.5)
-        for load in LOADS
-        for nu in POISSON_RATIOS
-        for chi in (0.1, 0.2)
-    ]
-    claim = Claim("1", "all", "preload", {"exact": Verdict("holds", "by 1")})
-    point = MapPoint("preload", 0.3, 0.1, "two", "0:1:+1", "converged", 1e-9)
-    curve = BoundaryPoint("preload", "gap", 0.3, -1.0)
-    maps = RegimeResults({"preload": [point, point]}, [curve], [], [])
-    forms = (ClosedForm("words", {"march": 0.1}, None, None),)
-    evidence = Evidence((), forms, None, (claim,), True, {"numpy": "2"}, 1.0)
-    documents = {
-        "wear": wear_document(wear),
-        "article": article_document(Article((claim,), (), 0.1, ())),
-        "regimes": regimes_document(maps),
-        "chart": chart_document(read_points(ROOT / "docs" / "data" / "chart.csv")),
-        "stability": stability_document({"solver": {"rows": wear[:1]}}),
-        "evidence": evidence_document(evidence),
-    }
-    for command, document in documents.items():
-        checked(json_text(envelope(command, document)))
-    assert documents["regimes"]["regimes"] == {"preload": Counter(two=2)}
-    assert documents["wear"]["most"][0]["chi"] == 0.2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("arguments", "among"),
-    [
-        ("wear --quick", "wear.csv"),
-        ("regimes --quick --size 4", "boundaries.csv"),
-        ("stability --space-time --quick", "stability-space-time.csv"),
-        ("evidence preloaded --quick --output evidence.html", "evidence.html"),
-    ],
-)
-def test_studies_write_files_and_print_what_their_schema_says(arguments, among, capsys):
-    """Charts and the article in the tests of a cluster and of the article, which make them too."""
-    capsys.readouterr()
-    assert main([*arguments.split(), "--json"]) in (0, 1)
-    files = [Path(one) for one in checked(capsys.readouterr().out)["files"]]
-    assert among in {one.name for one in files}
-    assert all(one.is_dir() or one.stat().st_size for one in files)
-
-
-def test_claims_of_the_article_are_a_table(shown, monkeypatch):
-    """Without --json; the study itself is run by the test above."""
-    verdict = Verdict("holds", "by 1")
-    claim = Claim("6.1", "words of it", "preload", dict.fromkeys(METHODS, verdict))
-    found = Article((claim,), (), 0.1, ())
-    monkeypatch.setattr("compare.studies.article.study.write_article", lambda *_: found)
-    said = shown("article --quick").out
-    assert "claim" in said
-    assert "words of it" in said
-    assert "Written to results/article/" in said
-
-
-# --- what studies of speed report ---------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_benchmark_reports_time_next_to_error():
-    assert len(median_times([lambda: None, lambda: sum(range(1000))], 3)) == 2
-    rows = measure(repetitions=1)
-    assert {row.rtol for row in rows} == set(TOLERANCES)
-    for row in rows:
-        assert row.error < row.rtol
-        assert row.warm > 0
-        assert row.cold > 0
-
-
-@pytest.mark.parametrize("kind", OPENINGS)
-def test_scenes_that_open_are_timed_beside_some_that_do_not(kind):
-    for _, (scene, plain) in zip(range(20), OPENINGS[kind](np.random.default_rng(1)), strict=False):
-        assert contact_opens(scene)
-        assert not contact_opens(plain)
-        assert (scene.friction, scene.material) == (plain.friction, plain.material)
-
-
-@pytest.mark.slow
-def test_costs_are_reported_next_to_errors():
-    for row in measure_costs(FILMS | OPENINGS, scenes=4):
-        assert 0 < row.median <= row.ninth_decile <= row.worst
-        assert 0 < row.error < 1
+    document = chart_document(read_points(ROOT / "docs" / "data" / "chart.csv"))
+    checked(json_text(envelope("chart", document)))

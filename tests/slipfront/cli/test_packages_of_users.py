@@ -231,7 +231,6 @@ class S(sf.FrictionLaw):
         ("    fall_with_slip = 0.0\n", "", 5, "lacks fall_with_slip;"),
         ("impedance, path)", "path)", 5, "(stopping, frictional, impedance, path) in slip_speed;"),
         ("frozen=True", "frozen=False", 5, "must be a dataclass with frozen=True;"),
-        ("@dataclass(frozen=True)\n", "", 5, "must be a dataclass with frozen=True;"),
         ("sf.FrictionLaw", "sf.SlipWeakening", 5, "itself, not SlipWeakening"),
         ("sf.FrictionLaw", "sf.LoadHistory", 5, "must be a class that inherits FrictionLaw"),
         ("return 0 * stopping", "return 1 / 0", 5, "failed (ZeroDivisionError: division by zero)"),

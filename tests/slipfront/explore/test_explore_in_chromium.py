@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 
 import pytest
 
-from slipfront.explore.chromium import served_page
+from docs.studies.chromium import served_page
 
 pytestmark = pytest.mark.slow
 

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import asyncio
-import base64
-import hashlib
 import json
 import re
 from html.parser import HTMLParser
@@ -18,10 +16,6 @@ from catalogue import UNIT_FILE, unit_scene
 from tornado.httpclient import AsyncHTTPClient, HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
-from compare.benchmarks.pages import Code, Heading, Picture, Table, Text, as_html
-from compare.output.files import filled_template
-from compare.studies.evidence import html
-from compare.studies.evidence.page import _program_digest
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.named import NAMED_SCENES, NamedScene
@@ -230,45 +224,8 @@ def test_a_session_is_for_the_page_it_was_given_to(ask, front):
     assert connected(server, own, token)
 
 
-def test_pieces_of_the_evidence_page_are_text():
-    written = "".join(
-        [
-            html.table([ATTACK], [[ATTACK, html.Cell(ATTACK, link=ATTACK)]], ATTACK),
-            html.image(b"", ATTACK, ATTACK),
-            html.paragraph(ATTACK),
-            html.code([ATTACK]),
-            html.data_block({ATTACK: ATTACK}),
-        ]
-    )
-    pieces = check_harmless(written)
-    assert [tag for tag, _ in pieces.tags].count("script") == 1
-    assert [tag for tag, _ in pieces.tags].count("img") == 1
-    (data,) = [text for tag, text in pieces.texts if tag == "script"]
-    assert json.loads(data) == {ATTACK: ATTACK}
-    assert "<" not in data  # else a comment in it could swallow the rest of the page
-
-
-def test_the_evidence_page_names_the_one_program_it_runs():
-    page = filled_template(
-        "compare.studies.evidence", "evidence.html", body="", program=_program_digest()
-    )
-    pieces = Pieces(page)
-    (policy,) = (one["content"] for tag, one in pieces.tags if "http-equiv" in one)
-    (program,) = (text for tag, text in pieces.texts if tag == "script")
-    digest = base64.b64encode(hashlib.sha256(program.encode()).digest()).decode()
-    assert f"script-src 'sha256-{digest}';" in policy
-    assert policy.startswith("default-src 'none';")
-
-
-def test_pieces_of_problem_sheets_are_text():
-    blocks = (Heading(ATTACK), Text(ATTACK), Code((ATTACK,)), Table((ATTACK,), ((ATTACK,),)))
-    picture = Picture("a.png", ATTACK)
-    pieces = check_harmless(as_html([*blocks, picture], {"a.png": b""}))
-    assert "script" not in [tag for tag, _ in pieces.tags]
-
-
 def test_pages_of_html_are_known():
-    """Each has a test of what is filled into it: above, and in test_evidence.py."""
+    """Each has a test of what is filled into it: above."""
     written = {
         str(path.relative_to(ROOT))
         for folder in ("compare", "fem", "meshes", "semianalytic", "slipfront")
@@ -277,8 +234,6 @@ def test_pages_of_html_are_known():
     assert written == {
         "slipfront/explore/help.html",
         "slipfront/explore/page.html",
-        "compare/studies/evidence/evidence.html",
-        "compare/benchmarks/sheet.html",
     }
     for path in (ROOT / "compare").rglob("*.py"):
         assert "<!doctype html" not in path.read_text().lower(), path

@@ -19,7 +19,7 @@ from compare.comparison.quantities.edge_rows import (
     zone_rows,
 )
 from compare.comparison.quantities.profile_rows import gap_rows
-from docs.studies.judge.spoils import SPOILS, Window, spoilt
+from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
 from semianalytic import Material, Scene, Tractions
 from semianalytic.regimes import opening_threshold
@@ -243,9 +243,7 @@ def test_slip_while_open_is_no_slip_zone():
 def test_mistakes_about_openings_are_caught(mistake):
     scene = find_scene("lift-off")
     run = simulated(scene, RESOLUTION)
-    window = Window(run.end_time, run.time_step, float(run.interface.x[-1]))
-    (spoil,) = (one for one in SPOILS if one.name == mistake)
-    judgement = judge(spoilt(spoil, solved(scene), window), run)
+    judgement = judge(spoilt(mistake, solved(scene), run.time_step), run)
     assert judgement.verdict == "differs"
     kinds = {row.kind for row in judgement.having("differs")}
     assert kinds <= {"gap", "opening edge", "pressure", "sense"}

@@ -108,3 +108,26 @@ def test_a_program_that_cannot_be_imported_says_so(tmp_path):
     ended = run("scenes", env={**os.environ, "PYTHONPATH": str(tmp_path), "TMPDIR": str(tmp_path)})
     assert ended.returncode == 70
     assert SENTENCE.fullmatch(ended.stderr)[1] == "ValueError: broken"
+
+
+@pytest.mark.parametrize("name", ["fem", "semianalytic"])
+def test_a_file_that_hides_a_package_of_ours_is_named_and_not_run(name, tmp_path):
+    hiding = tmp_path / f"{name}.py"
+    hiding.write_text("print('ran')\n")
+    sentence = f"{hiding} hides the package '{name}' of slipfront; rename or move it.\n"
+    ended = run("scenes", stdout=subprocess.PIPE, cwd=tmp_path)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (5, "", sentence)
+
+
+def test_a_file_that_hides_a_package_is_named_after_it_was_imported(tmp_path):
+    (tmp_path / "fem.py").write_text("")
+    program = tmp_path / "program.py"
+    program.write_text("import fem\nimport slipfront as sf\nsf.simulate\n")
+    ended = subprocess.run(
+        [sys.executable, program], capture_output=True, text=True, check=False, cwd=tmp_path
+    )
+    assert ended.returncode == 1
+    told = (
+        f"ImportError: {tmp_path / 'fem.py'} hides the package 'fem' of slipfront; rename or move"
+    )
+    assert ended.stderr.splitlines()[-1].startswith(told)

@@ -73,14 +73,6 @@ def test_what_the_data_leave_free_is_exit_code_four(records, shown):
     assert "do not constrain friction and base_pressure apart" in said.err
 
 
-@pytest.mark.slow
-def test_short_chains_are_unresolved(records, shown):
-    line = f"{LINE} --noise {NOISE} --posterior --steps 6 --quiet --json"
-    said = shown(f"fit {records} {line}", 4)
-    assert json.loads(said.out)["posterior"]["status"].startswith("unresolved")
-    assert "autocorrelation times" in said.err
-
-
 # --- an interface ---------------------------------------------------------------------------------
 
 

@@ -7,7 +7,6 @@ import pytest
 
 from compare.figures.named import OWN_FIGURES
 from compare.figures.quantities import QUANTITIES, find_quantity
-from compare.studies.chart.points import SCENES as CHARTED
 from fem.elements.families import FAMILIES
 from meshes.blocks import PATTERNS
 from semianalytic import find_scene
@@ -110,7 +109,6 @@ def test_names_are_those_of_the_functions_that_take_them():
     assert tuple(OWN_FIGURES) == completion.FIGURES
     assert completion.MODES == MODES
     assert completion.LOADED == LOADED
-    assert completion.CHARTED == CHARTED
     assert completion.MESH_NAMES["element"] == tuple(FAMILIES)
     assert completion.MESH_NAMES["mesh"] == PATTERNS
     for method in completion.METHODS:

@@ -1,1 +1,0 @@
-"""Problem sheets of interfaces: rate-and-state friction, slip weakening, finite contacts."""

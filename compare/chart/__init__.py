@@ -1,0 +1,1 @@
+"""Error against computing time of every method, for any scene."""

@@ -1,0 +1,194 @@
+"""What is charted, the methods that answer it, and one measured point of a method.
+
+``python -m compare.chart.methods SOURCE END_TIME METHOD SETTING --lifeline`` measures one point in
+a process of its own with one linear-algebra thread, and prints it as JSON: no point warms up
+another, and a method that exhausts the memory ends nothing else.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.tasks.workers import LIFELINE, ONE_THREAD, hang_on, lifeline
+from semianalytic import Material, Scene, march, solve, solve_pair
+from semianalytic.dissimilar.described import pair_of
+from semianalytic.prediction import chosen_method
+from semianalytic.results.files import row_checksum
+from semianalytic.scene.errors import ComputationError, SlipfrontError
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.finding import find_blocks, scene_label
+
+Array = NDArray[np.float64]
+
+QUANTITIES = ("slip_rate", "slip")
+"""Quantities that can be compared; slip serves where nothing slips any more at the end."""
+_PLACES = 400
+_LAST = 10**9  # stores the last level alone
+_RUNS, _ENOUGH = 5, 1.0  # most runs of a point, and seconds of runs after which no more are made
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A scene by its name or file, its lower body if that is another, and the end time [time]."""
+
+    source: str
+    scene: Scene
+    lower: Material | None
+    end_time: float
+
+    @property
+    def label(self) -> str:
+        """Name of the scene, or stem of its file."""
+        return scene_label(self.source)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the exact solver answers; of two materials nothing else but elements does."""
+        return self.lower is not None or chosen_method(self.scene) == "self-similar"
+
+    @property
+    def finest(self) -> float:
+        """Smallest tolerance of the exact solver, that of an exact reference."""
+        return 1e-12 if self.lower is None else 1e-10
+
+    @property
+    def places(self) -> Array:
+        """Positions at which answers are compared (400,) [length].
+
+        Slip rates may be singular at the edge, and have fronts where the first wave has come.
+        """
+        fastest = max(
+            self.scene.fastest_in(one or self.scene.material) for one in (None, self.lower)
+        )
+        start = 0.02 * self.scene.material.shear_speed
+        return np.linspace(start, 0.95 * fastest, _PLACES) * self.end_time
+
+    @property
+    def fingerprint(self) -> str:
+        """Checksum of all that decides the answer: a file may change under its name."""
+        return row_checksum([repr((scene_document(self.scene), self.lower, self.end_time))])
+
+    @property
+    def tasks(self) -> list[tuple[str, float]]:
+        """Names of the methods that apply, with their settings."""
+        return [
+            (name, setting)
+            for name, method in METHODS.items()
+            for setting in method.settings
+            if method.applies(self) and setting > self.finest
+        ]
+
+    def reading(self, answer: Any, quantity: str) -> Array:
+        """Return a quantity of an answer at the places and the end time."""
+        return np.asarray(getattr(answer, quantity)(self.places, self.end_time))
+
+
+def find_problem(source: str, end_time: float | None = None) -> Problem:
+    """Find a scene of one or two materials by its name or file, with T = 1 / c_t unless given."""
+    scene, lower = find_blocks(source)
+    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
+    return Problem(source, scene, None if lower == scene.material else lower, end_time)
+
+
+def exact(problem: Problem, rtol: float) -> Any:
+    """Solve a self-similar problem of one or two materials."""
+    if problem.lower is None:
+        return solve(problem.scene, rtol=rtol)
+    return solve_pair(pair_of(problem.scene, problem.lower), rtol=rtol)
+
+
+def marched(problem: Problem, nodes: float, companion: bool = False) -> Any:
+    """March a problem of one material."""
+    return march(problem.scene, problem.end_time, int(nodes), every=_LAST, companion=companion)
+
+
+def _finite_elements(problem: Problem, resolution: float) -> Any:
+    from fem import simulate
+
+    end, size = problem.end_time, int(resolution)
+    return simulate(problem.scene, end, resolution=size, every=_LAST, lower_material=problem.lower)
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method: its label, words around its settings, these from coarse to fine, and its run."""
+
+    label: str
+    words: str
+    settings: tuple[float, ...]
+    run: Callable[[Problem, float], Any]
+    applies: Callable[[Problem], bool] = lambda problem: True
+
+
+METHODS: Mapping[str, Method] = {
+    "exact": Method(
+        "exact solver", "rtol {}", (1e-2, 1e-4, 1e-6, 1e-8, 1e-10), exact, lambda one: one.is_exact
+    ),
+    "march": Method(
+        "march", "{} nodes", (128, 256, 512, 1024, 2048), marched, lambda one: one.lower is None
+    ),
+    "fem": Method(
+        "finite elements", "{} elements per $c_t T$", (25, 50, 100, 200), _finite_elements
+    ),
+}
+"""All methods by their name in the table."""
+
+
+def measured(problem: Problem, method: str, setting: float) -> dict[str, Any]:
+    """Run a method in this process until a second is spent, at most six times.
+
+    Keys of the result are the least seconds of processor time and the number of runs, of which the
+    first one counts only if it is the only one; the status, which says why a method refuses the
+    problem, with numbers that are nan; and lists of the `QUANTITIES`.
+    """
+    seconds: list[float] = []
+    try:
+        while len(seconds) <= _RUNS and sum(seconds) < _ENOUGH:
+            started = time.process_time()
+            answer = METHODS[method].run(problem, setting)
+            problem.reading(answer, QUANTITIES[0])
+            seconds.append(time.process_time() - started)
+        values = {name: problem.reading(answer, name).tolist() for name in QUANTITIES}
+    except SlipfrontError as error:
+        nothing = dict.fromkeys(QUANTITIES, [math.nan] * _PLACES)
+        return {"seconds": math.nan, "runs": 0, "status": str(error), **nothing}
+    counted = seconds[1:] or seconds
+    least = max(min(counted), time.get_clock_info("process_time").resolution)
+    return {"seconds": least, "runs": len(counted), "status": answer.status, **values}
+
+
+def run_point(problem: Problem, method: str, setting: float) -> dict[str, Any]:
+    """Return `measured` of a fresh process, which may fail, for instance for lack of memory."""
+    given = [problem.source, repr(float(problem.end_time)), method, repr(setting), LIFELINE]
+    command = [sys.executable, "-m", "compare.chart.methods", *given]
+    inherited: dict[str, Any] = {
+        "env": {**os.environ, **ONE_THREAD},
+        "capture_output": True,
+        "text": True,
+    }
+    with lifeline() as stdin:
+        process = subprocess.run(command, stdin=stdin, **inherited)
+    if process.returncode:
+        last = (process.stderr.strip().splitlines() or ["no message"])[-1]
+        raise ComputationError(
+            f"{METHODS[method].label} on {problem.label} at {setting:g} ended with code "
+            f"{process.returncode} ({last}); start again to go on with the other points."
+        )
+    return dict(json.loads(process.stdout))
+
+
+if __name__ == "__main__":
+    hang_on()
+    charted = find_problem(sys.argv[1], float(sys.argv[2]))
+    print(json.dumps(measured(charted, sys.argv[3], float(sys.argv[4]))))

@@ -1,1 +1,0 @@
-"""Speed against accuracy of every method on every scene of the chart."""

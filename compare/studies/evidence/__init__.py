@@ -1,1 +1,0 @@
-"""The evidence page: one HTML file with every scene, method and figure."""

@@ -1,0 +1,190 @@
+"""The data of compare/benchmarks: ``python -m docs.studies.benchmarks answers|classes [NAME]``.
+
+``answers`` computes the limits of runs of the interfaces, with the difference from the limit of the
+next coarser two grids as their error (minutes each).  ``classes`` runs our finite elements on 200,
+100 and 50 cells (an hour for all sheets).  Both sign what they have written; ``sums`` signs alone,
+after data/sheets.toml was edited.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.benchmarks.answers import checksums
+from compare.benchmarks.scores import score
+from compare.benchmarks.sheets import DATA, SUMS, Sheet, find_sheet, sheets
+from compare.interfaces.lines import line_of
+from compare.output.files import write_text
+from compare.records.record import QUANTITIES, Record, Records
+from fem import simulate
+from fem.lines import simulate_line
+from semianalytic import InterfaceFile, Run, run
+from semianalytic.scene.given.finding import find_blocks
+
+Array = NDArray[np.float64]
+Fields = Mapping[str, Array]
+
+DOCS = Path(__file__).resolve().parents[1]
+CELLS = (200, 100, 50)
+"""Cells over `Sheet.extent` of the classes A, B and C."""
+SAMPLES = 5
+"""Samples of a record for each time of the answer, so that reading between them costs nothing: with
+half or twice as many no error of `run` on 200 cells changes by a hundredth of it."""
+LEAST = 1e-6
+"""Smallest stated error, and smallest bound of a class where all is exact to rounding."""
+
+
+def run_of(sheet: Sheet, nodes: int, samples: int = 1) -> Run:
+    """Run the interface of a sheet on so many nodes, with so many samples for each of its times."""
+    file = sheet.problem
+    assert isinstance(file, InterfaceFile)
+    count = samples * len(sheet.times)
+    times = (file.end_time * np.arange(1, count + 1) / count).tolist()
+    options = {name: file.options[name] for name in ("step_ratio",) if name in file.options}
+    level, end = sheet.level, file.end_time
+    return run(file.interface, end, nodes, times=times, slipping=level, estimate=False, **options)
+
+
+def sampled(sheet: Sheet, nodes: int) -> Fields:
+    """Return a run at the times and stations of a sheet (m, k), and its "arrivals" (k,)."""
+    done = run_of(sheet, nodes)
+    fields = {name: done.at(getattr(done, name), sheet.stations) for name in sheet.report}
+    onset = np.asarray(done.at(done.onset, sheet.stations))
+    return {"arrivals": np.where(np.isnan(onset), math.inf, onset), **fields}
+
+
+def extrapolated(sheet: Sheet, nodes: int) -> tuple[Fields, dict[str, float]]:
+    """Return the limit of runs on so many nodes and on half of them, with its errors."""
+    fine, middle, coarse = (sampled(sheet, nodes // parts) for parts in (1, 2, 4))
+    limit, before = _limit(sheet, middle, fine), _limit(sheet, coarse, middle)
+    errors = {name: apart(name, before[name], one) for name, one in limit.items()}
+    return limit, {name: max(error, LEAST) for name, error in errors.items()}
+
+
+def _limit(sheet: Sheet, coarse: Fields, fine: Fields) -> Fields:
+    """Return what two runs tend to; arrivals, read off within a step, do so at first order."""
+    weights = {name: 1 / (2**sheet.order - 1) for name in fine} | {"arrivals": 1.0}
+    with np.errstate(invalid="ignore"):  # of arrivals that never come
+        limit = {name: one + weights[name] * (one - coarse[name]) for name, one in fine.items()}
+    return limit | {"arrivals": np.nan_to_num(limit["arrivals"], nan=math.inf)}
+
+
+def apart(name: str, values: Array, limit: Array) -> float:
+    """Return the relative L1 difference of two fields, or the largest of arrivals [time]."""
+    if name == "arrivals":
+        known = np.isfinite(values) & np.isfinite(limit)
+        return float(np.abs(values - limit)[known].max())
+    return float(np.abs(values - limit).sum() / np.abs(limit).sum())
+
+
+def simulated(sheet: Sheet, cells: int) -> Records:
+    """Return what our finite elements record at the stations of a sheet on so many cells."""
+    file = sheet.problem
+    if not isinstance(file, InterfaceFile):
+        scene, lower = find_blocks(sheet.name)
+        done = simulate(scene, 1.0, resolution=cells, lower_material=lower)
+        fields = {name: getattr(done, name) for name in QUANTITIES}
+        t = done.interface.t
+        stations = [
+            Record(x, t, {name: one(x, t) for name, one in fields.items()}) for x in sheet.stations
+        ]
+    else:
+        nodes = round(file.interface.length * cells / sheet.extent)
+        samples = SAMPLES * len(sheet.times)
+        line = simulate_line(line_of(file.interface, nodes), file.end_time, samples=samples)
+        stations = []
+        for x in sheet.stations:
+            rows = {name: getattr(line, name) for name in sheet.report}
+            values = {
+                name: np.array([np.interp(x, line.x, row) for row in one])
+                for name, one in rows.items()
+            }
+            stations.append(Record(x, line.t, values))
+    return Records(tuple(stations), source=f"fem {cells}", spacing=sheet.extent / cells)
+
+
+def bounds(sheet: Sheet) -> dict[str, list[float]]:
+    """Measure the classes of a sheet: never a smaller bound on coarser cells."""
+    found = [
+        {one.quantity: one.error for one in score(sheet, simulated(sheet, cells))}
+        for cells in CELLS
+    ]
+    errors = {name: [_rounded_up(one[name]) for one in found] for name in found[0]}
+    return {name: np.maximum.accumulate(one).tolist() for name, one in errors.items()}
+
+
+def _rounded_up(error: float) -> float:
+    """Round an error up to two digits."""
+    error = max(error, LEAST)
+    digit = 10.0 ** (math.floor(math.log10(error)) - 1)
+    return float(f"{math.ceil(error / digit) * digit:.2g}")
+
+
+def written(fields: Fields, errors: Mapping[str, float]) -> dict[str, Any]:
+    """An answer as it is stored: seven digits, null for what never comes."""
+    answers = {
+        name: [_shortened(row) for row in one] if one.ndim > 1 else _shortened(one)
+        for name, one in fields.items()
+    }
+    return {
+        "answers": answers,
+        "errors": {name: float(f"{one:.2g}") for name, one in errors.items()},
+    }
+
+
+def _shortened(row: Array) -> list[float | None]:
+    return [float(f"{one:.7g}") if math.isfinite(one) else None for one in row.tolist()]
+
+
+def write(name: str, document: Any, folder: Path = DATA) -> None:
+    """Write a JSON file, a row of numbers a line, and sign the folder."""
+    rows = re.compile(r"\[\s+([^\[\]{}]*?)\s+\]")
+    text = json.dumps(document, indent=0, allow_nan=False)
+    write_text(folder / name, rows.sub(lambda row: f"[{''.join(row[1].split())}]", text) + "\n")
+    sign(folder)
+
+
+def sign(folder: Path = DATA) -> None:
+    """Write the checksums of all files of a folder."""
+    files = sorted(path for path in folder.iterdir() if path.suffix in (".json", ".toml"))
+    write_text(folder / SUMS, checksums({path.name: path.read_bytes() for path in files}))
+
+
+def _chosen(names: list[str], interfaces: bool) -> Iterator[Sheet]:
+    """Yield the sheets of the names; all that have stored answers, or classes, without any."""
+    for sheet in map(find_sheet, names) if names else sheets().values():
+        if sheet.is_interface if interfaces else sheet.classes:
+            yield sheet
+
+
+def main() -> None:
+    """Write answers, classes or checksums."""
+    parser = argparse.ArgumentParser(prog="python -m docs.studies.benchmarks", description=__doc__)
+    parser.add_argument("what", choices=("answers", "classes", "sums"))
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    options = parser.parse_args()
+    if options.what == "sums":
+        return sign()
+    if options.what == "answers":
+        for sheet in _chosen(options.names, interfaces=True):
+            write(f"{sheet.name}.json", written(*extrapolated(sheet, sheet.nodes)))
+        return
+    known: dict[str, Any] = {
+        sheet.name: sheet.classes for sheet in sheets().values() if sheet.classes
+    }
+    for sheet in _chosen(options.names, interfaces=False):
+        known[sheet.name] = bounds(sheet)
+    write("classes.json", known)
+
+
+if __name__ == "__main__":
+    main()

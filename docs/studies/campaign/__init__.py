@@ -1,1 +1,0 @@
-"""Thousands of random scenes held against the laws every answer must keep."""

@@ -1,0 +1,322 @@
+"""Hold every answer to the last bit: ``python -m docs.studies.golden --check``, or ``--write``.
+
+The file docs/data/golden.json.gz has the answers to all named scenes and interfaces, 200 random
+scenes of all loads and laws, 60 random pairs of bodies and 20 whole lines: edges, five fields at 40
+points, totals, error estimates and status, numbers as the hexadecimal digits of their bits.
+``--check`` computes them anew and lists what differs, by how much, and beside which estimate; it
+ends with 1 if anything does.  Another processor may round differently: ``--write`` on the commit
+to be compared with, then ``--check`` on the other one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gzip
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.progress import track
+
+import semianalytic as sa
+from compare.tasks.workers import run_tasks
+from semianalytic.dissimilar.described import find_pair
+from semianalytic.dissimilar_slot.solver import solve_pair
+from semianalytic.engine.run import Run, run
+from semianalytic.interface.named import NAMED_INTERFACES, find_interface
+from semianalytic.prediction import chosen_method
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.loads import PULSE_SHAPES
+from semianalytic.selfsimilar.solver import solve
+from semianalytic.spacetime.march import march
+from semianalytic.whole_line.growing import solve_growing
+from semianalytic.whole_line.named import NAMED_LINES
+from semianalytic.whole_line.solver import solve_line
+
+FILE = Path(__file__).resolve().parents[1] / "data" / "golden.json.gz"
+FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
+TOTALS = ("max_slip", "accumulated_slip", "frictional_work")
+SCENES, MARCHES, PAIRS, LINES = 140, 60, 60, 20
+"""Random scenes that are solved, random scenes that are marched, pairs, and whole lines."""
+POINTS = 40
+NAMED_NODES, NODES, RUN_NODES = 400, 200, 512
+"""Nodes of marches of named and of random scenes, and of runs of interfaces."""
+RUN_TIME = {"rate-and-state": 0.2, "cattaneo": 0.1, "supershear": 0.5, "tpv101": 0.5}
+"""Parts of their end times until which long runs of interfaces are made."""
+
+Array = NDArray[np.float64]
+Answer = dict[str, Any]
+"""Words, and hexadecimal digits of numbers, by the name of what they say."""
+Random = np.random.Generator
+
+
+def bits(values: Any) -> str:
+    """Return the bits of numbers, sixteen hexadecimal digits each."""
+    return np.atleast_1d(np.asarray(values, dtype=">f8")).tobytes().hex()
+
+
+def numbers(digits: str) -> Array:
+    """Return the numbers whose bits are given."""
+    return np.frombuffer(bytes.fromhex(digits), dtype=">f8").astype(float)
+
+
+def one_of(random: Random, *values: Any) -> Any:
+    """Return one of the values, all of them equally likely."""
+    return values[random.integers(len(values))]
+
+
+def friction_of(random: Random) -> float:
+    """Return a friction coefficient between 0.02 and 2."""
+    return float(np.exp(random.uniform(np.log(0.02), np.log(2.0))))
+
+
+def random_scene(random: Random) -> sa.Scene:
+    """Return a self-similar scene: any mode, law and load, closed or opening."""
+    solid = sa.Material(1.0, 1.0, float(random.uniform(-0.6, 0.48)))
+    mode = str(random.choice(["in-plane", "antiplane"], p=[0.75, 0.25]))
+    law: sa.FrictionLaw = sa.CoulombFriction()
+    if random.random() < 0.3:
+        law = sa.ViscousFriction(float(10 ** random.uniform(-1.5, 1.5)))
+    elif random.random() < 0.1:
+        law = sa.RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0)))
+    friction = friction_of(random)
+    base = sa.Tractions(1.0, friction * float(random.choice([0.0, random.uniform(-0.9, 0.9)])))
+    pressure = float(random.choice([0.0, random.uniform(-0.9, 3.0)]))
+    load: Any = sa.Tractions(pressure, float(random.normal()))
+    place, kind = "slot", random.random()
+    if kind < 0.15:
+        base, place = sa.Tractions(float(random.choice([0.0, 1.0])), 0.0), "remote"
+        load = sa.Tractions(float(random.uniform(0.5, 2.0)), float(random.normal()))
+    elif kind < 0.35:
+        waves = ("SH",) if mode == "antiplane" else ("P", "SV")
+        load = sa.IncidentWave(
+            one_of(random, *waves),
+            float(random.uniform(-70, 70)),
+            stress=0.4 * friction * float(random.normal()),
+            from_=one_of(random, "below", "above"),
+        )
+    elif kind < 0.45:
+        load = sa.MovingLoad(float(random.uniform(0.2, 5.0)), load.pressure, load.shear)
+    return sa.Scene(solid, friction, base, load, friction_law=law, mode=mode, load_on=place)
+
+
+def random_history(random: Random) -> sa.LoadHistory:
+    """Return a ramp, pulse, oscillation or table that lasts a tenth of the time 1 or more."""
+    length = float(random.uniform(0.1, 1.0))
+    times = np.unique(random.uniform(0, 1, 6).round(6))
+    return one_of(
+        random,
+        sa.Ramp(length),
+        sa.Pulse(length, one_of(random, *PULSE_SHAPES)),
+        sa.Harmonic(float(random.uniform(0.3, 4.0))),
+        sa.Tabulated(tuple(times.tolist()), tuple(random.normal(size=len(times)).tolist())),
+    )
+
+
+def random_march(random: Random) -> sa.Scene:
+    """Return a scene whose loads change in time, under any law."""
+    law: sa.FrictionLaw = one_of(
+        random,
+        sa.CoulombFriction(),
+        sa.RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0))),
+        sa.SlipWeakening(float(random.uniform(0, 0.8)), float(random.lognormal(-2.0, 0.7))),
+        sa.ViscousFriction(float(10 ** random.uniform(-1.0, 1.0))),
+    )
+    friction = friction_of(random)
+    return sa.Scene(
+        sa.Material(1.0, 1.0, float(random.uniform(-0.6, 0.48))),
+        friction,
+        sa.Tractions(1.0, float(random.choice([0.0, random.uniform(-0.9, 0.9)])) * friction),
+        sa.Tractions(float(random.choice([0.0, random.uniform(0, 0.8)])), float(random.normal())),
+        pressure_history=random_history(random),
+        shear_history=random_history(random),
+        friction_law=law,
+        mode=str(random.choice(["in-plane", "antiplane"], p=[0.8, 0.2])),
+    )
+
+
+def random_pair(random: Random) -> sa.Pair:
+    """Return two different bodies with a slot, whose contact slips, opens or both."""
+    density, ratio = float(random.uniform(0.5, 2.0)), float(np.exp(random.uniform(-1.5, 1.5)))
+    friction = float(random.uniform(0.1, 0.8))
+    viscous = random.random() < 0.25
+    return sa.Pair(
+        sa.Material(1.0, 1.0, float(random.uniform(0.1, 0.4))),
+        sa.Material(density * ratio**2, density, float(random.uniform(0.1, 0.4))),
+        friction,
+        sa.Tractions(1.0, friction * float(random.choice([0.0, random.uniform(-0.8, 0.8)]))),
+        sa.Tractions(float(random.choice([0.0, 0.0, random.uniform(-0.9, 2.0)])), random.normal()),
+        friction_law=sa.ViscousFriction(float(random.lognormal()))
+        if viscous
+        else sa.CoulombFriction(),
+    )
+
+
+def random_line(random: Random) -> sa.WholeLine | sa.GrowingSlot:
+    """Return a problem without a slot, or a slot whose load grows."""
+    solid = sa.Material(1.0, 1.0, float(random.uniform(-0.5, 0.45)))
+    mode = one_of(random, "in-plane", "antiplane")
+    friction = friction_of(random)
+    if random.random() < 0.3:
+        load = sa.Tractions(1.0, float(random.uniform(1.0, 4.0)) * friction)
+        return sa.GrowingSlot(solid, friction, load, int(random.integers(1, 3)), mode=mode)
+    shear = float(random.uniform(0.5, 3.0))
+    spread: Any = one_of(
+        random, sa.Patch(float(random.uniform(0.05, 0.8)), shear=shear), sa.PointForce(shear=shear)
+    )
+    return sa.WholeLine(solid, friction, sa.Tractions(1.0, 0.3 * friction), spread, mode)
+
+
+DRAWS: Mapping[str, tuple[Callable[[Random], Any], int]] = {
+    "random scene": (random_scene, SCENES),
+    "random march": (random_march, MARCHES),
+    "random pair": (random_pair, PAIRS),
+    "random line": (random_line, LINES),
+}
+"""How problems are drawn, and how many of them, by what they are called."""
+
+
+def drawn(kind: str, index: int) -> Any:
+    """Return the first admissible problem of a draw."""
+    random = np.random.default_rng([4207, list(DRAWS).index(kind), index])
+    while True:
+        try:
+            return DRAWS[kind][0](random)
+        except SceneError:
+            continue
+
+
+def recorded(found: Any, x: Array, t: Array) -> Answer:
+    """Return what an answer says at points of the contact."""
+    answer: Answer = {"status": found.status, "estimate": bits(found.error_estimate)}
+    edges = [zone for name in ("zones", "openings") for zone in getattr(found, name, ())]
+    answer["edges"] = bits([speed for zone in edges for speed in (zone.inner, zone.outer)])
+    for name in FIELDS:
+        answer[name] = bits(getattr(found, name)(x, t))
+    for name in TOTALS:
+        answer[name] = bits(getattr(found, name)(np.array([0.4, 0.9]) * t.max()))
+    return answer
+
+
+def recorded_run(found: Run) -> Answer:
+    """Return what a run of an interface says at 40 nodes of as many frames."""
+    frame = np.linspace(1, len(found.t) - 1, POINTS).astype(int)
+    node = np.linspace(0, len(found.x) - 1, POINTS).astype(int)[np.arange(POINTS) * 7 % POINTS]
+    answer: Answer = {name: bits(getattr(found, name)[frame, node]) for name in FIELDS}
+    answer["estimate"] = bits(sorted(found.error_estimates.values()))
+    answer["edges"] = bits(found.onset[node])
+    work = found.work
+    return answer | {"status": found.status, "work": bits([work["friction"], work["closing"]])}
+
+
+def labels() -> list[str]:
+    """Return what the problems are called: names, and kinds of draws with their numbers."""
+    names = [*NAMED_SCENES, *NAMED_PAIRS, *NAMED_LINES]
+    names += [f"interface {name}" for name in NAMED_INTERFACES]
+    return names + [f"{kind} {at}" for kind, (_, count) in DRAWS.items() for at in range(count)]
+
+
+def problem_of(label: str) -> Any:
+    """Return a problem: that of a draw, or a named one."""
+    kind, _, last = label.rpartition(" ")
+    if kind in DRAWS:
+        return drawn(kind, int(last))
+    if kind == "interface":
+        return find_interface(last).interface
+    if label in NAMED_SCENES:
+        return NAMED_SCENES[label].scene
+    return NAMED_LINES[label].problem if label in NAMED_LINES else find_pair(label)
+
+
+def answered(label: str) -> Answer:
+    """Solve, march or run a problem, and return what is compared; what it refuses is recorded."""
+    problem = problem_of(label)
+    try:
+        if isinstance(problem, sa.Interface):
+            name = label.partition(" ")[2]
+            end_time = find_interface(name).end_time * RUN_TIME.get(name, 1.0)
+            return recorded_run(run(problem, end_time, RUN_NODES))
+        found: Any
+        reach, unit = 1.5, 1.0
+        if isinstance(problem, sa.Pair):
+            found, unit = solve_pair(problem, rtol=1e-6), problem.upper.shear_speed
+        elif isinstance(problem, sa.WholeLine):
+            found = solve_line(problem)
+        elif isinstance(problem, sa.GrowingSlot):
+            found = solve_growing(problem)
+        elif chosen_method(problem) == "space-time":
+            nodes, reach = (NODES if label.startswith("random") else NAMED_NODES), 0.98
+            found = march(problem, 1.0 / problem.material.shear_speed, nodes)
+        else:
+            found = solve(problem)
+        x = np.linspace(0.02, reach, POINTS) * unit
+        return recorded(found, x, np.where(np.arange(POINTS) % 2, 1.0, 0.7))
+    except Exception as error:  # faults of the program are answers of this commit too
+        return {"status": f"{type(error).__name__}: {error}"}
+
+
+def computed() -> dict[str, Answer]:
+    """Return all answers by label, computed on all cores with one thread each."""
+    called = labels()
+    done = dict(track(run_tasks([(answered, (one,)) for one in called]), "answers", len(called)))
+    return {label: done[index] for index, label in enumerate(called)}
+
+
+def differences(label: str, before: Answer, now: Answer) -> Iterator[str]:
+    """Yield what differs between two answers: size, scale, and the estimate of the former one."""
+    if before["status"] != now["status"]:
+        yield f"{label}: status {before['status']!r} is {now['status']!r}"
+    estimate = max(numbers(before.get("estimate", "")), default=math.nan)
+    for name in sorted((before.keys() | now.keys()) - {"status"}):
+        old, new = numbers(before.get(name, "")), numbers(now.get(name, ""))
+        if before.get(name) == now.get(name):
+            continue
+        if old.shape != new.shape:
+            yield f"{label}: {name} has {new.size} numbers, {old.size} before"
+            continue
+        change = np.abs(new - old)
+        scale = np.nanmax(np.abs(old), initial=0.0) or 1.0
+        worst = "nan" if np.isnan(change).any() else f"{change.max() / scale:.1e}"
+        yield f"{label}: {name} differs by {worst} of {scale:.3g}, estimate {estimate:.1e}"
+
+
+def read(path: Path) -> dict[str, Answer]:
+    """Return the stored answers."""
+    with gzip.open(path, "rt", encoding="utf-8") as file:
+        stored: dict[str, Answer] = json.load(file)
+    return stored
+
+
+def write(path: Path, answers: Mapping[str, Answer]) -> None:
+    """Store answers, the same bytes for the same answers."""
+    text = json.dumps(answers, indent=0)
+    path.write_bytes(gzip.compress(text.encode(), 9, mtime=0))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write the golden file, or hold the answers of this commit against it."""
+    parser = argparse.ArgumentParser(prog="python -m docs.studies.golden", description=__doc__)
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--write", action="store_true", help="store the answers of this commit")
+    what.add_argument("--check", action="store_true", help="say which answers differ")
+    parser.add_argument("--file", type=Path, default=FILE, help="file of the answers")
+    options = parser.parse_args(arguments)
+    answers = computed()
+    if options.write:
+        write(options.file, answers)
+        return 0
+    stored = read(options.file)
+    found = [f"{label}: not in both" for label in stored.keys() ^ answers.keys()]
+    for label in stored.keys() & answers.keys():
+        found += differences(label, stored[label], answers[label])
+    print(*sorted(found), f"{len(stored)} answers, {len(found)} differences", sep="\n")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

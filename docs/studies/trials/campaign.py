@@ -1,0 +1,399 @@
+"""Random scenes of every law, mode and opening: all that an answer says against a better answer.
+
+``python -m docs.studies.trials.campaign campaign-answers --workers 2 --output docs`` solves scenes
+whose bases are 1e-6 to 1e6 times the step to 1e-5, 1e-6 or 1e-8.  Edges, slip rate, slip,
+tractions, gap, power, stress intensities, fields in the bodies and derivatives are held against an
+answer to 1e-12 (1e-9 where strength depends on slip rate), derivatives also against what doubling
+all tractions does, and Coulomb friction against its law where no node lies.  An error is counted
+over the sum of what both answers say that it may be.  `campaign-histories` marches histories of
+shear and pressure under every law on two grids.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from time import process_time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from docs.studies.runner import Point, Row, Study, main
+from docs.studies.trials.draws import drawn, random_history_scene, random_wide_scene
+from semianalytic import (
+    CoulombFriction,
+    Marched,
+    RateWeakening,
+    Scene,
+    SceneError,
+    SlipfrontError,
+    SlipZone,
+    Solution,
+    TensionError,
+    march,
+    solve,
+)
+
+Array = NDArray[np.float64]
+
+SCENES, SEED = 5000, 3
+HISTORIES, HISTORY_SEED, NODES = 300, 1, 200
+FINE = {"CoulombFriction": 1e-12, "ViscousFriction": 1e-9, "RateWeakening": 1e-9}
+"""Accuracies of better answers: films that open take minutes to 1e-12, and friction that falls with
+slip rate does not come further."""
+ROUGH = (1e-5, 1e-6, 1e-8)
+_TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
+_CLEAR = 0.03
+"""Distance from edges and from c_R, over c_t, beyond which errors hold at points."""
+_POINTS, _BODY_POINTS = 60, 8
+_MOST_NODES = 3000
+"""Nodes of an answer up to which its derivatives are asked for: those of more take minutes."""
+_ROUNDING = 4e-16
+"""Rounding of tractions over the base that is part of them."""
+_PER_STRETCH, _BETWEEN = 60, 8
+"""Points of a stretch between edges, and points between two places of an edge, at which slip is
+looked for."""
+_AT_EDGE = 1e-12
+"""Velocity over c_t that stands for the contact edge itself."""
+_CHANGED = 0.01
+"""Slip over its scale that a finer grid may find before the answer "no slip" counts as wrong."""
+QUANTITIES = (
+    "edges",
+    "slip_rate",
+    "slip",
+    "traction",
+    "pressure",
+    "gap",
+    "power",
+    "intensity",
+    "coulomb",
+    "velocity",
+    "stress",
+    "displacement",
+    "derivatives",
+    "homogeneity",
+)
+
+
+def answer_row(seed: int, index: int) -> Row:
+    """Solve a scene twice and hold all that the rougher answer says against the better one.
+
+    The outcome is "converged", "refused", "unresolved" (either answer says so) or what was raised;
+    errors over estimates are nan where not asked or where there is no answer.
+    """
+    scene, random = drawn(seed, index, random_wide_scene)
+    rtol, began = float(random.choice(ROUGH)), process_time()
+    law = type(scene.friction_law).__name__
+    ratio = scene.superposition.in_place.pressure / _largest_load(scene)
+    row: Row = {"index": index, "law": law, "mode": scene.mode, "ratio": ratio, "rtol": rtol}
+    row |= {"opens": False, "outcome": "refused", "seconds": 0.0}
+    row |= dict.fromkeys(QUANTITIES, math.nan)
+    try:
+        rough = solve(scene, rtol=rtol)
+        row |= {"opens": bool(rough.openings), "outcome": "unresolved"}
+        # a better answer than one that has said that it is none takes minutes, in vain
+        fine = solve(scene, rtol=FINE[law]) if rough.status == "converged" else None
+        if fine is not None and fine.error_estimate <= rtol:
+            row |= {"outcome": "converged", **errors(rough, fine, random, index)}
+    except (SceneError, TensionError):
+        pass
+    except Exception as error:  # what a campaign is for
+        row["outcome"] = f"raised {type(error).__name__}"
+    return {**row, "seconds": process_time() - began}
+
+
+def errors(
+    rough: Solution, fine: Solution, random: np.random.Generator, index: int
+) -> dict[str, float]:
+    """Errors over estimates by quantity; fields in the bodies of one scene in three, derivatives of
+    another."""
+    found = {"edges": error_between(rough, fine) / _bound(rough, fine)}
+    found |= _on_the_interface(rough, fine, random)
+    found |= _totals(rough, fine)
+    if isinstance(rough.scene.friction_law, CoulombFriction):
+        found["coulomb"] = broken_law(rough, random) / _bound(rough, fine)
+    if index % 3 == 0:
+        found |= _in_the_bodies(rough, fine, random)
+    rated = isinstance(rough.scene.friction_law, RateWeakening)
+    if index % 3 == 1 and not rated and fine.statistics.nodes <= _MOST_NODES:
+        with suppress(SceneError):  # there is none, as in its own words
+            found |= _derivatives(rough, fine, random)
+    return found
+
+
+def _bound(rough: Solution, fine: Solution) -> float:
+    return rough.error_estimate + fine.error_estimate
+
+
+def _largest_load(scene: Scene) -> float:
+    load = scene.superposition.taken_off
+    return max(abs(load.shear), abs(load.pressure))
+
+
+def _clear(solution: Solution, random: np.random.Generator) -> Array:
+    """Positions at unit time off edges and c_R, close to the edge too."""
+    material = solution.scene.material
+    fastest, speed = material.longitudinal_speed, material.shear_speed
+    x = np.concatenate(
+        [random.uniform(0, 1.1 * fastest, _POINTS), fastest * 10 ** random.uniform(-6, -1, 10)]
+    )
+    ends = [(one.inner, one.outer) for one in solution.zones]
+    ends += [(one.inner, one.outer) for one in solution.openings]
+    edges = np.ravel(ends)
+    marks = np.array([edge for edge in edges if 0 < edge < math.inf] + [material.rayleigh_speed])
+    return x[np.abs(x[:, None] - marks).min(axis=1) > _CLEAR * speed]
+
+
+def _over(change: Array, scale: Array | float, bound: float) -> float:
+    """The largest change over a scale and a bound; 0 where nothing is and nothing changes."""
+    change, scale = np.broadcast_arrays(np.abs(change), scale)
+    share = np.divide(change, scale, out=np.where(change > 0, np.inf, 0.0), where=scale > 0)
+    return float(share.max(initial=0.0)) / bound
+
+
+def _on_the_interface(
+    rough: Solution, fine: Solution, random: np.random.Generator
+) -> dict[str, float]:
+    bound, scene = _bound(rough, fine), rough.scene
+    clear, fastest = _clear(fine, random), scene.material.longitudinal_speed
+    anywhere = random.uniform(0, 1.05 * fastest, _POINTS)
+    rates = [one.slip_rate(clear, 1.0) for one in (rough, fine)]
+    slips = [one.slip(anywhere, 1.0) for one in (rough, fine)]
+    shears = [one.shear_traction(clear, 1.0) for one in (rough, fine)]
+    pressures = [one.pressure(clear, 1.0) for one in (rough, fine)]
+    load, base = _largest_load(scene), scene.superposition.in_place.pressure
+    rounding = _ROUNDING * max(base * max(scene.friction, 1.0), load) / bound
+    found = {
+        # a zone that slips less than the estimate may be missing
+        "slip_rate": _over(
+            rates[0] - rates[1],
+            max([np.abs(rates[1]).max(initial=0.0), *(_peak(fine, one) for one in fine.zones)]),
+            bound,
+        ),
+        "slip": _over(slips[0] - slips[1], fine.max_slip(1.0), bound),
+        # close to a stuck contact edge a large change may take off a large base
+        "traction": _over(
+            shears[0] - shears[1],
+            np.abs(shears[1]) + np.abs(shears[1] - scene.base.shear) + load + rounding,
+            bound,
+        ),
+        "pressure": _over(
+            pressures[0] - pressures[1], base + abs(scene.superposition.taken_off.pressure), bound
+        ),
+    }
+    if fine.openings:
+        ends = max(zone.outer for zone in fine.openings)
+        x = ends * (np.arange(_POINTS) + 0.5) / _POINTS
+        gaps = [one.gap(x, 1.0) for one in (rough, fine)]
+        found["gap"] = _over(np.abs(gaps[0] - gaps[1]).mean(), float(gaps[1].max()), bound)
+    return found
+
+
+def _totals(rough: Solution, fine: Solution) -> dict[str, float]:
+    bound = _bound(rough, fine)
+    powers = [float(one.frictional_power(1.0)) for one in (rough, fine)]
+    found = {"power": _over(np.array(powers[0] - powers[1]), abs(powers[1]), bound)}
+    pairs = zip(rough.stress_intensity(1.0), fine.stress_intensity(1.0), strict=True)
+    found["intensity"] = max(_over(np.asarray(a - b), np.abs(b), bound) for a, b in pairs)
+    return found
+
+
+def _in_the_bodies(
+    rough: Solution, fine: Solution, random: np.random.Generator
+) -> dict[str, float]:
+    """Compare the fields at points of both bodies away from the fronts of waves from the edge."""
+    scene = rough.scene
+    material, load = scene.material, _largest_load(scene)
+    fastest, speed = material.longitudinal_speed, material.shear_speed
+    x, y = fastest * random.uniform(-1, 1, (2, _BODY_POINTS))
+    off = np.abs(np.hypot(x, y)[:, None] - np.array([fastest, speed])).min(axis=1) > _CLEAR * speed
+    x, y = x[off], y[off]
+    bound = rough.field_error + fine.field_error
+    rate = load / material.shear_impedance
+    base = scene.superposition.in_place.pressure + abs(scene.superposition.in_place.shear)
+    scales = {
+        "velocity": rate,
+        "stress": load + _ROUNDING * base / bound,
+        "displacement": rate,
+    }
+    found = {}
+    for name, scale in scales.items():
+        one, other = (getattr(answer, name)(x, y, 1.0) for answer in (rough, fine))
+        found[name] = _over(one - other, np.abs(other) + scale, bound)
+    return found
+
+
+def _value(scene: Scene, name: str) -> float:
+    part, kind = name.split("_")
+    return float(getattr(getattr(scene, part), kind))
+
+
+def _derivatives(rough: Solution, fine: Solution, random: np.random.Generator) -> dict[str, float]:
+    """Compare derivatives of slip rate and slip with those of the better answer, and their weighted
+    sum with the fields themselves, since doubling all tractions doubles the fields."""
+    scene, x = rough.scene, _clear(fine, random)
+    fronts = (scene.material.shear_speed, scene.material.longitudinal_speed)
+    x = x[np.abs(x[:, None] - np.array(fronts)).min(axis=1) > _CLEAR * scene.material.shear_speed]
+    names = [name for name in _TRACTIONS if _value(scene, name)]
+    pairs = {name: (rough.derivative(name), fine.derivative(name)) for name in names}
+    worst, sums = 0.0, {"slip_rate": (0.0, 0.0), "slip": (0.0, 0.0)}
+    for name, (one, other) in pairs.items():
+        value = abs(_value(scene, name))
+        for field in sums:
+            own, better = getattr(one, field)(x, 1.0), getattr(other, field)(x, 1.0)
+            exact = np.abs(getattr(fine, field)(x, 1.0)).max(initial=0.0)
+            scale = max(np.abs(better).max(initial=0.0), exact / value)
+            bound = one.error_estimate + other.error_estimate
+            worst = max(worst, _over(own - better, scale, bound))
+            total, allowed = sums[field]
+            sums[field] = (
+                total + _value(scene, name) * own,
+                allowed + one.error_estimate * value * scale,
+            )
+    left = [
+        _over(total - getattr(rough, field)(x, 1.0), allowed, 1.0)
+        for field, (total, allowed) in sums.items()
+    ]
+    return {"derivatives": worst, "homogeneity": max(left)}
+
+
+def error_between(one: Solution, other: Solution) -> float:
+    """Largest shift of a zone edge over c_t, or relative L1 difference of slip rates if larger.
+
+    Inf if zones differ that slip at more than the estimate of the first, over the largest rate. A
+    shift past what slips less than that is not counted: `Solution.error_estimate` says so.
+    """
+    speed = one.scene.material.shear_speed
+    edges = []
+    everywhere = SlipZone(0.0, one.scene.material.longitudinal_speed, 1)  # what is open slips too
+    seen = one.error_estimate * _peak(other, everywhere)
+    for solution in (one, other):
+        peaks = np.array([_peak(solution, zone) for zone in solution.zones])
+        certain = peaks > one.error_estimate * peaks.max(initial=0.0)
+        zones = [zone for zone, kept in zip(solution.zones, certain, strict=True) if kept]
+        pairs = [(zone.inner, zone.outer) for zone in zones]
+        edges.append(np.array(pairs).ravel() / speed)
+    if len(edges[0]) != len(edges[1]):
+        return math.inf
+    finite = np.isfinite(edges[1])
+    between = np.linspace(edges[0][finite], edges[1][finite], 2 + _BETWEEN, axis=-1)[:, 1:-1]
+    between = speed * np.maximum(between, _AT_EDGE)
+    beside = np.abs([solution.slip_rate(between, 1.0) for solution in (one, other)])
+    counts = (beside > seen).any(axis=(0, -1))
+    shift = float(np.abs(edges[0][finite] - edges[1][finite])[counts].max(initial=0.0))
+    # between edges and fronts, closer and closer towards both ends
+    share = (1 - np.cos(np.pi * (np.arange(_PER_STRETCH) + 0.5) / _PER_STRETCH)) / 2
+    weight = np.sin(np.pi * (np.arange(_PER_STRETCH) + 0.5) / _PER_STRETCH)
+    ahead = one.scene.material.longitudinal_speed / speed
+    ends = np.unique([*edges[1][finite], 0.0, one.scene.material.rayleigh_speed / speed, ahead])
+    width = np.diff(ends)[:, None]
+    xi = speed * (ends[:-1, None] + width * share)
+    rates = [solution.slip_rate(xi, 1.0) for solution in (one, other)]
+    size, change = (np.sum(width * weight * np.abs(v)) for v in (rates[1], rates[0] - rates[1]))
+    return max(shift, float(change / size) if size else 0.0)
+
+
+def _peak(solution: Solution, zone: SlipZone) -> float:
+    """About the largest slip rate of a zone, at unit time."""
+    outer = min(zone.outer, solution.scene.material.longitudinal_speed)
+    inside = zone.inner + (outer - zone.inner) * (np.arange(20) + 0.5) / 20
+    return float(np.abs(solution.slip_rate(inside, 1.0)).max())
+
+
+def broken_law(solution: Solution, random: np.random.Generator) -> float:
+    """By how much Coulomb's law fails at random points: of traction, of slip where closed."""
+    scene = solution.scene
+    x = scene.material.longitudinal_speed * random.uniform(1e-3, 1.0, _POINTS)
+    shear, rate = solution.shear_traction(x, 1.0), solution.slip_rate(x, 1.0)
+    pressure = solution.pressure(x, 1.0)
+    strength, closed = scene.friction * pressure, pressure > 0
+    held, load = scene.superposition
+    loads = (held.shear, load.shear, scene.friction * load.pressure)
+    largest = max(float(strength.max()), *(abs(one) for one in loads))
+    fastest = float(np.abs(rate).max()) or 1.0
+    excess = float((np.abs(shear) - strength).max()) / largest
+    return max(excess, float((-rate * np.sign(shear) * closed).max()) / fastest, 0.0)
+
+
+def summary(rows: list[Row]) -> list[Row]:
+    """Count outcomes, and for each quantity the checks and the errors beyond their estimates."""
+    outcomes = [row["outcome"] for row in rows]
+    answered = [row for row in rows if row["outcome"] == "converged"]
+    counts = {
+        "scenes drawn": len(rows),
+        "answered": len(answered),
+        "refused with a sentence": outcomes.count("refused"),
+        "told as unresolved": outcomes.count("unresolved"),
+        "raised anything else": sum(one.startswith("raised") for one in outcomes),
+        "of a law that depends on slip rate": _count(answered, "law", "Viscous", "RateW"),
+        "in antiplane shear": _count(answered, "mode", "antiplane"),
+        "where the contact opens": sum(row["opens"] for row in answered),
+        "base beyond 1000 times the step or below 1/1000": sum(
+            not 1e-3 < row["ratio"] < 1e3 for row in answered
+        ),
+    }
+    lines: list[Row] = [{"what": what, "result": f"{count}"} for what, count in counts.items()]
+    for name in QUANTITIES:
+        ratios = np.array([row[name] for row in answered])
+        ratios = ratios[~np.isnan(ratios)]
+        if len(ratios):
+            what = f"{name.replace('_', ' ')}: asked, beyond the estimate, largest over it"
+            found = f"{len(ratios)}, {int((ratios > 1).sum())}, {ratios.max():.2g}"
+            lines.append({"what": what, "result": found})
+    return lines
+
+
+def _count(rows: list[Row], name: str, *beginnings: str) -> int:
+    return sum(row[name].startswith(beginnings) for row in rows)
+
+
+def marched_row(seed: int, index: int) -> Row:
+    """March a history on two grids, and hold the answer against the other and the law.
+
+    `change` is that of slip at the end in L1 from the coarse to the fine grid, `excess` the largest
+    traction above strength over the largest traction, `least_work` the least work of friction of a
+    node over the largest; `silent` is whether "no slip" is said without a word where there is some.
+    """
+    scene, _ = drawn(seed, index, random_history_scene)
+    law = type(scene.friction_law).__name__
+    row: Row = {"index": index, "law": law, "outcome": "refused", "change": 0.0, "excess": 0.0}
+    row |= {"least_work": 0.0, "silent": False}
+    try:
+        coarse = march(scene, 1.0, NODES, companion=False)
+        fine = march(scene, 1.0, 2 * NODES, companion=False)
+    except SlipfrontError:
+        return row
+    slip = np.abs(fine.interface.slip[-1])
+    paired = (fine.interface.slip[-1, ::2] + fine.interface.slip[-1, 1::2]) / 2
+    size = float(np.abs(paired).sum())
+    change = float(np.abs(coarse.interface.slip[-1] - paired).sum()) / size if size else 0.0
+    drive = sum(abs(part.shear) for part in scene.superposition) / scene.material.shear_impedance
+    missed = not coarse.seen.slip_rate.any() and slip.max() > _CHANGED * drive
+    work, resolved = coarse.final_work_density, coarse.status == "resolved"
+    row |= {"outcome": "marched" if resolved else "unresolved", "change": change}
+    row |= {"excess": excess_of(coarse), "silent": bool(missed and resolved)}
+    return {**row, "least_work": float(work.min() / work.max()) if work.any() else 0.0}
+
+
+def excess_of(marched: Marched) -> float:
+    """Largest |tau| - strength at the end over the largest traction."""
+    scene, end = marched.scene, marched.interface
+    shear = np.abs(end.shear_traction[-1])
+    strength = scene.friction_law.strength(
+        scene.friction * end.pressure[-1], end.slip_rate[-1], marched.final_path
+    )
+    return max(float((shear - strength).max()) / (float(shear.max()) or 1.0), 0.0)
+
+
+def _numbered(count: int, seed: int) -> Callable[[bool], list[Point]]:
+    return lambda quick: [(seed, index) for index in range(4 if quick else count)]
+
+
+STUDIES = [
+    Study("campaign-answers", _numbered(SCENES, SEED), answer_row, summary),
+    Study("campaign-histories", _numbered(HISTORIES, HISTORY_SEED), marched_row),
+]
+
+if __name__ == "__main__":
+    raise SystemExit(main("docs.studies.trials.campaign", STUDIES))

@@ -1,0 +1,202 @@
+"""The result of a fit: values of parameters, their uncertainty, and their probability."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.inversion.gauges import Gauge
+from semianalytic.inversion.samples import Samples
+from semianalytic.inversion.trials import Trials
+from semianalytic.inversion.unknowns import Setup
+from semianalytic.results.notebook import html_table
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.solution import Solution
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The parameters that fit gauge records best, with their uncertainty.
+
+    Attributes
+    ----------
+    parameters : tuple of str
+        Names of the parameters.
+    values : (p,) array
+        Estimates, in the units of the scene.
+    covariance : (p, p) array
+        Covariance of the estimates; infinite for parameters that the data do not constrain.
+    interval : (p, 2) array
+        Lower and upper end of each value: there chi2, with the other values fitted anew, is one
+        above its least.  If chi2 is a parabola, this is one standard error to either side; an end
+        is infinite where the data set none.
+    chi2 : float
+        Sum of squares of the misfits over the noise, and over the widths of priors.
+    freedom : int
+        Number of samples and priors less that of parameters; chi2 is about as large if the noise is
+        right.
+    unconstrained : tuple of str
+        Parameters that the data do not constrain, alone or together.
+    status : str
+        "converged", or a sentence saying what to distrust.  It also says so if the misfits, or the
+        distances of estimates from their priors, would occur in only one fit in a million.
+    solution : Solution
+        Solution of the scene with these parameters; of an interface its `run`, as `solution.run`.
+    setup : Setup
+        Set-up of the gauges with these parameters.
+    gauges : tuple of Gauge
+        The records.
+    minima : (m, p) array
+        Values at all minima that the search found, the lowest first.
+    chi2_of_minima : (m,) array
+        chi2 at these minima.
+    derivative_error : float
+        Relative error of the derivatives by differences that gauges in the bodies need; 0 without
+        any.
+    solutions : int
+        Number of solutions that were computed one by one, without those of sweeps.
+    trials : Trials
+        Misfits of any values.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from semianalytic import Gauge, Normal, find_scene, fit, solve
+    >>> scene, t = find_scene("antiplane"), np.linspace(0.3, 1.5, 5)
+    >>> record = Gauge(x=0.2, t=t, values=solve(scene).slip(0.2, t), noise=1e-3, quantity="slip")
+    >>> found = fit([record], scene, "friction", priors={"friction": Normal(0.5, 0.1)})
+    >>> found.status, found.freedom, bool(found.standard_errors[0] < 0.002)
+    ('converged', 5, True)
+    """
+
+    parameters: tuple[str, ...]
+    values: Array
+    covariance: Array
+    interval: Array
+    chi2: float
+    freedom: int
+    unconstrained: tuple[str, ...]
+    status: str
+    solution: Solution
+    setup: Setup
+    gauges: tuple[Gauge, ...]
+    minima: Array
+    chi2_of_minima: Array
+    derivative_error: float
+    solutions: int
+    trials: Trials = field(repr=False)
+
+    def __repr__(self) -> str:
+        values = ", ".join(
+            f"{name} {self.values[number]:.5g} {self.error_in_words(number)}"
+            for number, name in enumerate(self.parameters)
+        )
+        return f"<Fit: {values}; chi2 {self.chi2:.4g} of {self.freedom}; {self.status}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, f"{self.values[number]:.6g}", self.error_in_words(number))
+            for number, name in enumerate(self.parameters)
+        ]
+        caption = f"Fit: chi2 {self.chi2:.4g} of {self.freedom}; {self.status}"
+        return html_table(caption, ("parameter", "value", "error"), rows)
+
+    def error_in_words(self, number: int) -> str:
+        """Return the error of a value as text, with two sides where they differ.
+
+        Parameters
+        ----------
+        number : int
+            Place of the parameter.
+
+        Returns
+        -------
+        str
+            Such as "± 0.0031", "+0.06 -0.16" or "not constrained".
+        """
+        error = float(self.standard_errors[number])
+        if not np.isfinite(error):
+            return "not constrained"
+        below, above = np.abs(self.interval[number] - self.values[number])
+        # Ends that were not sought apart are one standard error away, but for rounding.
+        if max(abs(above - error), abs(below - error)) < 1e-6 * error:
+            return f"± {error:.2g}"
+        return f"+{above:.2g} -{below:.2g}"
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with the fitted parameters."""
+        return self.solution.scene
+
+    @property
+    def standard_errors(self) -> Array:
+        """Standard deviations of the estimates, (p,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> Array:
+        """Correlations of the estimates, (p, p); nan where the data do not constrain them."""
+        errors = self.standard_errors
+        # Infinite over infinite: a parameter that the data do not constrain has no correlation.
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.covariance / np.outer(errors, errors))
+
+    @property
+    def next_minimum(self) -> float:
+        """Difference of chi2 between the next minimum and the lowest; infinite without one."""
+        above = self.chi2_of_minima[1:] - self.chi2_of_minima[0]
+        return float(above[0]) if above.size else np.inf
+
+    def log_density(self, values: ArrayLike) -> float:
+        """Return the logarithm of the posterior density of the parameters, up to a constant.
+
+        It is -chi2/2 of the records plus the logarithms of the densities of the priors; without a
+        prior the density of a parameter is flat.  A sampler such as emcee takes it as it is
+        (docs/inversion.md).
+
+        Parameters
+        ----------
+        values : (p,) array
+            In the order of `parameters`, in the units of the scene.
+
+        Returns
+        -------
+        float
+            -inf outside the bounds of a parameter, and where the values make no scene.
+
+        Raises
+        ------
+        SceneError
+            If there is not one value for each parameter.
+        """
+        trials, given = self.trials, np.asarray(values, dtype=float)
+        if given.shape != self.values.shape:
+            raise SceneError(
+                f"log_density: give one value for each of {', '.join(self.parameters)}, got an "
+                f"array of shape {given.shape}."
+            )
+        scaled, (low, high) = given / trials.sizes, trials.bounds
+        if not np.all((scaled > low) & (scaled < high)):
+            return -np.inf
+        result = -float(np.sum(trials.misfit(scaled)[: len(trials.samples.t)] ** 2)) / 2
+        for name, value in zip(self.parameters, given.tolist(), strict=True):
+            if name in trials.priors:
+                result += trials.priors[name].log_density(value)
+        return result
+
+    @property
+    def residuals(self) -> tuple[Array, ...]:
+        """Record less fit for each gauge, in the units of its quantity."""
+        return tuple(one.values - self.seen(one, one.t) for one in self.gauges)
+
+    def seen(self, gauge: Gauge, t: Array) -> Array:
+        """Return what a gauge would have recorded without noise at times (n,) of the records."""
+        t = np.asarray(t, dtype=float)
+        # The same code as in the fit, so that residuals are what was minimised; values and noise do
+        # not enter what a gauge sees.
+        like = Samples((replace(gauge, t=t, values=np.zeros_like(t), noise=1.0),))
+        return np.asarray(like.gain(self.setup) * like.of(self.solution, self.setup))

@@ -1,0 +1,10 @@
+# The public names of slipfront and where they are defined; `semianalytic.names` reads this list.
+
+from compare.interfaces import *
+from compare.validation import *
+from fem import *
+from semianalytic import *
+from slipfront.fits import *
+from slipfront.surveys import *
+
+__version__: str

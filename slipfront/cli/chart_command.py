@@ -1,0 +1,69 @@
+"""``slipfront chart``: error against computing time of every method that answers a scene."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from compare.output.places import working_folder
+from compare.output.progress import progress_bar
+from semianalytic.scene.checks import checked_size
+from semianalytic.scene.extras import FEM, PLOT, require
+from semianalytic.scene.given.named import DEFAULT_SCENE
+from slipfront.cli.options import AsJson, FiguresForm, Quiet, asked, measured_option
+from slipfront.cli.scenes.completion import scene_names
+from slipfront.cli.terminal import print_json
+
+
+def chart(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[SCENE...]",
+            help=f"Names of scenes, or TOML files; {DEFAULT_SCENE} unless given.",
+            autocompletion=scene_names,
+        ),
+    ] = None,
+    end_time: Annotated[
+        float | None,
+        measured_option("time", "Time of the comparison [time]; 1 / c_t by default."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder to write to, results/chart if not given."),
+    ] = None,
+    figures: FiguresForm = "png",
+    fresh: Annotated[bool, typer.Option("--fresh", help="Repeat finished measurements.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Chart the error of each method that answers a scene against its computing time.
+
+    The reference is the exact answer of a self-similar scene, otherwise a fine march.  A scene
+    takes about a minute; an interrupted chart goes on where it ended.
+    """
+    require("slipfront chart", *FEM, *PLOT)
+    from compare.chart.figure import chart_document, described, write_chart
+    from compare.chart.methods import find_problem
+    from compare.chart.points import measure_all
+
+    problems = [find_problem(source) for source in scenes or [DEFAULT_SCENE]]
+    if end_time is not None:
+        checked_size("--end-time", end_time)
+        ends = [asked(one.scene, "end_time", end_time, "time") for one in problems]
+        problems = [find_problem(one.source, at) for one, at in zip(problems, ends, strict=True)]
+    directory, notes = output or Path("results", "chart"), Console(stderr=True)
+    with working_folder(directory) as files:
+        with progress_bar(notes, quiet, "measuring") as progress:
+            tell = None if quiet else partial(notes.print, highlight=False)
+            points = measure_all(directory, problems, end_time, fresh, progress, tell)
+        write_chart(directory, points, [problem.label for problem in problems], figures)
+    if as_json:
+        print_json("chart", chart_document(points), files=files)
+        return
+    for part in (*described(points), f"Written to {directory}/"):
+        Console().print(part, highlight=False, markup=False)
