@@ -174,7 +174,8 @@ def test_contacts_that_stick_are_decided_by_their_tractions(contact):
     assert judged.run.status == "done"
     assert judged.verdict == "agrees"
     assert {row.kind for row in judged.rows} == {"shear traction", "local", "law"}
-    wrong = sf.solve(replace(face, shear=0.06), 1.0, judged.run.nodes, times=list(judged.run.t))
+    given = {"end_time": 1.0, "nodes": judged.run.nodes, "times": list(judged.run.t)}
+    wrong = sf.solve(replace(face, shear=0.06), **given)
     shown = judge_interface(
         replace(judged.run, shear_traction=wrong.shear_traction), list(judged.simulations)
     )
