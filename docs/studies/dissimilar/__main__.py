@@ -13,14 +13,11 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from compare.figures.style import BLACK, SMALL, STICK_SHADE, outline
-from docs.studies.dissimilar.judged import (
+from docs.studies.dissimilar.errors import (
     FIELDS_RESOLUTION,
     STATED,
-    drawn_points,
     fields_rows,
     honesty,
-    judged_points,
-    judged_row,
     stated_rows,
 )
 from docs.studies.dissimilar.pairs import NAMED, SCENES, of_contrast
@@ -204,8 +201,6 @@ STUDIES = [
         lambda quick: [(name, 24 if quick else FIELDS_RESOLUTION) for name in FIELDS],
         fields_rows,
     ),
-    Study("dissimilar-judged", judged_points, judged_row),
-    Study("dissimilar-drawn", drawn_points, judged_row),
 ]
 
 if __name__ == "__main__":
