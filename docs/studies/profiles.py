@@ -107,22 +107,6 @@ def _exact(scene: Scene) -> Solution:
     return solve(scene, rtol=1e-9)
 
 
-def last_march(
-    scene: Scene,
-    nodes: int,
-    *,
-    step_ratio: float = 0.5,
-    damping: float = 0.7,
-    tolerance: float = 1e-6,
-) -> Marched:
+def last_march(scene: Scene, nodes: int, **options: float) -> Marched:
     """March a scene and keep only the last level; like all marches here, it has no companion."""
-    return march(
-        scene,
-        nodes=nodes,
-        length=LENGTH,
-        step_ratio=step_ratio,
-        damping=damping,
-        tolerance=tolerance,
-        every=10**9,
-        companion=False,
-    )
+    return march(scene, None, nodes, length=LENGTH, every=10**9, companion=False, **options)  # type: ignore[arg-type]
