@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import in_profile, norm, relative_error
+from fem import Simulation
 from semianalytic import Marched, Scene, Solution, march, solve
-
-if TYPE_CHECKING:
-    from fem import Simulation
 
 Array = NDArray[np.float64]
 
@@ -81,11 +78,6 @@ def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
         second_peak=relative[1] if len(peaks) > 1 else math.nan,
         second_over_largest=at_peak[1] / np.abs(exact).max() if len(peaks) > 1 else math.nan,
     )
-
-
-def errors_of(simulation: Simulation, solution: Solution) -> Errors:
-    """Return the errors of the profiles of a simulation."""
-    return profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
 
 
 def _sampled(simulation: Simulation, row: int) -> Array:

@@ -25,7 +25,6 @@ from docs.studies.article.cases import (
 )
 from docs.studies.article.claims import CLAIMS, METHODS
 from docs.studies.pages import read_data
-from semianalytic.scene.errors import SceneError
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "article.md"
 
@@ -83,15 +82,6 @@ def test_figures(cases):
         assert all(axes.lines for axes in figure.axes)
     errors = {row["mode"]: row for row in slot_errors(rows)}
     assert all(errors[mode]["free"] < 0.1 < errors[mode]["held"] for mode in ("I", "II"))
-
-
-@pytest.mark.parametrize(
-    ("chi", "loading", "words"),
-    [(0.5, "article", "bound is negative"), (-1.0, "remote", "chi must be positive")],
-)
-def test_scene_errors(chi, loading, words):
-    with pytest.raises(SceneError, match=words):
-        article_scene(loading, chi)
 
 
 def test_equation_register_is_complete():

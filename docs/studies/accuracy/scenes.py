@@ -123,15 +123,11 @@ def quantities(scene: str, resolution: int) -> list[Row]:
 
 def unresolved(scene: str, resolution: int) -> list[Row]:
     """Return the rows that the mesh does not resolve, why, and the resolution that would."""
-    return [
-        {
-            "scene": scene,
-            "quantity": row.name,
-            "obstacle": row.obstacle,
-            "resolution": _number(row.resolution),
-        }
-        for row in _judgement(scene, resolution).having(UNRESOLVED)
-    ]
+    found: list[Row] = []
+    for row in _judgement(scene, resolution).having(UNRESOLVED):
+        needed = {"obstacle": row.obstacle, "resolution": _number(row.resolution)}
+        found.append({"scene": scene, "quantity": row.name, **needed})
+    return found
 
 
 def _number(value: float | None) -> float:

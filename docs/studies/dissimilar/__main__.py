@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -152,12 +153,10 @@ def half_line_row(contrast: float, friction: float, chi: float) -> Row:
     exponents: Row = {}
     for name, sense in (("with", 1), ("against", -1)):
         row[f"speed_{name}"] = exponents[f"exponent_{name}"] = np.nan
-        try:
+        with suppress(SceneError):
             speed = half_line_speed(compliance, sense * friction, chi)
             exponents[f"exponent_{name}"] = half_line_exponent(compliance, sense * friction, speed)
             row[f"speed_{name}"] = speed
-        except SceneError:
-            continue
     return row | exponents
 
 

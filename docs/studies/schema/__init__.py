@@ -1,15 +1,13 @@
 """Write the JSON Schema of the output of every command with ``--json``, and the table of keys.
 
-``python -m docs.studies.schema --write`` writes docs/schema.json and docs/data/json-keys.csv, which
-docs/json.md shows, from `documents` and the fields of the rows.  ``--check`` tests whether they are
-up to date.
+``python -m docs.studies.schema`` writes docs/schema.json and docs/data/json-keys.csv, which
+docs/json.md shows, from `DOCUMENTS` and the fields of the rows.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,7 +26,7 @@ from docs.studies.schema.vocabulary import (
 )
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
-COMMAND = "python -m docs.studies.schema --write"
+COMMAND = "python -m docs.studies.schema"
 ENVELOPE: Mapping[str, Key] = {
     "command": Key("the command, as typed after slipfront", TEXT),
     "version": Key("version of slipfront", TEXT),
@@ -73,26 +71,8 @@ def key_rows() -> list[KeyRow]:
     return rows
 
 
-def schema_text() -> str:
-    """Return the text of docs/schema.json."""
-    return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"
-
-
 def write(docs: Path = DOCS) -> None:
     """Write schema and table; raise DataFileError if that fails."""
-    write_text(docs / "schema.json", schema_text())
+    text = json.dumps(schema(), indent=1, ensure_ascii=False)
+    write_text(docs / "schema.json", text + "\n")
     write_rows(docs / "data" / "json-keys.csv", key_rows(), command=COMMAND)
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the schema, or check whether it is up to date; return 1 if it is not."""
-    parser = argparse.ArgumentParser(prog="python -m docs.studies.schema", description=__doc__)
-    what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("--check", action="store_true", help="say whether the files are up to date")
-    what.add_argument("--write", action="store_true", help="write them")
-    if parser.parse_args(arguments).write:
-        write()
-        return 0
-    stale = (DOCS / "schema.json").read_text(encoding="utf-8") != schema_text()
-    print("docs/schema.json: " + ("not up to date" if stale else "up to date"))
-    return int(stale)

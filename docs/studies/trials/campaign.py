@@ -101,8 +101,7 @@ def errors(
     """Errors over estimates by quantity; fields in the bodies of one scene in three, derivatives of
     another."""
     found = {"edges": error_between(rough, fine) / _bound(rough, fine)}
-    found |= _on_the_interface(rough, fine, random)
-    found |= _totals(rough, fine)
+    found |= _on_the_interface(rough, fine, random) | _totals(rough, fine)
     if isinstance(rough.scene.friction_law, CoulombFriction):
         found["coulomb"] = broken_law(rough, random) / _bound(rough, fine)
     if index % 3 == 0:
@@ -182,8 +181,8 @@ def _on_the_interface(
 
 def _totals(rough: Solution, fine: Solution) -> dict[str, float]:
     bound = _bound(rough, fine)
-    powers = [float(one.frictional_power(1.0)) for one in (rough, fine)]
-    found = {"power": _over(np.array(powers[0] - powers[1]), abs(powers[1]), bound)}
+    power, better = (float(one.frictional_power(1.0)) for one in (rough, fine))
+    found = {"power": _over(np.array(power - better), abs(better), bound)}
     pairs = zip(rough.stress_intensity(1.0), fine.stress_intensity(1.0), strict=True)
     found["intensity"] = max(_over(np.asarray(a - b), np.abs(b), bound) for a, b in pairs)
     return found
@@ -334,14 +333,12 @@ def _count(rows: list[Row], name: str, *beginnings: str) -> int:
     return sum(row[name].startswith(beginnings) for row in rows)
 
 
-STUDIES = [
-    Study(
-        "campaign-answers",
-        lambda quick: [(SEED, index) for index in range(4 if quick else SCENES)],
-        answer_row,
-        summary,
-    )
-]
+def points(quick: bool) -> list[tuple[int, int]]:
+    """Return seed and number of each scene."""
+    return [(SEED, index) for index in range(4 if quick else SCENES)]
+
+
+STUDIES = [Study("campaign-answers", points, answer_row, summary)]
 
 if __name__ == "__main__":
     raise SystemExit(main("docs.studies.trials.campaign", STUDIES))
