@@ -22,7 +22,7 @@ from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from meshes import Blocks, cached_mesh
 from meshes.cache import cache_path
-from semianalytic import InterfaceHistory, Marched, march
+from semianalytic import InterfaceHistory, Marched, solve
 from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -92,7 +92,7 @@ def save_history(folder):
 
 def all_kinds():
     """Every kind of file that is read back, by name; computes a small march and simulation."""
-    marched = march(NAMED_SCENES["ramp"].scene, end_time=0.3, nodes=40)
+    marched = solve(NAMED_SCENES["ramp"].scene, method="space-time", end_time=0.3, nodes=40)
     simulation = simulate(NAMED_SCENES["preloaded"].scene, resolution=16)
     points = read_points(ROOT / "docs" / "data" / "chart.csv")
     arrays = {"body 0/displacement": np.random.default_rng(3).normal(size=4000)}

@@ -46,7 +46,7 @@ from docs.studies.regimes.points import map_rows, trace
 from docs.studies.stability import __main__ as stability
 from docs.studies.supershear import rupture_figure
 from fem import simulate
-from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line, solve_pair
+from semianalytic import Gauge, find, fit, solve
 from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -65,7 +65,7 @@ def _case(name):
 
 @cache
 def _marched(name):
-    return march(find_scene(name), nodes=60)
+    return solve(find(name), method="space-time", nodes=60)
 
 
 def _of_case(name, scene):
@@ -78,7 +78,7 @@ def _of_run(draw, name):
 
 def _snapshots():
     with tempfile.TemporaryDirectory() as folder:
-        scene = find_scene("preloaded")
+        scene = find("preloaded")
         run = simulate(scene, resolution=8, snapshots=Path(folder), frames=1)
         return snapshot_figure(field_errors(solved("preloaded"), run, Path(folder)), run)
 
@@ -90,7 +90,7 @@ def _field(name, of):
 
 
 def _field_of_pair():
-    answer = solve_pair(PAIRS["slip and opening"])
+    answer = solve(PAIRS["slip and opening"])
     quantity = find_quantity("max-shear", answer.pair.alike)
     return FieldPicture(answer, quantity, reach(answer, 1.0), 40, 1.0).figure
 
@@ -254,7 +254,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     ),
     **{
         f"compare.figures.whole_line.line_figure/{name}": lambda name=name: line_figure(
-            solve_line(find_line(name))
+            solve(find(name))
         )
         for name in ("whole-line-patch", "point-load")
     },

@@ -155,7 +155,7 @@ def test_results_are_saved_with_h5py_only(tmp_path):
         "import slipfront as sf\n"
         "one = sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0)\n"
         "scene = sf.Scene(sf.Material(1.0, 1.0, 0.3), 0.3, *one, shear_history=sf.Ramp(0.5))\n"
-        "march = sf.march(scene, nodes=50)\n"
+        "march = sf.solve(scene, nodes=50)\n"
         "try:\n    march.save('a.h5')\nexcept sf.MissingLibraryError as error:\n    print(error)\n"
     )
     assert "needs h5py" in run_without(HDF5, code, tmp_path).stdout

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import in_profile, norm, relative_error
 from fem import Simulation
-from semianalytic import Marched, Scene, Solution, march, solve
+from semianalytic import Marched, Scene, Solution, solve
 
 Array = NDArray[np.float64]
 
@@ -101,4 +102,5 @@ def _exact(scene: Scene) -> Solution:
 
 def last_march(scene: Scene, nodes: int, **options: float) -> Marched:
     """March a scene and keep only the last level; like all marches here, it has no companion."""
-    return march(scene, None, nodes, length=LENGTH, every=10**9, companion=False, **options)  # type: ignore[arg-type]
+    given: dict[str, Any] = {"length": LENGTH, "every": 10**9, "companion": False, **options}
+    return solve(scene, method="space-time", nodes=nodes, **given)

@@ -26,7 +26,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRST = """from time import process_time as now; began = now()
-import slipfront as sf; sf.solve(sf.find_scene('preloaded')); print(now() - began)"""
+import slipfront as sf; sf.solve('preloaded'); print(now() - began)"""
 COMMAND = """import atexit, sys, time; atexit.register(lambda: print('', time.process_time()))
 from slipfront.cli.entry import main; sys.argv[1:] = ['solve', 'preloaded']; main()"""
 
@@ -65,7 +65,7 @@ def _rate_error(answer: Any) -> float:
 
 
 def _call(function: str, name: str, error: Callable[[Any], float], **options: Any) -> Found:
-    return timed(lambda sf: getattr(sf, function)(sf.find_scene(name), **options), error)
+    return timed(lambda sf: getattr(sf, function)(sf.find(name), **options), error)
 
 
 def fields(points: int) -> Found:
@@ -73,7 +73,7 @@ def fields(points: int) -> Found:
 
     import slipfront as sf
 
-    solution = sf.solve(sf.find_scene("preloaded"), rtol=1e-9)
+    solution = sf.solve(sf.find("preloaded"), rtol=1e-9)
     x, y = np.random.default_rng(1).uniform(-1, 1, (2, points))
     return timed(lambda _: solution.stress(x, y, 1.0), lambda _: solution.field_error)
 
@@ -82,7 +82,7 @@ def picture() -> Found:
     from slipfront.explore.jobs import Moment, solved_field
 
     def draw(sf: Any) -> Any:
-        return solved_field(sf.find_scene("preloaded"), 24, 1e-4, Moment(), lambda *_: None)
+        return solved_field(sf.find("preloaded"), 24, 1e-4, Moment(), lambda *_: None)
 
     return timed(draw)
 

@@ -9,8 +9,7 @@ import pytest
 from docs.studies.pages import read_data
 from docs.studies.trials import campaign
 from docs.studies.trials.draws import drawn, random_history_scene, random_wide_scene
-from semianalytic import SlipfrontError, march, solve
-from semianalytic.scene.given.finding import find_scene
+from semianalytic import SlipfrontError, find, solve
 
 
 def ratios_of(row):
@@ -39,7 +38,9 @@ def test_marches_of_random_histories_keep_the_law(seed):
     for index in range(5):
         scene, _ = drawn(seed, index, random_history_scene)
         with suppress(SlipfrontError):
-            marched.append(march(scene, 1.0, 200, companion=False))
+            marched.append(
+                solve(scene, end_time=1.0, nodes=200, method="space-time", companion=False)
+            )
     assert len(marched) > 2
     for run in marched:
         end, work = run.interface, run.final_work_density
@@ -53,7 +54,7 @@ def test_marches_of_random_histories_keep_the_law(seed):
 
 def test_it_sees_what_is_wrong():
     """Friction 3 % off, and a zone left out."""
-    scene = find_scene("preloaded")
+    scene = find("preloaded")
     exact, other = solve(scene, rtol=1e-11), solve(replace(scene, friction=0.309), rtol=1e-8)
     assert campaign.error_between(solve(scene), exact) < 1e-8
     assert campaign.error_between(other, exact) > 1e-3
@@ -69,7 +70,7 @@ def test_it_sees_what_is_wrong():
 def test_answers_are_held_against_better_ones(monkeypatch):
     """What is spoilt is seen, and what is raised is told."""
 
-    def spoilt(scene, rtol):
+    def spoilt(scene, rtol, **_):
         friction = scene.friction * (1 + 1e-3 * (rtol > 1e-7))
         return replace(solve(replace(scene, friction=friction), rtol=rtol), scene=scene)
 

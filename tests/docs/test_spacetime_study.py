@@ -8,7 +8,7 @@ from catalogue import unit_scene
 
 from compare.comparison.measures import relative_error
 from docs.studies.accuracy.march import accuracy, field_errors
-from semianalytic import Ramp, march
+from semianalytic import Ramp, solve
 from semianalytic.reference import StaticZone, static_zone
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -29,7 +29,15 @@ def slip_of_a_ramp(rise_time, nodes=400):
     scene = replace(NAMED_SCENES["ramp"].scene, shear_history=Ramp(rise_time))
     static = static_zone(scene, 1.0)
     length = float(np.clip(4 * static.length, 0.4, 2.0))
-    marched = march(scene, 1.0, nodes, length=length, every=10**9, companion=False)
+    marched = solve(
+        scene,
+        method="space-time",
+        end_time=1.0,
+        nodes=nodes,
+        length=length,
+        every=10**9,
+        companion=False,
+    )
     x = marched.grid.x
     return relative_error(marched.interface.slip[-1], static.slip(x), x, 1)
 
@@ -63,7 +71,15 @@ def test_friction_work_peaks_at_intermediate_friction():
     slips, works = [], []
     for chi in (0.0, 0.2, 0.6, 2.0):
         scene = unit_scene(chi)
-        marched = march(scene, 1.0, 150, length=2.0, every=10**9, companion=False)
+        marched = solve(
+            scene,
+            method="space-time",
+            end_time=1.0,
+            nodes=150,
+            length=2.0,
+            every=10**9,
+            companion=False,
+        )
         slips.append(marched.final_path.sum() * marched.grid.spacing)
         works.append(marched.final_work_density.sum() * marched.grid.spacing)
     assert works[0] == 0

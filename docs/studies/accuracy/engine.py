@@ -61,7 +61,7 @@ def profiles(
 
 def ended(fault: sf.Interface, nodes: int, end: float = 1.0) -> sf.Run:
     """Run an interface and keep its end alone."""
-    return sf.run(fault, end, nodes, times=[end], estimate=False)
+    return sf.solve(fault, end_time=end, nodes=nodes, times=[end], estimate=False)
 
 
 def exact() -> Iterator[Row]:
@@ -271,12 +271,11 @@ def cracks() -> Iterator[Row]:
 
 def statics() -> Iterator[Row]:
     """Yield partial slip of a contact under uniform pressure, in the slow limit."""
-    named = sf.find_interface("cattaneo")
+    named = sf.find("cattaneo")
     edge = 8 / math.pi * math.acos(math.cos(math.pi / 8) / math.cos(math.pi * 0.15 / 2))
     for nodes in (256, 512, 1024):
-        done = sf.run(
-            named.interface, named.end_time, nodes, step_ratio=0.5, times=[62.0], estimate=False
-        )
+        options: Row = {"step_ratio": 0.5, "times": [62.0], "estimate": False}
+        done = sf.solve(named.interface, end_time=named.end_time, nodes=nodes, **options)
         x = done.x[done.x < edge]
         square = np.tan(math.pi * edge / 8) ** 2 - np.tan(math.pi * x / 8) ** 2
         top = math.tan(math.pi / 8) ** 2 - math.tan(math.pi * edge / 8) ** 2
@@ -287,7 +286,7 @@ def statics() -> Iterator[Row]:
 
 def edges() -> Iterator[Row]:
     """Yield the slip rate beside two edges until the wave of the other one arrives."""
-    scene = sf.find_scene("preloaded")
+    scene = sf.find("preloaded")
     answer = sf.solve(scene)
     fault = sf.Interface(
         scene.material,
@@ -303,7 +302,7 @@ def edges() -> Iterator[Row]:
 
 def beside_slot(name: str) -> tuple[sf.Scene, sf.Interface]:
     """Return a named scene, and the same on a periodic line: a gap of c_l T on either side."""
-    scene = sf.find_scene(name)
+    scene = sf.find(name)
     put = scene.superposition.taken_off
     face = sf.Interface(
         scene.material,

@@ -42,7 +42,7 @@ JUDGED = (
 
 def named(name: str) -> list[Line]:
     """Return the judged quantities of a named interface, or that it is refused."""
-    found = sf.find_interface(name)
+    found = sf.find(name)
     none = dict.fromkeys(("difference", "bar", "order"))
     try:
         judged = compare_interface(found.interface, found.end_time, **found.options)
@@ -128,7 +128,7 @@ def answers(label: str, number: int) -> list[Line]:
     rows = [judged_row(label, number, "right", judged)]
     for name, spoil in SPOILS.items():
         try:
-            other = sf.run(spoil(interface), END, NODES, times=list(judged.run.t))
+            other = sf.solve(spoil(interface), end_time=END, nodes=NODES, times=list(judged.run.t))
         except SceneError:  # the other interface may be ill-posed
             continue
         found = judge_interface(other, list(judged.simulations))

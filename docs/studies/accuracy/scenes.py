@@ -21,7 +21,7 @@ from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.figures.histories import comparison_figures
 from compare.figures.style import look
 from docs.studies.runner import Point, Row, Study, main
-from semianalytic import find_scene
+from semianalytic import find
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -71,7 +71,7 @@ FIGURES = {
 def _judgement(scene: str, resolution: int) -> Judgement:
     from fem import simulate
 
-    simulation = simulate(find_scene(scene), resolution=resolution)
+    simulation = simulate(find(scene), resolution=resolution)
     return judge(predict_like(simulation), simulation)
 
 

@@ -23,7 +23,7 @@ from docs.studies.dissimilar.errors import (
 )
 from docs.studies.dissimilar.pairs import NAMED, SCENES, of_contrast
 from docs.studies.runner import Point, Row, Study, drawn, main
-from semianalytic import PairSolution, SceneError, sliding_stability, solve_pair
+from semianalytic import PairSolution, SceneError, sliding_stability, solve
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.growth import growing_waves
 from semianalytic.dissimilar.thresholds import generalised_rayleigh_speed, growth_threshold
@@ -162,7 +162,7 @@ def half_line_row(contrast: float, friction: float, chi: float) -> Row:
 
 def slot_row(scene: str) -> Row:
     """Return the zones of a scene, in x/t over c_t of the upper body, and how sure they are."""
-    answer = solve_pair(SCENES[scene], rtol=1e-9)
+    answer = solve(SCENES[scene], rtol=1e-9)
     return {"scene": scene, "zones": zones_text(answer), "error_estimate": answer.error_estimate}
 
 

@@ -14,7 +14,7 @@ from compare.comparison.fields.errors import FieldErrors, field_errors
 from docs.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.runner import Row
 from fem import Simulation, simulate, with_companions
-from semianalytic import Pair, PairSolution, SceneError, solve_pair
+from semianalytic import Pair, PairSolution, SceneError, solve
 from semianalytic.halfplane.rayleigh import Array
 
 FIELDS_RESOLUTION = 64
@@ -59,7 +59,7 @@ def fields_rows(name: str, resolution: int) -> list[Row]:
 
 
 def _field_errors(pair: Pair, run: Simulation, folder: Path) -> FieldErrors:
-    errors = field_errors(solve_pair(pair), run, folder)
+    errors = field_errors(solve(pair), run, folder)
     assert errors is not None  # a solved pair has fields in its bodies
     return errors
 
@@ -100,11 +100,11 @@ def stated_rows(number: int) -> list[Row]:
     pair = random_pair(np.random.default_rng([STATED_SEED, number]))
     rows: list[Row] = []
     try:
-        exact = solve_pair(pair, rtol=EXACT)
+        exact = solve(pair, rtol=EXACT)
     except SceneError:
         return [{"rtol": rtol, "status": ""} for rtol in TOLERANCES]
     for rtol in TOLERANCES:
-        answer = solve_pair(pair, rtol=rtol)
+        answer = solve(pair, rtol=rtol)
         error, stated = error_of(answer, exact), float(answer.error_estimate)
         known = error is not None and np.isfinite(stated)
         rows.append({"rtol": rtol, "status": answer.status, "error": error if known else np.nan})

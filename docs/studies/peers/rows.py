@@ -148,7 +148,7 @@ def timed_run(
 ) -> tuple[sf.Run, float]:
     """Run an interface; return it, and the seconds of the processor it took."""
     began = time.process_time()
-    done = sf.run(fault, end, nodes, times=list(times), estimate=False, **options)
+    done = sf.solve(fault, end_time=end, nodes=nodes, times=list(times), estimate=False, **options)
     return done, time.process_time() - began
 
 

@@ -122,7 +122,7 @@ def read_fault(header: Path, depth: bool) -> Fields:
 
 def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     """Run the same problem; return its fields and the seconds of the processor."""
-    given = sf.find_interface("tpv205").interface
+    given = sf.find("tpv205").interface
     centre = 7.5e3 if problem.depth else 0.0
 
     def shear(x: Array) -> Array:

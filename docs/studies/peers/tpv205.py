@@ -37,7 +37,7 @@ def our_run(nodes: int, t: Array, x: Array) -> tuple[GridRun, Array]:
 
     Shear tractions are changes.
     """
-    found = sf.find_interface("tpv205")
+    found = sf.find("tpv205")
     done, seconds = timed_run(found.interface, float(t[-1]), nodes, t)
     where = np.abs(done.x[:, None] - x).argmin(axis=0)
     slip, rate, shear = (

@@ -42,7 +42,7 @@ def published(folder: Path, nodes: int) -> dict[str, Array]:
 
 def tpv101(fields: Path, build: Path) -> None:
     """Write the rows of TPV101, held against the limit of UGUCA's own two grids."""
-    found = sf.find_interface("tpv101")
+    found = sf.find("tpv101")
     every = 20 * 0.35 * 50 / found.interface.material.shear_speed
     times = [every * k for k in range(FRAMES)]
     pairs = []
@@ -83,7 +83,7 @@ def their_bimat(build: Path, nodes: int) -> GridRun:
 
 def our_bimat(nodes: int) -> GridRun:
     """Run `rock-on-gouge`; the same fields."""
-    found = sf.find_interface("rock-on-gouge")
+    found = sf.find("rock-on-gouge")
     assert found.end_time is not None
     times = [found.end_time * k / 20 for k in range(21)]
     done, seconds = timed_run(found.interface, found.end_time, nodes, times)

@@ -67,7 +67,7 @@ def _map_row(part: str, loading: Loading, nu: float, answer: Solution | float) -
     row: Row = {"part": part, "loading": loading, "poisson_ratio": nu}
     if not isinstance(answer, Solution):
         try:
-            answer = solve(scene_of(loading, nu, answer), rtol=RTOL)
+            found: Solution = solve(scene_of(loading, nu, answer), rtol=RTOL)
         except ComputationError:
             return row | {
                 "chi": answer,
@@ -75,12 +75,14 @@ def _map_row(part: str, loading: Loading, nu: float, answer: Solution | float) -
                 "zones": [],
                 "error_estimate": math.inf,
             }
-    speed = answer.scene.material.shear_speed
+    else:
+        found = answer
+    speed = found.scene.material.shear_speed
     return row | {
-        "chi": answer.scene.friction,
-        "regime": regime(answer) if answer.status == "converged" else "failed",
-        "zones": [[one.inner / speed, one.outer / speed, one.sense] for one in answer.zones],
-        "error_estimate": answer.error_estimate,
+        "chi": found.scene.friction,
+        "regime": regime(found) if found.status == "converged" else "failed",
+        "zones": [[one.inner / speed, one.outer / speed, one.sense] for one in found.zones],
+        "error_estimate": found.error_estimate,
     }
 
 

@@ -295,14 +295,14 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 ),
             ),
             "brought": Key(
-                "laws, histories and figures from other packages",
+                "laws, histories, figures and methods from other packages",
                 list_of(shape(texts="name what package problem")),
             ),
         },
     ),
     "init": (
         {
-            "scene": Key("the scene, as its TOML file has it", SCENES),
+            "scene": Key("the scene, as its TOML file has it", or_null(SCENES)),
             "text": Key("text of the TOML file", TEXT),
         },
     ),

@@ -14,7 +14,7 @@ from docs.studies.profiles import PROFILE, last_march, last_profile, step_error
 from docs.studies.runner import Point, Row
 from fem import Simulation, simulate
 from fem.plan import make_plan
-from semianalytic import Material, Scene, Tractions, march, solve
+from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -160,7 +160,7 @@ def march_row(
         scene = replace(scene, friction=value)
     try:
         if study == "end time":
-            run = march(scene, value, nodes, every=10**9)
+            run = solve(scene, method="space-time", end_time=value, nodes=nodes, every=10**9)
         else:
             run = last_march(scene, nodes, step_ratio=ratio, damping=damping)
         error, status = step_error(scene, run), RAN

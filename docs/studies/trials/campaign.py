@@ -82,10 +82,14 @@ def answer_row(seed: int, index: int) -> Row:
     row |= {"opens": False, "outcome": "refused", "seconds": 0.0}
     row |= dict.fromkeys(QUANTITIES, math.nan)
     try:
-        rough = solve(scene, rtol=rtol)
+        rough = solve(scene, method="self-similar", rtol=rtol)
         row |= {"opens": bool(rough.openings), "outcome": "unresolved"}
         # a better answer than one that has said that it is none takes minutes, in vain
-        fine = solve(scene, rtol=FINE[law]) if rough.status == "converged" else None
+        fine = (
+            solve(scene, method="self-similar", rtol=FINE[law])
+            if rough.status == "converged"
+            else None
+        )
         if fine is not None and fine.error_estimate <= rtol:
             row |= {"outcome": "converged", **errors(rough, fine, random, index)}
     except (SceneError, TensionError):

@@ -33,7 +33,7 @@ from semianalytic import (
     Scene,
     SceneError,
     Solution,
-    find_scene,
+    find,
 )
 
 COUNTS: Mapping[str, int] = {**dict.fromkeys(KINDS, 40), STEPS: 90}
@@ -127,7 +127,7 @@ def power_scene(name: str) -> Scene:
     """Return a scene whose answer is spoilt: a named one, or a drawn one."""
     if name.startswith("drawn "):
         return judged_scene(STEPS, np.random.default_rng([POWER_SEED, int(name[6:])]))
-    return find_scene(name)
+    return find(name)
 
 
 def wrong_rows(name: str, resolution: int | None) -> list[Row]:

@@ -30,7 +30,6 @@ from semianalytic import (
     Scene,
     SceneError,
     Solution,
-    march,
     solve,
 )
 
@@ -59,7 +58,13 @@ def _simulated(scene: Scene, cells: int) -> Arrays:
 
 
 def _marched(scene: Scene, cells: int) -> Arrays:
-    marched = march(scene, 1.0, math.ceil(cells * scene.fastest_speed), companion=False)
+    marched = solve(
+        scene,
+        method="space-time",
+        end_time=1.0,
+        nodes=math.ceil(cells * scene.fastest_speed),
+        companion=False,
+    )
     t, x = marched.interface.t, np.array(PLACES)
     values = {name: getattr(marched, name)(x, t[:, None]) for name in QUANTITIES}
     return {"t": t, "x": x, **values}

@@ -22,7 +22,6 @@ from semianalytic import (
     SlipZone,
     Solution,
     Tractions,
-    march,
     solve,
 )
 from semianalytic.scene.given.overriding import override_scene
@@ -48,7 +47,7 @@ class Profiled(SelfSimilarAnswer):
     """
 
     scene: Scene
-    velocity: Array
+    velocities: Array
     rate: Array
     shear: Array
     normal: Array
@@ -93,21 +92,21 @@ class Profiled(SelfSimilarAnswer):
     def _at(self, values: Array, at_rest: float, x: ArrayLike, t: ArrayLike) -> Array:
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t) - self.lag)
         velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
-        return np.where(t < 0, at_rest, np.interp(velocity, self.velocity, values))
+        return np.where(t < 0, at_rest, np.interp(velocity, self.velocities, values))
 
     @cached_property
     def _slip_over_time(self) -> Array:
         """Slip / t, (n,): the mean of the slip rate over slownesses up to t/x."""
-        slowness = 1 / self.velocity
+        slowness = 1 / self.velocities
         steps = -np.diff(slowness) * (self.rate[:-1] + self.rate[1:]) / 2
         past = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
-        return self.velocity * (past + self.rate[-1] * slowness[-1])
+        return self.velocities * (past + self.rate[-1] * slowness[-1])
 
     def _growing(self, values: Array, t: ArrayLike) -> Array:
         """Integral over all positions and times up to t; inf where it slips ahead of all waves."""
         over_time = math.inf
         if not values[-1]:
-            over_time = np.trapezoid(values, self.velocity) + values[0] * self.velocity[0]
+            over_time = np.trapezoid(values, self.velocities) + values[0] * self.velocities[0]
         time = self._since(t)
         return np.multiply(over_time / 2, time**2, out=np.zeros(time.shape), where=time > 0)
 
@@ -148,7 +147,13 @@ def _of_another_scene(other: Scene, right: Answer) -> Answer | None:
     if not isinstance(right, Marched):
         return solve(other)
     nodes = right.grid.observed
-    return march(other, right.end_time, nodes, length=nodes * right.grid.spacing)
+    return solve(
+        other,
+        method="space-time",
+        end_time=right.end_time,
+        nodes=nodes,
+        length=nodes * right.grid.spacing,
+    )
 
 
 def _friction(size: float, share: float, scene: Scene) -> Scene:
@@ -169,7 +174,7 @@ def _second_zone_times(factor: float, right: Solution) -> Profiled | None:
     if len(right.zones) < 2:
         return None
     table, zone = profiled(right), right.zones[1]
-    inside = (table.velocity > zone.inner) & (table.velocity < zone.outer)
+    inside = (table.velocities > zone.inner) & (table.velocities < zone.outer)
     changed = (SlipZone(zone.inner, zone.outer, -zone.sense),) if factor else ()
     zones = [*(other for other in table.zones if other != zone), *changed]
     rate = np.where(inside, factor * table.rate, table.rate)
@@ -224,7 +229,7 @@ def _bent(right: Solution, place: float, moved: float, fixed: list[float]) -> Pr
     openings = tuple(
         OpenZone(*bent(np.array([part.inner, part.outer])).tolist()) for part in table.openings
     )
-    return replace(table, velocity=bent(table.velocity), zones=zones, openings=openings)
+    return replace(table, velocities=bent(table.velocities), zones=zones, openings=openings)
 
 
 Make = Callable[[float, float], Callable[[Solution], Answer | None]]
@@ -293,6 +298,7 @@ def _moves_more(factor: float, run: Simulation) -> Simulation | None:
     return replace(
         run,
         interface=replace(seen, slip=factor * seen.slip, slip_rate=factor * seen.slip_rate),
+        slip_after=factor * run.slip_after,
         final_path=factor * run.final_path,
         final_work_density=factor * run.final_work_density,
         companion=run.companion and _moves_more(factor, run.companion),

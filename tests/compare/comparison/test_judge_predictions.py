@@ -17,22 +17,10 @@ from compare.comparison.report import report_document
 from docs.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
-from semianalytic import (
-    Material,
-    Pair,
-    Scene,
-    SceneError,
-    SlipWeakening,
-    Tractions,
-    find_pair,
-    march,
-    solve,
-    solve_pair,
-)
-from semianalytic.scene.given.finding import find_scene
+from semianalytic import Material, Pair, Scene, SceneError, SlipWeakening, Tractions, find, solve
 from semianalytic.scene.given.overriding import override_scene
 
-PRELOADED = find_scene("preloaded")
+PRELOADED = find("preloaded")
 
 
 # --- what is wrong differs ------------------------------------------------------------------------
@@ -58,7 +46,7 @@ def test_friction_of_a_third_is_told_from_that_of_three_tenths():
     ],
 )
 def test_predictions_of_another_scene_differ(coarse, other, rows):
-    judgement = judge(solved(find_scene(other)), coarse)
+    judgement = judge(solved(find(other)), coarse)
     assert judgement.verdict == "differs"
     for row in rows:
         assert any(name.startswith(row) for name in differing(judgement)), row
@@ -105,7 +93,7 @@ def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, 
 
 
 def test_slip_where_none_is_predicted_differs():
-    stuck = solved(find_scene("stuck"))
+    stuck = solved(find("stuck"))
     run = sampled_run(stuck)
     meshes = [run, run.companion, run.companion.companion]
     coarser = None
@@ -119,7 +107,7 @@ def test_slip_where_none_is_predicted_differs():
 
 
 def test_a_stuck_interface_has_no_onset_and_no_zone():
-    stuck = solved(find_scene("stuck"))
+    stuck = solved(find("stuck"))
     rows = named(judge(stuck, sampled_run(stuck)))
     assert not [name for name in rows if name.startswith(("zone", "onset", "unpredicted"))]
     largest = rows["slip rate, largest"]
@@ -130,8 +118,8 @@ def test_a_stuck_interface_has_no_onset_and_no_zone():
 
 
 def test_a_march_of_another_load_differs():
-    run = simulated(find_scene("ramp"), 40)
-    other = predict_like(replace(run, scene=find_scene("unload")))
+    run = simulated(find("ramp"), 40)
+    other = predict_like(replace(run, scene=find("unload")))
     assert judge(other, run).verdict == "differs"
 
 
@@ -168,7 +156,10 @@ def test_what_a_march_misses_makes_its_rows_unresolved():
 def test_a_march_that_does_not_reach_as_far_is_refused(coarse):
     for end_time, length in ((0.5, 3.0), (1.0, 1.0)):
         with pytest.raises(SceneError, match="answer"):
-            judge(march(PRELOADED, end_time, 100, length=length), coarse)
+            judge(
+                solve(PRELOADED, method="space-time", end_time=end_time, nodes=100, length=length),
+                coarse,
+            )
 
 
 def test_two_materials_are_refused(solution):
@@ -208,13 +199,13 @@ def paired(name):
 @cache
 def answer_to(pair):
     """The answer, to far less than any bar; each is solved once for all tests."""
-    return solve_pair(pair, rtol=1e-5)
+    return solve(pair, rtol=1e-5)
 
 
 def pair_called(name):
     if name.startswith("random"):
         return random_pair(np.random.default_rng([31, int(name.split()[1])]))
-    return SCENES[name] if name in SCENES else find_pair(name)
+    return SCENES[name] if name in SCENES else find(name)
 
 
 @pytest.mark.thinned(3)
@@ -233,11 +224,11 @@ def test_the_right_answer_does_not_differ(name):
 
 
 def test_the_first_front_is_that_of_the_faster_body_and_the_report_has_both_bodies():
-    judgement = judge(answer_to(find_pair("pair-slip")), paired("pair-slip"))
+    judgement = judge(answer_to(find("pair-slip")), paired("pair-slip"))
     row = named(judgement)["lower P front, interface (shear traction)"]
     assert row.exact == pytest.approx(2.5)  # over c_t of the upper body, whose P wave has 1.73
     assert row.verdict == "agrees"
-    assert judgement.case.fastest_speed == find_pair("pair-slip").lower.longitudinal_speed
+    assert judgement.case.fastest_speed == find("pair-slip").lower.longitudinal_speed
     document = report_document(judgement, "pair-slip")
     assert document["parameters"]["lower_material"]["shear_modulus"] == 2.5
     assert document["method"] == "self-similar"
@@ -307,8 +298,8 @@ def test_bodies_on_which_errors_of_the_mesh_grow_are_unresolved_and_agree_with_m
 
 
 def test_answers_for_identical_bodies_are_refused():
-    with pytest.raises(SceneError, match="give the answer of solve_pair"):
-        judge(solve(find_pair("pair-slip").alike), paired("pair-slip"))
+    with pytest.raises(SceneError, match="give the answer to the Pair"):
+        judge(solve(find("pair-slip").alike), paired("pair-slip"))
 
 
 def test_the_mesh_follows_the_shear_waves_of_a_slower_lower_body():

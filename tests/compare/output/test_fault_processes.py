@@ -271,7 +271,7 @@ def no_computing(monkeypatch):
 
     for name in (
         "slipfront.cli.solve_command.solve",
-        "slipfront.cli.marching.march",
+        "slipfront.cli.marching.solve",
         "fem.simulate",
         "compare.chart.points.exact",
         "compare.chart.points.run_point",

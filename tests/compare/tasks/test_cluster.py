@@ -17,7 +17,7 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from slipfront.cli.commands import main
 from slipfront.surveys import survey
 
-SCENE = sf.find_scene("preloaded")
+SCENE = sf.find("preloaded")
 VALUES = {"friction": [0.1, 0.2, 0.3, 0.5, 0.7, 0.9], "poisson_ratio": [0.1, 0.2, 0.45]}
 
 

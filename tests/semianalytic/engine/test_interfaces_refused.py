@@ -108,7 +108,7 @@ def wave_beyond_a_critical_angle(history):
 )
 def test_bad_interfaces_are_refused(changes, said):
     with pytest.raises(sf.SceneError, match=said) as told:
-        sf.run(face(**changes), 0.5, 128)
+        sf.solve(face(**changes), end_time=0.5, nodes=128)
     assert "\n" not in str(told.value)
 
 
@@ -124,14 +124,23 @@ def test_bad_interfaces_are_refused(changes, said):
         (lambda: sf.InterfaceLoad(pressure=1.0, history=None), "`pressure` must be a function of"),
         (lambda: sf.InterfaceLoad(pressure="low"), "load: pressure must be a number"),
         (lambda: sf.ForcedFront(0.6, 0.2, arrival=1.0, fall=-1.0), "fall must be 0 or more"),
-        (lambda: sf.run(face(), -1.0), "end_time must be positive"),
+        (lambda: sf.solve(face(), end_time=-1.0), "end_time must be positive"),
         (
-            lambda: sf.run(face(), 0.1, 128, longest=0.001),
+            lambda: sf.solve(face(), end_time=0.1, nodes=128, longest=0.001),
             "`longest` must be 0.05 or more on this grid, got 0.001",
         ),
-        (lambda: sf.run(face(), 0.1, 128, longest=0.0), "longest must be positive"),
-        (lambda: sf.run(face(), 0.1, 128, sweeps=0), "sweeps must be a whole number of at least 1"),
-        (lambda: sf.run(face(), 0.1, 128, foo=1), "unknown argument foo; settings are sweeps"),
+        (
+            lambda: sf.solve(face(), end_time=0.1, nodes=128, longest=0.0),
+            "longest must be positive",
+        ),
+        (
+            lambda: sf.solve(face(), end_time=0.1, nodes=128, sweeps=0),
+            "sweeps must be a whole number of at least 1",
+        ),
+        (
+            lambda: sf.solve(face(), end_time=0.1, nodes=128, foo=1),
+            "foo is no setting of space-time for an Interface",
+        ),
         (
             lambda: line_of(face(loads=[PULL], adhesion=sf.Adhesion(1.0, 0.5)), 16),
             "finite elements have no adhesion",

@@ -132,9 +132,8 @@ def test_parts_of_a_scene_of_the_wrong_type_are_named(name, said):
 def test_counts_are_whole_numbers_of_bounded_size(value):
     given = value if value is not None else "None"  # no number of nodes is the default one
     for take in (
-        lambda: sf.march(PRELOADED, nodes=given),
-        lambda: sf.march(PRELOADED, every=value),
-        lambda: sf.predict(PRELOADED, nodes=given),
+        lambda: sf.solve(PRELOADED, method="space-time", nodes=given),
+        lambda: sf.solve(PRELOADED, method="space-time", every=value),
         lambda: Settings(resolution=value),
         lambda: Settings(frames=value),
     ):
@@ -143,11 +142,14 @@ def test_counts_are_whole_numbers_of_bounded_size(value):
 
 
 def test_options_of_a_march_are_numbers_of_any_type():
-    plain = sf.march(PRELOADED, 0.25, 32, damping=0.5, step_ratio=0.5)
-    other = sf.march(
+    plain = sf.solve(
+        PRELOADED, method="space-time", end_time=0.25, nodes=32, damping=0.5, step_ratio=0.5
+    )
+    other = sf.solve(
         PRELOADED,
-        np.float32(0.25),
-        np.int64(32),
+        method="space-time",
+        end_time=np.float32(0.25),
+        nodes=np.int64(32),
         damping=np.float32(0.5),
         step_ratio=Fraction(1, 2),
     )
@@ -155,14 +157,7 @@ def test_options_of_a_march_are_numbers_of_any_type():
     for name in ("end_time", "length", "latest", "damping", "step_ratio", "tolerance"):
         for value in ("1", True, 10**400, 1e300, float("nan")):
             with pytest.raises(sf.SceneError, match=f"march: {name} must"):
-                sf.march(PRELOADED, **{"nodes": 32, name: value})
-
-
-@pytest.mark.parametrize("method", ["auto", "space-time"])
-def test_options_of_a_prediction_are_checked_whatever_the_method(method):
-    for bad in ({"end_time": -1.0}, {"end_time": "1"}, {"length": 0.0}, {"nodes": 0}):
-        with pytest.raises(sf.SceneError, match="predict: "):
-            sf.predict(PRELOADED, method=method, **bad)
+                sf.solve(PRELOADED, method="space-time", **{"nodes": 32, name: value})
 
 
 def test_a_sweep_takes_numbers_only():
@@ -176,7 +171,7 @@ def test_a_sweep_takes_numbers_only():
 def test_results_can_be_compared_and_kept_in_sets():
     history = [sf.solve(PRELOADED).history([0.1, 0.2], [1.0]) for _ in range(2)]
     simulations = [fem.simulate(PRELOADED, resolution=8) for _ in range(2)]
-    marches = [sf.march(PRELOADED, nodes=16) for _ in range(2)]
+    marches = [sf.solve(PRELOADED, method="space-time", nodes=16) for _ in range(2)]
     solutions = [sf.solve(PRELOADED) for _ in range(2)]
     sweeps = [sf.sweep(PRELOADED, [0.3], rtol=1e-3) for _ in range(2)]
     for one, other in (history, simulations, marches, solutions, sweeps):
@@ -210,18 +205,17 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: slipfront.march(0.3), "march: scene must be a Scene, or the name or file of one"),
-        (lambda: slipfront.predict(None), "or the name or file of one, got None."),
+        (
+            lambda: slipfront.solve(0.3, method="space-time"),
+            "space-time is for a Scene or Interface, or the name or file of one, got 0.3",
+        ),
+        (lambda: slipfront.solve(None), "or the name or file of one, got None."),
         (lambda: slipfront.simulate("none.toml"), "Cannot read the scene file none.toml"),
         (lambda: slipfront.cost(3), "simulate: scene must be a Scene, or the name or file"),
         (lambda: slipfront.sweep("", [0.1]), "There is no scene called ''"),
         (lambda: slipfront.survey((), friction=[0.1]), "survey: scene must be a Scene"),
-        (lambda: slipfront.run("punch", 1.0), 'such as find_interface("punch").interface, got'),
-        (lambda: slipfront.solve_line("point-load"), "line must be a WholeLine, such as find_line"),
-        (lambda: slipfront.solve_growing(2), "slot must be a GrowingSlot, such as find_line"),
-        (lambda: slipfront.solve_pair(2), "solve_pair: pair must be a Pair of two"),
         (lambda: slipfront.validate({}, 1.0), "validate: scene must be a Scene"),
-        (lambda: slipfront.find_scene(3), "find_scene: give the name of a scene or the path"),
+        (lambda: slipfront.find(3), "find: give a name or the path of a TOML file, got 3."),
         (lambda: slipfront.fit([GAUGE], b"a", "friction"), "fit: scene must be a Scene"),
         (lambda: slipfront.fit(7, PRELOADED, "friction"), "fit: gauges must be a sequence"),
         (lambda: slipfront.fit([GAUGE], PRELOADED, "friction", priors=3), "fit: priors must be by"),

@@ -109,7 +109,7 @@ def test_documents_and_files_hold_the_load(name, tmp_path):
     for one in (scene, in_si_units(scene)):
         path = tmp_path / "scene.toml"
         path.write_text(scene_text(one), encoding="utf-8")
-        assert sf.find_scene(path) == one
+        assert sf.find(path) == one
     assert "kind" in tomllib.loads(scene_text(scene))["load"]
 
 
@@ -214,4 +214,4 @@ def test_files_name_what_is_wrong(tmp_path):
         assert before in text
         path.write_text(text.replace(before, after), encoding="utf-8")
         with pytest.raises(sf.SceneError, match=said):
-            sf.find_scene(path)
+            sf.find(path)

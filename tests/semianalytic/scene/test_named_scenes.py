@@ -43,17 +43,17 @@ def steel(tmp_path):
 
 
 def test_default_scene_is_constant_pressure_and_sudden_shear():
-    scene = sf.find_scene(DEFAULT_SCENE)
+    scene = sf.find(DEFAULT_SCENE)
     assert scene.friction * scene.base.pressure / scene.load.shear == pytest.approx(0.3)
     assert scene.material.poisson_ratio == pytest.approx(1 / 3)
     assert scene.load.pressure == scene.base.shear == 0
-    assert sf.find_scene("ramp").shear_history == sf.Ramp(0.5)
-    assert sf.find_scene("harmonic").shear_history == sf.Harmonic(3.0)
+    assert sf.find("ramp").shear_history == sf.Ramp(0.5)
+    assert sf.find("harmonic").shear_history == sf.Harmonic(3.0)
 
 
 @pytest.mark.parametrize(("name", "ratio"), [("remote-shock", 1.25), ("stuck", 2.0)])
 def test_remote_scenes_come_onto_nothing(name, ratio):
-    scene = sf.find_scene(name)
+    scene = sf.find(name)
     assert (scene.load_on, scene.base) == ("remote", sf.Tractions(0.0, 0.0))
     assert scene.friction * scene.load.pressure / scene.load.shear == ratio
 
@@ -70,13 +70,13 @@ def test_file_gives_the_scene_it_describes(steel):
         sf.Material(80e9, 7800, 0.29), 0.4, sf.Tractions(1e6, 0), sf.Tractions(0, 5e5)
     )
     assert read_scene(path) == expected
-    assert sf.find_scene(str(path)) == expected
+    assert sf.find(str(path)) == expected
     assert scene_label(str(path)) == "steel"
 
 
 def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
     plain = steel().rename(tmp_path / "steel")
-    assert sf.find_scene(str(plain)).friction == 0.4
+    assert sf.find(str(plain)).friction == 0.4
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_binary_and_missing_files_are_refused(tmp_path):
     with pytest.raises(sf.SceneError, match="not a valid TOML file"):
         read_scene(path)
     with pytest.raises(sf.SceneError, match="Cannot read the scene file"):
-        sf.find_scene(str(tmp_path / "absent.toml"))
+        sf.find(str(tmp_path / "absent.toml"))
 
 
 @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ def test_binary_and_missing_files_are_refused(tmp_path):
 )
 def test_unknown_names_are_answered_with_known_ones(name, hint):
     with pytest.raises(sf.SceneError, match=hint):
-        sf.find_scene(name)
+        sf.find(name)
 
 
 def test_every_parameter_can_be_overridden():
@@ -171,7 +171,7 @@ def test_every_parameter_can_be_overridden():
     expected = sf.Scene(
         sf.Material(2.0, 3.0, 0.1), 0.7, sf.Tractions(4.0, 0.5), sf.Tractions(0.25, 6.0)
     )
-    scene = sf.find_scene("preloaded")
+    scene = sf.find("preloaded")
     assert override_scene(scene, **values) == expected
     out = override_scene(scene, mode="antiplane", **values)
     assert out == replace(expected, mode="antiplane")
@@ -179,7 +179,7 @@ def test_every_parameter_can_be_overridden():
 
 
 def test_a_viscosity_overrides_that_of_constant_or_viscous_friction():
-    preloaded, viscous = sf.find_scene("preloaded"), sf.find_scene("viscous")
+    preloaded, viscous = sf.find("preloaded"), sf.find("viscous")
     assert override_scene(preloaded, viscosity=0.2).friction_law == sf.ViscousFriction(0.2)
     assert override_scene(viscous, viscosity=0.2).friction_law == sf.ViscousFriction(0.2)
     assert override_scene(viscous, viscosity=0.0).friction_law == sf.CoulombFriction()
@@ -197,8 +197,10 @@ def test_functions_of_a_scene_take_its_name_or_file(steel):
     record = sf.Gauge(0.05, np.array([1e-4, 2e-4]), np.array([0.0, 1e-7]), 1e-8)
     scenes = [
         sf.solve(path).scene,
-        sf.predict(given).scene,
-        sf.march(given, 200 * units.us, nodes=32).scene,  # in the units of the file
+        sf.solve(given).scene,
+        sf.solve(
+            given, method="space-time", end_time=200 * units.us, nodes=32
+        ).scene,  # in the units of the file
         sf.sweep(given, [0.3]).scene,
         sf.fit([record], given, "gain").scene,  # which leaves the scene as it is
         sf.prepare(given, end, resolution=8).plan.scene,
@@ -213,10 +215,10 @@ def test_functions_of_a_scene_take_its_name_or_file(steel):
 
 
 def test_named_scenes_are_solved_by_name():
-    assert sf.solve("preloaded").zones == sf.solve(sf.find_scene("preloaded")).zones
-    assert sf.march("ramp", 0.5, 32).error_estimate > 0
+    assert sf.solve("preloaded").zones == sf.solve(sf.find("preloaded")).zones
+    assert sf.solve("ramp", method="space-time", end_time=0.5, nodes=32).error_estimate > 0
     with pytest.raises(sf.SceneError, match="whole-line-patch has no slot"):
-        sf.solve("whole-line-patch")
+        sf.sweep("whole-line-patch", [0.3])
 
 
 # --- tables of loads that a file names ------------------------------------------------------------
@@ -239,7 +241,7 @@ def scene_of(folder, table, units='units = "SI"', shear="4e6", file="pulse.csv")
     (folder / "pulse.csv").write_text(table, encoding="utf-8")
     path = folder / "scene.toml"
     path.write_text(SCENE.format(units=units, shear=shear, file=file), encoding="utf-8")
-    return sf.find_scene(str(path))
+    return sf.find(str(path))
 
 
 @pytest.mark.parametrize(
@@ -282,4 +284,4 @@ def test_numbers_and_a_table_together_are_refused(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(path.read_text() + "t = [0.0]\n")
     with pytest.raises(sf.SceneError, match="in place of t and value_at_t"):
-        sf.find_scene(str(path))
+        sf.find(str(path))

@@ -13,7 +13,7 @@ from compare.chart.points import read_points
 from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
 from docs.studies.schema import DOCUMENTS, schema
-from semianalytic import find_scene
+from semianalytic import find
 from semianalytic.scene.given.documents import scene_document
 from slipfront.cli.commands import command_for, main
 
@@ -47,7 +47,7 @@ def test_schema_and_table_are_up_to_date(tmp_path):
 
 
 def test_a_document_with_another_key_or_without_one_does_not_fit():
-    scene = scene_document(find_scene("ramp"))
+    scene = scene_document(find("ramp"))
     good = envelope("init", {"scene": scene, "text": ""})
     assert VALIDATOR.is_valid(good)
     assert not VALIDATOR.is_valid({**good, "more": 1})

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compare.output.field_files import record_fields, write_record
-from semianalytic import DataFileError, find_scene, solve
+from semianalytic import DataFileError, find, solve
 from slipfront.fits import read_gauges
 
 TABLE = """# strain gauges and one of slip rate on the interface
@@ -93,7 +93,7 @@ def test_no_file_is_refused(tmp_path):
 @pytest.mark.parametrize("units", ["", "SI"])
 def test_what_field_records_can_be_fitted(units, tmp_path):
     t = np.linspace(0.1, 1, 5)
-    record = record_fields(solve(find_scene("preloaded")), 0.4, 0.2, t)
+    record = record_fields(solve(find("preloaded")), 0.4, 0.2, t)
     write_record(tmp_path / "gauge.csv", record, units, "slipfront field preloaded")
     gauges = {one.quantity: one for one in read_gauges([tmp_path / "gauge.csv"], {"": 1e-3})}
     assert {"vx", "uy", "sxy", "exy"} <= gauges.keys()

@@ -4,7 +4,7 @@ import pytest
 from catalogue import UNIT_FILE, unit_scene
 from faults import ROOT
 
-from semianalytic import Ramp, TensionError, march, solve
+from semianalytic import Ramp, TensionError, solve
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime.march import check_march
 from slipfront.cli.endings.refusals import in_options
@@ -36,7 +36,7 @@ def test_nodes_follow_from_the_resolution():
 
 KNOWS_ONE = (
     "two.toml: this knows identical bodies only, and there are two; solve a step on the slot "
-    "exactly, slipfront solve or survey or solve_pair in Python, or simulate the scene"
+    "exactly, slipfront solve or survey, or simulate the scene"
 )
 A_TIME = "--budget must be a time such as 60s, 5min or 1h, got '"
 OTHERWISE = "slipfront solve, compare, explore, field, survey and simulate take others"
@@ -89,8 +89,8 @@ REFUSED = {
         ("solve whole-line-patch --friction 1.1", "nothing slips"),
         ("solve whole-line-patch --friction -1", "must not be negative"),
         ("solve whole-line-patch --load-on remote", "scenes with a slot alone"),
-        ("solve whole-line-patch --method magic", "is unknown"),
-        ("solve whole-line-patch --nodes 100", "is for the space-time solver"),
+        ("solve whole-line-patch --method magic", "--method must be one of auto"),
+        ("solve whole-line-patch --nodes 100", "is for scenes with a slot"),
         ("solve whole-line-patch --figure interface --plot a.png", "leave it out"),
         ("solve growing-load --base-pressure 1", "with a base the edge of slip accelerates"),
         ("solve whole-line-patch --end-time -1", "end-time must be positive"),
@@ -104,7 +104,7 @@ REFUSED = {
         ("explore ramp --lower-density 2 --no-browser", "shear_history: between different bodies"),
         ("validate slip.csv --scene two.toml", KNOWS_ONE),
         ("fit slip.csv --scene two.toml --parameters friction", KNOWS_ONE),
-        ("field two.toml --method space-time", "march them with slipfront run"),
+        ("field two.toml --method space-time", "is for a Scene or Interface"),
         ("field ramp --lower-density 2", "shear_history: between different bodies"),
         ("fit slip.csv --scene preloaded --lower-density 2", OTHERWISE),
         ("solve two.toml --nodes 64", "march them with slipfront run"),
@@ -280,7 +280,11 @@ def test_what_a_march_would_refuse_is_known_before_its_first_step(pressure):
             return str(error)
         return ""
 
-    marched = refusal(lambda: march(scene, 1.0, 64, length=1.0, companion=False))
+    marched = refusal(
+        lambda: solve(
+            scene, method="space-time", end_time=1.0, nodes=64, length=1.0, companion=False
+        )
+    )
     assert bool(marched) is (pressure < 0)
     assert refusal(lambda: check_march(scene, 1.0, 64, 1.0)) == marched
 
