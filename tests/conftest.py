@@ -10,7 +10,7 @@ from importlib import import_module
 import pytest
 from hypothesis import settings
 
-from docs.studies.chromium import CHROMIUM, Browser
+from docs.chromium import CHROMIUM, Browser
 from meshes.build import APT_PACKAGES
 
 collect_ignore = (

@@ -291,13 +291,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--write", action="store_true", help="store the answers of this commit")
     what.add_argument("--check", action="store_true", help="say which answers differ")
-    parser.add_argument("--file", type=Path, default=FILE, help="file of the answers")
     options = parser.parse_args(arguments)
     answers = computed()
     if options.write:
-        write(options.file, answers)
+        write(FILE, answers)
         return 0
-    stored = read(options.file)
+    stored = read(FILE)
     found = [f"{label}: not in both" for label in stored.keys() ^ answers.keys()]
     for label in stored.keys() & answers.keys():
         found += differences(label, stored[label], answers[label])

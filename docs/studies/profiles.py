@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import in_profile, norm, relative_error
+from fem import Simulation
 from semianalytic import Marched, Scene, Solution, solve
-
-if TYPE_CHECKING:
-    from fem import Simulation
 
 Array = NDArray[np.float64]
 
@@ -83,11 +81,6 @@ def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
     )
 
 
-def errors_of(simulation: Simulation, solution: Solution) -> Errors:
-    """Return the errors of the profiles of a simulation."""
-    return profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
-
-
 def _sampled(simulation: Simulation, row: int) -> Array:
     history = simulation.interface
     place = PROFILE * simulation.scene.material.shear_speed * history.t[row]
@@ -107,23 +100,7 @@ def _exact(scene: Scene) -> Solution:
     return solve(scene, rtol=1e-9)
 
 
-def last_march(
-    scene: Scene,
-    nodes: int,
-    *,
-    step_ratio: float = 0.5,
-    damping: float = 0.7,
-    tolerance: float = 1e-6,
-) -> Marched:
+def last_march(scene: Scene, nodes: int, **options: float) -> Marched:
     """March a scene and keep only the last level; like all marches here, it has no companion."""
-    return solve(
-        scene,
-        method="space-time",
-        nodes=nodes,
-        length=LENGTH,
-        step_ratio=step_ratio,
-        damping=damping,
-        tolerance=tolerance,
-        every=10**9,
-        companion=False,
-    )
+    given: dict[str, Any] = {"length": LENGTH, "every": 10**9, "companion": False, **options}
+    return solve(scene, method="space-time", nodes=nodes, **given)

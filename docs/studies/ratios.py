@@ -1,6 +1,6 @@
 """Measure how the time of common jobs has changed since another commit, as ratios in one run.
 
-``python -m docs.studies.ratios --against b6ca9fe --csv docs/data`` runs each job of `JOBS` in that
+``python -m docs.studies.ratios --against b6ca9fe --output docs`` runs each job of `JOBS` in that
 commit and in this checkout, in turn, in processes of one thread each, and compares the best
 processor times: other load on the machine slows both.  It prints the ratios and writes
 speed-ratios.csv.  The exit code is 1 if a job takes more than ``--most`` times (1.25) its time
@@ -20,7 +20,6 @@ import tarfile
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -130,18 +129,6 @@ JOBS: Mapping[str, tuple[int, Callable[[], Found]]] = {
 """Jobs: how often each is run in both commits, and what runs it."""
 
 
-@dataclass(frozen=True)
-class RatioRow:
-    """Best processor times of a job before and now [s], their ratio, and the errors reached."""
-
-    job: str
-    before: float
-    now: float
-    ratio: float
-    error_before: float
-    error_now: float
-
-
 def serving(folder: Path) -> subprocess.Popen[str]:
     """Return a process that runs jobs with the packages of a folder."""
     environment = {**os.environ, "PYTHONPATH": str(folder)}
@@ -161,15 +148,18 @@ def run_job(checkout: subprocess.Popen[str], job: str) -> list[float]:
     return list(json.loads(answer))
 
 
-def compared(jobs: Sequence[str], before: Path, now: Path, times: float = 1.0) -> list[RatioRow]:
-    """Run jobs in two checkouts in turn, as often as `JOBS` says, times a factor."""
+def compared(jobs: Sequence[str], before: Path, now: Path) -> list[dict[str, Any]]:
+    """Run jobs in two checkouts in turn, as often as `JOBS` says.
+
+    Return best processor times before and now [s], their ratio, and the errors reached.
+    """
     rows = []
     with serving(before) as one, serving(now) as other:
         for job in jobs:
-            turns = range(max(1, round(times * JOBS[job][0])))
-            runs = [(run_job(one, job), run_job(other, job)) for _ in turns]
+            runs = [(run_job(one, job), run_job(other, job)) for _ in range(JOBS[job][0])]
             (old, was), (new, error) = map(min, zip(*runs, strict=True))
-            rows.append(RatioRow(job, old, new, new / old, was, error))
+            row = {"job": job, "before": old, "now": new, "ratio": new / old}
+            rows.append(row | {"error_before": was, "error_now": error})
             print(f"{job:42} {old:9.4f} s {new:9.4f} s   x {new / old:.2f}", file=sys.stderr)
     return rows
 
@@ -188,9 +178,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--against", default="HEAD~1", help="commit to compare with")
     parser.add_argument("--jobs", nargs="+", choices=JOBS, default=list(JOBS), metavar="JOB")
-    parser.add_argument("--times", type=float, default=1.0, help="factor on the number of runs")
     parser.add_argument("--most", type=float, default=1.25, help="largest ratio that passes")
-    parser.add_argument("--csv", type=Path, metavar="FOLDER", help="where to write; docs/data")
+    parser.add_argument("--output", type=Path, metavar="FOLDER", help="where to write; docs")
     options = parser.parse_args(arguments)
     if options.serve:
         for line in sys.stdin:
@@ -198,13 +187,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     with tempfile.TemporaryDirectory() as folder:
         unpacked(options.against, Path(folder))
-        rows = compared(options.jobs, Path(folder), ROOT, options.times)
-    if options.csv is not None:
-        from compare.output.tables import write_rows
+        rows = compared(options.jobs, Path(folder), ROOT)
+    if options.output is not None:
+        from docs.studies.runner import Study, written
 
-        made = f"python -m docs.studies.ratios --against {options.against} --csv docs/data"
-        write_rows(options.csv / "speed-ratios.csv", rows, command=made)
-    return int(any(row.ratio > options.most for row in rows))
+        made = f"python -m docs.studies.ratios --against {options.against} --output docs"
+        written(Study("speed-ratios", lambda quick: [], dict), rows, options.output, made)
+    return int(any(row["ratio"] > options.most for row in rows))
 
 
 if __name__ == "__main__":

@@ -4,8 +4,7 @@ The scene has strain gauges 3.5 mm off the interface and a line of image correla
 around the ruptures of Svetlizky & Fineberg (Nature 509, 205, 2014), and slip across the interface
 as image correlation sees it.  It is marched, so that it shares no zone or edge with the solver that
 fits it.  The records have noise, and a clock that runs ahead of the load.  The program writes
-pmma_gauges.csv, pmma_line.csv, pmma_slip.csv and a first guess, pmma.toml, to FOLDER, which is
-docs/data by default.
+pmma_gauges.csv, pmma_line.csv and pmma_slip.csv to FOLDER, which is docs/data by default.
 """
 
 from __future__ import annotations
@@ -29,24 +28,6 @@ GAUGES, HEIGHT = (0.02, 0.04, 0.06), 3.5e-3
 STRAIN_NOISE, MOTION_NOISE, SLIP_NOISE = 30e-6, 2e-6, 1e-6
 """Standard deviations of strain [1], motion [m] and slip [m]."""
 END, NODES = 80e-6, 1600
-
-SCENE = """# A first guess; friction, load and the time of the trigger are to be found.
-friction = 0.5
-units = "SI"
-
-[material]  # PMMA
-shear_modulus = 2.12e9
-density = 1170.0
-poisson_ratio = 0.336
-
-[base]
-pressure = 5e6
-shear = 0.0
-
-[load]
-pressure = 0.0
-shear = 6e6
-"""
 
 
 def main(folder: Path = FOLDER) -> None:
@@ -79,7 +60,6 @@ def main(folder: Path = FOLDER) -> None:
         for time, value in zip(t.tolist(), slip.tolist(), strict=True):
             rows.append(f"{time * 1e6:g},{place * 1e3:g},{value * 1e6:.2f},{SLIP_NOISE * 1e6:g}")
     _write(folder / "pmma_slip.csv", rows)
-    write_text(folder / "pmma.toml", SCENE)
 
 
 def _write(path: Path, rows: list[str]) -> None:

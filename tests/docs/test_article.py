@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from pathlib import Path
 
@@ -15,7 +14,6 @@ from docs.studies.article.__main__ import (
     figure_2,
     figure_5,
     figure_6,
-    reading_rows,
     slot_figure,
 )
 from docs.studies.article.cases import (
@@ -27,7 +25,6 @@ from docs.studies.article.cases import (
 )
 from docs.studies.article.claims import CLAIMS, METHODS
 from docs.studies.pages import read_data
-from semianalytic.scene.errors import SceneError
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "article.md"
 
@@ -85,27 +82,6 @@ def test_figures(cases):
         assert all(axes.lines for axes in figure.axes)
     errors = {row["mode"]: row for row in slot_errors(rows)}
     assert all(errors[mode]["free"] < 0.1 < errors[mode]["held"] for mode in ("I", "II"))
-
-
-@pytest.mark.slow
-def test_no_reading_of_the_algorithm_gives_the_published_limit():
-    rows = reading_rows(40)
-    assert len(rows) == 144
-    assert sum("(default)" in row["start"] for row in rows) == 1
-    singular = [row for row in rows if math.isinf(row["condition"])]
-    assert {row["delay"] for row in singular} == {"printed"}
-    limits = [row["reverse_limit"] for row in rows if row["settled"] is True]
-    assert limits
-    assert all(abs(limit / 0.0575 - 1) > 0.05 for limit in limits)
-
-
-@pytest.mark.parametrize(
-    ("chi", "loading", "words"),
-    [(0.5, "article", "bound is negative"), (-1.0, "remote", "chi must be positive")],
-)
-def test_scene_errors(chi, loading, words):
-    with pytest.raises(SceneError, match=words):
-        article_scene(loading, chi)
 
 
 def test_equation_register_is_complete():

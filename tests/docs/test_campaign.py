@@ -1,5 +1,6 @@
 """The random campaign: what it finds, and that it finds what is wrong."""
 
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -7,9 +8,8 @@ import pytest
 
 from docs.studies.pages import read_data
 from docs.studies.trials import campaign
-from docs.studies.trials.draws import drawn, random_wide_scene
-from semianalytic import solve
-from semianalytic.scene.given.finding import find_scene
+from docs.studies.trials.draws import drawn, random_history_scene, random_wide_scene
+from semianalytic import SlipfrontError, find, solve
 
 
 def ratios_of(row):
@@ -32,20 +32,29 @@ def test_a_share_of_the_campaign():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [campaign.HISTORY_SEED, 2])
-def test_marches_of_histories_keep_the_law(seed):
-    rows = [campaign.marched_row(seed, index) for index in range(5)]
-    runs = [row for row in rows if row["outcome"] != "refused"]
-    assert len(runs) > 2
-    for row in runs:
-        assert not row["silent"]
-        assert row["excess"] < 1e-9
-        assert row["least_work"] > -1e-12
+@pytest.mark.parametrize("seed", [1, 2])
+def test_marches_of_random_histories_keep_the_law(seed):
+    marched = []
+    for index in range(5):
+        scene, _ = drawn(seed, index, random_history_scene)
+        with suppress(SlipfrontError):
+            marched.append(
+                solve(scene, end_time=1.0, nodes=200, method="space-time", companion=False)
+            )
+    assert len(marched) > 2
+    for run in marched:
+        end, work = run.interface, run.final_work_density
+        shear = np.abs(end.shear_traction[-1])
+        strength = run.scene.friction_law.strength(
+            run.scene.friction * end.pressure[-1], end.slip_rate[-1], run.final_path
+        )
+        assert (shear - strength).max() < 1e-9 * shear.max()
+        assert work.min() >= -1e-12 * work.max()
 
 
 def test_it_sees_what_is_wrong():
     """Friction 3 % off, and a zone left out."""
-    scene = find_scene("preloaded")
+    scene = find("preloaded")
     exact, other = solve(scene, rtol=1e-11), solve(replace(scene, friction=0.309), rtol=1e-8)
     assert campaign.error_between(solve(scene), exact) < 1e-8
     assert campaign.error_between(other, exact) > 1e-3
@@ -55,11 +64,6 @@ def test_it_sees_what_is_wrong():
     assert campaign.broken_law(solve(scene), random) < 1e-8
     spoilt = replace(solve(replace(scene, friction=0.309)), scene=scene)
     assert campaign.broken_law(spoilt, random) == pytest.approx(0.009, rel=0.01)
-    weak = replace(
-        solve(scene, method="space-time", end_time=1.0, nodes=100),
-        scene=replace(scene, friction=0.29),
-    )
-    assert campaign.excess_of(weak) > 0.01
 
 
 @pytest.mark.slow

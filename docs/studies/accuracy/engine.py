@@ -7,7 +7,7 @@ some minutes; growth rates come from the dispersion relation by Newton's method,
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -15,14 +15,12 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid, quad
 
 import semianalytic as sf
-from docs.studies.runner import Study, main
+from docs.studies.runner import Row, Study, main
 from semianalytic.engine.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
 from semianalytic.reference.ruptures import critical_wavenumber, growth
 
-Row = tuple[str, str, str, str, str]
-"""Case, quantity, reference, the value here, and the difference."""
 Array = NDArray[np.float64]
 MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 UNIT = sf.Material(1.0, 1.0, 0.25)
@@ -33,10 +31,37 @@ WEAKEST = 0.004
 """Slowest growth that is marched [V / L]; half of it would need marches of 1,250 L / V."""
 
 
+def line(case: str, quantity: str, reference: str, here: str, difference: str) -> Row:
+    """Return a row of the table."""
+    row: Row = {"case": case, "quantity": quantity, "reference": reference}
+    return row | {"here": here, "difference": difference}
+
+
 def compared(case: str, quantity: str, reference: float, here: float, digits: int = 8) -> Row:
     """Return a row of two numbers and their relative difference."""
-    off = abs(here / reference - 1)
-    return case, quantity, f"{reference:.{digits}g}", f"{here:.{digits}g}", f"{off:.1e}"
+    off = f"{abs(here / reference - 1):.1e}"
+    return line(case, quantity, f"{reference:.{digits}g}", f"{here:.{digits}g}", off)
+
+
+def profile(case: str, quantity: str, known: Array, found: Array) -> Row:
+    """Return a row of the relative L1 difference of two profiles."""
+    off = float(np.abs(found - known).sum() / np.abs(known).sum())
+    return line(case, quantity, "exact profile", "L1", f"{off:.1e}")
+
+
+def profiles(
+    case: str, answer: sf.Solution, done: sf.Run, *fields: str, least: float, most: float
+) -> Iterator[Row]:
+    """Yield rows of fields of a run at its end, against a solution at unit time between places."""
+    near = (done.x > least) & (done.x < most)
+    for field in fields:
+        known = getattr(answer, field)(done.x[near], 1.0)
+        yield profile(case, field.replace("_", " "), known, getattr(done, field)[0][near])
+
+
+def ended(fault: sf.Interface, nodes: int, end: float = 1.0) -> sf.Run:
+    """Run an interface and keep its end alone."""
+    return sf.solve(fault, end_time=end, nodes=nodes, times=[end], estimate=False)
 
 
 def exact() -> Iterator[Row]:
@@ -110,7 +135,7 @@ def dispersion() -> Iterator[Row]:
         # the march is of second order in |Lambda| times the step: 1e-3 at .05 L / V0 and |Lambda| 1
         found = marched_growth(mode, ratio, inertia, kappa, 0.05)
         errors.append(abs(found - known) / abs(known))
-    yield (
+    yield line(
         f"{len(errors)} growing waves, steps of 0.05 L/V ({weak} grow slower than {WEAKEST:g} V/L)",
         "complex growth rate",
         "dispersion relation",
@@ -144,20 +169,16 @@ def patches() -> Iterator[Row]:
 
             load = sf.InterfaceLoad(shear, history=None)
             fault = sf.Interface(solid, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
-            done = sf.solve(fault, end_time=1.0, nodes=nodes, times=[1.0], estimate=False)
+            done = ended(fault, nodes)
             v = 1 / done.x[1:]
             y = v * root / (p * np.sqrt(np.maximum(v * v - s * s, 1e-12)))
             inner = np.arctanh(np.minimum(np.minimum(y, 1 / y), 1 - 1e-15))
             known = np.where(v > s, 2 * strength / (math.pi * p * root) * inner, 0.0)
-            yield profile(
-                f"over-stressed patch, {mode}, {nodes} nodes", "slip rate", known,
-                done.slip_rate[0][1:],
-            )  # fmt: skip
+            case = f"over-stressed patch, {mode}, {nodes} nodes"
+            yield profile(case, "slip rate", known, done.slip_rate[0][1:])
             if nodes == 4096:
                 found = float(done.x[done.slip_rate[0] > 1e-9].max())
-                yield compared(
-                    f"over-stressed patch, {mode}, {nodes} nodes", "edge", edge, found, 6
-                )
+                yield compared(case, "edge", edge, found, 6)
 
 
 def fronts() -> Iterator[Row]:
@@ -175,13 +196,9 @@ def fronts() -> Iterator[Row]:
         loads, half = [sf.FrontLoad(front, at=at)], sf.Contact.half_line()
         face = sf.Interface(solid, sf.Coulomb(0.3), length, 1.0, 0.0, loads, half, mode)
         for nodes in (512, 1024, 2048):
-            done = sf.solve(face, end_time=end, nodes=nodes, times=[end], estimate=False)
-            near = (done.x > 0.02) & (done.x < 1.9)
-            for field in ("slip_rate", "shear_traction"):
-                yield profile(
-                    f"{name}, {nodes} nodes", field.replace("_", " "),
-                    getattr(answer, field)(done.x[near], 1.0), getattr(done, field)[0][near],
-                )  # fmt: skip
+            done, case = ended(face, nodes, end), f"{name}, {nodes} nodes"
+            fields = ("slip_rate", "shear_traction")
+            yield from profiles(case, answer, done, *fields, least=0.02, most=1.9)
 
 
 def kostrov_slip(x: Array, speed: float, impedance: Impedance) -> Array:
@@ -240,8 +257,8 @@ def cracks() -> Iterator[Row]:
         for nodes in (512, 1024, 2048, 4096):
             whole = sf.Interface(solid, law, 5.0, shear=1.0, mode=side, even=True)
             half = sf.Interface(solid, law, 10.0, shear=1.0, loads=[off], contact=beside, mode=side)
-            for name, line in (("Kostrov", whole), ("Freund", half)):
-                done = sf.solve(line, end_time=1.0, nodes=nodes, times=[1.0], estimate=False)
+            for name, fault in (("Kostrov", whole), ("Freund", half)):
+                done = ended(fault, nodes)
                 near = (done.x > 0) & (done.x < speed)
                 x = done.x[near]
                 if name == "Kostrov":
@@ -254,31 +271,17 @@ def cracks() -> Iterator[Row]:
 
 def statics() -> Iterator[Row]:
     """Yield partial slip of a contact under uniform pressure, in the slow limit."""
-    found = sf.find("cattaneo")
+    named = sf.find("cattaneo")
     edge = 8 / math.pi * math.acos(math.cos(math.pi / 8) / math.cos(math.pi * 0.15 / 2))
     for nodes in (256, 512, 1024):
-        done = sf.solve(
-            found.interface,
-            end_time=found.end_time,
-            nodes=nodes,
-            step_ratio=0.5,
-            times=[62.0],
-            estimate=False,
-        )
+        options: Row = {"step_ratio": 0.5, "times": [62.0], "estimate": False}
+        done = sf.solve(named.interface, end_time=named.end_time, nodes=nodes, **options)
         x = done.x[done.x < edge]
         square = np.tan(math.pi * edge / 8) ** 2 - np.tan(math.pi * x / 8) ** 2
         top = math.tan(math.pi / 8) ** 2 - math.tan(math.pi * edge / 8) ** 2
         known = 2 / math.pi * np.arctan(np.sqrt(top / square))
-        yield profile(
-            f"cattaneo, {nodes} nodes", "traction where it sticks", known,
-            done.shear_traction[0][: len(x)],
-        )  # fmt: skip
-
-
-def profile(case: str, quantity: str, known: Array, found: Array) -> Row:
-    """Return a row of the relative L1 difference of two profiles."""
-    off = float(np.abs(found - known).sum() / np.abs(known).sum())
-    return case, quantity, "exact profile", "L1", f"{off:.1e}"
+        found = done.shear_traction[0][: len(x)]
+        yield profile(f"cattaneo, {nodes} nodes", "traction where it sticks", known, found)
 
 
 def edges() -> Iterator[Row]:
@@ -293,10 +296,8 @@ def edges() -> Iterator[Row]:
         contact=sf.Contact([(-math.inf, -2.0), (0.0, math.inf)]),
     )
     for nodes in (1024, 2048, 4096):
-        done = sf.solve(fault, end_time=1.0, nodes=nodes, times=[1.0], estimate=False)
-        near = (done.x > 0) & (done.x < 3)
-        known = answer.slip_rate(done.x[near], 1.0)
-        yield profile(f"two edges, {nodes} nodes", "slip rate", known, done.slip_rate[0][near])
+        case = f"two edges, {nodes} nodes"
+        yield from profiles(case, answer, ended(fault, nodes), "slip_rate", least=0, most=3)
 
 
 def beside_slot(name: str) -> tuple[sf.Scene, sf.Interface]:
@@ -321,43 +322,27 @@ def openings() -> Iterator[Row]:
         scene, face = beside_slot(name)
         answer, sheared = sf.solve(scene), scene.superposition.taken_off.shear != 0
         for nodes in (1024, 2048, 4096):
-            done = sf.solve(face, end_time=1.0, nodes=nodes, times=[1.0], estimate=False)
-            for field in ("gap", "pressure", "slip_rate"):
-                if field == "slip_rate" and not sheared:
-                    continue
+            done, case = ended(face, nodes), f"{name}, {nodes} nodes"
+            for field in ("gap", "pressure", *(["slip_rate"] if sheared else [])):
                 # the pressure is singular at the edge, where the grid is of order one half
-                near = (done.x > (0.2 if field == "pressure" else 0)) & (done.x < 2.2)
-                known = getattr(answer, field)(done.x[near], 1.0)
-                yield profile(
-                    f"{name}, {nodes} nodes", field.replace("_", " "), known,
-                    getattr(done, field)[0][near],
-                )  # fmt: skip
-        closing = done.work["closing"]
-        yield f"{name}, {nodes} nodes", "work lost in closing", "0 or more", f"{closing:.1e}", ""
+                least = 0.2 if field == "pressure" else 0
+                yield from profiles(case, answer, done, field, least=least, most=2.2)
+        closing = f"{done.work['closing']:.1e}"
+        yield line(case, "work lost in closing", "0 or more", closing, "")
 
 
-PARTS: Mapping[str, Callable[[], Iterator[Row]]] = {
-    "exact": exact,
-    "patches": patches,
-    "fronts": fronts,
-    "cracks": cracks,
-    "statics": statics,
-    "edges": edges,
-    "openings": openings,
-    "dispersion": dispersion,
-}
+PARTS = (exact, patches, fronts, cracks, statics, edges, openings, dispersion)
 """Parts of the table."""
-COLUMNS = ("case", "quantity", "reference", "here", "difference")
 
 
-def rows_of(part: str) -> list[dict[str, str]]:
+def rows_of(part: str) -> list[Row]:
     """Return the rows of a part."""
-    return [dict(zip(COLUMNS, row, strict=True)) for row in PARTS[part]()]
+    return [row for one in PARTS if one.__name__ == part for row in one()]
 
 
 def points(quick: bool) -> list[tuple[str]]:
     """Return all parts; those that take some seconds for a quick look."""
-    return [(part,) for part in (("exact", "statics", "edges") if quick else PARTS)]
+    return [(part.__name__,) for part in ((exact, statics, edges) if quick else PARTS)]
 
 
 STUDIES = [Study("engine-checks", points, rows_of)]

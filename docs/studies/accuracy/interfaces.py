@@ -49,17 +49,11 @@ def named(name: str) -> list[Line]:
     except SceneError:
         row = {"interface": name, "mesh": None, "quantity": "", **none}
         return [{**row, "verdict": "", "whole": "refused"}]
+    head = {"interface": name, "mesh": judged.simulations[0].nodes}
     return [
-        {
-            "interface": name,
-            "mesh": judged.simulations[0].nodes,
-            "quantity": row.kind,
-            "difference": row.difference,
-            "bar": row.bar,
-            "order": row.order,
-            "verdict": row.verdict,
-            "whole": judged.verdict,
-        }
+        head
+        | {"quantity": row.kind, **{one: getattr(row, one) for one in (*none, "verdict")}}
+        | {"whole": judged.verdict}
         for row in judged.rows
     ]
 
@@ -97,21 +91,13 @@ def drawn(rng: np.random.Generator, inside: bool) -> sf.Interface:
     return sf.Interface(law=law, loads=[load], contact=slot, **common)
 
 
-def exchanged(one: sf.Interface) -> sf.Interface:
-    """Return an interface whose bodies have changed places."""
-    return replace(one, material=one.lower_material or one.material, lower_material=one.material)
-
-
-def rougher(one: sf.Interface) -> sf.Interface:
-    """Return an interface with more friction."""
-    law = one.law
-    assert isinstance(law, sf.Coulomb)
-    return replace(one, law=replace(law, friction=1.1 * law.friction))
-
-
-SPOILS: dict[str, Callable[[sf.Interface], sf.Interface]] = {
-    "bodies exchanged": exchanged,
-    "friction a tenth too high": rougher,
+SPOILS: dict[str, Callable[[Any], sf.Interface]] = {
+    "bodies exchanged": lambda one: replace(
+        one, material=one.lower_material or one.material, lower_material=one.material
+    ),
+    "friction a tenth too high": lambda one: replace(
+        one, law=replace(one.law, friction=1.1 * one.law.friction)
+    ),
     "identical bodies": lambda one: replace(one, lower_material=None),
 }
 """Wrong answers: runs of another interface than the one that is simulated."""

@@ -77,10 +77,8 @@ def accuracy(name: str, grids: Sequence[int]) -> list[Row]:
         marched = last_march(find(name), nodes)
         seconds = time.perf_counter() - began
         error = step_error(find(name), marched)
-        order = math.log2(before / error)
-        rows.append(
-            {"scene": name, "nodes": nodes, "error": error, "order": order, "seconds": seconds}
-        )
+        row: Row = {"scene": name, "nodes": nodes, "error": error}
+        rows.append({**row, "order": math.log2(before / error), "seconds": seconds})
         before = error
     return rows
 

@@ -55,6 +55,9 @@ QUANTITIES = {
 }
 """Rows of the judgement of each scene that docs/scenes.md shows."""
 
+TOTALS = ("slip", "accumulated |slip|", "frictional work", "shear traction", "pressure")
+"""Rows of the summary beside the slip rate."""
+
 FIGURES = {
     **dict.fromkeys(("remote-shock", "viscous", "antiplane", "lift-off-shear"), "slip_rate"),
     **dict.fromkeys(("auxetic", "ramp", "unload", "pulse", "harmonic", "pressure-drop"), "sense"),
@@ -101,11 +104,7 @@ def summary(scene: str, resolution: int) -> Row:
         "sense": difference(sense),
         "sense_bar": difference(sense, "bar"),
         "slip_rate": difference(over_time),
-        "slip": difference("slip, L1"),
-        "accumulated_slip": difference("accumulated |slip|, L1"),
-        "frictional_work": difference("frictional work, L1"),
-        "shear_traction": difference("shear traction, L1"),
-        "pressure": difference("pressure, L1"),
+        **{name.replace("|", "").replace(" ", "_"): difference(f"{name}, L1") for name in TOTALS},
     }
 
 
@@ -124,15 +123,11 @@ def quantities(scene: str, resolution: int) -> list[Row]:
 
 def unresolved(scene: str, resolution: int) -> list[Row]:
     """Return the rows that the mesh does not resolve, why, and the resolution that would."""
-    return [
-        {
-            "scene": scene,
-            "quantity": row.name,
-            "obstacle": row.obstacle,
-            "resolution": _number(row.resolution),
-        }
-        for row in _judgement(scene, resolution).having(UNRESOLVED)
-    ]
+    found: list[Row] = []
+    for row in _judgement(scene, resolution).having(UNRESOLVED):
+        needed = {"obstacle": row.obstacle, "resolution": _number(row.resolution)}
+        found.append({"scene": scene, "quantity": row.name, **needed})
+    return found
 
 
 def _number(value: float | None) -> float:

@@ -30,7 +30,7 @@ from docs.studies.article.cases import (
 from docs.studies.article.claims import CLAIMS, METHODS
 from docs.studies.runner import Row, Study, drawn, main
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
-from semianalytic.reference import DEFAULT_READING, examine_all, published_slip
+from semianalytic.reference import DEFAULT_READING, published_slip
 from semianalytic.scene.loads import Step
 
 Array = NDArray[np.float64]
@@ -69,25 +69,6 @@ def claim_rows(resolution: int) -> list[Row]:
 def claims_table(rows: list[Row]) -> list[Row]:
     """Return the claims without the resolution, which the figures know them by."""
     return [{name: row[name] for name in row if name != "resolution"} for row in rows]
-
-
-def reading_rows(count: int) -> list[Row]:
-    """Return description and results of all readings of the published algorithm."""
-    rows: list[Row] = []
-    for result in examine_all(count):
-        reading, singular = result.reading, bool(np.isinf(result.condition))
-        row: Row = {
-            "start": reading.start + (" (default)" if reading == DEFAULT_READING else ""),
-            "delay": reading.delay,
-            "signs": reading.signs,
-            "basis": reading.basis,
-            "constant": reading.remote_load,
-            "printed_arctan": reading.printed_arctan,
-            "condition": result.condition,
-        }
-        found = ("change", "settled", "slip_end", "maximum", "reverse_limit", "off_middle")
-        rows.append(row | {name: np.nan if singular else getattr(result, name) for name in found})
-    return rows
 
 
 def _panels(columns: int, lines: int = 1) -> tuple[Figure, Any]:
@@ -227,7 +208,6 @@ STUDIES = [
         slot_errors,
         {"article-slot": slot_figure},
     ),
-    Study("article-readings", lambda quick: [(60 if quick else 100,)], reading_rows),
 ]
 
 if __name__ == "__main__":

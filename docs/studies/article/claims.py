@@ -55,12 +55,8 @@ def _claim(section: str, text: str, base: str) -> Callable[[Judge], Judge]:
     return add
 
 
-def _say(verdict: str, evidence: str) -> str:
-    return f"{verdict}: {evidence}"
-
-
 def _judge(true: bool, evidence: str) -> str:
-    return _say(HOLDS if true else FAILS, evidence)
+    return f"{HOLDS if true else FAILS}: {evidence}"
 
 
 def _stuck_shear_near_front(case: Case) -> float:
@@ -120,7 +116,7 @@ def edge_sticks(cases: Cases) -> Verdicts:
     published = published_slip(1.2).slip_rate[-1]
     above = cases["remote", 2.0].simulated_mean(0.05, 0.3)
     return (
-        _say(SILENT, f"it has no stick; V(x = c_t t/5) = {published:.3g} chi V_0 at chi = 1.2"),
+        f"{SILENT}: it has no stick; V(x = c_t t/5) = {published:.3g} chi V_0 at chi = 1.2",
         _judge(
             exact <= 1e-9,
             f"V(0+) = {exact:.4f} V_0 at chi = 1.2; the limit is sqrt(b/a) = 1.414, and "
@@ -139,11 +135,8 @@ def slip_wave_above_one(cases: Cases) -> Verdicts:
     end = examine_reading(DEFAULT_READING).slip_end
     largest = float(np.abs(case.simulated()[1]).max())
     return (
-        _say(
-            PARTLY,
-            f"slip of one sense from c_t t to {end:.3f} c_t t at chi = 2 (a/b = 0.5); p* = 0 at "
-            "0.590 c_t t, where the bound without base load changes sign",
-        ),
+        f"{PARTLY}: slip of one sense from c_t t to {end:.3f} c_t t at chi = 2 (a/b = 0.5); p* = 0 "
+        "at 0.590 c_t t, where the bound without base load changes sign",
         _judge(
             bool(case.solution.zones),
             f"{_zones_text(case.solution.zones)} at chi = 2; at chi = 1.2 it slips on x/(c_t t) = "
@@ -161,7 +154,7 @@ def slip_reaches_shear_front(cases: Cases) -> Verdicts:
     last = float(velocity[rate > NOTICEABLE].max())
     zones = preloaded.solution.zones
     return (
-        _say(HOLDS, "by construction: the unknowns start at u = b"),
+        f"{HOLDS}: by construction: the unknowns start at u = b",
         _judge(
             bool(zones) and abs(zones[-1].outer / SHEAR_SPEED - 1) < 1e-3,
             f"remote: everywhere, {remote.exact(np.array([1.5]))[0]:.3f} V_0 at 1.5 c_t t; "
@@ -204,12 +197,9 @@ def reverse_slip(cases: Cases) -> Verdicts:
     least = min(float(case.simulated()[1].min()) for case in low)
     auxetic = cases["auxetic", LOW_FRICTION]
     return (
-        _say(
-            PARTLY if np.isinf(limit) else HOLDS,
-            "reversed there at every chi up to 2: no limit"
-            if np.isinf(limit)
-            else f"limit chi = {limit:.4f}",
-        ),
+        f"{PARTLY}: reversed there at every chi up to 2: no limit"
+        if np.isinf(limit)
+        else f"{HOLDS}: limit chi = {limit:.4f}",
         _judge(
             bool(reversed_zones),
             f"none at chi = {LOW_FRICTION} and nu = 1/3; at nu = {AUXETIC_RATIO}, preloaded, "
@@ -261,8 +251,8 @@ def no_natural_limit(cases: Cases) -> Verdicts:
         slipping = case.history.slip_rate[row] > NOTICEABLE * case.scale
         widths.append(float(case.history.x[slipping].max() / case.history.t[row]) / SHEAR_SPEED)
     return (
-        _say(HOLDS, "by construction: a function of x/t"),
-        _say(HOLDS, f"self-similar: the zone ends at x = {outer:.4f} c_t t (chi = 0.5)"),
+        f"{HOLDS}: by construction: a function of x/t",
+        f"{HOLDS}: self-similar: the zone ends at x = {outer:.4f} c_t t (chi = 0.5)",
         _judge(
             abs(widths[1] / widths[0] - 1) < 0.1,
             f"it ends at {widths[0]:.3f} c_t t at half time and {widths[1]:.3f} c_t t at the end",
@@ -284,15 +274,9 @@ def full_stick_approached(cases: Cases) -> Verdicts:
             f"|V| up to {np.abs(rates).max():.2g} chi V_0 on 0.2 to 0.29 c_t t, changing sign "
             f"{changes} times (chi = 2)",
         ),
-        _say(
-            PARTLY,
-            f"above chi = 1.414 only; at chi = 1.2 V tends to {exact:.4f} V_0 at every point",
-        ),
-        _say(
-            PARTLY,
-            f"V = {simulated:.3f} V_0 at x = 0.02 to 0.1 c_t t for chi = 1.2, "
-            f"{stuck.simulated_mean(0.02, 0.1):.1g} for chi = 2",
-        ),
+        f"{PARTLY}: above chi = 1.414 only; at chi = 1.2 V tends to {exact:.4f} V_0 at every point",
+        f"{PARTLY}: V = {simulated:.3f} V_0 at x = 0.02 to 0.1 c_t t for chi = 1.2, "
+        f"{stuck.simulated_mean(0.02, 0.1):.1g} for chi = 2",
     )
 
 
@@ -312,13 +296,8 @@ def lower_friction_worse(cases: Cases) -> Verdicts:
             f"mean reversed V on 0.63 to 0.95 c_t t {middle:.3f} V_0 at chi = 0.5, "
             f"{lowest:.3f} at 0.01",
         ),
-        _say(
-            PARTLY if low > high else FAILS,
-            f"width of reverse slip {low:.3f} c_t t at chi = {LOW_FRICTION}, {high:.3f} at 0.1; "
-            "nothing of the kind at nu = 1/3",
-        ),
-        _say(
-            PARTLY if rate.min() < -NOTICEABLE else FAILS,
-            f"least V {rate.min():.3f} V_0 at chi = {LOW_FRICTION}; none at nu = 1/3",
-        ),
+        f"{PARTLY if low > high else FAILS}: width of reverse slip {low:.3f} c_t t at chi = "
+        f"{LOW_FRICTION}, {high:.3f} at 0.1; nothing of the kind at nu = 1/3",
+        f"{PARTLY if rate.min() < -NOTICEABLE else FAILS}: least V {rate.min():.3f} V_0 at chi = "
+        f"{LOW_FRICTION}; none at nu = 1/3",
     )

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -13,14 +14,11 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from compare.figures.style import BLACK, SMALL, STICK_SHADE, outline
-from docs.studies.dissimilar.judged import (
+from docs.studies.dissimilar.errors import (
     FIELDS_RESOLUTION,
     STATED,
-    drawn_points,
     fields_rows,
     honesty,
-    judged_points,
-    judged_row,
     stated_rows,
 )
 from docs.studies.dissimilar.pairs import NAMED, SCENES, of_contrast
@@ -155,12 +153,10 @@ def half_line_row(contrast: float, friction: float, chi: float) -> Row:
     exponents: Row = {}
     for name, sense in (("with", 1), ("against", -1)):
         row[f"speed_{name}"] = exponents[f"exponent_{name}"] = np.nan
-        try:
+        with suppress(SceneError):
             speed = half_line_speed(compliance, sense * friction, chi)
             exponents[f"exponent_{name}"] = half_line_exponent(compliance, sense * friction, speed)
             row[f"speed_{name}"] = speed
-        except SceneError:
-            continue
     return row | exponents
 
 
@@ -204,8 +200,6 @@ STUDIES = [
         lambda quick: [(name, 24 if quick else FIELDS_RESOLUTION) for name in FIELDS],
         fields_rows,
     ),
-    Study("dissimilar-judged", judged_points, judged_row),
-    Study("dissimilar-drawn", drawn_points, judged_row),
 ]
 
 if __name__ == "__main__":

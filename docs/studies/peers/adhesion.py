@@ -11,13 +11,12 @@ It is no part of this package.
 from __future__ import annotations
 
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows, seconds_of
+from docs.studies.peers.rows import Array, GridRun, places, record, seconds_of, timed_run
 
 COMMAND = "python -m docs.studies.peers.adhesion PROGRAM"
 GRIDS = (256, 512, 1024, 2048)
@@ -53,9 +52,8 @@ def ours(nodes: int) -> GridRun:
         adhesion=bonds,
     )
     times = np.linspace(0, END, FRAMES)[1:].tolist()
-    began = time.process_time()
-    done = sf.solve(face, end_time=END, nodes=nodes, times=times, estimate=False)
-    seconds, every = time.process_time() - began, nodes // GRIDS[0]
+    done, seconds = timed_run(face, END, nodes, times)
+    every = nodes // GRIDS[0]
     fields = {"gap": done.gap[:, ::every], "pressure": done.pressure[:, ::every]}
     return GridRun(f"{nodes} nodes", fields, seconds)
 
@@ -64,7 +62,7 @@ def main() -> None:
     """Run both codes on all grids and write the rows."""
     (program,) = places(__doc__, "PROGRAM")
     pairs = [(theirs(program, nodes), ours(nodes)) for nodes in GRIDS]
-    replace_rows(compared("UGUCA", "a cut under tension", COMMAND, pairs))
+    record("UGUCA", "a cut under tension", COMMAND, pairs)
 
 
 if __name__ == "__main__":

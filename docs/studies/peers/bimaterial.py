@@ -11,13 +11,12 @@ from __future__ import annotations
 
 import re
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows, seconds_of
+from docs.studies.peers.rows import Array, GridRun, places, record, seconds_of, timed_run
 from docs.studies.peers.sem2dpack import Fields, plain_input, read_fault
 
 COMMAND = "python -m docs.studies.peers.bimaterial PROGRAM FOLDER"
@@ -70,10 +69,15 @@ def our_run(nodes: int) -> tuple[Fields, float]:
         return 82.81e6 + 4.0955e6 * ((away < 4 - 1e-6) + 1.0 * (away < 4 + 1e-6))
 
     fault = sf.Interface(upper, law, LENGTH, pressure=130e6, shear=shear, lower_material=lower)
-    began = time.process_time()
-    done = sf.solve(fault, end_time=END, nodes=nodes, times=list(TIMES), estimate=False)
-    seconds = time.process_time() - began
+    done, seconds = timed_run(fault, END, nodes, TIMES)
     return Fields(done.t, done.x, {"slip": done.slip, "slip rate": done.slip_rate}), seconds
+
+
+def at_points(fields: Fields, seconds: float, count: int) -> GridRun:
+    """Return the fields that are compared, of a run on so many nodes."""
+    names = ("slip", "slip rate")
+    values = {f"{name}, until {END:g} s": fields.at(name, TIMES, PLACES) for name in names}
+    return GridRun(f"{LENGTH / count:.3g} m", values, seconds)
 
 
 def main() -> None:
@@ -81,21 +85,9 @@ def main() -> None:
     program, folder = places(__doc__, "PROGRAM", "FOLDER")
     pairs = []
     for count, nodes in GRIDS:
-        theirs, ours = their_run(program, folder, count), our_run(nodes)
-        grids = (f"{LENGTH / count / 2:.3g} m", f"{LENGTH / nodes:.3g} m")
-        one, other = (
-            GridRun(
-                grid,
-                {
-                    f"{name}, until {END:g} s": fields.at(name, TIMES, PLACES)
-                    for name in ("slip", "slip rate")
-                },
-                seconds,
-            )
-            for grid, (fields, seconds) in zip(grids, (theirs, ours), strict=True)
-        )
-        pairs.append((one, other))
-    replace_rows(compared("SEM2DPACK", "Bimaterial_fault, mended", COMMAND, pairs))
+        theirs = at_points(*their_run(program, folder, count), 2 * count)
+        pairs.append((theirs, at_points(*our_run(nodes), nodes)))
+    record("SEM2DPACK", "Bimaterial_fault, mended", COMMAND, pairs)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ of this package.
 from __future__ import annotations
 
 import re
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows
+from docs.studies.peers.rows import Array, GridRun, places, record, timed_run
 
 COMMAND = "python -m docs.studies.peers.cracklet FOLDER"
 STEP = 3.90625e-7
@@ -123,11 +122,7 @@ def our_run(problem: Problem, times: Array, nodes: int, near: float) -> tuple[Ar
         plate_rate=rate,
         mode="antiplane",
     )
-    began = time.process_time()
-    done = sf.solve(
-        fault, end_time=float(times[-1]), nodes=nodes, times=list(times), estimate=False
-    )
-    seconds = time.process_time() - began
+    done, seconds = timed_run(fault, float(times[-1]), nodes, times)
     print(f"{nodes} nodes: slip rate at the start {rate:.7g}, theirs {near:.7g} m/s", flush=True)
     return done.slip_rate.max(axis=1) - done.slip_rate[:, 0], seconds
 
@@ -149,7 +144,7 @@ def main() -> None:
             found = {name: rise[part] for name, part in spans.items()}
             their = GridRun(f"{problem.elements} elements", known, None)
             pairs.append((their, GridRun(f"{nodes} nodes", found, seconds)))
-        replace_rows(compared("cRacklet", f"test_rate_and_state_{problem.name}", COMMAND, pairs))
+        record("cRacklet", f"test_rate_and_state_{problem.name}", COMMAND, pairs)
 
 
 if __name__ == "__main__":

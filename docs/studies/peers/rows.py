@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import resource
 import subprocess
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+import semianalytic as sf
 from compare.output.tables import PARSERS, write_rows
 from docs.studies.pages import DATA, read_data
 
@@ -120,6 +123,11 @@ def replace_rows(rows: Sequence[Row], file: Path = FILE) -> None:
     write_rows(file, whole, command=command)
 
 
+def record(peer: str, case: str, *arguments: Any) -> None:
+    """Print and write the rows of pairs of runs, as `compared` returns them."""
+    replace_rows(compared(peer, case, *arguments))
+
+
 def rounded(value: float, digits: int = 3) -> float:
     """Return a number with some significant digits, for a table."""
     return float(f"{value:.{digits}g}")
@@ -133,6 +141,15 @@ def seconds_of(command: Sequence[str | Path], folder: Path) -> float:
         subprocess.run(list(map(str, command)), cwd=folder, check=True, stdout=log, env=environment)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def timed_run(
+    fault: sf.Interface, end: float, nodes: int, times: Sequence[float] | Array, **options: Any
+) -> tuple[sf.Run, float]:
+    """Run an interface; return it, and the seconds of the processor it took."""
+    began = time.process_time()
+    done = sf.solve(fault, end_time=end, nodes=nodes, times=list(times), estimate=False, **options)
+    return done, time.process_time() - began
 
 
 def places(description: str | None, *names: str) -> list[Path]:

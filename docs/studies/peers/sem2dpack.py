@@ -11,7 +11,6 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,7 +19,7 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows, seconds_of
+from docs.studies.peers.rows import Array, GridRun, places, record, seconds_of, timed_run
 
 COMMAND = "python -m docs.studies.peers.sem2dpack PROGRAM FOLDER"
 FIELDS = {"Slip": "slip", "Slip_Rate": "slip rate", "Shear_Stress": "shear traction"}
@@ -133,11 +132,7 @@ def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
 
     mode = "antiplane" if problem.depth else "in-plane"
     fault = replace(given, shear=shear, even=True, mode=mode)
-    began = time.process_time()
-    done = sf.solve(
-        fault, end_time=float(times[-1]), nodes=nodes, times=list(times), estimate=False
-    )
-    seconds = time.process_time() - began
+    done, seconds = timed_run(fault, float(times[-1]), nodes, times)
     fields = {
         "slip": done.slip,
         "slip rate": done.slip_rate,
@@ -167,7 +162,7 @@ def main() -> None:
             one = at_points(problem, theirs, spacing, their_seconds)
             pairs.append((one, at_points(problem, ours, f"{96e3 / nodes:g} m", our_seconds)))
         case = f"TPV3, {'antiplane' if problem.depth else 'in plane'}"
-        replace_rows(compared("SEM2DPACK", case, COMMAND, pairs))
+        record("SEM2DPACK", case, COMMAND, pairs)
 
 
 if __name__ == "__main__":

@@ -8,13 +8,12 @@ postprocess/tpv2052d/benchmark_data; its files are not part of this package.
 from __future__ import annotations
 
 import re
-import time
 from pathlib import Path
 
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows
+from docs.studies.peers.rows import Array, GridRun, places, record, timed_run
 
 COMMAND = "python -m docs.studies.peers.tpv205 FOLDER"
 NODES = (480, 960, 1920, 3840)
@@ -39,11 +38,7 @@ def our_run(nodes: int, t: Array, x: Array) -> tuple[GridRun, Array]:
     Shear tractions are changes.
     """
     found = sf.find("tpv205")
-    began = time.process_time()
-    done = sf.solve(
-        found.interface, end_time=float(t[-1]), nodes=nodes, times=list(t), estimate=False
-    )
-    seconds = time.process_time() - began
+    done, seconds = timed_run(found.interface, float(t[-1]), nodes, t)
     where = np.abs(done.x[:, None] - x).argmin(axis=0)
     slip, rate, shear = (
         field[:, where] for field in (done.slip, done.slip_rate, done.shear_traction)
@@ -63,7 +58,7 @@ def main() -> None:
     # patch that slips at once, where ours is taken
     fields = {"slip": slip, "slip rate": rate, "shear traction": MEGA * shear - runs[-1][1]}
     theirs = GridRun("200 m", fields, None)
-    replace_rows(compared("PyLith", "tpv205", COMMAND, [(theirs, ours) for ours, _ in runs]))
+    record("PyLith", "tpv205", COMMAND, [(theirs, ours) for ours, _ in runs])
 
 
 if __name__ == "__main__":

@@ -10,13 +10,12 @@ BimatInterface and dumps its fields 20 times.  None of this is part of this pack
 from __future__ import annotations
 
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, compared, places, replace_rows, seconds_of
+from docs.studies.peers.rows import Array, GridRun, places, record, seconds_of, timed_run
 
 COMMAND = "python -m docs.studies.peers.uguca FIELDS BUILD"
 FILES = {"slip": ("top_disp_0", 2.0), "slip rate": ("top_velo_0", 2.0)}
@@ -52,21 +51,14 @@ def tpv101(fields: Path, build: Path) -> None:
             program = (build / "TPV101-2d").resolve()
             seconds = seconds_of([program, "-N", str(nodes)], Path(scratch))
         theirs = GridRun(f"{PERIOD / nodes:g} m", published(fields, nodes), seconds)
-        began = time.process_time()
-        done = sf.solve(
-            found.interface,
-            end_time=times[-1],
-            nodes=our_nodes,
-            step_ratio=STEP_RATIO,
-            times=times,
-            estimate=False,
+        done, seconds = timed_run(
+            found.interface, times[-1], our_nodes, times, step_ratio=STEP_RATIO
         )
         ours = {"slip": done.slip, "slip rate": done.slip_rate}
-        seconds = time.process_time() - began
         pairs.append((theirs, GridRun(f"{PERIOD / our_nodes:g} m", ours, seconds)))
     coarse, fine = (theirs.fields for theirs, _ in pairs)
     limit = {name: 2 * fine[name] - coarse[name] for name in FILES}
-    replace_rows(compared("UGUCA", "tpv101", COMMAND, pairs, limit))
+    record("UGUCA", "tpv101", COMMAND, pairs, limit)
 
 
 def their_bimat(build: Path, nodes: int) -> GridRun:
@@ -94,11 +86,7 @@ def our_bimat(nodes: int) -> GridRun:
     found = sf.find("rock-on-gouge")
     assert found.end_time is not None
     times = [found.end_time * k / 20 for k in range(21)]
-    began = time.process_time()
-    done = sf.solve(
-        found.interface, end_time=found.end_time, nodes=nodes, times=times, estimate=False
-    )
-    seconds = time.process_time() - began
+    done, seconds = timed_run(found.interface, found.end_time, nodes, times)
     fields = (done.slip, done.slip_rate, done.shear_traction, done.pressure)
     changes = {
         name: (field - BIMAT[name])[1:, :: nodes // 256]
@@ -112,7 +100,7 @@ def main() -> None:
     fields, build = places(__doc__, "FIELDS", "BUILD")
     tpv101(fields, build)
     pairs = [(their_bimat(build, nodes), our_bimat(nodes)) for nodes in (512, 1024)]
-    replace_rows(compared("UGUCA", "rock-on-gouge", COMMAND, pairs))
+    record("UGUCA", "rock-on-gouge", COMMAND, pairs)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 
 import numpy as np
 
@@ -69,15 +68,6 @@ def regime_rows(part: str, loading: Loading, nu: float, chi: list[float]) -> lis
     return [trace(loading, nu)] if part == "curves" else map_rows(part, loading, nu, chi)
 
 
-def counts(rows: list[Row]) -> list[Row]:
-    """Return the number of points of each regime on both maps."""
-    found = Counter((row["loading"], row["regime"]) for row in rows if row["part"] == "map")
-    return [
-        {"loading": loading, "regime": name, "points": number}
-        for (loading, name), number in sorted(found.items())
-    ]
-
-
 def opening_points(quick: bool) -> list[Point]:
     """Return columns of the map of openings, and panels of their speeds."""
     size, count = (4, 9) if quick else (30, 60)
@@ -128,12 +118,8 @@ def opening_table_row(nu: float) -> Row:
     }
 
 
-def _no_table(rows: list[Row]) -> list[Row]:
-    return []
-
-
 STUDIES = [
-    Study("regimes-map", map_points, regime_rows, counts, MAPS),
+    Study("regimes-map", map_points, regime_rows, lambda rows: [], MAPS),
     Study("regimes-thresholds", lambda quick: [(nu,) for nu in TABLED], threshold_row),
     Study("regimes-reverse", lambda quick: [(nu,) for nu in REVERSED], reverse_row),
     Study("regimes-opening", lambda quick: [(nu,) for nu in TABLED], opening_table_row),
@@ -146,14 +132,14 @@ STUDIES = [
         "openings-map",
         opening_points,
         opening_rows,
-        _no_table,
+        lambda rows: [],
         {"regimes_openings": openings_figure},
     ),
     Study(
         "viscosity-map",
         viscous_points,
         viscous_rows,
-        _no_table,
+        lambda rows: [],
         {"regimes_viscosity": viscosity_figure},
     ),
 ]

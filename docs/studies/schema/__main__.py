@@ -1,5 +1,5 @@
 """Run ``python -m docs.studies.schema``."""
 
-from docs.studies.schema import main
+from docs.studies.schema import write
 
-raise SystemExit(main())
+write()

@@ -1,19 +1,29 @@
-"""Keys that commands which answer for one scene, or for many, print with ``--json``."""
+"""Keys that commands print with ``--json``."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from compare.benchmarks.scores import Score
+from compare.benchmarks.sheets import Sheet
+from compare.chart.figure import Found
+from compare.chart.points import Point
 from compare.comparison.fields.errors import FieldError
 from compare.comparison.rows import Row
 from compare.validation.bars import JudgedRow
 from compare.validation.norms import Norm
-from docs.studies.schema.parts import COUNTS, MATERIAL, PAIR, SCENES, VERDICT
 from docs.studies.schema.vocabulary import (
     ANYTHING,
+    COUNTS,
+    MATERIAL,
     NUMBER,
+    PAIR,
+    PROBLEM,
     SCENE,
+    SCENES,
     TEXT,
+    TRUTH,
+    VERDICT,
     WHOLE,
     Key,
     list_of,
@@ -23,6 +33,7 @@ from docs.studies.schema.vocabulary import (
     row_of,
     shape,
 )
+from semianalytic import SlidingWave
 from semianalytic.results.answer import ARRIVALS, FIELDS
 
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
@@ -69,8 +80,9 @@ _FIELD = {
     "gauges": Key("gauges recorded, in the order of the files", list_of(shape("x y"))),
 }
 """Keys of ``slipfront field`` for bodies alike and different."""
+_SHEET = row_of(Sheet, scene=PROBLEM)
 
-ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
+DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "solve": (
         {
             "scene": _SCENE_KEY,
@@ -298,5 +310,40 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         {"pages": Key("titles of the installed pages, by name", named(TEXT))},
         {"page": Key("name of the page", TEXT), "text": Key("the page, in Markdown", TEXT)},
     ),
+    "benchmark": ({"sheets": Key("all problem sheets", list_of(_SHEET))},),
+    "benchmark show": (
+        {
+            "sheet": Key("the sheet; its scene is that, or the file of the interface", _SHEET),
+            "times": Key("times; of scenes over T", list_of(NUMBER)),
+            "answers": Key("answers by quantity", {"type": "object"}),
+            "errors": Key("stated relative errors of marched answers", named(NUMBER)),
+        },
+    ),
+    "benchmark export": ({"sheets": Key("names of the sheets", list_of(TEXT))},),
+    "benchmark score": (
+        {"scores": Key("scores of each run and quantity", list_of(row_of(Score)))},
+    ),
+    "sliding": (
+        {
+            "upper": Key("upper body", MATERIAL),
+            "lower": Key("lower body", MATERIAL),
+            "friction": Key("friction coefficient", NUMBER),
+            "well_posed": Key("whether no wave grows", TRUTH),
+            "verdict": Key("whether waves grow, and what would end that, in a sentence", TEXT),
+            "threshold_with": Key("friction above which waves grow with the upper body", NUMBER),
+            "threshold_against": Key("the same for waves against it", NUMBER),
+            "waves": Key("waves that grow at this friction", list_of(row_of(SlidingWave))),
+            "delayed_growth": Key("largest growth rate times t* under a delay t*", NUMBER),
+            "generalised_rayleigh_speed": Key("null without such a wave", NUMBER),
+            "stoneley_speed": Key("null without such a wave", NUMBER),
+            "dundurs": Key("Dundurs' parameter beta", NUMBER),
+        },
+    ),
+    "chart": (
+        {
+            "points": Key("points measured, as in data/chart.csv", list_of(row_of(Point))),
+            "found": Key("what they say, as in data/chart-found.csv", list_of(row_of(Found))),
+        },
+    ),
 }
-"""Keys that each of these commands adds to the `ENVELOPE`; solve has four forms."""
+"""Keys that each command adds to the `ENVELOPE` in each of its forms; solve has four."""

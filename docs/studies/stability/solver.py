@@ -125,14 +125,14 @@ def limit_rows(limit: str, exponent: int) -> list[Row]:
     distance = 10.0**-exponent
     nu = {"0.5": 0.5 - distance, "0+": distance, "0-": -distance, "-1": -1 + distance}[limit]
     rows: list[Row] = []
-    shares = {"remote, 30 %": 0.3, "remote, 90 %": 0.9}
+    range_of_slip = stuck_threshold(nu) - 1
     scenes: dict[str, tuple[Loading, float]] = {
         "preload, χ = 1": ("preload", 1.0),
         "preload, χ = 0.2": ("preload", 0.2),
         "remote, all slips": ("remote", 0.9),
+        "remote, 30 %": ("remote", 1 + 0.3 * range_of_slip),
+        "remote, 90 %": ("remote", 1 + 0.9 * range_of_slip),
     }
-    for name, share in shares.items():
-        scenes[name] = ("remote", 1 + share * (stuck_threshold(nu) - 1))
     for name, (loading, chi) in scenes.items():
         solution = attempt(loading, nu, chi, RTOL)
         values = {"error estimate": math.nan}
@@ -150,22 +150,16 @@ def limit_rows(limit: str, exponent: int) -> list[Row]:
 def thresholds() -> dict[str, tuple[Loading, float, float]]:
     """Return frictions at which the set of zones changes: (loading, nu, chi) by name."""
     third, half = 1 / 3, -0.5
+    edge, front = regimes.edge_threshold, regimes.nucleation
+    reverse = regimes.reverse_threshold
     chosen: dict[str, tuple[Loading, float, float]] = {
-        "edge slips, ν = 1/3": ("remote", third, regimes.edge_threshold(third)),
-        "edge slips, ν = −0.5": ("remote", half, regimes.edge_threshold(half)),
-        "front slips, stuck edge, ν = −0.5": (
-            "remote",
-            half,
-            regimes.nucleation("remote", half),
-        ),
-        "front slips, remote, ν = 1/3": ("remote", third, regimes.nucleation("remote", third)),
-        "front slips, preload, ν = 1/3": (
-            "preload",
-            third,
-            regimes.nucleation("preload", third),
-        ),
-        "reverse slip, ν = −0.5": ("preload", half, regimes.reverse_threshold(half)),
-        "reverse slip, ν = −0.2": ("preload", -0.2, regimes.reverse_threshold(-0.2)),
+        "edge slips, ν = 1/3": ("remote", third, edge(third)),
+        "edge slips, ν = −0.5": ("remote", half, edge(half)),
+        "front slips, stuck edge, ν = −0.5": ("remote", half, front("remote", half)),
+        "front slips, remote, ν = 1/3": ("remote", third, front("remote", third)),
+        "front slips, preload, ν = 1/3": ("preload", third, front("preload", third)),
+        "reverse slip, ν = −0.5": ("preload", half, reverse(half)),
+        "reverse slip, ν = −0.2": ("preload", -0.2, reverse(-0.2)),
         "all slips, ν = 1/3": ("remote", third, 1.0),
     }
     gap = regimes.gap_threshold("remote", third)
@@ -201,19 +195,14 @@ def grid_rows(
     scale = np.sqrt(np.abs(np.diag(problem.matrix)))
     scaled = problem.matrix / scale / scale[:, None]
     symmetric = float(np.linalg.eigvalsh((scaled + scaled.T) / 2)[0])
-    case = f"{loading}, ν = {nu:.3g}, χ = {chi:g}"
-    pivoted = by_pivoting(problem)
-    values = {
-        "condition": float(np.linalg.cond(scaled)),
-        "least eigenvalue": symmetric,
-        "rounds": pivoted.rounds,
-        **_errors(xi, pivoted, rate),
-    }
-    rows = _rows("grid", case, size, values, pivoted.status, f"{placement}, pivoting")
-    if active:
-        other = by_active_set(problem)
-        values = {"rounds": other.rounds, **_errors(xi, other, rate)}
-        rows += _rows("grid", case, size, values, other.status, f"{placement}, active set")
+    case, rows = f"{loading}, ν = {nu:.3g}, χ = {chi:g}", list[Row]()
+    values = {"condition": float(np.linalg.cond(scaled)), "least eigenvalue": symmetric}
+    methods = {"pivoting": by_pivoting} | ({"active set": by_active_set} if active else {})
+    for name, method in methods.items():
+        answer = method(problem)
+        values |= {"rounds": answer.rounds, **_errors(xi, answer, rate)}
+        rows += _rows("grid", case, size, values, answer.status, f"{placement}, {name}")
+        values = {}
     return rows
 
 

@@ -5,29 +5,25 @@ whose bases are 1e-6 to 1e6 times the step to 1e-5, 1e-6 or 1e-8.  Edges, slip r
 tractions, gap, power, stress intensities, fields in the bodies and derivatives are held against an
 answer to 1e-12 (1e-9 where strength depends on slip rate), derivatives also against what doubling
 all tractions does, and Coulomb friction against its law where no node lies.  An error is counted
-over the sum of what both answers say that it may be.  `campaign-histories` marches histories of
-shear and pressure under every law on two grids.
+over the sum of what both answers say that it may be.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from contextlib import suppress
 from time import process_time
 
 import numpy as np
 from numpy.typing import NDArray
 
-from docs.studies.runner import Point, Row, Study, main
-from docs.studies.trials.draws import drawn, random_history_scene, random_wide_scene
+from docs.studies.runner import Row, Study, main
+from docs.studies.trials.draws import drawn, random_wide_scene
 from semianalytic import (
     CoulombFriction,
-    Marched,
     RateWeakening,
     Scene,
     SceneError,
-    SlipfrontError,
     SlipZone,
     Solution,
     TensionError,
@@ -37,7 +33,6 @@ from semianalytic import (
 Array = NDArray[np.float64]
 
 SCENES, SEED = 5000, 3
-HISTORIES, HISTORY_SEED, NODES = 300, 1, 200
 FINE = {"CoulombFriction": 1e-12, "ViscousFriction": 1e-9, "RateWeakening": 1e-9}
 """Accuracies of better answers: films that open take minutes to 1e-12, and friction that falls with
 slip rate does not come further."""
@@ -55,8 +50,6 @@ _PER_STRETCH, _BETWEEN = 60, 8
 looked for."""
 _AT_EDGE = 1e-12
 """Velocity over c_t that stands for the contact edge itself."""
-_CHANGED = 0.01
-"""Slip over its scale that a finer grid may find before the answer "no slip" counts as wrong."""
 QUANTITIES = (
     "edges",
     "slip_rate",
@@ -112,8 +105,7 @@ def errors(
     """Errors over estimates by quantity; fields in the bodies of one scene in three, derivatives of
     another."""
     found = {"edges": error_between(rough, fine) / _bound(rough, fine)}
-    found |= _on_the_interface(rough, fine, random)
-    found |= _totals(rough, fine)
+    found |= _on_the_interface(rough, fine, random) | _totals(rough, fine)
     if isinstance(rough.scene.friction_law, CoulombFriction):
         found["coulomb"] = broken_law(rough, random) / _bound(rough, fine)
     if index % 3 == 0:
@@ -155,48 +147,46 @@ def _over(change: Array, scale: Array | float, bound: float) -> float:
     return float(share.max(initial=0.0)) / bound
 
 
+def _both(rough: Solution, fine: Solution, name: str, *at: Array) -> tuple[Array, Array]:
+    """The change of a field at unit time from one answer to the other, and its better values."""
+    one, other = (getattr(answer, name)(*at, 1.0) for answer in (rough, fine))
+    return one - other, other
+
+
 def _on_the_interface(
     rough: Solution, fine: Solution, random: np.random.Generator
 ) -> dict[str, float]:
     bound, scene = _bound(rough, fine), rough.scene
     clear, fastest = _clear(fine, random), scene.material.longitudinal_speed
     anywhere = random.uniform(0, 1.05 * fastest, _POINTS)
-    rates = [one.slip_rate(clear, 1.0) for one in (rough, fine)]
-    slips = [one.slip(anywhere, 1.0) for one in (rough, fine)]
-    shears = [one.shear_traction(clear, 1.0) for one in (rough, fine)]
-    pressures = [one.pressure(clear, 1.0) for one in (rough, fine)]
+    rate, rates = _both(rough, fine, "slip_rate", clear)
+    slip, _ = _both(rough, fine, "slip", anywhere)
+    shear, shears = _both(rough, fine, "shear_traction", clear)
+    pressure, _ = _both(rough, fine, "pressure", clear)
     load, base = _largest_load(scene), scene.superposition.in_place.pressure
     rounding = _ROUNDING * max(base * max(scene.friction, 1.0), load) / bound
+    # a zone that slips less than the estimate may be missing
+    fastest_slip = max(np.abs(rates).max(initial=0.0), *(_peak(fine, one) for one in fine.zones), 0)
+    # close to a stuck contact edge a large change may take off a large base
+    near = np.abs(shears) + np.abs(shears - scene.base.shear) + load + rounding
     found = {
-        # a zone that slips less than the estimate may be missing
-        "slip_rate": _over(
-            rates[0] - rates[1],
-            max([np.abs(rates[1]).max(initial=0.0), *(_peak(fine, one) for one in fine.zones)]),
-            bound,
-        ),
-        "slip": _over(slips[0] - slips[1], fine.max_slip(1.0), bound),
-        # close to a stuck contact edge a large change may take off a large base
-        "traction": _over(
-            shears[0] - shears[1],
-            np.abs(shears[1]) + np.abs(shears[1] - scene.base.shear) + load + rounding,
-            bound,
-        ),
-        "pressure": _over(
-            pressures[0] - pressures[1], base + abs(scene.superposition.taken_off.pressure), bound
-        ),
+        "slip_rate": _over(rate, fastest_slip, bound),
+        "slip": _over(slip, fine.max_slip(1.0), bound),
+        "traction": _over(shear, near, bound),
+        "pressure": _over(pressure, base + abs(scene.superposition.taken_off.pressure), bound),
     }
     if fine.openings:
         ends = max(zone.outer for zone in fine.openings)
         x = ends * (np.arange(_POINTS) + 0.5) / _POINTS
-        gaps = [one.gap(x, 1.0) for one in (rough, fine)]
-        found["gap"] = _over(np.abs(gaps[0] - gaps[1]).mean(), float(gaps[1].max()), bound)
+        gap, gaps = _both(rough, fine, "gap", x)
+        found["gap"] = _over(np.abs(gap).mean(), float(gaps.max()), bound)
     return found
 
 
 def _totals(rough: Solution, fine: Solution) -> dict[str, float]:
     bound = _bound(rough, fine)
-    powers = [float(one.frictional_power(1.0)) for one in (rough, fine)]
-    found = {"power": _over(np.array(powers[0] - powers[1]), abs(powers[1]), bound)}
+    power, better = (float(one.frictional_power(1.0)) for one in (rough, fine))
+    found = {"power": _over(np.array(power - better), abs(better), bound)}
     pairs = zip(rough.stress_intensity(1.0), fine.stress_intensity(1.0), strict=True)
     found["intensity"] = max(_over(np.asarray(a - b), np.abs(b), bound) for a, b in pairs)
     return found
@@ -215,15 +205,11 @@ def _in_the_bodies(
     bound = rough.field_error + fine.field_error
     rate = load / material.shear_impedance
     base = scene.superposition.in_place.pressure + abs(scene.superposition.in_place.shear)
-    scales = {
-        "velocity": rate,
-        "stress": load + _ROUNDING * base / bound,
-        "displacement": rate,
-    }
+    scales = {"velocity": rate, "stress": load + _ROUNDING * base / bound, "displacement": rate}
     found = {}
     for name, scale in scales.items():
-        one, other = (getattr(answer, name)(x, y, 1.0) for answer in (rough, fine))
-        found[name] = _over(one - other, np.abs(other) + scale, bound)
+        change, better = _both(rough, fine, name, x, y)
+        found[name] = _over(change, np.abs(better) + scale, bound)
     return found
 
 
@@ -351,52 +337,12 @@ def _count(rows: list[Row], name: str, *beginnings: str) -> int:
     return sum(row[name].startswith(beginnings) for row in rows)
 
 
-def marched_row(seed: int, index: int) -> Row:
-    """March a history on two grids, and hold the answer against the other and the law.
-
-    `change` is that of slip at the end in L1 from the coarse to the fine grid, `excess` the largest
-    traction above strength over the largest traction, `least_work` the least work of friction of a
-    node over the largest; `silent` is whether "no slip" is said without a word where there is some.
-    """
-    scene, _ = drawn(seed, index, random_history_scene)
-    law = type(scene.friction_law).__name__
-    row: Row = {"index": index, "law": law, "outcome": "refused", "change": 0.0, "excess": 0.0}
-    row |= {"least_work": 0.0, "silent": False}
-    try:
-        coarse = solve(scene, method="space-time", end_time=1.0, nodes=NODES, companion=False)
-        fine = solve(scene, method="space-time", end_time=1.0, nodes=2 * NODES, companion=False)
-    except SlipfrontError:
-        return row
-    slip = np.abs(fine.interface.slip[-1])
-    paired = (fine.interface.slip[-1, ::2] + fine.interface.slip[-1, 1::2]) / 2
-    size = float(np.abs(paired).sum())
-    change = float(np.abs(coarse.interface.slip[-1] - paired).sum()) / size if size else 0.0
-    drive = sum(abs(part.shear) for part in scene.superposition) / scene.material.shear_impedance
-    missed = not coarse.seen.slip_rate.any() and slip.max() > _CHANGED * drive
-    work, resolved = coarse.final_work_density, coarse.status == "resolved"
-    row |= {"outcome": "marched" if resolved else "unresolved", "change": change}
-    row |= {"excess": excess_of(coarse), "silent": bool(missed and resolved)}
-    return {**row, "least_work": float(work.min() / work.max()) if work.any() else 0.0}
+def points(quick: bool) -> list[tuple[int, int]]:
+    """Return seed and number of each scene."""
+    return [(SEED, index) for index in range(4 if quick else SCENES)]
 
 
-def excess_of(marched: Marched) -> float:
-    """Largest |tau| - strength at the end over the largest traction."""
-    scene, end = marched.scene, marched.interface
-    shear = np.abs(end.shear_traction[-1])
-    strength = scene.friction_law.strength(
-        scene.friction * end.pressure[-1], end.slip_rate[-1], marched.final_path
-    )
-    return max(float((shear - strength).max()) / (float(shear.max()) or 1.0), 0.0)
-
-
-def _numbered(count: int, seed: int) -> Callable[[bool], list[Point]]:
-    return lambda quick: [(seed, index) for index in range(4 if quick else count)]
-
-
-STUDIES = [
-    Study("campaign-answers", _numbered(SCENES, SEED), answer_row, summary),
-    Study("campaign-histories", _numbered(HISTORIES, HISTORY_SEED), marched_row),
-]
+STUDIES = [Study("campaign-answers", points, answer_row, summary)]
 
 if __name__ == "__main__":
     raise SystemExit(main("docs.studies.trials.campaign", STUDIES))

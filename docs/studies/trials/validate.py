@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from statistics import median
 from typing import Any
 
@@ -26,7 +27,6 @@ from fem import simulate
 from semianalytic import (
     ComputationError,
     InterfaceHistory,
-    Material,
     Scene,
     SceneError,
     Solution,
@@ -117,9 +117,8 @@ def alarms(rows: list[Row]) -> list[Row]:
     """Return sums of counts, the largest difference over its bar, and medians of bars, by group."""
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row in rows:
-        groups.setdefault(tuple(row[name] for name in ("use", "kind", "code", "cells")), []).append(
-            row
-        )
+        key = tuple(row[name] for name in ("use", "kind", "code", "cells"))
+        groups.setdefault(key, []).append(row)
     found = []
     for _, group in sorted(groups.items()):
         line = dict(group[0])
@@ -137,30 +136,20 @@ Spoil = Callable[[Arrays, Scene], tuple[Arrays, Scene] | None]
 """Records and the scene they are held against, spoilt; None where the mistake changes nothing."""
 
 
-def _friction(factor: float) -> Spoil:
-    def spoil(data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
-        return (data, replace(scene, friction=factor * scene.friction)) if scene.friction else None
-
-    return spoil
+def _friction(factor: float, data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
+    return (data, replace(scene, friction=factor * scene.friction)) if scene.friction else None
 
 
-def _poisson(change: float) -> Spoil:
-    def spoil(data: Arrays, scene: Scene) -> tuple[Arrays, Scene]:
-        solid = scene.material
-        ratio = solid.poisson_ratio + change
-        return data, replace(scene, material=Material(solid.shear_modulus, solid.density, ratio))
-
-    return spoil
+def _poisson(change: float, data: Arrays, scene: Scene) -> tuple[Arrays, Scene]:
+    solid = replace(scene.material, poisson_ratio=scene.material.poisson_ratio + change)
+    return data, replace(scene, material=solid)
 
 
-def _times(**factors: float) -> Spoil:
-    def spoil(data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
-        changed = {name: factor * data[name] for name, factor in factors.items()}
-        if all(np.array_equal(data[name], value) for name, value in changed.items()):
-            return None
-        return {**data, **changed}, scene
-
-    return spoil
+def _times(factors: Arrays, data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
+    changed = {name: factor * data[name] for name, factor in factors.items()}
+    if all(np.array_equal(data[name], value) for name, value in changed.items()):
+        return None
+    return {**data, **changed}, scene
 
 
 def _no_second_zone(data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
@@ -173,13 +162,13 @@ def _no_second_zone(data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
 
 
 SPOILS: Mapping[str, Spoil] = {
-    "friction +3 %": _friction(1.03),
-    "friction −3 %": _friction(0.97),
-    "ν +0.01": _poisson(0.01),
-    "ν −0.01": _poisson(-0.01),
-    "tractions times 1.1": _times(shear_traction=1.1, pressure=1.1),
-    "slip times 1.1": _times(slip_rate=1.1, slip=1.1),
-    "times times 1.02": _times(t=1.02),
+    "friction +3 %": partial(_friction, 1.03),
+    "friction −3 %": partial(_friction, 0.97),
+    "ν +0.01": partial(_poisson, 0.01),
+    "ν −0.01": partial(_poisson, -0.01),
+    "tractions times 1.1": partial(_times, {"shear_traction": 1.1, "pressure": 1.1}),
+    "slip times 1.1": partial(_times, {"slip_rate": 1.1, "slip": 1.1}),
+    "times times 1.02": partial(_times, {"t": 1.02}),
     "no second zone": _no_second_zone,
 }
 

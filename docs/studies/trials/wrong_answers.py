@@ -140,9 +140,8 @@ def profiled(solution: Solution) -> Profiled:
 # --- answers --------------------------------------------------------------------------------------
 
 
-def _of_another_scene(change: Callable[[Scene], Scene], right: Answer) -> Answer | None:
+def _of_another_scene(other: Scene, right: Answer) -> Answer | None:
     """Return the right answer to another scene."""
-    other = change(right.scene)
     if other == right.scene:
         return None
     if not isinstance(right, Marched):
@@ -157,15 +156,15 @@ def _of_another_scene(change: Callable[[Scene], Scene], right: Answer) -> Answer
     )
 
 
-def _friction(size: float) -> Callable[[Scene], Scene]:
-    return lambda scene: replace(scene, friction=(1 + size) * scene.friction)
+def _friction(size: float, share: float, scene: Scene) -> Scene:
+    return replace(scene, friction=(1 + size * share) * scene.friction)
 
 
-def _ratio(size: float) -> Callable[[Scene], Scene]:
-    return lambda scene: override_scene(scene, poisson_ratio=scene.material.poisson_ratio + size)
+def _ratio(size: float, share: float, scene: Scene) -> Scene:
+    return override_scene(scene, poisson_ratio=scene.material.poisson_ratio + size * share)
 
 
-def _without_base_shear(scene: Scene) -> Scene:
+def _without_base_shear(_: float, scene: Scene) -> Scene:
     held = scene.superposition.in_place
     return replace(scene, base=Tractions(held.pressure, 0.0), load_on=SLOT)
 
@@ -234,12 +233,12 @@ def _bent(right: Solution, place: float, moved: float, fixed: list[float]) -> Pr
 
 
 Make = Callable[[float, float], Callable[[Solution], Answer | None]]
-_ANY: Mapping[str, Callable[[float], Callable[[Scene], Scene]]] = {
-    "friction +3 %": lambda share: _friction(0.03 * share),
-    "friction -3 %": lambda share: _friction(-0.03 * share),
-    "ν +0.01": lambda share: _ratio(0.01 * share),
-    "ν -0.01": lambda share: _ratio(-0.01 * share),
-    "base shear forgotten": lambda share: _without_base_shear,
+_ANY: Mapping[str, Callable[[float, Scene], Scene]] = {
+    "friction +3 %": partial(_friction, 0.03),
+    "friction -3 %": partial(_friction, -0.03),
+    "ν +0.01": partial(_ratio, 0.01),
+    "ν -0.01": partial(_ratio, -0.01),
+    "base shear forgotten": _without_base_shear,
 }
 """Mistakes about the scene, by a share of the usual size."""
 _SELF_SIMILAR: Mapping[str, Make] = {
@@ -266,7 +265,7 @@ def spoilt(mistake: str, right: Answer, step: float, share: float = 1.0) -> Answ
     """
     try:
         if mistake in _ANY:
-            return _of_another_scene(_ANY[mistake](share), right)
+            return _of_another_scene(_ANY[mistake](share, right.scene), right)
         if isinstance(right, Solution):
             return _SELF_SIMILAR[mistake](share, step)(right)
         return None

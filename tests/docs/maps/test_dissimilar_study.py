@@ -10,7 +10,7 @@ from docs.studies.dissimilar.__main__ import (
     slot_row,
     threshold_row,
 )
-from docs.studies.dissimilar.judged import fields_rows, honesty, stated_rows
+from docs.studies.dissimilar.errors import fields_rows, honesty, stated_rows
 from docs.studies.pages import read_data
 
 

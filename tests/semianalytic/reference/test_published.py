@@ -109,6 +109,7 @@ def test_no_reading_gives_the_published_limit():
     limits = np.array([r.reverse_limit for r in results if r.settled])
     assert len(results) == 144
     assert np.all(np.abs(limits[np.isfinite(limits)] - REVERSE_LIMIT) > 0.02)
+    assert {r.reading.delay for r in results if np.isinf(r.condition)} == {"printed"}
 
 
 def test_bad_input():

@@ -38,12 +38,11 @@ def test_every_command_has_json_and_a_schema():
     assert set(DOCUMENTS) == {name for name, _ in commands()}
 
 
-def test_schema_and_table_are_up_to_date(tmp_path, capsys):
+def test_schema_and_table_are_up_to_date(tmp_path):
     (tmp_path / "data").mkdir()
     docs.studies.schema.write(tmp_path)
     for name in ("schema.json", "data/json-keys.csv"):
         assert (tmp_path / name).read_text() == (ROOT / "docs" / name).read_text(), name
-    assert docs.studies.schema.main(["--check"]) == 0
     jsonschema.Draft202012Validator.check_schema(schema())
 
 

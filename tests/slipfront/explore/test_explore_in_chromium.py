@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 
 import pytest
 
-from docs.studies.chromium import served_page
+from docs.chromium import served_page
 
 pytestmark = pytest.mark.slow
 

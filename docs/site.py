@@ -1,6 +1,6 @@
 """Read the built site in Chromium: nothing comes from elsewhere, formulas are set, search finds.
 
-``python -m docs.studies.site results/site`` serves the folder to this machine, opens some pages and
+``python -m docs.site results/site`` serves the folder to this machine, opens some pages and
 searches for what slipfront does not do.  It ends with exit code 1 and a list if anything is wrong.
 """
 
@@ -16,7 +16,7 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
-from docs.studies.chromium import CHROMIUM, Browser
+from docs.chromium import CHROMIUM, Browser
 
 PAGES = ("", "theory/", "tutorials/first_scene/", "api/scene/", "not_here/")
 WITH_FORMULAS = "theory/"

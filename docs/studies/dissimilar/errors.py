@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,96 +11,22 @@ import numpy as np
 from compare.comparison.bars import LARGEST_ORDER, LEAST_ORDER, error_bar
 from compare.comparison.fields.changes import PARTS
 from compare.comparison.fields.errors import FieldErrors, field_errors
-from compare.comparison.judgement import judge
-from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from docs.studies.dissimilar.pairs import SCENES, random_pair
-from docs.studies.runner import Point, Row
+from docs.studies.runner import Row
 from fem import Simulation, simulate, with_companions
-from semianalytic import Pair, PairSolution, SceneError, find, solve
+from semianalytic import Pair, PairSolution, SceneError, solve
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.scene.given.named import NAMED_PAIRS
 
-RESOLUTION, FIELDS_RESOLUTION = 100, 64
-"""Elements over the way of a shear wave of the upper body, of verdicts, as `slipfront compare`
-takes by default, and of fields; companions have half and a quarter."""
-DRAWN, SEED = 20, 31
-"""Random pairs that are judged, and the first number of their seeds."""
-OFF, STIFFER, WRONG = 1.03, 1.1, 1.03
-"""Wrong answers over right ones: friction and lower shear modulus of verdicts; that of fields."""
-REFUSED = "refused"
+FIELDS_RESOLUTION = 64
+"""Elements over the way of a shear wave of the upper body; companions have half and a quarter."""
+WRONG = 1.03
+"""Lower shear modulus of a wrong answer over the right one."""
 EXACT, TOLERANCES = 1e-10, (1e-4, 1e-6, 1e-8)
 """The rtol of the answers that count as exact, and of those that are compared with them."""
 BESIDE = 0.03
 """Distance from zone edges, over the slowest wave speed, from which `error_estimate` speaks."""
 STATED, STATED_SEED = 346, 2
 """Random pairs that are drawn for the errors of estimates, and the first number of their seeds."""
-
-
-def judged_points(quick: bool) -> list[Point]:
-    """Return the named pairs, and the scenes that between them have all kinds of zones."""
-    return [(name, 24 if quick else RESOLUTION) for name in (*NAMED_PAIRS, *SCENES)]
-
-
-def drawn_points(quick: bool) -> list[Point]:
-    """Return the first random pairs that friction does not leave without an answer."""
-    points: list[Point] = []
-    number = 0
-    while len(points) < (2 if quick else DRAWN):
-        if verdict_on(drawn_pair(number), None) != REFUSED:
-            points.append((f"random {number}", 24 if quick else RESOLUTION))
-        number += 1
-    return points
-
-
-def drawn_pair(number: int) -> Pair:
-    """Return the random pair of a number."""
-    return random_pair(np.random.default_rng([SEED, number]))
-
-
-def wrong_ones(pair: Pair) -> Mapping[str, Pair]:
-    """Return pairs whose answers are wrong for a pair, by the name of what is wrong."""
-    lower = replace(pair.lower, shear_modulus=STIFFER * pair.lower.shear_modulus)
-    return {
-        "friction": replace(pair, friction=OFF * pair.friction),
-        "exchanged": replace(pair, upper=pair.lower, lower=pair.upper),
-        "stiffer": replace(pair, lower=lower),
-    }
-
-
-def verdict_on(pair: Pair, run: Simulation | None) -> str:
-    """Return the verdict on the answer for a pair, or whether it is refused; "" without a run."""
-    try:
-        answer = solve(pair)
-    except SceneError:
-        return REFUSED
-    return "" if run is None else judge(answer, run).verdict
-
-
-def judged_row(name: str, resolution: int) -> Row:
-    """Simulate a pair until a shear wave of the upper body has come a length of 1, and judge.
-
-    The row has the numbers of rows that agree, differ and are unresolved, the largest difference of
-    what agrees in error bars and where it is, and the verdicts on wrong answers.
-    """
-    if name.startswith("random"):
-        pair = drawn_pair(int(name.split()[1]))
-    else:
-        pair = SCENES[name] if name in SCENES else find(name)
-    time = 1 / pair.upper.shear_speed
-    run = simulate(pair.alike, time, resolution=resolution, lower_material=pair.lower)
-    run = with_companions(run)
-    judgement = judge(solve(pair), run)
-    over_bar, what = max((row.over_bar, row.name) for row in judgement.having(AGREES))
-    return {
-        "scene": name,
-        "verdict": judgement.verdict,
-        "agree": judgement.counts[AGREES],
-        "differ": judgement.counts[DIFFERS],
-        "unresolved": judgement.counts[UNRESOLVED],
-        "over_bar": over_bar,
-        "what": what,
-        **{which: verdict_on(other, run) for which, other in wrong_ones(pair).items()},
-    }
 
 
 def fields_rows(name: str, resolution: int) -> list[Row]:

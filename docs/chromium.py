@@ -88,17 +88,8 @@ class Browser:
             self.events.append(answer)
         return answer
 
-    def open(self, address: str, width: int, scheme: str = "light") -> None:
-        """Load a page in a window of given width and colour scheme, with an empty log."""
-        self.resize(width)
-        features = [{"name": "prefers-color-scheme", "value": scheme}]
-        self.call("Emulation.setEmulatedMedia", features=features)
-        self.events.clear()
-        self.call("Page.navigate", url=address)
-        self.wait("Page.loadEventFired")
-
-    def resize(self, width: int) -> None:
-        """Give the window a width; the page stays as it is."""
+    def open(self, address: str, width: int) -> None:
+        """Load a page in a window of given width, with an empty log."""
         self.call(
             "Emulation.setDeviceMetricsOverride",
             width=width,
@@ -106,6 +97,9 @@ class Browser:
             deviceScaleFactor=1,
             mobile=width < 600,
         )
+        self.events.clear()
+        self.call("Page.navigate", url=address)
+        self.wait("Page.loadEventFired")
 
     def value(self, expression: str) -> Any:
         """Return the value of an expression in JavaScript."""
@@ -118,17 +112,6 @@ class Browser:
             self.call(
                 "Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code
             )
-
-    def complaints(self, own: tuple[str, ...] = ("file:", "data:")) -> list[dict]:
-        """Return exceptions, console messages, log entries, and requests for foreign addresses."""
-        kinds = ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded")
-        found = [event for event in self.events if event["method"] in kinds]
-        for event in self.events:
-            if event["method"] == "Network.requestWillBeSent":
-                address = event["params"]["request"]["url"]
-                if not address.startswith(own):
-                    found.append(event)
-        return found
 
     def close(self) -> None:
         os.close(self._out)
