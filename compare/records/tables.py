@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compare.records.names import known_columns, no_columns
 from compare.records.options import ReadingOptions
-from compare.records.record import AFTER, Record, Records, Unit
+from compare.records.record import AFTER, Array, Record, Records, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
 from compare.records.text import Table, read_table
 from compare.records.units import EXAMPLES, NO_UNIT, si_size
@@ -21,6 +23,8 @@ SCEC_UNIT = 100.0
 """Metres that one unit of the number in the name of a SCEC station stands for."""
 NEVER = 1e8
 """Rupture times from this value on mean that no rupture occurred; SCEC writes 1e9."""
+_FAR = 10.0
+"""Factor above all other times from which 1000, 99999 and their like mean the same."""
 
 _SCEC = re.compile(r"faultst(-?\d+)dp(-?\d+)", re.IGNORECASE)
 _NAMED = re.compile(r"(?:^|[_\-\s])x[_=]?(-?\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
@@ -202,11 +206,25 @@ def _rupture_times(table: Table, options: ReadingOptions) -> Records:
     """Times of rupture by position, of the row nearest to k = 0."""
     j, k, t = table.rows.T
     depth = np.unique(k[np.abs(k) == np.nanmin(np.abs(k))])[0]
-    here = (k == depth) & np.isfinite(j) & np.isfinite(t)
+    here = (k == depth) & np.isfinite(j)
     order = np.argsort(j[here], kind="stable")
     x, times = j[here][order] - options.origin, t[here][order]
     if len(x) < 2:
         raise DataFileError(f"{table.path} has fewer than two times of rupture; give all of them.")
-    notes = (f"times of rupture at k = {depth:g}",) if len(np.unique(k)) > 1 else ()
-    times = np.where(times > NEVER, np.inf, times)
-    return Records((), (x, times), str(table.path), notes)
+    notes = [f"times of rupture at k = {depth:g}"] if len(np.unique(k)) > 1 else []
+    never = _never(x, times)
+    for word in dict.fromkeys(f"{time:g}" for time in times[never]):
+        notes.append(f"times of rupture {word} are read as never")
+    return Records((), (x, np.where(never, np.inf, times)), str(table.path), tuple(notes))
+
+
+def _never(x: Array, times: Array) -> NDArray[np.bool_]:
+    """Which times of rupture say that there was none, whatever the code writes for that."""
+    never = ~(times >= 0) | (times > NEVER)
+    last = np.max(times[~never], initial=0.0)
+    known = last >= 1e3 and any(math.log10(last + one) % 1 == 0 for one in (0, 1))
+    if known and last >= _FAR * np.max(times[~never & (times < last)], initial=0.0):
+        never |= times == last
+    # a rupture that begins at the edge does not reach a point before those nearer to it
+    begun = np.min(x[~never & (times > 0) & (x > 0)], initial=np.inf)
+    return np.asarray(never | ((times == 0) & (x > begun)))

@@ -17,8 +17,8 @@ from compare.records.record import Array
 from semianalytic.scene.errors import DataFileError
 
 COMMENTS = ("#", "%", "!", "//")
-MISSING = {"", "nan", "na", "n/a", "none", "null", "-", "--", "?"}
-"""Entries that mark a missing number."""
+MISSING = {"", "nan", "nan(ind)", "na", "n/a", "none", "null", "?"}
+"""Entries that mark a missing number, behind any signs."""
 LONGEST_SHOWN = 24
 """Characters of a damaged entry that are quoted."""
 MOST_COMMENTS = 10_000
@@ -26,7 +26,11 @@ MOST_COMMENTS = 10_000
 ROWS_AT_ONCE = 20_000
 """Rows that are parsed together: half as many and twice as many take as long."""
 
-_NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eEdD][+-]?\d+)?\Z")
+_NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+))(?:[eEdD]([+-]?\d+))?\Z")
+_LOST = re.compile(r"([+-]?\d*[.,]\d+)([+-]\d{3})\Z")
+"""Fortran leaves out the E where the exponent has three digits."""
+_COMMENT = re.compile(rb"^[ \t]*[#%!][^\n]*", re.MULTILINE)
+"""Lines of which some codes write all characters, NULs included."""
 _TECPLOT = re.compile(r"(TITLE|VARIABLES|ZONE)\s*=", re.IGNORECASE)
 
 
@@ -75,7 +79,7 @@ def _decodable(path: Path) -> tuple[bytes, str]:
     content = content_of(path)
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         content, encoding = _from_utf_16(path, content), "utf-8"
-    elif b"\0" in content:
+    elif b"\0" in (content := _COMMENT.sub(lambda found: found[0].replace(b"\0", b""), content)):
         line = content[: content.index(b"\0")].count(b"\n") + 1
         raise DataFileError(
             f"{path}, line {line}: there are bytes that are no text; give a text file, or one "
@@ -275,16 +279,18 @@ def _split(line: str, separator: str | None) -> list[str]:
 
 
 def _is_number(text: str) -> bool:
-    return bool(_NUMBER.match(text.strip()))
+    return bool(_NUMBER.match(text.strip()) or _LOST.match(text.strip()))
 
 
 def _value(path: Path, line: int, text: str, separator: str | None) -> float:
     text = text.strip().strip("\"'")
-    if text.lower() in MISSING:
+    word = text.lower().lstrip("+-")
+    if word in MISSING:
         return np.nan
-    if text.lower().lstrip("+-") in ("inf", "infinity"):
+    if word in ("inf", "infinity"):
         return float(text)
-    if not _NUMBER.match(text) or ("," in text and separator == ","):
+    number = _NUMBER.match(text) or _LOST.match(text)
+    if not number or ("," in text and separator == ","):
         shown = text if len(text) <= LONGEST_SHOWN else text[:LONGEST_SHOWN] + "..."
         raise DataFileError(f"{path}, line {line}: {shown!r} is not a number; mend that line.")
-    return float(text.replace(",", ".").replace("D", "e").replace("d", "e"))
+    return float(f"{number[1].replace(',', '.')}e{number[2] or 0}")

@@ -81,6 +81,10 @@ FILES = {
     "frame without time": ("run.vtu", "<VTKFile/>", "does not say its time"),
     "pvd that is no xml": ("run.pvd", "<VTKFile", "cannot be read"),
     "pvd without frames": ("run.pvd", "<VTKFile/>", "0 frames"),
+    "entities": ("run.pvd", '<!DOCTYPE V [<!ENTITY a "b">]><V/>', "defines entities of XML"),
+    "entities in UTF-16": (
+        "run.pvd", '<!DOCTYPE V [<!ENTITY a "b">]><V/>'.encode("utf-16"), "defines entities"
+    ),
     "pvd without times": ("run.pvd", '<V><DataSet file="a.vtu"/></V>', "lacks its timestep"),
     "pvd of nothing": ("run.pvd", '<V><DataSet timestep="0" file="a.vtu"/></V>', "a.vtu cannot be"),
     "xdmf that is none": ("run.xdmf", "<Xdmf>", "cannot be read"),
