@@ -217,7 +217,7 @@ def records_of_arrays(
     stations_of = stations_of_rows if in_rows else stations_of_grid
     stations, mended = stations_of(path, x, t, fitted)
     notes = (*known.notes, *more, *mended)
-    return Records(stations, None, str(path), notes, stated=stated)
+    return Records(stations, None, str(path), notes, stated=stated, unread=known.unread)
 
 
 def _fitted(path: Path, name: str, value: Array, t: Array, x: Array) -> Array:
