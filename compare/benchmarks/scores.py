@@ -28,10 +28,10 @@ from compare.benchmarks.sheets import SI, Sheet, find_sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.read import read_records
 from compare.records.record import QUANTITIES, Record, Records
-from compare.records.text import lines_of
 from compare.validation import Conventions, validate
 from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.tables.text import lines_of
 
 Array = NDArray[np.float64]
 

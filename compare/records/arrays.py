@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from compare.records.bounds import MOST_FILES, check_file_size, check_numbers
 from compare.records.names import known_columns, no_columns
 from compare.records.options import ReadingOptions
 from compare.records.record import QUANTITIES, Array, Records
@@ -25,6 +24,7 @@ from compare.records.stations import (
 from semianalytic.results.interface_history import FORMAT as HISTORY
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, check_numbers
 
 ANEW = "write it anew"
 _DAMAGES = (

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from compare.records.bounds import MOST_FILES, check_file_size, content_of
 from compare.records.names import Columns, known_columns, named_unit
 from compare.records.options import ReadingOptions
 from compare.records.record import Array, Records, Stated, Unit
 from compare.records.stations import contact_stations, joined_faces
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, content_of
 
 VECTORS = {"velocity": "velocity v vel velo", "displacement": "displacement u disp displ"}
 """Names of vectors at nodes, in lower case."""

@@ -8,9 +8,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from compare.records.record import QUANTITIES, Unit
-from compare.records.units import DIMENSIONS, EXAMPLES, common_size, names_no_unit, si_size
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.units import (
+    DIMENSIONS,
+    EXAMPLES,
+    common_size,
+    names_no_unit,
+    si_size,
+)
 
 FACES = {
     "slip_rate": ("velocity_upper", "velocity_lower"),

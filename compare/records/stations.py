@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.records.bounds import LARGEST_STATIONS
 from compare.records.names import FACES, NOISE, Columns
 from compare.records.record import QUANTITIES, Array, Record, Stated
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.bounds import LARGEST_STATIONS
 
 
 def joined_faces(

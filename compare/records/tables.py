@@ -16,10 +16,10 @@ from compare.records.names import NOISE, Columns, known_columns, no_columns
 from compare.records.options import ReadingOptions
 from compare.records.record import AFTER, Array, Record, Records, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
-from compare.records.text import Table, read_table
-from compare.records.units import EXAMPLES, NO_UNIT, si_size
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.text import Table, read_table
+from semianalytic.scene.tables.units import EXAMPLES, NO_UNIT, si_size
 
 SCEC_UNIT = 100.0
 """Metres that one unit of the number in the name of a SCEC station stands for."""

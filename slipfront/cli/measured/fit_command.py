@@ -18,7 +18,6 @@ from compare.output.places import check_file
 from compare.output.printed import Table
 from compare.output.progress import progress_bar
 from compare.records.names import not_read
-from compare.records.units import si_size
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.named import described_interface
 from semianalytic.inversion.fitted import Fit
@@ -33,6 +32,7 @@ from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown
 from slipfront.cli.options import (
     SCENE_OPTIONS,

@@ -15,7 +15,6 @@ from compare.output.places import working_folder
 from compare.records.names import not_read
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
-from compare.records.units import DIMENSIONS, EXAMPLES, si_size
 from compare.validation.conventions import BASIC, Conventions
 from compare.validation.readings import settings_of
 from compare.validation.report import validation_document, write_validation
@@ -26,6 +25,7 @@ from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
 from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.tables.units import DIMENSIONS, EXAMPLES, si_size
 from semianalytic.scene.units import InSI, measure
 from slipfront.cli import terminal
 from slipfront.cli.options import (

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from junk_files import JUNK
 
-from compare.records import bounds
 from compare.records.read import read_records
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables import bounds
 
 READ = """
 import sys

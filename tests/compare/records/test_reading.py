@@ -11,11 +11,11 @@ import pytest
 
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
-from compare.records.units import si_size
 from fem import simulate
 from semianalytic import InterfaceHistory, find_scene
 from semianalytic.scene import extras
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
+from semianalytic.scene.tables.units import si_size
 
 ENTRANTS = Path(__file__).parents[2] / "data" / "entrants"
 T = np.linspace(0.0, 1.0, 5)
@@ -383,7 +383,7 @@ def test_a_station_may_name_the_unit_of_its_place(tmp_path):
 
 
 def test_other_units_of_the_si_need_pint(tmp_path, monkeypatch):
-    monkeypatch.setattr("compare.records.units._size", _without_pint)
+    monkeypatch.setattr("semianalytic.scene.tables.units._size", _without_pint)
     assert read(table(tmp_path, "t [ms],x [cm],tau [Pa]")).stations
     with pytest.raises(MissingLibraryError, match=re.escape("pip install '.[units]'")):
         read(table(tmp_path, "t [min],x,slip"))

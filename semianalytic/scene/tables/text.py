@@ -11,10 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from compare.records.bounds import LONGEST_LINE, MOST_SECONDS, check_numbers, content_of
-from compare.records.record import Array
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.bounds import LONGEST_LINE, MOST_SECONDS, check_numbers, content_of
+
+Array = NDArray[np.float64]
 
 COMMENTS = ("#", "%", "!", "//")
 MISSING = {"", "nan", "nan(ind)", "na", "n/a", "none", "null", "?"}
