@@ -332,7 +332,7 @@ def test_files_hold_no_numerics():
 
 
 def test_product_needs_numpy_and_scipy_only():
-    allowed = {"numpy", "scipy", "semianalytic", "h5py", "xarray", "pint"} | set(sys.stdlib_module_names)
+    allowed = {"numpy", "scipy", "semianalytic", "h5py", "xarray", "pint", *sys.stdlib_module_names}
     for path in sources("semianalytic"):
         assert {name.split(".")[0] for name in imported_modules(path)} <= allowed, path
     heavy = {"h5py", "xarray", "pint", "matplotlib", "skfem", "gmsh", "meshio", "rich"}

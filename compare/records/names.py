@@ -10,10 +10,10 @@ from pathlib import Path
 from compare.records.record import QUANTITIES, Unit
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.columns import split_heading
 from semianalytic.scene.tables.units import (
     DIMENSIONS,
     EXAMPLES,
-    common_size,
     names_no_unit,
     si_size,
 )
@@ -67,7 +67,6 @@ _BODIES = {stem + name[1:]: name for name in FIELDS for stem in _LONG[name[0]]}
 """Names of quantities inside the bodies, some of which mean a traction where there is no y."""
 NOISE = "noise"
 """Name of a column of standard deviations, of all quantities or, as slip_noise, of one."""
-_BRACKETED = re.compile(r"([^\[(]*)[\[(]([^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]\s*\Z")
 
 
 @dataclass(frozen=True)
@@ -228,15 +227,13 @@ def _at(line: int) -> str:
 def _split(name: str, kinds: Mapping[str, str]) -> tuple[str, str]:
     """A column's name in the words of kinds, and the unit in brackets or behind _, or ""."""
     name = name[:LONGEST].strip()
-    bracketed = _BRACKETED.match(name)
-    whole, unit = bracketed.groups() if bracketed else (name, "")
-    pure = _words(whole)
-    if pure not in kinds and not unit and "_" in whole:
-        stem, _, last = whole.rpartition("_")
+
+    def dimensions(stem: str) -> tuple[str, ...]:
         kind = kinds.get(_words(stem))
-        if kind and any(common_size(last, one) is not None for one in dimensions_of(kind)):
-            return _words(stem), last
-    return pure, unit
+        return dimensions_of(kind) if kind and _words(name) not in kinds else ()
+
+    whole, unit = split_heading(name, dimensions)
+    return _words(whole), unit
 
 
 def _words(name: str) -> str:

@@ -165,7 +165,7 @@ class _Reader:
                 self.comments.append(line.lstrip("#%!/ "))
             return
         if not self.width:
-            if not self.names and self._take_names(number, raw):
+            if self._take_names(number, raw):
                 return
             self._begin(number, raw)
         self.waiting.append((number, raw))
@@ -173,7 +173,7 @@ class _Reader:
             self._parse()
 
     def _take_names(self, number: int, raw: str) -> bool:
-        """Whether a line before all rows names columns, or says something of a table of Tecplot."""
+        """Whether a line before all rows names columns or, below, their units, or is Tecplot's."""
         tecplot = _TECPLOT.match(raw.strip())
         if tecplot is None:
             separator = _separator(raw)
@@ -183,10 +183,23 @@ class _Reader:
             entries = re.findall(r'"([^"]*)"', raw)
         else:
             return True
-        if any(map(_is_number, entries)):
+        if any(_is_number(entry) and (entry != "1" or not self.names) for entry in entries):
             return False
+        if self.names:
+            return self._take_units([entry.strip("[]()\"' ") for entry in entries])
         self.separator = separator
         self.names, self.line = tuple(entry.strip("\"' ") for entry in entries), number
+        return True
+
+    def _take_units(self, units: list[str]) -> bool:
+        """Whether the line below the names holds units, which then follow the names."""
+        pairs = list(zip(self.names, units, strict=False))
+        if len(units) != len(self.names) or all(unit.lower() in MISSING for unit in units):
+            return False
+        self.names = tuple(
+            name if unit in ("", "-", "1") or name[-1:] in ("]", ")") else f"{name} [{unit}]"
+            for name, unit in pairs
+        )
         return True
 
     def _begin(self, number: int, raw: str) -> None:
@@ -196,8 +209,8 @@ class _Reader:
         self.width = len(self.names) or len(_split(raw, self.separator))
         if self.width < 2:
             raise DataFileError(
-                f"{self.path}, line {number}: there is one column; give a table of times and "
-                "quantities at least."
+                f"{self.path}, line {number}: there is one column, and two at least are needed; "
+                "put commas, semicolons, tabs or blanks between columns."
             )
         check_numbers(self.path, (self.lines - number) * self.width)
 
@@ -249,7 +262,7 @@ class _Reader:
             self._parse()
         if not self.parts:
             raise DataFileError(
-                f"{self.path} has no row of numbers; give a table of t, x and slip_rate."
+                f"{self.path} has no row of numbers; give names of columns and rows below them."
             )
         names = self.names or _names_of_comments(self.comments, self.width)
         return Table(self.path, names, np.concatenate(self.parts), tuple(self.comments), self.line)

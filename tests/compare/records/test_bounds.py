@@ -47,7 +47,7 @@ def test_junk_is_refused_in_one_sentence(what, tmp_path):
 
 
 def test_what_is_no_file_is_not_read():
-    assert "is no ordinary file" in sentence_of(Path("/dev/zero"))
+    assert "is not an ordinary file" in sentence_of(Path("/dev/zero"))
 
 
 @pytest.mark.slow

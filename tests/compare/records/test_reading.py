@@ -299,6 +299,7 @@ def read(path, **options):
         ("t_ms,x_mm,V (mm/s)", (1e-3, 1e-3, 1e-3)),
         ("t_ms,x_mm,tau_MPa", (1e-3, 1e-3, 1e6)),
         ("t [s],x [m],tau [N/mm^2]", (1.0, 1.0, 1e6)),
+        ("t,x,tau\nms,mm,MPa", (1e-3, 1e-3, 1e6)),
         ("t [-],x [1],slip", (1.0, 1.0, 1.0)),
     ],
 )

@@ -38,6 +38,16 @@ def test_a_table_of_gauges_is_read_as_it_says(tmp_path):
     np.testing.assert_allclose(rate.noise, [0.01, 0.02])
 
 
+@pytest.mark.parametrize(
+    "unit", ["µε", "με", "ustrain", "microstrain", "µm/m", "um/m", "1e-6", "ppm"]
+)
+def test_strain_may_be_in_any_of_its_units(unit, tmp_path):
+    for header in (f"t,x,y,exx [{unit}]\n", f"t,x,y,exx\ns,m,m,{unit}\n"):
+        if unit != "1e-6" or "[" in header:
+            (gauge,) = read_gauges([written(tmp_path, header + "0,1,2,5\n")], {"": 1e-6})
+            assert gauge.values == pytest.approx(5e-6)
+
+
 def test_places_without_y_are_of_the_interface_and_noise_may_be_told(tmp_path):
     path = written(tmp_path, "t,x,V,tau,other\n0,0.2,1,2,9\n1,0.2,1,3,9\n0,0.1,5,6,9\n")
     gauges = read_gauges([path], {"slip_rate": 0.5, "": 2.0})
