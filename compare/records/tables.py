@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from compare.records.stations import joined_faces, station, stations_of_rows
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.text import Table, read_table
-from semianalytic.scene.tables.units import EXAMPLES, NO_UNIT, si_size
+from semianalytic.scene.tables.units import EXAMPLES, NO_UNIT, common_size, si_size
 
 SCEC_UNIT = 100.0
 """Metres that one unit of the number in the name of a SCEC station stands for."""
@@ -35,6 +35,8 @@ _COMMENTED = re.compile(rf"^(?:(?:x|position|station)\s*[:=]|x1\s){_LENGTH}", re
 _SPACING = re.compile(rf"^(?:spacing|dx|element_size|grid spacing)\s*[:=]{_LENGTH}", re.IGNORECASE)
 _MEAN = re.compile(r"from t to t \+ ([\d.eE+-]*\d)")
 """Words by which a comment says that slip rates are means over a step, as in benchmarks."""
+_HEADED = re.compile(r"column\s*#?\s*(\d+)\s*[:=].*[(\[]([^()\[\]]+)[)\]]\s*\Z", re.IGNORECASE)
+"""Comments of SCEC that name the unit of a column, as Column #8 = normal stress (MPa)."""
 _CELLS = re.compile(r"^cells\s*[:=]\s*(\d+)", re.IGNORECASE)
 
 
@@ -57,7 +59,8 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
     if tuple(name.lower() for name in table.names) == ("j", "k", "t"):
         return _rupture_times(table, options), False
     names = table.names or _bare_names(table, alone=at is not None or bool(_SCEC.search(path.name)))
-    known = known_columns(path, names, options.columns, table.line, bodies=True)
+    units = _units_of_comments(table, names)
+    known = known_columns(path, names, options.columns, table.line, units, bodies=True)
     if "t" not in known.places:
         raise DataFileError(
             f"{path} has no column of times among {', '.join(names)}; call it t, or say t=NAME."
@@ -107,6 +110,17 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
     spacing = _spacing(table, unit)
     notes += [*how, *mended]
     return Records((one,), None, source, tuple(notes), spacing, stated, unread=unread), True
+
+
+def _units_of_comments(table: Table, names: Sequence[str]) -> dict[str, str]:
+    """Units by name of column, where comments say them by its number."""
+    found = (match for comment in table.comments if (match := _HEADED.search(comment)))
+    return {
+        names[int(match[1]) - 1]: match[2]
+        for match in found
+        if 0 < int(match[1]) <= len(names)
+        and any(common_size(match[2].strip(), one) is not None for one in EXAMPLES)
+    }
 
 
 def _noise(columns: Mapping[str, Array], known: Columns, names: Iterable[str]) -> dict[str, Array]:

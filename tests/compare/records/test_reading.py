@@ -104,6 +104,14 @@ def test_scec_stations_and_rupture_times(tmp_path):
     assert any("n-stress" in note for note in records.notes)
 
 
+def test_scec_stations_name_their_units_in_comments(tmp_path):
+    head = "# Column #1 = Time (s)\n# Column #2 = horizontal slip (m)\n"
+    head += "# Column #3 = horizontal shear stress (MPa)\nt h-slip h-shear-stress\n"
+    (records,) = read_records([written(tmp_path / "faultst030dp075", head + "0 0 70\n1 2 71\n")])
+    assert records.stations[0].values["shear_traction"].tolist() == [7e7, 7.1e7]
+    assert records.stated.units["shear_traction"].name == "MPa"
+
+
 @pytest.mark.parametrize("never", ["-1", "0", "1000", "99999", "1.0E+09", "nan", "-nan", "inf"])
 def test_rupture_times_of_points_that_never_slip_are_said(never, tmp_path):
     text = f"# times\nj k t\n0 0 0.1\n200 0 0.2\n100 0 0.15\n0 100 9\n300 0 {never}\n"
