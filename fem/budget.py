@@ -93,8 +93,8 @@ class Cost:
     Examples
     --------
     >>> from fem import cost
-    >>> from semianalytic import find_scene
-    >>> predicted = cost(find_scene("preloaded"), resolution=8)
+    >>> from semianalytic import find
+    >>> predicted = cost(find("preloaded"), resolution=8)
     >>> predicted.unknowns, predicted.steps
     (1380, 18)
     """

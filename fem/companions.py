@@ -49,8 +49,8 @@ def with_companions(
     Examples
     --------
     >>> from fem import simulate, with_companions
-    >>> from semianalytic import find_scene
-    >>> fine = with_companions(simulate(find_scene("preloaded"), resolution=16))
+    >>> from semianalytic import find
+    >>> fine = with_companions(simulate(find("preloaded"), resolution=16))
     >>> fine.resolution, fine.companion.resolution
     (16, 8)
     """

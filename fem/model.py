@@ -124,8 +124,8 @@ class Model:
     Examples
     --------
     >>> from fem import prepare
-    >>> from semianalytic import find_scene
-    >>> model = prepare(find_scene("preloaded"), resolution=8)
+    >>> from semianalytic import find
+    >>> model = prepare(find("preloaded"), resolution=8)
     >>> model.unknowns, model.copies, bool(model.time_step < model.critical_step)
     (1380, 2, True)
     """

@@ -57,7 +57,7 @@ def simulate(
     Parameters
     ----------
     scene : Scene, str or path
-        Material, friction law, tractions and load histories, or a name or file as for `find_scene`;
+        Material, friction law, tractions and load histories, or a name or file as for `find`;
         a file may have a [lower_material] besides.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.

@@ -60,7 +60,7 @@ class Settings:
     Examples
     --------
     >>> from fem import Settings, simulate
-    >>> from semianalytic import find_scene
+    >>> from semianalytic import find
     >>> settings = Settings(resolution=8, element="P1", mesh="triangles")
     >>> settings.resolution, settings.every
     (8, 1)

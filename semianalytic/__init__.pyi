@@ -2,7 +2,6 @@
 
 from semianalytic import reference as reference
 from semianalytic import regimes as regimes
-from semianalytic.dissimilar.described import find_pair as find_pair
 from semianalytic.dissimilar.grid_edge import EdgeReading as EdgeReading
 from semianalytic.dissimilar.pair import Pair as Pair
 from semianalytic.dissimilar.stability import SlidingStability as SlidingStability
@@ -11,12 +10,11 @@ from semianalytic.dissimilar.stability import sliding_stability as sliding_stabi
 from semianalytic.dissimilar_slot.derivative import PairDerivative as PairDerivative
 from semianalytic.dissimilar_slot.solution import PairSolution as PairSolution
 from semianalytic.dissimilar_slot.solution import PairStatistics as PairStatistics
-from semianalytic.dissimilar_slot.solver import solve_pair as solve_pair
 from semianalytic.engine.result import Run as Run
-from semianalytic.engine.run import run as run
 from semianalytic.field.derived import fringe_order as fringe_order
 from semianalytic.field.derived import fringes as fringes
 from semianalytic.field.derived import strain as strain
+from semianalytic.finding import find as find
 from semianalytic.interface.contact import Adhesion as Adhesion
 from semianalytic.interface.contact import Contact as Contact
 from semianalytic.interface.coulomb import Coulomb as Coulomb
@@ -26,7 +24,6 @@ from semianalytic.interface.interface import Interface as Interface
 from semianalytic.interface.law import InterfaceLaw as InterfaceLaw
 from semianalytic.interface.loads import FrontLoad as FrontLoad
 from semianalytic.interface.loads import InterfaceLoad as InterfaceLoad
-from semianalytic.interface.named import find_interface as find_interface
 from semianalytic.interface.rate_and_state import RateAndState as RateAndState
 from semianalytic.interface.weakening import ForcedFront as ForcedFront
 from semianalytic.interface.weakening import RateDependent as RateDependent
@@ -38,7 +35,7 @@ from semianalytic.inversion.priors import LogNormal as LogNormal
 from semianalytic.inversion.priors import Normal as Normal
 from semianalytic.inversion.priors import Uniform as Uniform
 from semianalytic.inversion.unknowns import Setup as Setup
-from semianalytic.prediction import predict as predict
+from semianalytic.methods import solve as solve
 from semianalytic.reference.ruptures import critical_wavelength as critical_wavelength
 from semianalytic.reference.ruptures import supershear_strength as supershear_strength
 from semianalytic.results.answer import Answer as Answer
@@ -60,7 +57,6 @@ from semianalytic.scene.friction import RateFriction as RateFriction
 from semianalytic.scene.friction import RateWeakening as RateWeakening
 from semianalytic.scene.friction import SlipWeakening as SlipWeakening
 from semianalytic.scene.friction import ViscousFriction as ViscousFriction
-from semianalytic.scene.given.finding import find_scene as find_scene
 from semianalytic.scene.given.solids import find_material as find_material
 from semianalytic.scene.incident import IncidentWave as IncidentWave
 from semianalytic.scene.incident import MovingLoad as MovingLoad
@@ -77,22 +73,17 @@ from semianalytic.selfsimilar.derivatives.derivative import Derivative as Deriva
 from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative as OpenDerivative
 from semianalytic.selfsimilar.derivatives.derivative import ZoneDerivative as ZoneDerivative
 from semianalytic.selfsimilar.solution import Solution as Solution
-from semianalytic.selfsimilar.solver import solve as solve
 from semianalytic.selfsimilar.statistics import Statistics as Statistics
 from semianalytic.selfsimilar.zones.motion import OpenZone as OpenZone
 from semianalytic.selfsimilar.zones.motion import SlipZone as SlipZone
-from semianalytic.spacetime.march import march as march
 from semianalytic.spacetime.march import march_on as march_on
 from semianalytic.spacetime.marched import Marched as Marched
 from semianalytic.sweeps.sweep import Sweep as Sweep
 from semianalytic.sweeps.sweep import sweep as sweep
 from semianalytic.whole_line.growing import GrowingSlot as GrowingSlot
 from semianalytic.whole_line.growing import GrowingSolution as GrowingSolution
-from semianalytic.whole_line.growing import solve_growing as solve_growing
 from semianalytic.whole_line.line import HalfLine as HalfLine
 from semianalytic.whole_line.line import Patch as Patch
 from semianalytic.whole_line.line import PointForce as PointForce
 from semianalytic.whole_line.line import WholeLine as WholeLine
-from semianalytic.whole_line.named import find_line as find_line
 from semianalytic.whole_line.solution import LineSolution as LineSolution
-from semianalytic.whole_line.solver import solve_line as solve_line

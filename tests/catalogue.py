@@ -25,9 +25,9 @@ from semianalytic import (
     Tabulated,
     Tractions,
     ViscousFriction,
-    solve,
 )
 from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.selfsimilar.solver import solve
 
 UNIT = Material(1.0, 1.0, 1 / 3)
 STEEL = Material(80e9, 7800.0, 1 / 3)

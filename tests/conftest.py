@@ -10,8 +10,8 @@ from importlib import import_module
 import pytest
 from hypothesis import settings
 
+from docs.studies.chromium import CHROMIUM, Browser
 from meshes.build import APT_PACKAGES
-from slipfront.explore.chromium import CHROMIUM, Browser
 
 collect_ignore = (
     []

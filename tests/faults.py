@@ -17,13 +17,12 @@ from fault_tasks import history
 
 from compare.chart.points import COMMAND, read_points
 from compare.comparison.fields.frames import last_frame
-from compare.output.tables import append_rows, write_rows
-from compare.studies.regimes.points import MapPoint, kept_columns, poisson_ratios
+from compare.output.tables import write_rows
 from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from meshes import Blocks, cached_mesh
 from meshes.cache import cache_path
-from semianalytic import InterfaceHistory, Marched, march
+from semianalytic import InterfaceHistory, Marched, solve
 from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -80,14 +79,6 @@ def write_index(folder):
     write_bytes(folder / "fields.pvd", text.encode(), Seal.XML)
 
 
-def columns():
-    return [
-        MapPoint("preload", nu, chi, "slow", "0.0:0.5:1", "converged", 1e-9)
-        for nu in poisson_ratios(20).tolist()
-        for chi in np.geomspace(0.001, 1, 20).tolist()
-    ]
-
-
 def read_mesh_again(path):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SLIPFRONT_CACHE", str(path.parent))
@@ -101,7 +92,7 @@ def save_history(folder):
 
 def all_kinds():
     """Every kind of file that is read back, by name; computes a small march and simulation."""
-    marched = march(NAMED_SCENES["ramp"].scene, end_time=0.3, nodes=40)
+    marched = solve(NAMED_SCENES["ramp"].scene, method="space-time", end_time=0.3, nodes=40)
     simulation = simulate(NAMED_SCENES["preloaded"].scene, resolution=16)
     points = read_points(ROOT / "docs" / "data" / "chart.csv")
     arrays = {"body 0/displacement": np.random.default_rng(3).normal(size=4000)}
@@ -131,14 +122,6 @@ def all_kinds():
             read_points,
         ),
     }
-
-
-def write_columns(folder):
-    append_rows(folder / "columns.part", columns())
-
-
-def read_columns(path):
-    return kept_columns(path, "preload", 20)
 
 
 def flip_bits(data, number, rng):

@@ -9,7 +9,6 @@ import contextlib
 import csv
 import importlib
 import io
-import math
 import tempfile
 from collections.abc import Callable
 from functools import cache, partial
@@ -34,28 +33,20 @@ from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
 from compare.figures.whole_line import line_figure
 from compare.output.field_files import record_fields
-from compare.studies.article import study as article
-from compare.studies.article.cases import SlotCheck, run_cases
-from compare.studies.dissimilar.figure import growth_figure
-from compare.studies.dissimilar.pairs import NAMED
-from compare.studies.dissimilar.pairs import SCENES as PAIRS
-from compare.studies.dissimilar.points import GrowthPoint, NamedPoint, ThresholdPoint
-from compare.studies.regimes import figures as regimes
-from compare.studies.regimes import viscosity
-from compare.studies.regimes.openings import AHEAD, EDGE, OpeningPoint, openings_figure
-from compare.studies.regimes.points import REGIMES, MapPoint, map_points, poisson_ratios, trace
-from compare.studies.regimes.viscosity import ViscosityRow
-from compare.studies.stability import fem as fem_stability
-from compare.studies.stability import figures as stability
-from compare.studies.stability import spacetime
-from compare.studies.stability.sweeps import StudyRow
-from compare.studies.supershear.figure import rupture_figure
-from compare.studies.supershear.points import RupturePoint, TransitionPoint
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
+from docs.studies.article import __main__ as article
+from docs.studies.article.cases import run_cases
+from docs.studies.dissimilar.__main__ import growth_figure
+from docs.studies.dissimilar.pairs import NAMED
+from docs.studies.dissimilar.pairs import SCENES as PAIRS
+from docs.studies.regimes import figures as regimes
+from docs.studies.regimes.points import map_rows, trace
+from docs.studies.stability import __main__ as stability
+from docs.studies.supershear import rupture_figure
 from fem import simulate
-from semianalytic import Gauge, find_line, find_scene, fit, march, solve_line, solve_pair
+from semianalytic import Gauge, find, fit, solve
 from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -74,7 +65,7 @@ def _case(name):
 
 @cache
 def _marched(name):
-    return march(find_scene(name), nodes=60)
+    return solve(find(name), method="space-time", nodes=60)
 
 
 def _of_case(name, scene):
@@ -87,7 +78,7 @@ def _of_run(draw, name):
 
 def _snapshots():
     with tempfile.TemporaryDirectory() as folder:
-        scene = find_scene("preloaded")
+        scene = find("preloaded")
         run = simulate(scene, resolution=8, snapshots=Path(folder), frames=1)
         return snapshot_figure(field_errors(solved("preloaded"), run, Path(folder)), run)
 
@@ -99,7 +90,7 @@ def _field(name, of):
 
 
 def _field_of_pair():
-    answer = solve_pair(PAIRS["slip and opening"])
+    answer = solve(PAIRS["slip and opening"])
     quantity = find_quantity("max-shear", answer.pair.alike)
     return FieldPicture(answer, quantity, reach(answer, 1.0), 40, 1.0).figure
 
@@ -125,10 +116,14 @@ def _cases():
 
 
 def _slot():
-    x = np.linspace(-1, 1, 40)
-    shape = np.exp(-9 * x**2)
-    checks = [SlotCheck(mode, x, shape, 0.9 * shape, 0.5 * shape) for mode in ("II", "I")]
-    return article.slot_figure(checks)
+    return article.slot_figure(
+        [
+            {"mode": mode, "x": x, "simulated": y, "free": 0.9 * y, "held": 0.5 * y}
+            for mode in ("II", "I")
+            for x in np.linspace(-1, 1, 40).tolist()
+            for y in (np.exp(-9 * x**2),)
+        ]
+    )
 
 
 def _chart(name):
@@ -137,91 +132,78 @@ def _chart(name):
 
 @cache
 def _regimes():
-    ratios = poisson_ratios(len(REGIMES)).tolist()
-    points = {
-        loading: [
-            MapPoint(loading, nu, 0.1, regime, "", "converged", 0.0)
-            for nu in ratios
-            for regime in REGIMES
-        ]
-        for loading in ("preload", "remote")
-    }
-    curves = [one for loading in points for nu in (-0.5, 0.4) for one in trace(loading, nu)]
-    curves.sort(key=lambda point: (point.loading, point.curve, point.poisson_ratio))
+    ratios = np.linspace(-0.7, 0.4, len(regimes.REGIMES)).tolist()
+    rows = [
+        {"part": "map", "loading": one, "poisson_ratio": nu, "chi": 1.1 + n / 9, "regime": name}
+        for one in ("preload", "remote")
+        for nu in ratios
+        for n, name in enumerate(regimes.REGIMES)
+    ]
+    rows += [trace(one, nu) for one in ("preload", "remote") for nu in (-0.5, 0.4)]
     shown = {"preload": [0.05, 0.1, 0.2, 0.4, 0.8], "remote": [1.02, 1.1, 1.2, 1.3]}
-    fronts = [p for loading, chi in shown.items() for p in map_points(loading, 1 / 3, chi)]
-    reverse = [p for nu in (-0.5, -0.2) for p in map_points("preload", nu, [1e-3, 5e-3, 0.02])]
-    return regimes.RegimeResults(points, curves, fronts, reverse)
+    for one, chi in shown.items():
+        rows += map_rows("fronts", one, 1 / 3, chi)
+    return rows
 
 
 def _growth():
     contrasts, frictions = (1.02, 1.5, 4.0), (0.01, 0.1, 1.25)
-    points = [GrowthPoint(c, f, f, 2 * f * (c > 2)) for c in contrasts for f in frictions]
-    curves = [ThresholdPoint(c, 0.3 * c, 1 / c, np.nan) for c in contrasts]
-    named = [
-        NamedPoint(name, f, np.nan if f < 0.1 else f, 1.0 if f > 1 else -1.0)
+    rows = [
+        {"part": "map", "of": c, "friction": f, "with": f, "against": 2 * f * (c > 2)}
+        for c in contrasts
+        for f in frictions
+    ]
+    rows += [
+        {"part": "curves", "contrast": c, "threshold_with": 0.3 * c, "threshold_against": 1 / c}
+        for c in contrasts
+    ]
+    rows += [
+        {"part": "named", "of": name, "friction": f, "velocity": 1.0 if f > 1 else -1.0}
+        | {"growth": np.nan if f < 0.1 else f}
         for name in NAMED
         for f in frictions
     ]
-    return growth_figure(points, curves, named)
+    return growth_figure(rows)
 
 
 def _ruptures():
-    transitions = [TransitionPoint(s, 16, 5 * s if s < 1.4 else np.nan, 12) for s in (0.5, 1, 1.5)]
-    points = [
-        RupturePoint(one.strength, d, 1.7 if d > one.transition else 0.9, "")
-        for one in transitions
-        for d in (2.0, 6.0, 10.0)
-    ]
-    return rupture_figure(points, transitions)
+    names = ("strength", "transition", "distance", "speed")
+    rows = [(s, 5 * s if s < 1.4 else np.nan, d) for s in (0.5, 1, 1.5) for d in (2.0, 6.0, 10.0)]
+    return rupture_figure([dict(zip(names, (*row, row[2] / 9), strict=True)) for row in rows])
 
 
 def _viscosity():
-    curves = {
-        nu: [ViscosityRow(nu, 10.0**n, 0.1 - nu / 10, 0.3 - nu / 10) for n in range(-6, 3)]
-        for nu in viscosity.POISSON_RATIOS
-    }
-    return viscosity.viscosity_figure([list(REGIMES)] * len(REGIMES), curves)
+    rows = [
+        {"part": "curves", "poisson_ratio": nu, "viscosity": 10.0**n}
+        | {"nucleation": 0.1 - nu / 10, "closing": 0.3 - nu / 10}
+        for nu in (-0.2, 1 / 3)
+        for n in range(-6, 3)
+    ]
+    rows += [
+        {"part": "map", "viscosity": 10.0**n, "chi": at / 20, "regime": name}
+        for n in (-4, 0)
+        for at, name in enumerate(regimes.REGIMES)
+    ]
+    return regimes.viscosity_figure(rows)
 
 
 def _openings():
-    columns = [OpeningPoint(nu, AHEAD, 0.1, 0.0, 1 + nu) for nu in (-0.55, 0.14) for _ in range(2)]
-    speeds = [
-        OpeningPoint(1 / 3, sign, 10.0**n, 0.9 if sign == AHEAD else 0.0, 0.95)
-        for sign in (AHEAD, EDGE)
+    names = ("part", "poisson_ratio", "sign", "ratio", "inner", "outer")
+    rows = [("map", nu, 1, 10.0**n, 0.0, 1 + nu) for nu in (-0.55, 0.14) for n in (-2, 0)]
+    rows += [
+        ("speeds", 1 / 3, sign, 10.0**n, max(0.0, 0.9 * sign), 0.95)
+        for sign in (1, -1)
         for n in (-3, -2, -1)
     ]
-    return openings_figure(columns, speeds)
+    return regimes.openings_figure([dict(zip(names, row, strict=True)) for row in rows])
 
 
 @cache
-def _solver_rows():
-    with (DATA / "stability-solver.csv").open(encoding="utf-8") as stream:
-        rows = csv.DictReader(line for line in stream if not line.startswith("#"))
-        numbers = ("parameter", "value")
-        return [StudyRow(**row | {name: float(row[name]) for name in numbers}) for row in rows]
-
-
-def _fem_stability():
-    return fem_stability.stability_figure(
-        [
-            fem_stability.Outcome(
-                trial.study, trial.element, trial.mesh, trial.resolution,
-                trial.scene.material.poisson_ratio, trial.step_ratio, trial.damping, 1.0,
-                "completed", 80, 100, 0.01, 0.0, 0, 0.0, "",
-            )
-            for trial in fem_stability.trials(False)
-        ]
-    )  # fmt: skip
-
-
-def _spacetime():
-    rows = [
-        StudyRow(study, case, "space-time", value, "slip rate error", 0.01, spacetime.RAN)
-        for study, case, value, *_ in spacetime.trials(True)
-    ]
-    refused = StudyRow("step ratio", "damping 0", 0.9, "space-time", "slip rate error", math.nan)
-    return spacetime.stability_figure([*rows, refused])
+def _rows_of_docs(name):
+    with (DATA / f"{name}.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    numbers = {"parameter", "value", "error"} & rows[0].keys()
+    return [row | {one: float(row[one]) for one in numbers} for row in rows]
 
 
 @cache
@@ -272,7 +254,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     ),
     **{
         f"compare.figures.whole_line.line_figure/{name}": lambda name=name: line_figure(
-            solve_line(find_line(name))
+            solve(find(name))
         )
         for name in ("whole-line-patch", "point-load")
     },
@@ -287,37 +269,32 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
     **{
-        f"compare.studies.article.study.figure_{number}": lambda draw=number: getattr(
+        f"docs.studies.article.figure_{number}": lambda draw=number: getattr(
             article, f"figure_{draw}"
         )(_cases())
         for number in (2, 5, 6)
     },
-    "compare.studies.article.study.slot_figure": _slot,
+    "docs.studies.article.slot_figure": _slot,
     **{
         f"compare.chart.figure.chart_figure/{name}": partial(_chart, name)
         for name in ("preloaded", "remote-shock", "auxetic", "ramp")
     },
     **{
-        f"compare.studies.regimes.figures.regimes_figure/{loading}": lambda of=loading: (
-            regimes.regimes_figure(of, _regimes())
-        )
-        for loading in ("preload", "remote")
+        f"docs.studies.regimes.figures.{name}": lambda draw=draw: draw(_regimes())
+        for name, draw in regimes.MAPS.items()
     },
-    "compare.studies.regimes.figures.front_speeds_figure": lambda: regimes.front_speeds_figure(
-        _regimes()
-    ),
-    "compare.studies.regimes.figures.reverse_figure": lambda: regimes.reverse_figure(_regimes()),
-    "compare.studies.dissimilar.figure.growth_figure": _growth,
-    "compare.studies.supershear.figure.rupture_figure": _ruptures,
-    "compare.studies.regimes.viscosity.viscosity_figure": _viscosity,
-    "compare.studies.regimes.openings.openings_figure": _openings,
+    "docs.studies.dissimilar.growth_figure": _growth,
+    "docs.studies.supershear.rupture_figure": _ruptures,
+    "docs.studies.regimes.figures.viscosity_figure": _viscosity,
+    "docs.studies.regimes.figures.openings_figure": _openings,
     **{
-        f"compare.studies.stability.figures.{name}_figure": lambda draw=name: getattr(
+        f"docs.studies.stability.{name}_figure": lambda draw=name: getattr(
             stability, f"{draw}_figure"
-        )(_solver_rows())
+        )(_rows_of_docs("stability-solver"))
         for name in ("limits", "thresholds", "grids", "rules")
     },
-    "compare.studies.stability.fem.stability_figure": _fem_stability,
-    "compare.studies.stability.spacetime.stability_figure": _spacetime,
+    "docs.studies.stability.march_figure": lambda: stability.march_figure(
+        _rows_of_docs("stability-space-time")
+    ),
     **{f"docs.examples.{name}.main": partial(_example, name) for name in EXAMPLES},
 }

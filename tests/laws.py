@@ -13,10 +13,10 @@ from semianalytic import (
     TensionError,
     Tractions,
     ViscousFriction,
-    march,
-    solve,
 )
 from semianalytic.regimes import opening_threshold
+from semianalytic.selfsimilar.solver import solve
+from semianalytic.spacetime.march import march
 
 
 def opening_scene(random):

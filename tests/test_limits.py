@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from catalogue import UNIT_FILE, unit_scene
 
-from semianalytic import SceneError, find_scene
+from semianalytic import SceneError, find
 
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "limits.md").read_text()
@@ -77,7 +77,7 @@ def test_what_slipfront_does_not_do_is_refused_with_its_page(words, tmp_path, re
     assert any(line.startswith("|") and words in line for line in rows)
     path, line = tmp_path / "scene.toml", OUTSIDE[words]
     path.write_text(UNIT_FILE)
-    find_scene(str(path))
+    find(str(path))
     path.write_text(UNIT_FILE + line)
     assert re.search(r"\(docs/not_here\.md\)\.\n$", refused(["solve", path]))
 

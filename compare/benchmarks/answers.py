@@ -31,10 +31,7 @@ from semianalytic import (
     Scene,
     Solution,
     WholeLine,
-    march,
     solve,
-    solve_line,
-    solve_pair,
 )
 from semianalytic.results.answer import TOTALS
 
@@ -89,11 +86,15 @@ def answer_to(sheet: Sheet) -> Answered:
     """The answer to a sheet, solved, marched or read; raises as `stored_text` and the solvers."""
     problem = sheet.problem
     if isinstance(problem, Scene):
-        return march(problem, 1.0, NODES) if sheet.is_marched else solve(problem, rtol=RTOL)
+        return (
+            solve(problem, method="space-time", end_time=1.0, nodes=NODES)
+            if sheet.is_marched
+            else solve(problem, rtol=RTOL)
+        )
     if isinstance(problem, Pair):
-        return solve_pair(problem, rtol=PAIR_RTOL)
+        return solve(problem, rtol=PAIR_RTOL)
     if isinstance(problem, WholeLine):
-        answer = solve_line(problem)
+        answer = solve(problem)
         assert isinstance(answer, LineSolution)  # half-lines are scenes
         return answer
     document = json.loads(stored_text(f"{sheet.name}.json"))

@@ -19,15 +19,13 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic import Pair, Scene, WholeLine, find_line
-from semianalytic.dissimilar.described import find_pair, pair_document
+from semianalytic import Pair, Scene, WholeLine, find
+from semianalytic.dissimilar.described import pair_document
 from semianalytic.interface.files import InterfaceFile, parsed
 from semianalytic.interface.named import NAMED_INTERFACES
-from semianalytic.prediction import chosen_method
+from semianalytic.methods import chosen
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.named import LINES, NAMED_PAIRS
 from semianalytic.whole_line.named import line_document
 
 STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
@@ -112,7 +110,7 @@ class Sheet:
         """Whether the answer is that of grids, with stated errors, and not exact."""
         problem = self.problem
         return self.is_interface or (
-            isinstance(problem, Scene) and chosen_method(problem) == "space-time"
+            isinstance(problem, Scene) and chosen(problem).name == "space-time"
         )
 
     @cached_property
@@ -120,13 +118,8 @@ class Sheet:
         """The scene, two bodies, whole line or interface; all but the last in `PLAIN` units."""
         if self.is_interface:
             return parsed(self.interface, self.name, Path())
-        if self.name in NAMED_PAIRS:
-            return find_pair(self.name)
-        if self.name not in LINES:
-            return find_scene(self.name)
-        line = find_line(self.name)
-        assert isinstance(line, WholeLine)
-        return line
+        found: Scene | Pair | WholeLine = find(self.name)
+        return found
 
     @property
     def end_time(self) -> float:

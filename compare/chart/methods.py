@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.tasks.workers import LIFELINE, ONE_THREAD, hang_on, lifeline
-from semianalytic import Material, Scene, march, solve, solve_pair
+from semianalytic import Material, Scene, solve
 from semianalytic.dissimilar.described import pair_of
-from semianalytic.prediction import chosen_method
+from semianalytic.methods import chosen
 from semianalytic.results.files import row_checksum
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.given.documents import scene_document
@@ -55,7 +55,7 @@ class Problem:
     @property
     def is_exact(self) -> bool:
         """Whether the exact solver answers; of two materials nothing else but elements does."""
-        return self.lower is not None or chosen_method(self.scene) == "self-similar"
+        return self.lower is not None or chosen(self.scene).name == "self-similar"
 
     @property
     def finest(self) -> float:
@@ -105,12 +105,19 @@ def exact(problem: Problem, rtol: float) -> Any:
     """Solve a self-similar problem of one or two materials."""
     if problem.lower is None:
         return solve(problem.scene, rtol=rtol)
-    return solve_pair(pair_of(problem.scene, problem.lower), rtol=rtol)
+    return solve(pair_of(problem.scene, problem.lower), rtol=rtol)
 
 
 def marched(problem: Problem, nodes: float, companion: bool = False) -> Any:
     """March a problem of one material."""
-    return march(problem.scene, problem.end_time, int(nodes), every=_LAST, companion=companion)
+    return solve(
+        problem.scene,
+        method="space-time",
+        end_time=problem.end_time,
+        nodes=int(nodes),
+        every=_LAST,
+        companion=companion,
+    )
 
 
 def _finite_elements(problem: Problem, resolution: float) -> Any:

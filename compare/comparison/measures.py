@@ -7,8 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic import InterfaceHistory, SlipZone
-from semianalytic.results.intervals import slip_intervals
+from semianalytic import InterfaceHistory
 
 Array = NDArray[np.float64]
 
@@ -87,27 +86,6 @@ def is_nothing(values: Array, unit: float) -> bool:
     This also holds for an empty array.
     """
     return bool(np.abs(values).max(initial=0.0) <= NOTHING * unit)
-
-
-def sampled_zones(velocity: Array, slip_rate: Array, threshold: float) -> tuple[SlipZone, ...]:
-    """Slip zones seen in a sampled slip rate, as `slip_intervals` finds them.
-
-    Parameters
-    ----------
-    velocity : (n,) array
-        Similarity velocity x/t of the samples [length / time], increasing, all positive.
-    slip_rate : (n,) array
-        Relative slip rate [length / time].
-    threshold : float
-        Least absolute slip rate that counts as slip [length / time], positive.
-
-    Returns
-    -------
-    tuple of SlipZone
-        From the edge outward.
-    """
-    intervals = slip_intervals(velocity, slip_rate, threshold)
-    return tuple(SlipZone(part.start, part.end, part.sense) for part in intervals)
 
 
 def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:

@@ -15,13 +15,11 @@ from semianalytic import (
     PairSolution,
     Scene,
     Solution,
-    march,
     solve,
-    solve_pair,
 )
 from semianalytic.cut.load import check_pressure
 from semianalytic.dissimilar.described import pair_of
-from semianalytic.prediction import chosen_method
+from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
 from semianalytic.spacetime.grid.resolution import nodes_for_loads
@@ -55,7 +53,7 @@ def check_predictable(scene: Scene, method: str = "auto", lower: Material | None
     """
     if _pair_of(scene, method, lower) is not None:
         return
-    if chosen_method(scene, method) == "self-similar":
+    if chosen(scene, method).name == "self-similar":
         check_pressure(scene)
 
 
@@ -77,7 +75,7 @@ def check_marched(scene: Scene, method: str, resolution: int, end_time: float | 
     SceneError, TensionError
         As `predict_like`.
     """
-    if chosen_method(scene, method) == "self-similar":
+    if chosen(scene, method).name == "self-similar":
         return
     speed = scene.material.shear_speed
     end_time = 1 / speed if end_time is None else end_time
@@ -114,8 +112,9 @@ def predict_before(
     """
     pair = _pair_of(scene, method, lower)
     if pair is not None:
-        return solve_pair(pair)
-    return solve(scene) if chosen_method(scene, method) == "self-similar" else None
+        return solve(pair)
+    exactly = chosen(scene, method).name
+    return solve(scene, method=exactly) if exactly == "self-similar" else None
 
 
 def predict_like(
@@ -173,7 +172,9 @@ def _marched(
     """March as far and as long as a simulation was recorded, on finer nodes."""
     scene, element = simulation.scene, simulation.element_size
     nodes, length = _grid(scene, reach, end_time, element, simulation.resolution)
-    return march(scene, end_time, nodes, length=length, progress=progress)
+    return solve(
+        scene, method="space-time", end_time=end_time, nodes=nodes, length=length, progress=progress
+    )
 
 
 def _grid(

@@ -1,4 +1,4 @@
-"""Figures as reproducible files, and as pictures within a page; text in them stays text."""
+"""Figures as reproducible files; text in them stays text."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path
 
 from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure
-from PIL import Image
 
 from compare.figures.style import look
 from semianalytic.results.files import write_bytes
@@ -48,14 +47,3 @@ def save_figure(figure: Figure, path: str | Path) -> None:
     with look():
         figure.savefig(drawn, format=form, metadata=NO_DATE.get(form))
     write_bytes(path, drawn.getbuffer())
-
-
-def figure_png(figure: Figure, dpi: int = 110, colours: int = 256) -> bytes:
-    """Return a figure as PNG with few colours, a third as large; rare colours are kept."""
-    drawn, packed = BytesIO(), BytesIO()
-    with look():
-        figure.savefig(drawn, format="png", dpi=dpi)
-    picture = Image.open(drawn).convert("RGB")
-    few = picture.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    few.save(packed, format="png", optimize=True)
-    return packed.getvalue()

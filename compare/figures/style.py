@@ -42,6 +42,18 @@ STICK_SHADE, SLIP_SHADE = "#efefef", "#cfe5f3"
 """Colours of maps."""
 SENSE_COLOURS = {"reverse slip": VERMILLION, "stick": STICK_SHADE, "slip": SKY, "open": YELLOW}
 """Colours of slip senses, in the order of their numbers in maps, from -1 on."""
+REGIME_COLOURS = {
+    "stuck": STICK_SHADE,
+    "slow": SLIP_SHADE,
+    "front": "#f6ec9f",
+    "two": SKY,
+    "one": BLUE,
+    "everywhere": "#8fd3bf",
+    "reverse": ORANGE,
+    "open": PURPLE,
+    "failed": BLACK,
+}
+"""Colours of regimes of slip (`semianalytic.regimes.regime`) in maps."""
 SHADES = {
     "slip": (SKY, 0.3),
     "stick": ("", 0.06),

@@ -2,18 +2,10 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 
 from semianalytic.results.files import refusal, write_bytes
 from semianalytic.scene.errors import DataFileError
-
-
-def filled_template(package: str, name: str, **values: object) -> str:
-    """Return the text of a template in a package, with its $names replaced by values."""
-    text = files(package).joinpath(name).read_text(encoding="utf-8")
-    return Template(text).substitute(values)
 
 
 def write_text(path: Path, text: str) -> None:

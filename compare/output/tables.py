@@ -9,7 +9,7 @@ from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from compare.output.files import append_text, write_text
+from compare.output.files import write_text
 from semianalytic.results.files import row_checksum
 from semianalytic.scene.errors import DataFileError
 
@@ -79,37 +79,6 @@ def read_rows(path: Path, kind: type[Row], what: str, command: str) -> list[Row]
         raise DataFileError(
             f"{path} cannot be read as {what} ({error}); move it away to measure again."
         ) from error
-
-
-def append_rows(path: Path, rows: Sequence[Any]) -> None:
-    """Append rows with their checksums to a table that grows while it is computed.
-
-    Raises
-    ------
-    DataFileError
-        If the file cannot be written.
-    """
-    append_text(path, _csv_text(map(_checked_cells, rows)))
-
-
-def sound_rows(path: Path, kind: type[Row]) -> list[Row]:
-    """Return the undamaged rows of a growing table, which a killed run may have left incomplete."""
-    if not path.exists():
-        return []
-    lines = path.read_bytes().decode("utf-8", "replace").splitlines()
-    rows = (next(csv.reader([line]), []) for line in lines)
-    return [
-        _parsed(kind, cells)
-        for cells in rows
-        if len(cells) == len(_names(kind)) + 1 and _sound(cells)
-    ]
-
-
-def started_rows(path: Path, kind: type[Row]) -> list[Row]:
-    """Return the undamaged rows of a growing table; start the table if there is none."""
-    if not path.exists():
-        write_text(path, ",".join([*_names(kind), "checksum"]) + "\n")
-    return sound_rows(path, kind)
 
 
 def markdown_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

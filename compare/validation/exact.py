@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import AFTER
-from semianalytic import Marched, Scene, Solution
-from semianalytic.prediction import chosen_method, predict
+from semianalytic import Marched, Scene, Solution, solve
+from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer
 
 Array = NDArray[np.float64]
@@ -126,11 +126,11 @@ def exact_answer(scene: Scene, end_time: float, reach: float) -> Exact:
     Raises
     ------
     SceneError, ComputationError
-        As `predict`.
+        As `solve`.
     """
-    if chosen_method(scene) == "self-similar":
-        answer: Solution | Marched = predict(scene)
+    if chosen(scene).name == "self-similar":
+        answer: Solution | Marched = solve(scene)
     else:
         length = max(1.25 * reach, scene.material.shear_speed * end_time)
-        answer = predict(scene, end_time, nodes=MARCH_NODES, length=length)
+        answer = solve(scene, end_time=end_time, nodes=MARCH_NODES, length=length)
     return Exact(scene, answer, end_time)

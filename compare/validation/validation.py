@@ -9,9 +9,8 @@ from os import PathLike
 
 import numpy as np
 
-from compare.comparison.judgement import MOTION
 from compare.comparison.measures import NOTHING
-from compare.comparison.rows import AGREES, DIFFERS, HasRows, overall
+from compare.comparison.rows import AGREES, DIFFERS, MOTION, HasRows, overall
 from compare.records.record import BEFORE, QUANTITIES, Record, Records
 from compare.validation.bars import JudgedRow
 from compare.validation.conventions import Conventions
@@ -128,7 +127,7 @@ def validate(
         One run, or one for each resolution, coarse to fine unless spacings say otherwise.  A
         mapping has "t", "x" and some of "slip_rate", "slip", "shear_traction" and "pressure".
     scene : Scene, str or path
-        What was simulated; a name or file as for `find_scene`.
+        What was simulated; a name or file as for `find`.
     spacing : float or sequence of float, optional
         Distance of the grid points of each run on the interface, in the unit of x of its file; 0
         for a gauge without any extent, whose noise is known.

@@ -31,7 +31,10 @@ def slip_rate(xi: np.ndarray) -> np.ndarray:
 @look()
 def main(folder: Path = Path(".")) -> sf.Solution:
     """Draw the closed form and the answers of the three solvers; return the exact solution."""
-    solution, marched = sf.solve(SCENE, rtol=1e-11), sf.march(SCENE, nodes=400).interface
+    solution, marched = (
+        sf.solve(SCENE, rtol=1e-11),
+        sf.solve(SCENE, method="space-time", nodes=400).interface,
+    )
     simulated, xi = simulate(SCENE, resolution=100).interface, np.linspace(1e-3, 1.1, 2000)
     figure, points = describe(Figure(figsize=(6, 4.6), layout="constrained"), SCENE), xi[20::60]
     upper, lower = figure.subplots(2, 1, sharex=True)

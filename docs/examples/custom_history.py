@@ -29,7 +29,9 @@ def main(folder: Path = Path(".")) -> float:
         load=sf.Tractions(pressure=0.0, shear=3e6),
         shear_history=sf.Tabulated(tuple(t), tuple(signal / signal.max())),
     )
-    first = sf.march(scene, end_time=30e-6, nodes=300, length=0.15, latest=60e-6)
+    first = sf.solve(
+        scene, method="space-time", end_time=30e-6, nodes=300, length=0.15, latest=60e-6
+    )
     first.save(folder / "custom_history.h5")
     whole = sf.march_on(sf.Marched.load(folder / "custom_history.h5"), 60e-6)
     history = whole.interface

@@ -22,7 +22,7 @@ from compare.figures.style import describe, look
 def main(folder: Path = Path(".")) -> int:
     """Simulate a remote shock with ten snapshots; return the number of snapshots."""
     snapshots = folder / "snapshots"
-    scene = sf.find_scene("remote-shock")
+    scene = sf.find("remote-shock")
     simulation = sf.simulate(scene, resolution=30, snapshots=snapshots, frames=10)
     pictures = sorted(snapshots.glob("*.vtu"))
     last = meshio.read(pictures[-1])

@@ -16,7 +16,7 @@ import slipfront as sf
 from compare.figures.style import describe, look
 from semianalytic.halfplane.rayleigh import Array
 
-SCENE = sf.find_scene("preloaded")
+SCENE = sf.find("preloaded")
 NAMES, NOISE, WALKERS, STEPS = ("gain", "gain:left"), 0.1, 12, 1500
 
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 import slipfront as sf
 from compare.figures.style import describe, look, outline
 
-SCENE = sf.find_scene("preloaded")  # constant pressure, sudden shear
+SCENE = sf.find("preloaded")  # constant pressure, sudden shear
 
 
 @look()

@@ -27,7 +27,7 @@ from compare.output.files import write_text
 from compare.records.record import QUANTITIES, Record, Records
 from fem import simulate
 from fem.lines import simulate_line
-from semianalytic import InterfaceFile, Run, run
+from semianalytic import InterfaceFile, Run, solve
 from semianalytic.scene.given.finding import find_blocks
 
 Array = NDArray[np.float64]
@@ -51,7 +51,15 @@ def run_of(sheet: Sheet, nodes: int, samples: int = 1) -> Run:
     times = (file.end_time * np.arange(1, count + 1) / count).tolist()
     options = {name: file.options[name] for name in ("step_ratio",) if name in file.options}
     level, end = sheet.level, file.end_time
-    return run(file.interface, end, nodes, times=times, slipping=level, estimate=False, **options)
+    return solve(
+        file.interface,
+        end_time=end,
+        nodes=nodes,
+        times=times,
+        slipping=level,
+        estimate=False,
+        **options,
+    )
 
 
 def sampled(sheet: Sheet, nodes: int) -> Fields:

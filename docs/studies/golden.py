@@ -24,19 +24,13 @@ from rich.progress import track
 
 import semianalytic as sa
 from compare.tasks.workers import run_tasks
-from semianalytic.dissimilar.described import find_pair
-from semianalytic.dissimilar_slot.solver import solve_pair
-from semianalytic.engine.run import Run, run
+from semianalytic.engine.run import Run
 from semianalytic.interface.named import NAMED_INTERFACES, find_interface
-from semianalytic.prediction import chosen_method
+from semianalytic.methods import chosen
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES
 from semianalytic.scene.loads import PULSE_SHAPES
-from semianalytic.selfsimilar.solver import solve
-from semianalytic.spacetime.march import march
-from semianalytic.whole_line.growing import solve_growing
 from semianalytic.whole_line.named import NAMED_LINES
-from semianalytic.whole_line.solver import solve_line
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "golden.json.gz"
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
@@ -228,9 +222,7 @@ def problem_of(label: str) -> Any:
         return drawn(kind, int(last))
     if kind == "interface":
         return find_interface(last).interface
-    if label in NAMED_SCENES:
-        return NAMED_SCENES[label].scene
-    return NAMED_LINES[label].problem if label in NAMED_LINES else find_pair(label)
+    return sa.find(label)
 
 
 def answered(label: str) -> Answer:
@@ -240,20 +232,15 @@ def answered(label: str) -> Answer:
         if isinstance(problem, sa.Interface):
             name = label.partition(" ")[2]
             end_time = find_interface(name).end_time * RUN_TIME.get(name, 1.0)
-            return recorded_run(run(problem, end_time, RUN_NODES))
-        found: Any
+            return recorded_run(sa.solve(problem, end_time=end_time, nodes=RUN_NODES))
         reach, unit = 1.5, 1.0
+        settings: dict[str, Any] = {}
         if isinstance(problem, sa.Pair):
-            found, unit = solve_pair(problem, rtol=1e-6), problem.upper.shear_speed
-        elif isinstance(problem, sa.WholeLine):
-            found = solve_line(problem)
-        elif isinstance(problem, sa.GrowingSlot):
-            found = solve_growing(problem)
-        elif chosen_method(problem) == "space-time":
+            settings, unit = {"rtol": 1e-6}, problem.upper.shear_speed
+        elif chosen(problem).name == "space-time":
             nodes, reach = (NODES if label.startswith("random") else NAMED_NODES), 0.98
-            found = march(problem, 1.0 / problem.material.shear_speed, nodes)
-        else:
-            found = solve(problem)
+            settings = {"end_time": 1.0 / problem.material.shear_speed, "nodes": nodes}
+        found = sa.solve(problem, **settings)
         x = np.linspace(0.02, reach, POINTS) * unit
         return recorded(found, x, np.where(np.arange(POINTS) % 2, 1.0, 0.7))
     except Exception as error:  # faults of the program are answers of this commit too

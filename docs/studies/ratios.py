@@ -3,8 +3,8 @@
 ``python -m docs.studies.ratios --against b6ca9fe --csv docs/data`` runs each job of `JOBS` in that
 commit and in this checkout, in turn, in processes of one thread each, and compares the best
 processor times: other load on the machine slows both.  It prints the ratios and writes
-speed-ratios.csv, in which jobs that ``--jobs`` leaves out keep their row.  The exit code is 1 if a
-job takes more than ``--most`` times (1.25) its time before.
+speed-ratios.csv.  The exit code is 1 if a job takes more than ``--most`` times (1.25) its time
+before.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRST = """from time import process_time as now; began = now()
-import slipfront as sf; sf.solve(sf.find_scene('preloaded')); print(now() - began)"""
+import slipfront as sf; sf.solve('preloaded'); print(now() - began)"""
 COMMAND = """import atexit, sys, time; atexit.register(lambda: print('', time.process_time()))
 from slipfront.cli.entry import main; sys.argv[1:] = ['solve', 'preloaded']; main()"""
 
@@ -66,7 +66,7 @@ def _rate_error(answer: Any) -> float:
 
 
 def _call(function: str, name: str, error: Callable[[Any], float], **options: Any) -> Found:
-    return timed(lambda sf: getattr(sf, function)(sf.find_scene(name), **options), error)
+    return timed(lambda sf: getattr(sf, function)(sf.find(name), **options), error)
 
 
 def fields(points: int) -> Found:
@@ -74,7 +74,7 @@ def fields(points: int) -> Found:
 
     import slipfront as sf
 
-    solution = sf.solve(sf.find_scene("preloaded"), rtol=1e-9)
+    solution = sf.solve(sf.find("preloaded"), rtol=1e-9)
     x, y = np.random.default_rng(1).uniform(-1, 1, (2, points))
     return timed(lambda _: solution.stress(x, y, 1.0), lambda _: solution.field_error)
 
@@ -83,7 +83,7 @@ def picture() -> Found:
     from slipfront.explore.jobs import Moment, solved_field
 
     def draw(sf: Any) -> Any:
-        return solved_field(sf.find_scene("preloaded"), 24, 1e-4, Moment(), lambda *_: None)
+        return solved_field(sf.find("preloaded"), 24, 1e-4, Moment(), lambda *_: None)
 
     return timed(draw)
 
@@ -182,21 +182,6 @@ def unpacked(commit: str, folder: Path) -> None:
         archive.extractall(folder, filter="data")
 
 
-def _write(folder: Path, rows: Sequence[RatioRow], against: str) -> None:
-    """Write rows to speed-ratios.csv of a folder; jobs that were not run keep their row there."""
-    from compare.output.tables import write_rows
-    from docs.studies.pages import read_data
-
-    every = {row.job: row for row in rows}
-    if (folder / "speed-ratios.csv").exists():
-        for row in read_data("speed-ratios", folder)[1]:
-            job, *numbers = row.values()
-            every.setdefault(job, RatioRow(job, *map(float, numbers)))
-    made = f"python -m docs.studies.ratios --against {against} --csv docs/data"
-    kept = [every[job] for job in JOBS if job in every]
-    write_rows(folder / "speed-ratios.csv", kept, command=made)
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure the ratios; return 1 if one is above the limit."""
     parser = argparse.ArgumentParser(prog="python -m docs.studies.ratios", description=__doc__)
@@ -215,7 +200,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         unpacked(options.against, Path(folder))
         rows = compared(options.jobs, Path(folder), ROOT, options.times)
     if options.csv is not None:
-        _write(options.csv, rows, options.against)
+        from compare.output.tables import write_rows
+
+        made = f"python -m docs.studies.ratios --against {options.against} --csv docs/data"
+        write_rows(options.csv / "speed-ratios.csv", rows, command=made)
     return int(any(row.ratio > options.most for row in rows))
 
 

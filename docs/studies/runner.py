@@ -18,6 +18,7 @@ import csv
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -47,8 +48,6 @@ JOURNALS = Path("results", "studies")
 class Study:
     """One table and the figures drawn from its rows.
 
-    Attributes
-    ----------
     name : str
         Name of the data file, such as "march-error" for docs/data/march-error.csv.
     points : callable
@@ -56,9 +55,9 @@ class Study:
     row : callable
         Function of a module: ``row(*point)`` is a dictionary, a dataclass instance, or a list.
     table : callable, optional
-        Returns the rows of the table if these are not the rows of all points.
+        Returns the rows of the table, maybe none, from those of all points.
     figures : mapping, optional
-        Functions of the rows of all points that draw a figure, by the names of the files.
+        Functions of the rows of all points that draw figures, by the names of the files.
     """
 
     name: str
@@ -86,8 +85,7 @@ def main(module: str, studies: Sequence[Study], arguments: Sequence[str] | None 
         if options.fresh:
             journal.unlink(missing_ok=True)
         rows = computed(known[name], options.quick, journal, options.workers)
-        command = f"python -m {module} {name}{quick} --output docs"
-        written(known[name], rows, options.output, command)
+        written(known[name], rows, options.output, f"{parser.prog} {name}{quick} --output docs")
     return 0
 
 
@@ -96,10 +94,8 @@ def computed(study: Study, quick: bool, journal: Path, workers: int = 1) -> list
     points = {json.dumps(point): point for point in study.points(quick)}
     done: dict[str, list[Row]] = {}
     for line in journal.read_text().splitlines() if journal.exists() else ():
-        try:
+        with suppress(ValueError):  # a run that was killed may have left half a line
             done |= [json.loads(line)]
-        except ValueError:
-            continue  # a run that was killed may have left half a line
     missing = [key for key in points if key not in done]
     console = Console(stderr=True)
     if done.keys() & points.keys():
@@ -125,13 +121,15 @@ def written(study: Study, rows: list[Row], output: Path, command: str) -> None:
     table = [as_row(row) for row in study.table(rows)]
     (output / "data").mkdir(parents=True, exist_ok=True)
     (output / "figures").mkdir(exist_ok=True)
-    stream = io.StringIO(newline="")
+    for name, draw in study.figures.items():
+        save_figure(draw(rows), output / "figures" / f"{name}.png")
+    if not table:
+        return
+    stream = io.StringIO()
     writer = csv.DictWriter(stream, list(table[0]), lineterminator="\n")
     writer.writeheader()
     writer.writerows(table)
     write_text(output / "data" / f"{study.name}.csv", f"# {command}\n{stream.getvalue()}")
-    for name, draw in study.figures.items():
-        save_figure(draw(rows), output / "figures" / f"{name}.png")
     shown = Table(*(name.replace("_", " ") for name in table[0]), title=study.name)
     for row in table[:60]:  # a map of ten thousand points is for the file
         shown.add_row(*(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values()))
@@ -147,7 +145,7 @@ def drawn(rows: Sequence[Row], panels: Sequence[Mapping[str, Any]], words: str) 
     for one, panel in zip(axes, panels, strict=False):
         chosen = panel.get("where", {}).items()
         shown = [row for row in rows if all(row[name] == value for name, value in chosen)]
-        own = {"x", "y", "by", "value", "colours", "failed", "marker"}
+        own = {"x", "y", "by", "value", "label", "colours", "style", "failed", "marker"}
         draw(one, shown, **{name: panel[name] for name in panel.keys() & own})
         one.set(**{name: panel[name] for name in panel.keys() - own - {"where"}})
     for spare in axes[len(panels) :]:
@@ -162,38 +160,41 @@ def draw(
     y: str,
     by: Sequence[str] = (),
     value: str = "",
+    label: str = "",
     colours: Mapping[str, str] | None = None,
+    style: Mapping[str, Any] | None = None,
     failed: Callable[[Row], bool] = lambda row: False,
     marker: str = ".-",
 ) -> None:
     """Draw column y of rows over column x: curves, one for each set of values of the columns `by`.
 
     With a `value`, draw a map with equally many rows for each x, coloured by the numbers in that
-    column, or by its words with `colours`.  Rows that `failed` are crosses, at the bottom if nan.
+    column, labelled by `label`, or by its words with `colours`.  Rows that `failed` are crosses, at
+    the bottom if nan.  A `style` is handed to matplotlib.
     """
     if value:
         ordered = sorted(rows, key=lambda row: (row[x], row[y]))
         shape, names = (len({row[x] for row in rows}), -1), list(colours or ())
         shades = [names.index(row[value]) if names else row[value] for row in ordered]
         places = (np.array([row[name] for row in ordered]).reshape(shape) for name in (x, y))
-        given: dict[str, Any] = {"shading": "nearest", "rasterized": True}
+        given: dict[str, Any] = {"shading": "nearest", "rasterized": True, **(style or {})}
         if colours:
             given |= {"cmap": ListedColormap(list(colours.values()))}
             given |= {"vmin": -0.5, "vmax": len(names) - 0.5}
         mesh = panel.pcolormesh(*places, np.array(shades).reshape(shape), **given)
         if not colours:
-            panel.figure.colorbar(mesh, ax=panel, label=value)
+            panel.figure.colorbar(mesh, ax=panel, label=label or value)
         return
     colour = cycle()
     for index, key in enumerate(dict.fromkeys(tuple(row[name] for name in by) for row in rows)):
         own = [row for row in rows if tuple(row[name] for name in by) == key]
         good = [row for row in own if not failed(row)]
-        style: dict[str, Any] = {"color": colour[index % len(colour)]}
+        look: dict[str, Any] = {"color": colour[index % len(colour)], **(style or {})}
         line = [row[x] for row in good], [row[y] for row in good]
-        panel.plot(*line, marker, label=", ".join(map(str, key)), **style)
+        panel.plot(*line, marker, label=", ".join(map(str, key)), **look)
         for row in filter(failed, own):
             bare = row[y] != row[y]
             place = {"transform": panel.get_xaxis_transform()} if bare else {}
-            panel.plot([row[x]], [0.03 if bare else row[y]], "x", **style | place)
+            panel.plot([row[x]], [0.03 if bare else row[y]], "x", **look | place)
     if by:
         panel.legend()

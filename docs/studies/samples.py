@@ -51,7 +51,7 @@ shear = 6e6
 
 def main(folder: Path = FOLDER) -> None:
     """March the scene, record it with noise, and write the files."""
-    march = sf.march(TRUTH, END, nodes=NODES)
+    march = sf.solve(TRUTH, method="space-time", end_time=END, nodes=NODES)
     random = np.random.default_rng(11)
     rows = ["t [us],x [mm],y [mm],exx [ustrain],eyy [ustrain],exy [ustrain]"]
     t = np.arange(0.0, 71.0) * 1e-6

@@ -16,7 +16,7 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
-from slipfront.explore.chromium import CHROMIUM, Browser
+from docs.studies.chromium import CHROMIUM, Browser
 
 PAGES = ("", "theory/", "tutorials/first_scene/", "api/scene/", "not_here/")
 WITH_FORMULAS = "theory/"

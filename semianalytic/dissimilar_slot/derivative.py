@@ -63,7 +63,7 @@ class PairDerivative:
     >>> import semianalytic as sa
     >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
     >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-    >>> by_friction = sa.solve_pair(pair).derivative("friction")
+    >>> by_friction = sa.solve(pair).derivative("friction")
     >>> [round(zone.outer) for zone in by_friction.zones]  # m/s per unit of friction
     [-2108]
     """

@@ -22,15 +22,12 @@ from semianalytic.dissimilar_slot.densities.profile import (
 )
 from semianalytic.dissimilar_slot.densities.zones import Zone
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.results.answer import (
-    checked_arrival,
-)
 from semianalytic.results.in_bodies import AnswerInBodies
-from semianalytic.results.reading import Reading, first_times, self_similar_reading
+from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.quantities import asked_in_units
-from semianalytic.scene.scene import Scene
+from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
@@ -59,7 +56,7 @@ class PairStatistics:
     >>> import semianalytic as sa
     >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
     >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-    >>> answer = sa.solve_pair(pair, rtol=1e-6)
+    >>> answer = sa.solve(pair, rtol=1e-6)
     >>> answer.statistics.unknowns  # the edge of slip, and that of an opening
     2
     """
@@ -108,7 +105,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     >>> import semianalytic as sa
     >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
     >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-    >>> answer = sa.solve_pair(pair, rtol=1e-6)
+    >>> answer = sa.solve(pair, rtol=1e-6)
     >>> answer.slip_rate(1.0, 2e-3).round(3), (answer.pressure(1.0, 2e-3) / 1e6).round(3)
     (np.float64(0.25), np.float64(9.633))
     """
@@ -121,6 +118,10 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     statistics: PairStatistics
     profile: Profile
     stress_unit: float
+
+    @property
+    def _solids(self) -> tuple[Material, ...]:
+        return (self.pair.upper, self.pair.lower)
 
     @property
     def scene(self) -> Scene:
@@ -273,18 +274,6 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         """Energy turned to heat on the contact until t, per unit depth [stress length^2]."""
         # Power grows as t, so that its integral is half of it times t.
         return self.frictional_power(t) * np.maximum(np.asarray(t, dtype=float), 0.0) / 2
-
-    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
-        """First time of slip or opening at x [time], inf without one; as `Solution.arrival`.
-
-        Slip is that of closed parts, and of either sense also the motion of open ones.
-        """
-        if checked_arrival(of) == "opening":
-            return first_times(x, self.openings)
-        if of == "slip":
-            return first_times(x, (*self.zones, *self.openings))
-        sense = 1 if of == "forward" else -1
-        return first_times(x, (zone for zone in self.zones if zone.sense == sense))
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
         """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""

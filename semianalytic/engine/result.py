@@ -19,6 +19,7 @@ from semianalytic.engine.tuning import LEAST_GAP
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.files import Seal, check_seal, write_bytes
+from semianalytic.results.intervals import front_speeds
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import needing
 
@@ -80,10 +81,10 @@ class Run:
 
     Examples
     --------
-    >>> from semianalytic import Coulomb, Interface, InterfaceLoad, Material, run
+    >>> from semianalytic import Coulomb, Interface, InterfaceLoad, Material, solve
     >>> patch = InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
     >>> patched = Interface(Material(1.0, 1.0, 0.25), Coulomb(0.5), 8.0, loads=[patch])
-    >>> done = run(patched, 1.0, nodes=64)
+    >>> done = solve(patched, end_time=1.0, nodes=64)
     >>> done.slip.shape == (len(done.t), len(done.x)), done.status
     (True, 'done')
     """
@@ -222,16 +223,7 @@ class Run:
         It is the inverse slope of `onset` over x, by least squares over 17 nodes; nan where slip
         has not begun at all of them, and inf where it begins at once.
         """
-        reach = _FRONT_NODES // 2
-        at = np.arange(-reach, reach + 1)
-        speeds = np.full(len(self.x), np.nan)
-        if len(self.x) < _FRONT_NODES:
-            return speeds
-        onset = np.lib.stride_tricks.sliding_window_view(self.onset, _FRONT_NODES)
-        slope = onset @ at / (at @ at) / (self.interface.length / self.nodes)
-        with np.errstate(divide="ignore"):
-            speeds[reach : len(self.x) - reach] = 1 / np.abs(slope)
-        return speeds
+        return front_speeds(self.onset, self.interface.length / self.nodes)
 
     def at(self, values: Array, x: Any) -> Array:
         """Return a field of the nodes (..., n) at positions x (k,) of the contact, (..., k).
@@ -296,11 +288,12 @@ class Run:
 
         Examples
         --------
-        >>> from semianalytic import Contact, Coulomb, Interface, InterfaceLoad, Material, run
+        >>> from semianalytic import Contact, Coulomb, Interface, InterfaceLoad, Material, solve
         >>> push = InterfaceLoad(0.1, on="slot")
         >>> contact = Contact([(-2.0, 2.0)])
         >>> held = Interface(Material(1, 1, 0.25), Coulomb(0.5), 8.0, contact=contact, loads=[push])
-        >>> run(held, 0.5, nodes=128).beside_edge(2.0).shear_traction[:2].round(3)
+        >>> done = solve(held, end_time=0.5, nodes=128)
+        >>> done.beside_edge(2.0).shear_traction[:2].round(3)
         array([0.095, 0.054])
         """
         return _beside_edge(self, edge, frame)
@@ -441,8 +434,6 @@ def _unbroken(nodes: NDArray[np.intp]) -> int:
 
 _LEAST_READ = 4
 """Nodes on either side of an edge that must stick, or be free, for its tractions to be read."""
-_FRONT_NODES = 17
-"""Nodes for front speeds: those of `supershear` jump by 13, 5, 1.4, 0.6 % with 5, 9, 17, 33."""
 _ARRAYS = ("x", "touching", "t", *_UNITS, "onset", "step_times", "peak_rates")
 
 

@@ -63,8 +63,8 @@ class InterfaceFile:
 
     Examples
     --------
-    >>> from semianalytic import find_interface
-    >>> found = find_interface("cattaneo")
+    >>> from semianalytic import find
+    >>> found = find("cattaneo")
     >>> found.interface.contact.intervals, found.interface.even
     (((-1.0, 1.0),), True)
     """

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 import math
-import tomllib
 from collections.abc import Mapping
 from os import PathLike, fspath
 from pathlib import Path
 
 from semianalytic.interface.files import InterfaceFile, parsed, read_interface
 from semianalytic.interface.interface import Interface
-from semianalytic.scene.checks import shown
-from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.files import INTERFACE_KEY
-from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
-from semianalytic.scene.given.text_files import text_of
+from semianalytic.scene.given.finding import INTERFACE, kind_of
 
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"
@@ -218,40 +212,18 @@ every = 4
 """Descriptions by name, as in TOML files."""
 
 
-def find_interface(source: str | PathLike[str]) -> InterfaceFile:
-    """Find an interface by its name or by the path of a TOML file.
-
-    Parameters
-    ----------
-    source : str or path
-        A key of `NAMED_INTERFACES` (docs/engine.md), or a path that ends in .toml or is a file.
+def find_interface(source: str) -> InterfaceFile:
+    """Return the interface of a name, or of a TOML file that describes one.
 
     Raises
     ------
     SceneError
-        If there is none, or the file does not describe one.
-
-    Examples
-    --------
-    >>> from semianalytic import find_interface
-    >>> find_interface("tpv101").end_time
-    15.0
+        If the file does not describe one.
     """
-    if not isinstance(source, str | PathLike):
-        raise SceneError(f"find_interface: give a name or a path, got {shown(source)}.")
-    source = fspath(source)
     if source in NAMED_INTERFACES:
         # Descriptions that come with the package have no tables, and so no folder.
         return parsed(NAMED_INTERFACES[source], source, Path())
-    if Path(source).suffix == ".toml" or Path(source).is_file():
-        return read_interface(source)
-    if source in (*NAMED_SCENES, *NAMED_PAIRS, *LINES):
-        raise SceneError(
-            f"{source} is a scene, not an interface: slipfront solve {source} (docs/scenes.md)."
-        )
-    close = difflib.get_close_matches(source, NAMED_INTERFACES, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(NAMED_INTERFACES)}"
-    raise SceneError(f"There is no interface called {source!r}; {hint} (or give a .toml file).")
+    return read_interface(source)
 
 
 def described_interface(source: object) -> InterfaceFile | None:
@@ -273,11 +245,4 @@ def described_interface(source: object) -> InterfaceFile | None:
     if not isinstance(source, str | PathLike):
         return None
     path = fspath(source)
-    if path in NAMED_INTERFACES and path not in NAMED_SCENES:
-        return find_interface(path)
-    try:
-        # Whatever cannot be read here is refused by the reader of scenes, which says why.
-        found = tomllib.loads(text_of(path))
-    except (OSError, ValueError, RecursionError):
-        return None
-    return read_interface(path) if INTERFACE_KEY in found else None
+    return find_interface(path) if kind_of(path) == INTERFACE else None

@@ -65,8 +65,8 @@ class Fit:
     Examples
     --------
     >>> import numpy as np
-    >>> from semianalytic import Gauge, Normal, find_scene, fit, solve
-    >>> scene, t = find_scene("antiplane"), np.linspace(0.3, 1.5, 5)
+    >>> from semianalytic import Gauge, Normal, find, fit, solve
+    >>> scene, t = find("antiplane"), np.linspace(0.3, 1.5, 5)
     >>> record = Gauge(x=0.2, t=t, values=solve(scene).slip(0.2, t), noise=1e-3, quantity="slip")
     >>> found = fit([record], scene, "friction", priors={"friction": Normal(0.5, 0.1)})
     >>> found.status, found.freedom, bool(found.standard_errors[0] < 0.002)

@@ -50,7 +50,7 @@ def fit(
         Records, each with its noise.
     scene : Scene, Interface, InterfaceFile, str or path
         Values of all parameters that are not fitted, and a first guess of those that are; or the
-        name or file of a scene or an interface as for `find_scene` and `find_interface`.
+        name or file of a scene or an interface as for `find`.
     parameters : str, or sequence of str
         Any of "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
         "load_shear", "viscosity", "shear_modulus", "density" of the scene; "t0", "x0" and "gain"
@@ -84,8 +84,8 @@ def fit(
     Examples
     --------
     >>> import numpy as np
-    >>> from semianalytic import Gauge, Normal, find_scene, fit, solve
-    >>> scene, t = find_scene("antiplane"), np.linspace(0.3, 1.5, 5)
+    >>> from semianalytic import Gauge, Normal, find, fit, solve
+    >>> scene, t = find("antiplane"), np.linspace(0.3, 1.5, 5)
     >>> record = Gauge(x=0.2, t=t, values=solve(scene).slip(0.2, t), noise=1e-3, quantity="slip")
     >>> found = fit([record], scene, "friction", priors={"friction": Normal(0.5, 0.1)})
     >>> found.values.round(3).tolist()

@@ -1,4 +1,4 @@
-"""Scenes that have an answer in closed form, and those to which the published algorithm applies."""
+"""Scenes that have an answer in closed form."""
 
 from __future__ import annotations
 
@@ -85,31 +85,3 @@ def _antiplane_form(scene: Scene) -> KnownAnswer:
         lambda speed: antiplane_slip_rate(material, shear, ratio, speed),
         antiplane_edge_speed(material, ratio),
     )
-
-
-def published_obstacle(scene: Scene) -> str:
-    """Say why the published algorithm does not apply to a scene, or return "".
-
-    It treats one load, a sudden remote one, and divides by f P_0.
-    """
-    if not scene.is_step:
-        return "its loads are not steps"
-    if scene.front_slowness:
-        return "its load moves along the interface"
-    if scene.friction_law != CoulombFriction():
-        return "its strength depends on slip"
-    if scene.antiplane:
-        return "its shear is in plane"
-    held, load = scene.superposition
-    if held != load:
-        return "its only load is a sudden remote one, on no base"
-    return "" if scene.friction * load.pressure * load.shear > 0 else "f P_0 is zero"
-
-
-def published_unit(scene: Scene) -> float:
-    """Return the factor from the published one-sided rates to relative slip rates.
-
-    It is 2 f P_0/(mu b) [length / time].
-    """
-    load = scene.superposition.taken_off
-    return 2 * scene.friction * load.pressure / scene.material.shear_impedance

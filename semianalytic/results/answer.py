@@ -39,8 +39,8 @@ class SlipInterval:
 
     Examples
     --------
-    >>> from semianalytic import find_scene, solve
-    >>> first, second = solve(find_scene("preloaded")).zones_at(1.0)
+    >>> from semianalytic import solve
+    >>> first, second = solve("preloaded").zones_at(1.0)
     >>> first.start, round(first.end, 2), first.sense
     (0.0, 0.88, 1)
     """
@@ -61,8 +61,8 @@ class OpenInterval:
 
     Examples
     --------
-    >>> from semianalytic import find_scene, solve
-    >>> (opening,) = solve(find_scene("tap")).openings_at(1.0)
+    >>> from semianalytic import solve
+    >>> (opening,) = solve("tap").openings_at(1.0)
     >>> 0 < opening.start < 1 < opening.end < 2
     True
     """
@@ -139,8 +139,8 @@ class Answer(ContactFields, Protocol):
 
     Examples
     --------
-    >>> from semianalytic import Answer, find_scene, predict
-    >>> answer: Answer = predict(find_scene("preloaded"))
+    >>> from semianalytic import Answer, solve
+    >>> answer: Answer = solve("preloaded")
     >>> round(float(answer.slip_rate(0.1, 1.0)), 3)
     0.771
     >>> answer.pressure([0.1, 0.2], 1.0).tolist()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 from numpy.typing import ArrayLike
 
 from semianalytic.results.answer import Array, BodyFields
+from semianalytic.results.gridded import Gridded
 from semianalytic.scene.quantities import asked_in_units
 
 
@@ -21,12 +22,17 @@ class EstimatedFields(BodyFields, Protocol):
 
 
 @asked_in_units
-class AnswerInBodies:
+class AnswerInBodies(Gridded):
     """An answer that knows the fields in both bodies exactly, up to one interpolation.
 
     Smirnov and Sobolev's method gives them.  A picture of 100,000 points takes a tenth of a second,
     and about a second the first time, when what does not depend on the points is prepared.
     """
+
+    @property
+    def has_bodies(self) -> bool:
+        """Whether the answer knows the fields in the bodies, as it does."""
+        return True
 
     if TYPE_CHECKING:  # what the classes have that inherit from this one
 
@@ -66,7 +72,7 @@ class AnswerInBodies:
         >>> import semianalytic as sa
         >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
         >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-        >>> answer = sa.solve_pair(pair, rtol=1e-6)
+        >>> answer = sa.solve(pair, rtol=1e-6)
         >>> answer.velocity(1.0, [0.0, -0.0], 2e-3)[0].round(3)  # the slip rate is 0.25
         array([ 0.141, -0.109])
         """

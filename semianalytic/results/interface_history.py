@@ -35,8 +35,8 @@ class InterfaceHistory:
 
     Examples
     --------
-    >>> from semianalytic import find_scene, solve
-    >>> history = solve(find_scene("preloaded")).history(x=[0.25, 0.5], t=[0.5, 1.0, 1.5])
+    >>> from semianalytic import solve
+    >>> history = solve("preloaded").history(x=[0.25, 0.5], t=[0.5, 1.0, 1.5])
     >>> history.slip_rate.shape
     (3, 2)
     """

@@ -110,3 +110,27 @@ def _edge(x: Array, straight: Array) -> float:
     steps = first / (second - first) if second > first else 0.0
     # Samples that hardly fall say little about the end, which the next sample in stick bounds.
     return float(x[0]) - min(steps, EDGE_STEPS) * step
+
+
+FRONT_NODES = 17
+"""Nodes over which the speed of a front is taken.  Onsets are those of steps under laws that stick:
+from node to node the speed of `supershear` (1,536 nodes) jumps by 13, 5, 1.4 and 0.6 % at most with
+5, 9, 17 and 33 nodes."""
+
+
+def front_speeds(onset: Array, spacing: float) -> Array:
+    """Return the speed of a front at nodes (n,) from the times at which it comes to them.
+
+    It is the inverse slope of the times by least squares over `FRONT_NODES` nodes; nan where the
+    front has not come to all of them, and inf where it comes at once.
+    """
+    reach = FRONT_NODES // 2
+    at = np.arange(-reach, reach + 1)
+    speeds = np.full(len(onset), np.nan)
+    if len(onset) < FRONT_NODES:
+        return speeds
+    seen = np.lib.stride_tricks.sliding_window_view(onset, FRONT_NODES)
+    slope = seen @ at / (at @ at) / spacing
+    with np.errstate(divide="ignore"):
+        speeds[reach : len(onset) - reach] = 1 / np.abs(slope)
+    return speeds

@@ -65,8 +65,8 @@ class Reading:
 
     Examples
     --------
-    >>> from semianalytic import find_scene, solve
-    >>> reading = solve(find_scene("preloaded")).reading(x=0.5, t=1.0)
+    >>> from semianalytic import solve
+    >>> reading = solve("preloaded").reading(x=0.5, t=1.0)
     >>> when, error = reading.arrivals["slip"]
     >>> when.round(4), bool(0 < error < 1e-7)
     (np.float64(0.4711), True)

@@ -6,7 +6,8 @@ A solver that steps through time keeps an `InterfaceHistory` of the levels it st
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +22,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import (
     EDGE_STEPS,
     beside_openings,
+    front_speeds,
     open_intervals,
     slip_intervals,
 )
@@ -124,6 +126,46 @@ class SampledAnswer(Gridded):
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the gap [length], 0 where closed; errors are those of `slip_rate`."""
         return self._field("gap", x, t)
+
+    def path(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return the accumulated |slip| [length], from the stored levels; errors as `slip_rate`."""
+        return self._accumulated(0, x, t)
+
+    def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return the energy turned to heat at x until t, per area [stress length].
+
+        It is that of the stored levels; errors are those of `slip_rate`.
+        """
+        return self._accumulated(1, x, t)
+
+    @cached_property
+    def _sums(self) -> tuple[InterfaceHistory, InterfaceHistory]:
+        """Histories whose slip is the path, and the work, that the stored levels add up to."""
+        seen = self.interface
+        steps, held = np.abs(np.diff(seen.slip, axis=0)), np.abs(seen.shear_traction)
+        work = steps * (held[1:] + held[:-1]) / 2
+        path = np.abs(seen.slip[:1]) + np.cumsum(np.vstack([steps[:1] * 0.0, steps]), axis=0)
+        heat = np.cumsum(np.vstack([work[:1] * 0.0, work]), axis=0)
+        return replace(seen, slip=path), replace(seen, slip=heat)
+
+    def _accumulated(self, which: int, x: ArrayLike, t: ArrayLike) -> Array:
+        _check_times(np.asarray(t, dtype=float), self.interface.t)
+        _check_positions(np.asarray(x, dtype=float), self.interface.x)
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        return interpolated(self._sums[which], "slip", x, t)
+
+    def front_speed(self, x: ArrayLike) -> Array:
+        """Return the speed of the slip front as it comes to x [length / time].
+
+        It is the inverse slope of the onsets of slip at 17 nodes (`front_speeds`): nan where slip
+        does not come to all of them, or comes at once; errors are those of `arrival`.
+        """
+        x = np.asarray(x, dtype=float)
+        _check_positions(x, self.interface.x)
+        nodes, onset = self.interface.x, self._onset("slip")
+        speeds = front_speeds(np.where(np.isfinite(onset), onset, np.nan), nodes[1] - nodes[0])
+        found = self._between_nodes(x, np.where(np.isnan(speeds), np.inf, speeds))
+        return np.where(np.isfinite(found), found, np.nan)
 
     def max_slip(self, t: ArrayLike) -> Array:
         """Return the largest |slip| on the recorded contact at times t [length].

@@ -8,9 +8,9 @@ class SlipfrontError(Exception):
 
     Examples
     --------
-    >>> from semianalytic import SlipfrontError, find_scene
+    >>> from semianalytic import SlipfrontError, find
     >>> try:
-    ...     find_scene("preloadde")
+    ...     find("preloadde")
     ... except SlipfrontError as error:
     ...     print(error)
     There is no scene called 'preloadde'; did you mean preloaded? (or give a .toml file).

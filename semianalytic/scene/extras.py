@@ -13,7 +13,7 @@ FEM = ("skfem", "meshio", "gmsh", "h5py", "platformdirs")
 """Modules that the finite-element model imports."""
 HDF5 = ("h5py",)
 """Modules that saved results need."""
-PLOT = ("matplotlib", "PIL")
+PLOT = ("matplotlib",)
 """Modules that figures need."""
 EXPLORE = ("bokeh",)
 """Modules that the page in the browser needs, besides those of figures."""
@@ -26,7 +26,7 @@ UNITS = ("pint",)
 
 _HOUSE = Path(__file__).parents[2]
 """Folder that the packages are in: of the checkout, or that of installed packages."""
-_DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
+_DISTRIBUTIONS = {"skfem": "scikit-fem"}
 _EXTRAS = {
     "fem": FEM,
     "plot": PLOT,

@@ -1,4 +1,4 @@
-"""Plugins: scenes, friction laws, load histories and figures that other packages bring.
+"""Plugins: scenes, laws, load histories, figures and methods that other packages bring.
 
 A package names them by entry points (docs/extending.md).  They are looked up only if this package
 has nothing of the name, so that its own cannot be replaced.  A package is imported when one of its
@@ -19,20 +19,27 @@ from semianalytic.scene.errors import PluginError
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-SCENES, LAWS, HISTORIES, FIGURES = GROUPS = (
+SCENES, LAWS, HISTORIES, FIGURES, METHODS = GROUPS = (
     "slipfront.scenes",
     "slipfront.laws",
     "slipfront.histories",
     "slipfront.figures",
+    "slipfront.methods",
 )
 """Groups of entry points."""
 
-_NOUNS = {SCENES: "scene", LAWS: "friction law", HISTORIES: "load history", FIGURES: "figure"}
+_NOUNS = {
+    SCENES: "scene",
+    LAWS: "friction law",
+    HISTORIES: "load history",
+    FIGURES: "figure",
+    METHODS: "method",
+}
 
 
 @dataclass(frozen=True)
 class Plugin:
-    """One scene, law, history or figure that another package brings.
+    """One scene, law, history, figure or method that another package brings.
 
     Attributes
     ----------

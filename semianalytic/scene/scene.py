@@ -119,7 +119,7 @@ class Scene:
             if name == "lower_material":
                 raise SceneError(
                     "scene: both bodies are of one material; give lower_material to simulate, or "
-                    "both materials to Pair for solve_pair."
+                    "both materials to Pair."
                 )
             known = [one.name for one in fields(cls)]
             close = difflib.get_close_matches(name, known, n=1)
@@ -374,7 +374,7 @@ class Scene:
                 f"{1 / self.front_slowness:.4g}, not faster than the first wave, "
                 f"{self.fastest_speed:.4g}, so that the edge was loaded for all time before and "
                 "nothing depends on x/t alone; let it meet the contact first (a negative angle), "
-                "or march it from where it enters the slot, with `march` or `method` space-time "
+                "or march it from where it enters the slot, with `method` space-time "
                 "(docs/limits.md)."
             )
         if self.front_slowness and self.far_slip_rate:
@@ -390,9 +390,8 @@ class Scene:
         if not self.is_self_similar:
             raise SceneError(
                 "the self-similar solver takes step loads only, and friction that is constant or "
-                "depends on slip rate alone; use the space-time solver for this scene, `march` or "
-                "`method` space-time "
-                "(docs/limits.md)."
+                "depends on slip rate alone; use the space-time solver for this scene, `method` "
+                "space-time (docs/limits.md)."
             )
 
     @property

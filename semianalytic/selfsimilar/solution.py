@@ -136,6 +136,10 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         return moving
 
     @property
+    def _one_way(self) -> tuple[tuple[float, float], ...]:
+        return tuple((zone.inner, zone.outer) for zone in self._motion)
+
+    @property
     def _rate_unit(self) -> float:
         # V of one side has the unit stress / (rho c_t); the relative slip rate is twice V.
         return 2 * self.stress_unit / self.scene.material.shear_impedance
@@ -231,18 +235,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         if self.profile.edge_slips:
             return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one + 0.0
         return mode_one, self.stress_unit * self.profile.edge_intensity * sheared + 0.0
-
-    def path(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the accumulated |slip| [length], the time integral of |slip rate|; raises like
-        `slip_rate`."""
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        total = np.abs(self.slip(x, np.minimum(t, 0.0)))
-        # Slip rate has one sign in each zone, so that its integral there is a difference of slips.
-        for zone in self._motion:
-            starts = np.minimum(t, x / zone.outer)
-            stops = np.minimum(t, x / zone.inner) if zone.inner else t
-            total = total + np.abs(self.slip(x, stops) - self.slip(x, starts))
-        return total
 
     def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length]; raises like

@@ -55,6 +55,20 @@ from semianalytic.separation.normal import with_opening
 _log = logging.getLogger(__name__)
 
 
+def refuses(scene: Scene) -> str | None:
+    """Return why a scene is not solved exactly unless that is asked for, or None."""
+    try:
+        scene.check_self_similar()
+    except SceneError as error:
+        return str(error).removeprefix("solve: ")
+    if scene.friction_law.fall_with_rate > 0:
+        return (
+            "where friction falls with slip rate the exact answer takes long, and is unstable; ask "
+            "for it with `method` self-similar (docs/rate.md)."
+        )
+    return None
+
+
 def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution:
     """Solve a scene for slip and stick on its interface: equations (2.1) and (3.21) of the article.
 
@@ -64,7 +78,7 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     Parameters
     ----------
     scene : Scene, str or path
-        A scene with self-similar loads, or its name or file as for `find_scene`.
+        A scene with self-similar loads, or its name or file as for `find`.
     rtol : float
         Wanted accuracy, between 1e-12 and 1e-2, of every quantity that `Solution.error_estimate`
         bounds: zone edges (relative to c_t), the slip rate in L1 and at points away from edges and

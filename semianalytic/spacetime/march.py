@@ -50,6 +50,20 @@ TOLERANCE = 1e-6
 _log = logging.getLogger(__name__)
 
 
+def refuses(scene: Scene) -> str | None:
+    """Return why a scene is not marched unless that is asked for, or None."""
+    if not scene.is_step:
+        return None
+    try:
+        scene.check_front()
+    except SceneError as error:
+        begins = "a march depends on where on the slot the load begins; ask for it with `method` "
+        return (
+            begins + "space-time." if scene.front_too_slow else str(error).removeprefix("solve: ")
+        )
+    return None
+
+
 @of_scene
 def march(
     scene: Scene | str | PathLike[str],
@@ -79,7 +93,7 @@ def march(
     Parameters
     ----------
     scene : Scene, str or path
-        Material, friction law, tractions and load histories, or a name or file as for `find_scene`.
+        Material, friction law, tractions and load histories, or a name or file as for `find`.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     nodes : int, optional
@@ -141,12 +155,12 @@ def march(
     --------
     A shear load that rises within 15 microseconds makes the contact slip from the edge on:
 
-    >>> from semianalytic import Material, Ramp, Scene, Tractions, march
+    >>> from semianalytic import Material, Ramp, Scene, Tractions, solve
     >>> steel = Material(shear_modulus=80e9, density=7800.0, poisson_ratio=1 / 3)
     >>> scene = Scene(
     ...     steel, 0.1, Tractions(5e6, 0.0), Tractions(0.0, 5e6), shear_history=Ramp(1.5e-5)
     ... )
-    >>> run = march(scene, end_time=3e-5, nodes=128)
+    >>> run = solve(scene, end_time=3e-5, nodes=128)
     >>> run.status
     'resolved'
     >>> bool(run.error_estimate < 0.05)
@@ -203,6 +217,9 @@ def march(
         marched = plan.run_within(rtol, memory, progress)
     _log.debug("march: %r", marched)
     return marched
+
+
+solve = march  # as the table of methods asks for it
 
 
 def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> None:
@@ -274,11 +291,11 @@ def march_on(
 
     Examples
     --------
-    >>> from semianalytic import Harmonic, Material, Scene, Tractions, march, march_on
+    >>> from semianalytic import Harmonic, Material, Scene, Tractions, march_on, solve
     >>> solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=0.25)
     >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 0.5)
     >>> scene = Scene(solid, 0.2, base, load, shear_history=Harmonic(frequency=1.0))
-    >>> run = march(scene, end_time=1.0, nodes=128, latest=1.5)
+    >>> run = solve(scene, end_time=1.0, nodes=128, latest=1.5)
     >>> longer = march_on(run, 1.5)
     >>> run.end_time, longer.end_time
     (1.0, 1.5)

@@ -73,11 +73,11 @@ class Marched(SampledAnswer):
 
     Examples
     --------
-    >>> from semianalytic import Material, Pulse, Scene, Tractions, march
+    >>> from semianalytic import Material, Pulse, Scene, Tractions, solve
     >>> solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=0.25)
     >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 0.5)
     >>> scene = Scene(solid, 0.2, base, load, shear_history=Pulse(duration=0.5))
-    >>> run = march(scene, end_time=1.0, nodes=128)
+    >>> run = solve(scene, end_time=1.0, nodes=128)
     >>> [zone.sense for zone in run.zones_at(0.4)]  # the upper side slips towards +x
     [1]
     >>> run.slip_rate([0.1, 0.2], [[0.2], [0.4]]).shape

@@ -58,8 +58,8 @@ class Sweep:
 
     Examples
     --------
-    >>> from semianalytic import find_scene, sweep
-    >>> swept = sweep(find_scene("preloaded"), friction=[0.2, 0.3, 0.5])
+    >>> from semianalytic import find, sweep
+    >>> swept = sweep(find("preloaded"), friction=[0.2, 0.3, 0.5])
     >>> len(swept), swept.status
     (3, ('converged', 'converged', 'converged'))
     >>> swept.slip_rate(0.1, 1.0).round(2).tolist()
@@ -201,7 +201,7 @@ def sweep(
     Parameters
     ----------
     scene : Scene, str or path
-        The scene, or its name or file as for `find_scene`; its own friction plays no part.
+        The scene, or its name or file as for `find`; its own friction plays no part.
     friction : (n,) array
         Coulomb friction coefficients, in any order.
     rtol : float

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array, Mode, rayleigh_factors
 from semianalytic.results.places import contact_points
+from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, MODES, Material, Tractions
@@ -149,7 +150,7 @@ class GrowingSolution(SelfSimilarAnswer):
     --------
     >>> import semianalytic as sa
     >>> solid = sa.Material(1.0, 1.0, 1 / 3)
-    >>> answer = sa.solve_growing(sa.GrowingSlot(solid, 0.5, sa.Tractions(1.0, 1.0)))
+    >>> answer = sa.solve(sa.GrowingSlot(solid, 0.5, sa.Tractions(1.0, 1.0)))
     >>> answer.status, round(answer.edge_speed, 9)
     ('converged', 0.357143225)
     >>> answer.slip_rate(0.1, [1.0, 2.0]).round(6).tolist()
@@ -165,6 +166,11 @@ class GrowingSolution(SelfSimilarAnswer):
         where = f"slip at 0 < x/t < {self.edge_speed:.4g} ({self.slot.sense:+d})"
         estimate = f"error estimate {self.error_estimate:.1e}"
         return f"<GrowingSolution: {where}, n = {self.slot.power}; {self.status}, {estimate}>"
+
+    @property
+    def scene(self) -> GrowingSlot:
+        """The slot that was asked."""
+        return self.slot
 
     @property
     def edge_speed(self) -> float:
@@ -225,6 +231,14 @@ class GrowingSolution(SelfSimilarAnswer):
         """Return zeros [length]: nothing opens; raises as `slip_rate`."""
         return np.zeros(self._velocity(x, t)[0].shape)
 
+    def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
+        """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""
+        slot, time = self.slot, np.maximum(np.asarray(t, dtype=float), 0.0)
+        stress = (slot.load.pressure + abs(slot.load.shear)) * time**slot.power
+        scales = {"slip": self.max_slip(t), "slip_rate": abs(self.edge_slip_rate(t)), "gap": 0.0}
+        scales |= {"shear_traction": stress, "pressure": stress}
+        return self_similar_reading(self, x, t, slot.material.shear_speed, scales)
+
     def edge_slip_rate(self, t: ArrayLike) -> Array:
         """Relative slip rate at the contact edge, x -> 0+, at times t [length / time]."""
         time = np.maximum(np.asarray(t, dtype=float), 0.0)
@@ -281,7 +295,11 @@ class GrowingSolution(SelfSimilarAnswer):
         return np.minimum(xi, 2 / self.zone.factors.a), np.maximum(t, 0.0)
 
 
-def solve_growing(slot: GrowingSlot) -> GrowingSolution:
+def refuses(slot: GrowingSlot) -> None:
+    """Return None: whether a second zone would start is seen when the slot is solved."""
+
+
+def solve(slot: GrowingSlot) -> GrowingSolution:
     """Solve a slot under a load and a strength that grow as t^n.
 
     Parameters
@@ -295,22 +313,17 @@ def solve_growing(slot: GrowingSlot) -> GrowingSolution:
     Raises
     ------
     SceneError
-        If `slot` is not a GrowingSlot, or if no closed form is known: the edge of slip would be
-        faster than the Rayleigh wave, or the shear traction reaches the strength ahead of it.
+        If no closed form is known: the edge of slip would be faster than the Rayleigh wave, or the
+        shear traction reaches the strength ahead of it.
 
     Examples
     --------
     >>> import semianalytic as sa
     >>> solid = sa.Material(1.0, 1.0, 1 / 3)
     >>> slot = sa.GrowingSlot(solid, 1.0, sa.Tractions(1.0, 1.0), mode="antiplane")
-    >>> round(sa.solve_growing(slot).edge_speed, 9)
+    >>> round(sa.solve(slot).edge_speed, 9)
     0.120614758
     """
-    if not isinstance(slot, GrowingSlot):
-        raise SceneError(
-            'solve_growing: slot must be a GrowingSlot, such as find_line("growing-load"), got '
-            f"{shown(slot)}."
-        )
     mode: Mode = "III" if slot.antiplane else "II"
     factors = rayleigh_factors(slot.material.poisson_ratio, mode)
     zone = growing_zone(factors, slot.power, slot.strength_ratio)

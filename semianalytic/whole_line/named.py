@@ -5,13 +5,11 @@ from __future__ import annotations
 import difflib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from os import PathLike, fspath
 from typing import Any
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.files import LINE_KEYS, TABLES, read_document
-from semianalytic.scene.given.finding import is_file
+from semianalytic.scene.given.files import TABLES, read_document
 from semianalytic.scene.scene import IN_PLANE, Material, Tractions
 from semianalytic.whole_line.growing import GrowingSlot
 from semianalytic.whole_line.line import LOADS, Patch, PointForce, WholeLine
@@ -46,55 +44,22 @@ NAMED_LINES: Mapping[str, NamedLine] = {
 }
 
 
-def find_line(source: str | PathLike[str]) -> Problem:
-    """Find a whole line, or a slot under a growing load, by its name or the path of a TOML file.
+def find_line(source: str) -> Problem:
+    """Return the problem of a name, or of a TOML file that describes one.
 
     A file holds ``contact = "whole line"``, ``friction``, ``[material]`` and ``[base]`` as a scene
     does, and ``[load]`` with ``kind`` patch, point-force or half-line, ``pressure``, ``shear``, and
     the ``speed`` of a patch.  With ``growth = 1`` (or 2) in place of ``contact`` it describes a
     `GrowingSlot`, with pressure and shear in ``[load]``.  ``mode`` and ``units`` may be given.
 
-    Parameters
-    ----------
-    source : str or path
-        whole-line-patch, point-load, growing-load, or a path (anything that ends in .toml or exists
-        as a file).
-
-    Returns
-    -------
-    WholeLine or GrowingSlot
-
     Raises
     ------
     SceneError
-        If there is no such problem or file, or the file describes none; the message names file and
-        key.
-
-    Examples
-    --------
-    >>> import semianalytic as sa
-    >>> sa.find_line("whole-line-patch").load
-    Patch(speed=0.3, pressure=0.0, shear=1.0)
+        If the file describes none; the message names file and key.
     """
-    if not isinstance(source, str | PathLike):
-        raise SceneError(
-            f"find_line: give the name of a problem or the path of a TOML file, got "
-            f"{shown(source)}."
-        )
-    source = fspath(source)
     if source in NAMED_LINES:
         return NAMED_LINES[source].problem
-    if is_file(source):
-        document = read_document(source)
-        if not any(key in document for key in LINE_KEYS):
-            raise SceneError(
-                f'{source} describes a scene with a slot; add contact = "whole line", or growth, '
-                "or read it with find_scene."
-            )
-        return _read(source, document)
-    close = difflib.get_close_matches(source, NAMED_LINES, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(NAMED_LINES)}"
-    raise SceneError(f"There is no whole line called {source!r}; {hint} (or give a .toml file).")
+    return _read(source, read_document(source))
 
 
 def _read(path: str, document: Mapping[str, Any]) -> Problem:
@@ -128,6 +93,20 @@ def line_document(problem: Problem) -> dict[str, Any]:
     else:
         document["load"] = asdict(problem.load)
     return document
+
+
+def line_text(problem: Problem) -> str:
+    """Return a problem as a TOML file."""
+    document = line_document(problem)
+    tables = {key: value for key, value in document.items() if isinstance(value, dict)}
+    lines = [_row(key, value) for key, value in document.items() if key not in tables]
+    for name, table in tables.items():
+        lines += ["", f"[{name}]", *(_row(key, value) for key, value in table.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _row(key: str, value: float | str) -> str:
+    return f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value}"
 
 
 def line_from_document(document: Mapping[str, Any]) -> Problem:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.results.places import line_points
+from semianalytic.results.answer import checked_arrival
+from semianalytic.results.places import line_points, line_positions
+from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 from semianalytic.whole_line.line import Patch, PointForce, WholeLine
@@ -41,7 +43,7 @@ class LineSolution(SelfSimilarAnswer):
     --------
     >>> import semianalytic as sa
     >>> solid, base = sa.Material(1.0, 1.0, 1 / 3), sa.Tractions(1.0, 0.0)
-    >>> answer = sa.solve_line(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
+    >>> answer = sa.solve(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
     >>> answer.status, round(answer.edge_speed, 9)
     ('converged', 0.395154377)
     >>> answer.slip_rate([-0.2, 0.2, 0.35], 1.0).round(6).tolist()
@@ -52,6 +54,11 @@ class LineSolution(SelfSimilarAnswer):
     status: str
     error_estimate: float
     spreading: Spreading
+
+    @property
+    def scene(self) -> WholeLine:
+        """The line that was asked."""
+        return self.line
 
     def __repr__(self) -> str:
         what = "open" if self.line.opens else "slip"
@@ -129,6 +136,33 @@ class LineSolution(SelfSimilarAnswer):
             closed = line.base.pressure - self._ahead(xi)
             return np.where(xi < self.edge_speed, 0.0, closed)
         return self._load_pressure(xi)
+
+    def path(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Accumulated |slip| [length], which has one sense; raises as `slip_rate`."""
+        return np.abs(self.slip(x, t))
+
+    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
+        """First time of slip or opening at x [time], inf without one; as `Solution.arrival`.
+
+        Slip of either sense is also the motion of the open part.
+        """
+        of = checked_arrival(of)
+        moves = self.line.opens if of == "opening" else of != "opening"
+        if of in ("forward", "reverse"):
+            moves = self.line.sense == (1 if of == "forward" else -1)
+        far = np.abs(line_positions(x))
+        return far / self.edge_speed if moves else np.full(far.shape, np.inf)
+
+    def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
+        """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""
+        line, time = self.line, np.maximum(np.asarray(t, dtype=float), 0.0)
+        stress = abs(line.base.pressure) + abs(line.base.shear) + self._stress_unit
+        # a rate has no largest value at the end of a patch, and slip none at a point force
+        rate = self._rate_unit * self.spreading.scale
+        moved = {"slip_rate": rate, "slip": rate * time, "gap": rate * time}
+        scales = {**moved, "shear_traction": stress, "pressure": stress}
+        found = self_similar_reading(self, np.abs(x), t, line.material.shear_speed, scales)
+        return replace(found, x=np.broadcast_to(np.asarray(x, dtype=float), found.x.shape))
 
     def max_slip(self, t: ArrayLike) -> Array:
         """Largest |slip| at times t [length]: that at x = 0, infinite at a point force."""

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from semianalytic.halfplane.rayleigh import Mode, rayleigh_factors
-from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.solution import Solution
-from semianalytic.selfsimilar.solver import solve
+from semianalytic.selfsimilar.solver import solve as solve_scene
 from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
 from semianalytic.whole_line.solution import LineSolution
 from semianalytic.whole_line.spreading import Spreading, least_missing, spread
@@ -15,7 +14,11 @@ _STEP = 1e-4
 """Relative change of the edge by which the slope of the condition is formed."""
 
 
-def solve_line(line: WholeLine) -> LineSolution | Solution:
+def refuses(line: WholeLine) -> None:
+    """Return None: whether a second zone would start is seen when the line is solved."""
+
+
+def solve(line: WholeLine) -> LineSolution | Solution:
     """Solve a whole line for slip or opening around its load.
 
     Parameters
@@ -32,27 +35,22 @@ def solve_line(line: WholeLine) -> LineSolution | Solution:
     Raises
     ------
     SceneError
-        If `line` is not a WholeLine, or if no closed form is known: the patch or the edge of motion
-        would be faster than the Rayleigh wave, or a second zone would start.
+        If no closed form is known: the patch or the edge of motion would be faster than the
+        Rayleigh wave, or a second zone would start.
 
     Examples
     --------
     >>> import semianalytic as sa
     >>> solid, base = sa.Material(1.0, 1.0, 1 / 3), sa.Tractions(1.0, 0.0)
-    >>> patch = sa.solve_line(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
+    >>> patch = sa.solve(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
     >>> round(patch.edge_speed, 12)
     0.395154376971
-    >>> force = sa.solve_line(sa.WholeLine(solid, 1.0, base, sa.PointForce(shear=1.0)))
+    >>> force = sa.solve(sa.WholeLine(solid, 1.0, base, sa.PointForce(shear=1.0)))
     >>> round(force.edge_speed, 12)
     0.290552362024
     """
-    if not isinstance(line, WholeLine):
-        raise SceneError(
-            'solve_line: line must be a WholeLine, such as find_line("whole-line-patch"), got '
-            f"{shown(line)}."
-        )
     if isinstance(line.load, HalfLine):
-        return solve(line.slot_scene)
+        return solve_scene(line.slot_scene)
     mode: Mode = "I" if line.opens else "III" if line.antiplane else "II"
     factors = rayleigh_factors(line.material.poisson_ratio, mode)
     speed, unit = line.material.shear_speed, line.excess

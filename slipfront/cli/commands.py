@@ -111,7 +111,6 @@ def slipfront(
     _show_messages(context, log)
 
 
-_STUDIES = "studies.study_commands"
 COMMANDS: Mapping[str, tuple[str, str]] = {
     "compare": ("compare_command", "compare_command"),
     "solve": ("solve_command", "solve_command"),
@@ -122,14 +121,11 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
     "benchmark": ("measured.benchmark_command", "app"),
     "validate": ("measured.validate_command", "validate_command"),
     "fit": ("measured.fit_command", "fit_command"),
-    "survey": ("studies.survey_command", "survey_command"),
+    "survey": ("survey_command", "survey_command"),
     "scenes": ("scenes.commands", "scenes"),
     "init": ("scenes.commands", "init"),
     "docs": ("docs_command", "docs"),
     "sliding": ("scenes.sliding", "sliding"),
-    "regimes": (_STUDIES, "regimes"),
-    "stability": (_STUDIES, "stability"),
-    "article": (_STUDIES, "article"),
     "chart": ("chart_command", "chart"),
 }
 """Commands in the order of the help, with the module of this package and the name in it."""

@@ -16,9 +16,9 @@ from compare.comparison.prediction import method_of
 from compare.output.bodies import Fields, scene_of
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
-from semianalytic import Marched, PairSolution, Scene, Solution, march, solve, solve_pair
+from semianalytic import Marched, PairSolution, Scene, Solution, solve
 from semianalytic.dissimilar.described import pair_document, pair_of
-from semianalytic.prediction import chosen_method
+from semianalytic.methods import chosen
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
@@ -185,8 +185,8 @@ def field_command(
     body = lower_body(scene, other, lower)
     pair = None if body in (None, scene.material) else pair_of(scene, body)
     if pair is not None:
-        check_pair_options(method, march_options, None, None)
-    marched = pair is None and chosen_method(scene, method) == "space-time"
+        check_pair_options(march_options, None, None)
+    marched = chosen(scene if pair is None else pair, method).name == "space-time"
     if not marched:
         check_no_march_options(march_options)
     time = asked(scene, "time", time, "time")
@@ -221,10 +221,12 @@ def field_command(
     answer: Solution | Marched | PairSolution
     with working_folder(directory) as files:
         if pair is not None:
-            answer = solve_pair(pair)
+            answer = solve(pair)
         else:
             answer = (
-                _marched(scene, request.time, march_options, quiet) if marched else solve(scene)
+                _marched(scene, request.time, march_options, quiet)
+                if marched
+                else solve(scene, method="self-similar")
             )
         _draw(directory, f"{label}_{of}", answer, quantity, request, quiet)
         if request.grid is not None:
@@ -292,7 +294,8 @@ def _reach(fields: Fields, request: Request) -> tuple[float, float, float, float
 def _marched(scene: Scene, time: float, options: Mapping[str, Any], quiet: bool) -> Marched:
     memory = in_bytes(options.get("memory"))
     with progress_bar(Console(stderr=True), quiet, "marching") as progress:
-        return march(scene, time, **{**options, "memory": memory}, progress=progress)
+        options = {**options, "end_time": time, "memory": memory, "progress": progress}
+        return solve(scene, method="space-time", **options)
 
 
 def _draw(

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from compare.comparison.documents import march_document
 from compare.output.places import check_file, save_somewhere
-from semianalytic import Marched, Scene, march, march_on
+from semianalytic import Marched, Scene, march_on, solve
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import HDF5, require
@@ -64,7 +64,8 @@ def march_command(
         if earlier is None:
             every = options.get("every", 1)
             memory = in_bytes(options.pop("memory", None))
-            marched = march(scene, end_time, **options, memory=memory, progress=progress)
+            options |= {"end_time": end_time, "memory": memory, "progress": progress}
+            marched = solve(scene, method="space-time", **options)
         else:
             saved = Marched.load(earlier)
             every = saved.every

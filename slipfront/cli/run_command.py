@@ -14,8 +14,8 @@ from compare.comparison.rows import DIFFERS
 from compare.output.places import check_file, save_somewhere
 from compare.output.printed import Table
 from compare.output.progress import progress_bar
-from semianalytic import Run, find_interface, run
-from semianalytic.interface.named import NAMED_INTERFACES
+from semianalytic import InterfaceFile, Run, find, solve
+from semianalytic.interface.named import NAMED_INTERFACES, find_interface
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import FEM, XARRAY, require
@@ -84,22 +84,57 @@ def run_command(
     with --save.  With --compare finite elements on three meshes simulate the interface as well;
     the exit code is 1 if a quantity differs by more than its error bar allows.
     """
-    found = find_interface(source)
-    if isinstance(end_time, InSI):
+    given = {"end_time": end_time, "nodes": nodes, "rtol": rtol, "latest": latest}
+    settings: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+    if no_estimate:
+        settings["estimate"] = False
+    run_interface(
+        source,
+        settings,
+        save=save,
+        go_on=go_on,
+        netcdf=netcdf,
+        compare=compare,
+        mesh_nodes=mesh_nodes,
+        as_json=as_json,
+        quiet=quiet,
+    )
+
+
+def run_interface(
+    source: str,
+    settings: dict[str, Any],
+    *,
+    save: Path | None = None,
+    go_on: Path | None = None,
+    netcdf: Path | None = None,
+    compare: bool = False,
+    mesh_nodes: int | None = None,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Run an interface with settings of `solve`, save it, judge it if asked to, and print it.
+
+    Raises
+    ------
+    ComputationError
+        If the run is unresolved; it is printed before.
+    """
+    found = find_interface(source) if source in NAMED_INTERFACES else find(source)
+    if not isinstance(found, InterfaceFile):
+        raise SceneError(f"{source} is no interface: slipfront solve {source} (docs/scenes.md).")
+    if isinstance(settings.get("end_time"), InSI):
         raise SceneError(
             "--end-time has a unit, but interfaces do not say which units their numbers have; "
             "give a number alone."
         )
-    options: dict[str, Any] = {**found.options, "estimate": not no_estimate}
-    given = {"nodes": nodes, "rtol": rtol, "latest": latest}
-    options |= {name: value for name, value in given.items() if value is not None}
     if netcdf is not None:
         require("slipfront run --netcdf", *XARRAY)
     if mesh_nodes is not None and not compare:
         raise SceneError("--mesh-nodes has no effect without --compare; leave it out.")
     if compare:
         require("slipfront run --compare", *FEM)
-        if go_on is not None or no_estimate or rtol is not None:
+        if go_on is not None or settings.keys() & {"estimate", "rtol"}:
             raise SceneError(
                 "--compare has no effect with --go-on, --no-estimate and --rtol; leave them out."
             )
@@ -107,18 +142,16 @@ def run_command(
         if path is not None:
             check_file(path)
     if go_on is not None:
-        options["go_on"] = Run.load(go_on, found.interface)
-        options.pop("nodes" if nodes is None else "", None)
-    end = found.end_time if end_time is None else end_time
+        settings["go_on"] = Run.load(go_on, found.interface)
     judgement: InterfaceJudgement | None = None
     notes = Console(stderr=True)
     if compare:
         from compare.interfaces.judging import compare_interface
 
-        options.pop("estimate")
+        settings = {"end_time": found.end_time, **found.options, **settings}
         with progress_bar(notes, quiet or as_json, "simulating") as show:
             judgement = compare_interface(
-                found.interface, end, **options, mesh_nodes=mesh_nodes, progress=show
+                found.interface, **settings, mesh_nodes=mesh_nodes, progress=show
             )
         done = judgement.run
     else:
@@ -127,7 +160,7 @@ def run_command(
             def progress(time: float, last: float) -> None:
                 show(int(_SHARES * time / last), _SHARES)
 
-            done = run(found.interface, end, **options, progress=progress)
+            done = solve(found, **settings, progress=progress)
     if save is not None:
         save_somewhere(done.save, save, save.name)
     if netcdf is not None:

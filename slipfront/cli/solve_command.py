@@ -11,12 +11,12 @@ from rich.console import Console
 
 from compare.comparison.documents import solution_document
 from compare.output.places import check_file
-from semianalytic import Scene, solve
-from semianalytic.prediction import chosen_method
+from semianalytic import Scene, find, solve
+from semianalytic.methods import chosen
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.given.finding import describes_line, find_blocks, scene_label
+from semianalytic.scene.given.finding import INTERFACE, LINE, find_blocks, kind_of, scene_label
 from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
@@ -39,6 +39,7 @@ from slipfront.cli.scenes.points import Points, points_of, points_table
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
+    from semianalytic import Pair
 
 
 _POINTS = "Points of the contact"
@@ -104,72 +105,73 @@ def solve_command(
     has not converged, or if the error estimate of a march exceeds --rtol; the best answer is
     printed all the same.
     """
-    label = scene_label(scene_name)
-    if describes_line(scene_name):
-        from slipfront.cli.scenes.lines import line_command, slot_scene_of  # which need scipy
+    label, kind = scene_label(scene_name), kind_of(scene_name)
+    points = {"x": x, "t": t}
+    if kind == INTERFACE:
+        from slipfront.cli.run_command import run_interface  # which takes longer to import
 
-        if lower:
-            raise SceneError(
-                f"{option_name(next(iter(lower)))} is for scenes with a slot; leave it out for "
-                f"{label}, or march two bodies without a slot with slipfront run (docs/engine.md)."
-            )
-        alike = slot_scene_of(scene_name, overrides)
-        if alike is None:
-            if march_options:
-                raise SceneError(
-                    f"{option_name(next(iter(march_options)))} is for the space-time solver, which "
-                    f"takes scenes with a slot; leave it out for {label}."
-                )
-            if x is not None or t is not None:
-                raise SceneError(
-                    f"--x and --t are for scenes with a slot; leave them out for {label}, and ask "
-                    "its answer in Python for slip at points (docs/whole_line.md)."
-                )
-            line_command(
-                scene_name,
-                label,
-                overrides,
-                end_time,
-                method=method,
-                as_json=as_json,
-                plot=plot,
-                figure=figure,
-            )
-            return
-        scene = alike
-    else:
-        scene, other = find_blocks(scene_name)
-        scene = override_scene(scene, **overrides)
-        body = lower_body(scene, other, lower)
-        if body not in (None, scene.material):
-            from semianalytic.dissimilar.described import pair_of
-            from slipfront.cli.scenes.pairs import check_pair_options, pair_command
+        chosen(find(scene_name), method)
+        given = {**overrides, **lower, **points, "plot": plot, "figure": figure}
+        _check_none(given, f"is for scenes with a slot; leave it out for {label}")
+        end = {} if end_time is None else {"end_time": end_time}
+        settings = {**end, **march_options}
+        files = {name: settings.pop(name, None) for name in ("save", "go_on")}
+        run_interface(scene_name, settings, **files, as_json=as_json, quiet=quiet)
+        return
+    problem = _problem(scene_name, kind, overrides, lower)
+    name = chosen(problem, method).name
+    if kind == LINE and not isinstance(problem, Scene):
+        from slipfront.cli.scenes.lines import line_command  # which needs scipy
 
-            check_pair_options(method, march_options, plot, figure)
-            assert body is not None
-            pair = pair_of(scene, body)
-            end_time = asked(scene, "end_time", end_time, "time")
-            pair_command(pair, label, end_time, points_of(scene, x, t), as_json=as_json)
-            return
+        given = {**lower, **march_options, **points, "figure": figure}
+        _check_none(given, f"is for scenes with a slot; leave it out for {label}")
+        line_command(problem, label, end_time, as_json=as_json, plot=plot)
+        return
+    asked_for = points_of(problem, x, t)
+    end_time = asked(problem, "end_time", end_time, "time")
+    if not isinstance(problem, Scene) and not problem.compliance.is_alike:
+        from slipfront.cli.scenes.pairs import check_pair_options, pair_command
+
+        check_pair_options(march_options, plot, figure)
+        pair_command(problem, label, end_time, asked_for, as_json=as_json)
+        return
     draw = _drawing(plot, figure)
-    end_time, points = asked(scene, "end_time", end_time, "time"), points_of(scene, x, t)
-    if chosen_method(scene, method) == "space-time":
+    shown: dict[str, Any] = {"as_json": as_json, "draw": draw, "plot": plot}
+    if name == "space-time":
         from slipfront.cli.marching import march_command  # most scenes need no march
 
-        march_command(
-            scene,
-            label,
-            end_time,
-            march_options,
-            points,
-            as_json=as_json,
-            draw=draw,
-            plot=plot,
-            quiet=quiet,
-        )
+        march_command(problem, label, end_time, march_options, asked_for, quiet=quiet, **shown)
         return
     check_no_march_options(march_options)
-    _solve_exactly(scene, label, end_time, points, as_json=as_json, draw=draw, plot=plot)
+    _solve_exactly(problem, label, end_time, asked_for, **shown)
+
+
+def _problem(
+    source: str, kind: str, overrides: Mapping[str, Any], lower: Mapping[str, float]
+) -> Any:
+    """Return the problem of a name or file with other values, a half-line as the slot that moves
+    alike."""
+    if kind == LINE:
+        from semianalytic.whole_line.line import HalfLine
+        from semianalytic.whole_line.named import find_line, override_line
+
+        line = override_line(find_line(source), **overrides)
+        return line.slot_scene if isinstance(line.load, HalfLine) else line
+    scene, other = find_blocks(source)
+    scene = override_scene(scene, **overrides)
+    body = lower_body(scene, other, lower)
+    if body in (None, scene.material):
+        return scene
+    from semianalytic.dissimilar.described import pair_of
+
+    return pair_of(scene, body)
+
+
+def _check_none(given: Mapping[str, Any], reason: str) -> None:
+    """Raise SceneError for the first option that was given."""
+    for name, value in given.items():
+        if value is not None:
+            raise SceneError(f"{option_name(name)} {reason}.")
 
 
 def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
@@ -188,7 +190,7 @@ def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
 
 
 def _solve_exactly(
-    scene: Scene,
+    scene: Scene | Pair,
     label: str,
     end_time: float | None,
     points: Points | None,
@@ -197,10 +199,10 @@ def _solve_exactly(
     draw: Draw | None,
     plot: Path | None,
 ) -> None:
-    """Solve a self-similar scene and print the result."""
+    """Solve a self-similar problem and print the result."""
     if end_time is not None:
         checked_size("solve: end_time", end_time)
-    solution = solve(scene)
+    solution = solve(scene, method="self-similar")
     if draw is not None and plot is not None:
         from compare.figures.saving import save_figure
 

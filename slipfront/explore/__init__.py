@@ -7,5 +7,4 @@
 - `downloads`: files that the page offers.
 - `page`: the page and its answers to requests of the browser.
 - `serving`: the server, for this machine only.
-- `latency`, `chromium`: measurements of its speed in a browser.
 """

@@ -9,6 +9,7 @@ from dataclasses import fields
 from typing import Any
 
 from semianalytic import Marched, Pair, PairSolution
+from semianalytic.methods import chosen
 from semianalytic.scene.given.template import scene_text
 from semianalytic.scene.units import unit
 from slipfront.explore.controls import Problem, upper_scene
@@ -72,11 +73,11 @@ def program(problem: Problem) -> str:
     scene = upper_scene(problem)
     time = end_time(scene)
     if isinstance(problem, Pair):
-        lines += [")", "answer = sf.solve_pair(pair)", "print(answer.zones, answer.openings)"]
-    elif scene.is_self_similar and scene.friction_law.fall_with_rate == 0:
+        lines += [")", "answer = sf.solve(pair)", "print(answer.zones, answer.openings)"]
+    elif chosen(scene).name == "self-similar":
         lines += [")", "answer = sf.solve(scene)", "print(answer.zones, answer.openings)"]
     else:
-        lines += [")", f"answer = sf.march(scene, {time!r})", "print(answer)"]
+        lines += [")", f"answer = sf.solve(scene, end_time={time!r})", "print(answer)"]
     lines += ["# at x, and t = T", f"print(answer.slip_rate([0.1, 0.5], {time!r}))"]
     return "\n".join(lines) + "\n"
 

@@ -6,17 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 from urllib.parse import parse_qsl, urlencode
 
-from semianalytic import (
-    Marched,
-    Pair,
-    PairSolution,
-    Scene,
-    Solution,
-    Tractions,
-    march,
-    solve,
-    solve_pair,
-)
+from semianalytic import Marched, PairSolution, Scene, Solution, Tractions, solve
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from slipfront.explore.controls import Problem
@@ -89,8 +79,6 @@ class MarchViews(NamedTuple):
 
 def solved(problem: Problem, rtol: float) -> Solution | PairSolution:
     """Solve a self-similar scene, or two different bodies."""
-    if isinstance(problem, Pair):
-        return solve_pair(problem, rtol=rtol)
     return solve(problem, rtol=rtol)
 
 
@@ -113,7 +101,7 @@ def marched_views(scene: Scene, moment: Moment, progress: Progress) -> MarchView
         if done * STEPS_TOLD // steps != (done - 1) * STEPS_TOLD // steps:
             progress(done, steps)
 
-    marched = march(scene, end_time(scene), progress=tell)
+    marched = solve(scene, method="space-time", end_time=end_time(scene), progress=tell)
     known = isinstance(scene.load, Tractions)
     field = field_view(marched, MARCH_POINTS, *moment) if known else None
     return MarchViews(marched, moment, field)

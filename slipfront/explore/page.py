@@ -17,7 +17,7 @@ from bokeh.document import Document
 from bokeh.models import TextInput
 
 from semianalytic import Marched, Scene, Tractions
-from semianalytic.prediction import chosen_method
+from semianalytic.methods import chosen
 from semianalytic.scene.errors import SlipfrontError
 from slipfront.explore.board import Board
 from slipfront.explore.controls import (
@@ -211,7 +211,7 @@ class Session:
             self._march_worker.stop()
             self._shown = self._marching = None
             self._map.place(scene.friction, scene.material.poisson_ratio)
-            if chosen_method(scene) == "self-similar":
+            if chosen(scene).name == "self-similar":
                 self._show_solution(problem, moving, since, query)
             else:
                 self._march(scene, moving, since, query)

@@ -36,19 +36,17 @@ from compare.figures.style import (
     BLACK,
     BLUE,
     GREEN,
-    PURPLE,
+    REGIME_COLOURS,
     SENSE_COLOURS,
     STICK_SHADE,
     VERMILLION,
     shade,
 )
-from compare.studies.regimes.figures import COLOURS
 from slipfront.explore.board import Board
 from slipfront.explore.maps import REGIMES, RegimeMap
 from slipfront.explore.views import KINDS, Array, FieldView, InterfaceView, SpaceTimeView
 
 SHADES = {kind: shade(kind) for kind in KINDS}
-REGIME_COLOURS = {**COLOURS, "open": PURPLE}
 WAVES = WAVE_SYMBOLS | {f"{LOWER}{name}": f"{symbol}2" for name, symbol in WAVE_SYMBOLS.items()}
 """Symbols of wave fronts; c_t2 and c_l2 are those of a different lower body."""
 CURVES = {

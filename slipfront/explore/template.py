@@ -9,7 +9,7 @@ from bokeh.resources import Resources
 from bokeh.server.views.static_handler import StaticHandler
 from jinja2 import Environment, Template
 
-from semianalytic import find_pair
+from semianalytic import find
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES
 from slipfront.explore.controls import (
@@ -43,5 +43,5 @@ def known_queries() -> dict[str, str]:
     for name in NAMED_SCENES:
         known[name] = query_of(defaults(find_scene(name)))
     for name in NAMED_PAIRS:
-        known[name] = query_of(defaults(find_pair(name)))
+        known[name] = query_of(defaults(find(name)))
     return known

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.documents import SCENE_DIMENSIONS
-from semianalytic.dissimilar.described import find_pair
+from semianalytic.dissimilar.described import pair_of
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.named import described_interface
@@ -81,7 +81,7 @@ def checked_subject(given: object) -> Subject:
         return described
     if isinstance(given, str | PathLike):
         scene, lower = find_blocks(fspath(given))
-        return scene if lower in (None, scene.material) else find_pair(given)
+        return scene if lower in (None, scene.material) else pair_of(scene, lower)
     return checked_scene("survey", given)
 
 

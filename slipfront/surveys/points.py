@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.dissimilar_slot.solver import solve_pair
-from semianalytic.prediction import chosen_method, predict
+from semianalytic.methods import chosen, solve
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.scene import Scene
@@ -93,7 +92,7 @@ def _answered(points: Sequence[tuple[int, Scene]], question: Question) -> Found:
     They are swept together; where a sweep is impossible or refused, each is solved alone.
     """
     places, scenes = [i for i, _ in points], [scene for _, scene in points]
-    if len(scenes) > 1 and chosen_method(scenes[0]) == SOLVED:
+    if len(scenes) > 1 and chosen(scenes[0]).name == SOLVED:
         start = process_time()
         try:
             yield places, _swept(scenes, question, start)
@@ -146,12 +145,10 @@ def _alone(scene: Scene | Pair, question: Question) -> Values:
 
 
 def _asked(scene: Scene | Pair, question: Question) -> Solution | PairSolution | Marched:
-    if isinstance(scene, Pair):
-        return solve_pair(scene, rtol=question.rtol or DEFAULT_RTOL)
-    if chosen_method(scene) == SOLVED:
-        return predict(scene, rtol=question.rtol or DEFAULT_RTOL)
-    options = {name: getattr(question, name) for name in ("nodes", "length", "rtol")}
-    return predict(scene, question.end_time, **options)
+    if chosen(scene).name != MARCHED:
+        return solve(scene, rtol=question.rtol or DEFAULT_RTOL)
+    options = {name: getattr(question, name) for name in ("end_time", "nodes", "length", "rtol")}
+    return solve(scene, **options)
 
 
 def _refused(error: SlipfrontError) -> Values:

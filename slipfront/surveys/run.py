@@ -52,14 +52,14 @@ def survey(
     """Solve a scene or two different bodies, or run an interface, at many values of its parameters.
 
     Scenes that differ in friction and Poisson ratio are swept together.  Others are solved one by
-    one, or marched if they are not self-similar, like `predict` does.  Pairs of different bodies
-    are solved one by one with `solve_pair`, and interfaces are run one by one.
+    one, or marched if they are not self-similar, like `solve` does.  Pairs of different bodies
+    are solved one by one, and interfaces are run one by one.
 
     Parameters
     ----------
     scene : Scene, Pair, Interface, InterfaceFile, str or path
         Values that no parameter replaces are those of this scene, pair or interface, or of that of
-        this name or file, as for `find_scene`, `find_pair` and `find_interface`.  If a function of
+        this name or file, as for `find`.  If a function of
         an interface, or its law, was defined in a notebook or the running program, one process
         does all.
     together : bool
@@ -75,9 +75,9 @@ def survey(
         Fields to store there: slip, slip_rate, shear_traction, pressure, gap.
     end_time : float, optional
         Time until which totals are taken, and marches and interfaces run [time]; by default that of
-        an interface's file, or the last of `t`, or the end time of `predict`.
+        an interface's file, or the last of `t`, or the end time of `solve`.
     nodes, length : optional
-        Number of nodes and length [length] of marches, see `predict`; nodes and period of
+        Number of nodes and length [length] of marches, see `solve`; nodes and period of
         interfaces.
     path : path, optional
         NetCDF file to write, NAME.nc.  Until it is complete, finished chunks are kept in a hidden

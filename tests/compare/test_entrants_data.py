@@ -9,7 +9,7 @@ from compare.benchmarks.scores import score_files
 from compare.records.read import read_records
 from compare.validation import validate
 from docs.studies.pages import ROOT
-from slipfront import find_pair, find_scene, solve, solve_pair
+from slipfront import find, solve
 from slipfront.cli.commands import main
 
 ENTRANTS = ROOT / "tests" / "data" / "entrants"
@@ -65,9 +65,9 @@ def test_friction_three_per_cent_off_is_worse(code):
 
 
 def test_an_answer_whose_lower_body_is_three_per_cent_stiffer_is_worse():
-    pair = find_pair("pair-opening")
+    pair = find("pair-opening")
     lower = replace(pair.lower, shear_modulus=1.03 * pair.lower.shear_modulus)
-    right, off = (errors(PAIR, solve_pair(one)) for one in (pair, replace(pair, lower=lower)))
+    right, off = (errors(PAIR, solve(one)) for one in (pair, replace(pair, lower=lower)))
     assert np.all(right < (0.006, 0.00028, 0.0053, 0.00093))
     assert np.all(off > np.array([2, 20, 1, 1.5]) * right)
 
@@ -108,7 +108,7 @@ def test_own_files_of_sem2dpack_are_the_ones_read():
 @pytest.mark.parametrize("count", [1, 3])
 @pytest.mark.parametrize("code", MOST)
 def test_codes_are_judged_as_they_are(code, count):
-    scene, files = find_scene("preloaded"), runs(code)[-count:]
+    scene, files = find("preloaded"), runs(code)[-count:]
     assert validate(read_records(files), scene).verdict == "agrees"
     judged = validate(read_records([*files[:-1], wrong(code)]), scene)
     assert judged.verdict == "differs"

@@ -1,6 +1,5 @@
 """The committed studies, the command line's checkpoints, and histories as xarray."""
 
-import csv
 import importlib.util
 import io
 import re
@@ -13,9 +12,8 @@ from catalogue import solved
 from rich.console import Console
 
 from compare.output.progress import progress_bar
-from compare.studies.profiles import PROFILE, profile_errors
-from compare.studies.stability import fem as stability
 from docs.studies.accuracy import fem as study
+from docs.studies.profiles import PROFILE, profile_errors
 from fem import load_simulation
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import MissingLibraryError
@@ -57,26 +55,6 @@ def test_default_mesh_and_three_meshes_reach_what_is_promised():
     assert errors[1] < 3e-3
     assert errors[2] < 1e-3
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
-
-
-@pytest.mark.slow
-def test_quick_stability_study_writes_its_files(tmp_path, monkeypatch):
-    planned = list(stability.trials(quick=True))
-    chosen = [t for t in planned if t.step_ratio == 1.05] + planned[5:6] + planned[-1:]
-    monkeypatch.setattr(stability, "trials", lambda quick: chosen)
-    seen = []
-    outcomes = stability.fem_stability(
-        tmp_path / "new", quick=True, progress=lambda *n: seen.append(n)
-    )
-    assert seen[-1] == (len(chosen), len(chosen))
-    assert outcomes[0].outcome == "stopped"
-    assert "lower `step_ratio`" in outcomes[0].message
-    assert outcomes[-1].switches <= 4
-    assert outcomes[-1].energy_gained < 1e-15
-    with (tmp_path / "new" / "fem-stability.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [row["study"] for row in rows] == [trial.study for trial in chosen]
-    assert (tmp_path / "new" / "fem-stability.png").stat().st_size > 10_000
 
 
 @pytest.mark.slow

@@ -1,54 +1,16 @@
-"""Studies as rows, on the terminal and in data files; small studies, of speed."""
+"""Studies of accuracy and of speed, and their tables."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from compare.studies.article import study as article
-from compare.studies.regimes import tables
-from compare.studies.tables import run_studies
 from docs.studies import ratios
 from docs.studies.accuracy import scenes
 from docs.studies.pages import read_data
 from semianalytic.scene.given.named import NAMED_SCENES
 
 SOLVE = "`solve` of `preloaded` to 1e-9"
-
-
-@dataclass(frozen=True)
-class Row:
-    scene: str
-    unknowns: int
-    error: float
-
-
-ROWS = [Row("one", 82940, 1.23456789e-7), Row("two", 1, float("nan"))]
-
-
-def test_rows_are_printed_and_written_with_their_command(tmp_path, capsys):
-    command = ["errors", "--csv", str(tmp_path)]
-    assert run_studies("compare.some", "fem", {"errors": lambda: ROWS}, command) == 0
-    shown = capsys.readouterr().out
-    assert "82,940" in shown
-    assert "1.235e-07" in shown
-    assert "nan" not in shown
-    assert read_data("fem-errors", tmp_path) == (
-        "python -m compare.some errors --csv docs/data",
-        [
-            {"scene": "one", "unknowns": "82940", "error": "1.23456789e-07"},
-            {"scene": "two", "unknowns": "1", "error": "nan"},
-        ],
-    )
-
-
-def test_unknown_study_is_refused(capsys):
-    with pytest.raises(SystemExit, match="2"):
-        run_studies(
-            "compare.some", "fem", {"errors": lambda: ROWS, "cost": lambda: ROWS}, ["speed"]
-        )
-    assert "errors, cost" in capsys.readouterr().err.replace("'", "")
 
 
 @pytest.mark.slow
@@ -89,26 +51,6 @@ def test_every_quantity_of_every_scene_is_in_its_report():
     assert names[0] == names[1]
 
 
-def test_tables_of_regimes(monkeypatch):
-    monkeypatch.setattr(tables, "POISSON_RATIOS", (1 / 3,))
-    monkeypatch.setattr(tables, "REVERSE_POISSON_RATIOS", (-0.5, 0.0))
-    [row] = tables.threshold_rows()
-    assert row.preload_nucleation < 1 < row.gap < row.stuck_front < row.remote_nucleation < row.edge
-    one, other = tables.reverse_rows()
-    assert one.threshold > other.threshold > 0
-    assert one.half_width > other.half_width > 0
-
-
-def test_rows_of_the_article(monkeypatch):
-    monkeypatch.setattr(article, "RESOLUTION", 20)
-    cases = article.case_rows()
-    assert {(row.base, row.chi) for row in cases} > {("remote", 2.0), ("preloaded", 0.5)}
-    assert max(row.difference for row in cases) < 0.05
-    claims = article.claim_rows()
-    assert len(claims) == len(article.CLAIMS)
-    assert claims[0].exact.startswith("fails: ")
-
-
 def test_a_job_runs_in_both_checkouts():
     (row,) = ratios.compared([SOLVE], ratios.ROOT, ratios.ROOT, times=0.1)
     assert row.job == SOLVE
@@ -137,16 +79,3 @@ def test_exit_code_tells_of_a_slower_job(ratio, code, monkeypatch, tmp_path):
 def test_all_jobs_are_in_the_table():
     _, rows = read_data("speed-ratios")
     assert [str(row["job"]) for row in rows] == list(ratios.JOBS)
-
-
-def test_jobs_that_were_not_run_keep_their_row(monkeypatch, tmp_path):
-    monkeypatch.setattr(ratios, "unpacked", lambda commit, folder: None)
-    for job, ratio in ((SOLVE, 0.5), ("`march` with 256 nodes", 0.4), (SOLVE, 0.6)):
-        row = ratios.RatioRow(job, 1.0, ratio, ratio, math.nan, 1e-10)
-        monkeypatch.setattr(ratios, "compared", lambda *given, row=row: [row])
-        ratios.main(["--csv", str(tmp_path), "--jobs", job])
-    _, rows = read_data("speed-ratios", tmp_path)
-    assert [(row["job"], float(row["ratio"])) for row in rows] == [
-        (SOLVE, 0.6),
-        ("`march` with 256 nodes", 0.4),
-    ]

@@ -16,7 +16,7 @@ from fem import (
 )
 from fem.resolution import LEAST_CROSSED
 from fem.run import drift, levels
-from semianalytic import march
+from semianalytic import solve
 from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import find_scene
@@ -163,7 +163,7 @@ def test_result_leaves_out_the_edge_node_alone():
 @pytest.mark.slow
 def test_largest_slip_rate_converges_to_that_of_the_march():
     """At the edge node it does not: it overshoots after jumps of load, to -1.65 against -0.93."""
-    rate = march(BACK_AND_FORTH, 1.0, 500).interface.slip_rate
+    rate = solve(BACK_AND_FORTH, method="space-time", end_time=1.0, nodes=500).interface.slip_rate
     for largest in (np.max, np.min):
         coarse, fine = (
             abs(largest(named("harmonic", resolution).interface.slip_rate) / largest(rate) - 1)

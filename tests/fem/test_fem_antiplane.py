@@ -11,13 +11,7 @@ from fem.elements.edge import edge_offset, surface_stiffness
 from fem.elements.families import FAMILIES
 from fem.plan import ANTIPLANE, ANTIPLANE_LOCKSTEP, TWO_MATERIALS, Plan
 from meshes import Blocks, cached_mesh
-from semianalytic import (
-    Material,
-    SceneError,
-    SlipWeakening,
-    ViscousFriction,
-    march,
-)
+from semianalytic import Material, SceneError, SlipWeakening, ViscousFriction, solve
 from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.reference import antiplane_slip, antiplane_slip_rate
 from semianalytic.scene.loads import Step
@@ -116,7 +110,10 @@ def test_exact_solutions_are_met(scene, name):
 
 def test_slip_weakening_agrees_with_a_march():
     scene = antiplane(0.5, friction_law=SlipWeakening(0.5, 0.1))
-    seen, marched = simulate(scene, resolution=64).interface, march(scene, nodes=320)
+    seen, marched = (
+        simulate(scene, resolution=64).interface,
+        solve(scene, method="space-time", nodes=320),
+    )
     x = seen.x[seen.x < marched.grid.x[-1]]
     assert l1(seen.slip[-1, : len(x)], marched.slip(x, 1.0)) < 3e-3
 

@@ -19,8 +19,7 @@ from semianalytic import (
     Scene,
     SceneError,
     Tractions,
-    find_scene,
-    march,
+    find,
     solve,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -97,14 +96,14 @@ def test_pulses_arrive_at_an_angle():
 @pytest.mark.parametrize(
     "scene",
     [
-        find_scene("incident-pulse"),
+        find("incident-pulse"),
         Scene(UNIT, 0.4, PRESSED, IncidentWave("SV", 0.0, stress=0.3), **histories(Ramp(0.5))),
         Scene(UNIT, 0.18, PRESSED, IncidentWave("SH", -50.0, stress=0.2), mode="antiplane",
               **histories(Pulse(0.6))),
     ],
 )  # fmt: skip
 def test_slip_under_a_wave_that_rises_and_falls_is_that_of_the_march(scene):
-    run, answer = simulate(scene, resolution=40), march(scene, nodes=200)
+    run, answer = simulate(scene, resolution=40), solve(scene, method="space-time", nodes=200)
     x, t = np.linspace(0.05, 0.95, 37), np.linspace(0.2, 1.0, 5)
     for name, bar in (("slip", 0.05), ("pressure", 0.005), ("shear_traction", 0.04)):
         seen = np.array([getattr(run, name)(x, one) for one in t])
@@ -133,7 +132,7 @@ def test_fronts_reach_nodes_in_turn_and_shed_the_same_load():
 
 def test_an_incident_wave_solves_the_equation_of_motion():
     """Behind the front strain and velocity go with each other: sigma = - rho c v d along n."""
-    scene = find_scene("incident-sv")
+    scene = find("incident-sv")
     wave, solid = scene.load, scene.material
     x, y = np.array([0.3, -0.2, 0.1]), np.array([-0.5, -0.1, 3.0])
     fields = arrived_wave(scene, x, y, 0.4)
@@ -143,7 +142,7 @@ def test_an_incident_wave_solves_the_equation_of_motion():
     force = np.array([sxx * n[0] + sxy * n[1], sxy * n[0] + syy * n[1]])
     np.testing.assert_allclose(force, -impedance * fields.velocity[:2], atol=1e-14)
     assert fields.velocity[0, 2] == 0 != fields.velocity[0, 0]
-    assert arrived_wave(find_scene("preloaded"), x, y, 0.4) is None
+    assert arrived_wave(find("preloaded"), x, y, 0.4) is None
 
 
 @pytest.mark.parametrize(
@@ -167,7 +166,7 @@ def test_what_begins_before_the_simulation_is_refused(load, options, words):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["incident-p", "incident-sv", "moving-load"])
 def test_the_judge_agrees_with_fronts_and_tells_a_wrong_one(name):
-    scene = find_scene(name)
+    scene = find(name)
     run = with_companions(simulate(scene, resolution=60))
     right = held_against(run, solve(scene))
     assert right.verdict == "agrees"

@@ -18,7 +18,7 @@ from fem.model import build_model
 from fem.plan import LOCKSTEP, Plan
 from fem.settings import Settings
 from meshes import Blocks, cached_mesh
-from semianalytic import march, solve
+from semianalytic import solve
 from semianalytic.scene.errors import SceneError, TensionError
 from semianalytic.scene.scene import Material, Scene, Tractions
 from tests.fem.runs import UNLOADED, l1
@@ -113,7 +113,7 @@ def test_every_element_agrees_with_the_exact_solution(element, mesh, most):
 def test_gap_converges_to_the_exact_one_with_second_order():
     """It opens from the edge at a constant speed, and no node that has opened closes again."""
     with pytest.raises(TensionError):
-        march(UNLOADED, nodes=100)
+        solve(UNLOADED, method="space-time", nodes=100)
     exact, errors = solve(UNLOADED), []
     for resolution in (40, 80):
         run = simulate(UNLOADED, resolution=resolution)

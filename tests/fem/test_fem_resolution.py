@@ -14,7 +14,7 @@ from fem.resolution import (
     resolves,
     weakening_caution,
 )
-from semianalytic import march
+from semianalytic import solve
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import SlipWeakening
@@ -172,7 +172,7 @@ def test_resolution_that_weakening_asks_for_gives_slip_to_one_percent(scene, end
     assert (fine.status, fine.caution) == ("resolved", "")
     reach = 0.98 * scene.material.longitudinal_speed * end_time
     x, t = fine.interface.x[fine.interface.x < reach], np.linspace(0.3, 1, 15)[:, None] * end_time
-    exact = march(scene, end_time, 600).slip(x, t)
+    exact = solve(scene, method="space-time", end_time=end_time, nodes=600).slip(x, t)
     assert l1(fine.slip(x, t), exact) < 0.01
 
 

@@ -9,7 +9,9 @@ from catalogue import PROBLEMS, STEEL, over
 from hypothesis import HealthCheck, given, settings
 from laws import check_invariants, random_scenes, scenes
 
-from semianalytic import SceneError, TensionError, Tractions, ViscousFriction, march, solve
+from semianalytic import SceneError, TensionError, Tractions, ViscousFriction
+from semianalytic.selfsimilar.solver import solve
+from semianalytic.spacetime.march import march
 from tests.semianalytic.selfsimilar.test_separation import errors
 
 

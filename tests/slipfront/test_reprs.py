@@ -16,7 +16,7 @@ X, T = np.array([0.1, 0.2]), np.linspace(0.1, 1.0, 20)
 
 
 def punched(**options):
-    return sf.run(sf.find_interface("punch").interface, 0.5, nodes=64, **options)
+    return sf.solve(sf.find("punch").interface, end_time=0.5, nodes=64, **options)
 
 
 def validated():
@@ -32,7 +32,7 @@ def validated():
             lambda: solved(PRELOADED).history(X, T),
             "<InterfaceHistory: 20 times from 0.1 to 1, 2 pos",
         ),
-        (lambda: sf.march(PRELOADED, nodes=32), "<Marched: to t = 1 in "),
+        (lambda: sf.solve(PRELOADED, method="space-time", nodes=32), "<Marched: to t = 1 in "),
         (lambda: punched(), r"64 nodes, .* frames; unresolved, error of slip 1"),
         (lambda: punched(estimate=False), "done, no error estimate>"),
         (lambda: sf.prepare(PRELOADED, resolution=8), "<Model: antisymmetric half, 1,380 unknowns"),
@@ -53,7 +53,7 @@ def test_an_answer_is_shown_on_one_line(make, said):
 
 
 def fitted():
-    scene, t = sf.find_scene("antiplane"), T[::5]
+    scene, t = sf.find("antiplane"), T[::5]
     record = sf.Gauge(0.2, t, sf.solve(scene).slip(0.2, t), 1e-3, "slip")
     return sf.fit([record], scene, "friction", priors={"friction": sf.Normal(0.5, 0.01)})
 
@@ -66,12 +66,16 @@ def judged():
 SHOWN = {
     "preloaded": (lambda: solved(PRELOADED), 2, ["slip +1", "0.884266", "from [length/time]"]),
     "steel": (
-        lambda: sf.solve(replace(sf.find_scene("stuck"), units="SI")),
+        lambda: sf.solve(replace(sf.find("stuck"), units="SI")),
         0,
         ["no slip; converged", "from [m/s]"],
     ),
     "opening": (lambda: sf.solve("lift-off-shear"), 2, ["<td>open</td>", "slip +1"]),
-    "march": (lambda: sf.march("ramp", 1.0, 64), 3, ["largest slip", "; resolved, ", "length^2"]),
+    "march": (
+        lambda: sf.solve("ramp", method="space-time", end_time=1.0, nodes=64),
+        3,
+        ["largest slip", "; resolved, ", "length^2"],
+    ),
     "fit": (fitted, 1, ["<td>friction</td><td>0.5</td>", "chi2"]),
     "judgement": (judged, 15, ["Judgement: ", "<td>agrees</td>", "differs: 0"]),
 }

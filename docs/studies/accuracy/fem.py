@@ -20,10 +20,10 @@ from compare.comparison.quantities.edge_rows import opening_rows
 from compare.comparison.quantities.profile_rows import gap_rows
 from compare.comparison.rows import Row as JudgedRow
 from compare.figures.snapshots import snapshot_figure
-from compare.studies.profiles import Errors, averaged_profile, last_profile, profile_errors
+from docs.studies.profiles import Errors, averaged_profile, last_profile, profile_errors
 from docs.studies.runner import Row, Study, main
 from fem import Simulation, simulate
-from semianalytic import find_scene, solve
+from semianalytic import find, solve
 
 DRAWN = "lift-off-shear"
 MESHES = 50, 100, 200
@@ -37,9 +37,9 @@ def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
     The last row extrapolates from the two finest, 2 V(h/2) - V(h), which removes errors of first
     order in h.  Orders are those observed since the mesh before; `seconds` is the time of stepping.
     """
-    solution, profiles, rows = solve(find_scene(scene)), [], list[Row]()
+    solution, profiles, rows = solve(find(scene)), [], list[Row]()
     for resolution in resolutions:
-        run = simulate(find_scene(scene), resolution=resolution)
+        run = simulate(find(scene), resolution=resolution)
         profiles.append((last_profile(run), averaged_profile(run)))
         before = rows[-1] if rows else {}
         row = _error_row(scene, f"1/{resolution}", profile_errors(solution, *profiles[-1]), before)
@@ -64,9 +64,9 @@ def openings(scene: str, resolutions: Sequence[int]) -> list[Row]:
     The gap at T is compared in L1, `largest` is the relative error of the largest gap, and ends
     are nan where there is none.
     """
-    exact, rows = solve(find_scene(scene)), list[Row]()
+    exact, rows = solve(find(scene)), list[Row]()
     for resolution in resolutions:
-        case = side_by_side(exact, simulate(find_scene(scene), resolution=resolution))
+        case = side_by_side(exact, simulate(find(scene), resolution=resolution))
         found = {row.name: row for row in (*opening_rows(case), *gap_rows(case))}
         gap, largest = found["gap, L1"].difference or 0.0, found["largest gap"]
         order = math.log2(rows[-1]["gap"] / gap) if rows else math.nan
@@ -116,7 +116,7 @@ def _field_errors(scene: str, resolution: int) -> list[tuple[str, tuple[float, f
 
 def last_frame(name: str, resolution: int) -> tuple[Simulation, FieldErrors]:
     """Simulate a scene with one snapshot at its end; return the simulation and the errors."""
-    scene = find_scene(name)
+    scene = find(name)
     with TemporaryDirectory() as folder:
         run = simulate(scene, resolution=resolution, snapshots=folder, frames=1)
         errors = field_errors(solve(scene), run, Path(folder))

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.studies.profiles import last_march, step_error
+from docs.studies.profiles import last_march, step_error
 from docs.studies.runner import Point, Row, Study, main
 from docs.studies.trials.draws import drawn, random_history_scene, random_step_scene
 from semianalytic import (
@@ -27,8 +27,7 @@ from semianalytic import (
     SlipfrontError,
     SlipWeakening,
     Tractions,
-    find_scene,
-    march,
+    find,
     solve,
 )
 from semianalytic.scene.contact import process_zone
@@ -50,7 +49,7 @@ ROUNDING = 1e-12
 LEVELS = 100
 """Largest number of levels at which slip rates are compared."""
 
-_PRELOADED = find_scene("preloaded")
+_PRELOADED = find("preloaded")
 _QUARTER = replace(_PRELOADED.material, poisson_ratio=0.25)
 
 
@@ -75,9 +74,9 @@ def accuracy(name: str, grids: Sequence[int]) -> list[Row]:
     rows, before = [], math.nan
     for nodes in grids:
         began = time.perf_counter()
-        marched = last_march(find_scene(name), nodes)
+        marched = last_march(find(name), nodes)
         seconds = time.perf_counter() - began
-        error = step_error(find_scene(name), marched)
+        error = step_error(find(name), marched)
         order = math.log2(before / error)
         rows.append(
             {"scene": name, "nodes": nodes, "error": error, "order": order, "seconds": seconds}
@@ -90,7 +89,7 @@ def fields(name: str, grids: Sequence[int]) -> list[Row]:
     """Return the L1 errors of fields in the bodies at T over their change, and orders of stress."""
     rows, before = [], math.nan
     for nodes in grids:
-        velocity, stress, displacement = field_errors(find_scene(name), nodes)
+        velocity, stress, displacement = field_errors(find(name), nodes)
         row: Row = {"scene": name, "nodes": nodes, "velocity": velocity, "stress": stress}
         rows.append({**row, "displacement": displacement, "order": math.log2(before / stress)})
         before = stress
@@ -100,7 +99,10 @@ def fields(name: str, grids: Sequence[int]) -> list[Row]:
 def field_errors(scene: Scene, nodes: int, points: int = POINTS) -> list[float]:
     """Return errors of velocity, stress and displacement where the exact fields are finite."""
     end = 1 / scene.material.shear_speed
-    marched, exact = march(scene, end, nodes, companion=False), solve(scene)
+    marched, exact = (
+        solve(scene, method="space-time", end_time=end, nodes=nodes, companion=False),
+        solve(scene),
+    )
     reach = 1.1 * scene.fastest_speed * end
     at = *np.random.default_rng(1).uniform(-reach, reach, (2, points)), end
     errors = []
@@ -160,7 +162,7 @@ def rate_error(marched: Marched, truth: Answer) -> float:
 def error_scene(kind: str, which: str | int) -> Scene:
     """Return a named scene, or a random one of a number."""
     if isinstance(which, str):
-        return find_scene(which)
+        return find(which)
     return drawn(SEED, which, random_step_scene if kind == "step" else random_history_scene)[0]
 
 
@@ -180,14 +182,23 @@ def judged_march(kind: str, which: str | int, nodes: int = NODES) -> list[Judged
         kind = "self-similar" if scene.is_self_similar else "histories and slip weakening"
     end = 1 / scene.material.shear_speed
     try:
-        marched = march(scene, end, nodes)
+        marched = solve(scene, method="space-time", end_time=end, nodes=nodes)
         if marched.status != "resolved":
             return []
         if scene.is_self_similar:
-            return judged(kind, marched, solve(scene))
+            return judged(kind, marched, solve(scene, method="self-similar"))
         length = nodes * marched.grid.spacing
         return judged(
-            kind, marched, march(scene, end, FINER * nodes, length=length, companion=False)
+            kind,
+            marched,
+            solve(
+                scene,
+                method="space-time",
+                end_time=end,
+                nodes=FINER * nodes,
+                length=length,
+                companion=False,
+            ),
         )
     except SlipfrontError:
         return []
@@ -219,10 +230,14 @@ def weakening(name: str, counts: Sequence[int]) -> list[Row]:
     length = scene.material.longitudinal_speed * end
     share = length / process_zone(scene)
     finest = round(FINEST_IN_PROCESS_ZONE * share)
-    truth = march(scene, end, finest, length=length, companion=False)
+    truth = solve(
+        scene, method="space-time", end_time=end, nodes=finest, length=length, companion=False
+    )
     rows = []
     for count in counts:
-        marched = march(scene, end, math.ceil(count * share), length=length)
+        marched = solve(
+            scene, method="space-time", end_time=end, nodes=math.ceil(count * share), length=length
+        )
         found = {row.quantity: row.true for row in judged(name, marched, truth)}
         row: Row = {"scene": name, "nodes": count, "slip_rate": found["slip rate"]}
         row |= {"estimate": marched.error_estimate, "slip": found["slip"]}

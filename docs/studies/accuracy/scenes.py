@@ -9,15 +9,19 @@ from __future__ import annotations
 import math
 import sys
 from functools import cache
+from io import BytesIO
 from pathlib import Path
+
+from matplotlib.figure import Figure
+from PIL import Image
 
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import method_of, predict_like
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.figures.histories import comparison_figures
-from compare.figures.saving import figure_png
+from compare.figures.style import look
 from docs.studies.runner import Point, Row, Study, main
-from semianalytic import find_scene
+from semianalytic import find
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -64,7 +68,7 @@ FIGURES = {
 def _judgement(scene: str, resolution: int) -> Judgement:
     from fem import simulate
 
-    simulation = simulate(find_scene(scene), resolution=resolution)
+    simulation = simulate(find(scene), resolution=resolution)
     return judge(predict_like(simulation), simulation)
 
 
@@ -136,11 +140,22 @@ def _number(value: float | None) -> float:
     return math.nan if value is None else value
 
 
+def figure_png(figure: Figure, dpi: int = 100, colours: int = 64) -> bytes:
+    """Return a figure as PNG with few colours, a third as large; rare colours are kept."""
+    drawn, packed = BytesIO(), BytesIO()
+    with look():
+        figure.savefig(drawn, format="png", dpi=dpi)
+    picture = Image.open(drawn).convert("RGB")
+    few = picture.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few.save(packed, format="png", optimize=True)
+    return packed.getvalue()
+
+
 def write_figures(folder: Path) -> None:
     """Write the figures of docs/scenes.md as scene_NAME.png; few colours keep them small."""
     for scene, name in FIGURES.items():
         case = _judgement(scene, RESOLUTION).case
-        picture = figure_png(comparison_figures(case)[name](case), 100, 64)
+        picture = figure_png(comparison_figures(case)[name](case))
         write_bytes(folder / f"scene_{scene}.png", picture)
 
 

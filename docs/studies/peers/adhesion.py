@@ -54,7 +54,7 @@ def ours(nodes: int) -> GridRun:
     )
     times = np.linspace(0, END, FRAMES)[1:].tolist()
     began = time.process_time()
-    done = sf.run(face, END, nodes, times=times, estimate=False)
+    done = sf.solve(face, end_time=END, nodes=nodes, times=times, estimate=False)
     seconds, every = time.process_time() - began, nodes // GRIDS[0]
     fields = {"gap": done.gap[:, ::every], "pressure": done.pressure[:, ::every]}
     return GridRun(f"{nodes} nodes", fields, seconds)

@@ -71,7 +71,7 @@ def our_run(nodes: int) -> tuple[Fields, float]:
 
     fault = sf.Interface(upper, law, LENGTH, pressure=130e6, shear=shear, lower_material=lower)
     began = time.process_time()
-    done = sf.run(fault, END, nodes, times=list(TIMES), estimate=False)
+    done = sf.solve(fault, end_time=END, nodes=nodes, times=list(TIMES), estimate=False)
     seconds = time.process_time() - began
     return Fields(done.t, done.x, {"slip": done.slip, "slip rate": done.slip_rate}), seconds
 

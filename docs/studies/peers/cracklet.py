@@ -82,16 +82,8 @@ class Problem:
 
 
 PROBLEMS = (
-    Problem("test_rate_and_state_PMMA", 0.285, 0.005, 0.0, 0.36e6, 512, 0.5),
-    Problem(
-        "test_rate_and_state_PMMA_regularized",
-        5 / 18,
-        0.0055,
-        1e-9,
-        1.005 * 0.34475668e6,
-        2048,
-        2.0,
-    ),
+    Problem("PMMA", 0.285, 0.005, 0.0, 0.36e6, 512, 0.5),
+    Problem("PMMA_regularized", 5 / 18, 0.0055, 1e-9, 1.005 * 0.34475668e6, 2048, 2.0),
 )
 
 
@@ -132,7 +124,9 @@ def our_run(problem: Problem, times: Array, nodes: int, near: float) -> tuple[Ar
         mode="antiplane",
     )
     began = time.process_time()
-    done = sf.run(fault, float(times[-1]), nodes, times=list(times), estimate=False)
+    done = sf.solve(
+        fault, end_time=float(times[-1]), nodes=nodes, times=list(times), estimate=False
+    )
     seconds = time.process_time() - began
     print(f"{nodes} nodes: slip rate at the start {rate:.7g}, theirs {near:.7g} m/s", flush=True)
     return done.slip_rate.max(axis=1) - done.slip_rate[:, 0], seconds
@@ -142,7 +136,9 @@ def main() -> None:
     """Write the rows."""
     (folder,) = places(__doc__, "FOLDER")
     for problem in PROBLEMS:
-        rate, t, theirs = verified(folder / f"tests/friction/{problem.name}.verified")
+        rate, t, theirs = verified(
+            folder / f"tests/friction/test_rate_and_state_{problem.name}.verified"
+        )
         grows = np.arange(len(t)) < (np.argmax(theirs > rate) if theirs.max() > rate else len(t))
         parts = {"growing wave": grows, "event after it": ~grows}
         spans = {f"slip rate, {words}": part for words, part in parts.items() if part.any()}
@@ -153,7 +149,7 @@ def main() -> None:
             found = {name: rise[part] for name, part in spans.items()}
             their = GridRun(f"{problem.elements} elements", known, None)
             pairs.append((their, GridRun(f"{nodes} nodes", found, seconds)))
-        replace_rows(compared("cRacklet", problem.name, COMMAND, pairs))
+        replace_rows(compared("cRacklet", f"test_rate_and_state_{problem.name}", COMMAND, pairs))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ import re
 import shutil
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -33,19 +33,15 @@ RECORD_MARK = 4
 
 @dataclass(frozen=True)
 class Problem:
-    """An example of theirs, its grids and ours, and where and until when both are compared.
+    """An example of theirs, its grids, and when [s] a wave may be back from its boundaries.
 
-    `edit` makes their input that of a grid; `until` [s] is when a wave may be back from the outer
-    boundaries of their mesh, `places` are points [m] of their fault and ours.
+    `edit` makes their input that of a grid; `depth` is whether their fault is along their depth.
     """
 
     example: str
-    grids: tuple[tuple[int, str], ...]
+    grids: Mapping[int, str]
     edit: Callable[[str, int], str]
-    nodes: tuple[int, ...]
     until: float
-    end: float
-    x: Array
     depth: bool
 
 
@@ -72,27 +68,10 @@ def _points(text: str, count: int) -> str:
 
 
 PROBLEMS = (
-    Problem(
-        "inplane",
-        ((35, "200 m"), (70, "100 m"), (105, "67 m")),
-        _elements,
-        (960, 1920, 3840),
-        6.6,
-        12.0,
-        PLACES,
-        False,
-    ),
-    Problem(
-        "antiplane",
-        ((4, "167 m"), (6, "100 m"), (8, "71 m")),
-        _points,
-        (960, 1920, 3840),
-        8.6,
-        12.0,
-        PLACES,
-        True,
-    ),
+    Problem("inplane", {35: "200 m", 70: "100 m", 105: "67 m"}, _elements, 6.6, False),
+    Problem("antiplane", {4: "167 m", 6: "100 m", 8: "71 m"}, _points, 8.6, True),
 )
+NODES, END = (960, 1920, 3840), 12.0
 
 
 def plain_input(folder: Path) -> str:
@@ -111,7 +90,7 @@ def their_input(folder: Path, problem: Problem, count: int) -> str:
     text = plain_input(folder)
     text = problem.edit(text, count)
     text = re.sub(r"(TtH='PWCONR' *),[^/]*/", r"\1, otd=0.02d0 /", text)
-    return re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={problem.end}d0", text)
+    return re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={END}d0", text)
 
 
 def their_run(program: Path, folder: Path, problem: Problem, count: int) -> tuple[Fields, float]:
@@ -144,7 +123,7 @@ def read_fault(header: Path, depth: bool) -> Fields:
 
 def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     """Run the same problem; return its fields and the seconds of the processor."""
-    given = sf.find_interface("tpv205").interface
+    given = sf.find("tpv205").interface
     centre = 7.5e3 if problem.depth else 0.0
 
     def shear(x: Array) -> Array:
@@ -155,7 +134,9 @@ def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     mode = "antiplane" if problem.depth else "in-plane"
     fault = replace(given, shear=shear, even=True, mode=mode)
     began = time.process_time()
-    done = sf.run(fault, float(times[-1]), nodes, times=list(times), estimate=False)
+    done = sf.solve(
+        fault, end_time=float(times[-1]), nodes=nodes, times=list(times), estimate=False
+    )
     seconds = time.process_time() - began
     fields = {
         "slip": done.slip,
@@ -167,11 +148,10 @@ def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
 
 def at_points(problem: Problem, fields: Fields, grid: str, seconds: float) -> GridRun:
     """Return the fields that are compared: all until waves return, slip also until the end."""
-    t = np.arange(0.05, problem.end - 0.05, 0.02)
-    spans = [*((name, problem.until) for name in FIELDS.values()), ("slip", problem.end)]
+    t = np.arange(0.05, END - 0.05, 0.02)
+    spans = [*((name, problem.until) for name in FIELDS.values()), ("slip", END)]
     values = {
-        f"{name}, until {until:g} s": fields.at(name, t[t < until], problem.x)
-        for name, until in spans
+        f"{name}, until {until:g} s": fields.at(name, t[t < until], PLACES) for name, until in spans
     }
     return GridRun(grid, values, seconds)
 
@@ -180,8 +160,8 @@ def main() -> None:
     """Run both codes in turn on three grids, and write the rows."""
     program, folder = places(__doc__, "PROGRAM", "FOLDER")
     for problem in PROBLEMS:
-        times, pairs = np.arange(0.0, problem.end, 0.02), []
-        for (count, spacing), nodes in zip(problem.grids, problem.nodes, strict=True):
+        times, pairs = np.arange(0.0, END, 0.02), []
+        for (count, spacing), nodes in zip(problem.grids.items(), NODES, strict=True):
             theirs, their_seconds = their_run(program, folder, problem, count)
             ours, our_seconds = our_run(problem, nodes, times)
             one = at_points(problem, theirs, spacing, their_seconds)

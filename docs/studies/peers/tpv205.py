@@ -38,9 +38,11 @@ def our_run(nodes: int, t: Array, x: Array) -> tuple[GridRun, Array]:
 
     Shear tractions are changes.
     """
-    found = sf.find_interface("tpv205")
+    found = sf.find("tpv205")
     began = time.process_time()
-    done = sf.run(found.interface, float(t[-1]), nodes, times=list(t), estimate=False)
+    done = sf.solve(
+        found.interface, end_time=float(t[-1]), nodes=nodes, times=list(t), estimate=False
+    )
     seconds = time.process_time() - began
     where = np.abs(done.x[:, None] - x).argmin(axis=0)
     slip, rate, shear = (

@@ -43,7 +43,7 @@ def published(folder: Path, nodes: int) -> dict[str, Array]:
 
 def tpv101(fields: Path, build: Path) -> None:
     """Write the rows of TPV101, held against the limit of UGUCA's own two grids."""
-    found = sf.find_interface("tpv101")
+    found = sf.find("tpv101")
     every = 20 * 0.35 * 50 / found.interface.material.shear_speed
     times = [every * k for k in range(FRAMES)]
     pairs = []
@@ -53,10 +53,10 @@ def tpv101(fields: Path, build: Path) -> None:
             seconds = seconds_of([program, "-N", str(nodes)], Path(scratch))
         theirs = GridRun(f"{PERIOD / nodes:g} m", published(fields, nodes), seconds)
         began = time.process_time()
-        done = sf.run(
+        done = sf.solve(
             found.interface,
-            times[-1],
-            our_nodes,
+            end_time=times[-1],
+            nodes=our_nodes,
             step_ratio=STEP_RATIO,
             times=times,
             estimate=False,
@@ -91,11 +91,13 @@ def their_bimat(build: Path, nodes: int) -> GridRun:
 
 def our_bimat(nodes: int) -> GridRun:
     """Run `rock-on-gouge`; the same fields."""
-    found = sf.find_interface("rock-on-gouge")
+    found = sf.find("rock-on-gouge")
     assert found.end_time is not None
     times = [found.end_time * k / 20 for k in range(21)]
     began = time.process_time()
-    done = sf.run(found.interface, found.end_time, nodes, times=times, estimate=False)
+    done = sf.solve(
+        found.interface, end_time=found.end_time, nodes=nodes, times=times, estimate=False
+    )
     seconds = time.process_time() - began
     fields = (done.slip, done.slip_rate, done.shear_traction, done.pressure)
     changes = {

@@ -16,12 +16,22 @@ from typing import Any
 
 from compare.output.files import write_text
 from compare.output.tables import write_rows
-from docs.studies.schema.documents import DOCUMENTS, ENVELOPE
+from docs.studies.schema import studies
+from docs.studies.schema.answers import ANSWERS
 from docs.studies.schema.parts import DEFINITIONS
-from docs.studies.schema.vocabulary import Key, Schema, object_of
+from docs.studies.schema.vocabulary import TEXT, UNITS, Key, Schema, list_of, object_of
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 COMMAND = "python -m docs.studies.schema --write"
+ENVELOPE: Mapping[str, Key] = {
+    "command": Key("the command, as typed after slipfront", TEXT),
+    "version": Key("version of slipfront", TEXT),
+    "status": Key("done; converged, resolved or the reason why not; or the verdict", TEXT),
+    "units": Key("units of all numbers, under the same names; one for a whole list", UNITS),
+    "files": Key("files written", list_of(TEXT)),
+}
+DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {**ANSWERS, **studies.STUDIES}
+"""Keys that each command adds to the `ENVELOPE`, in each of its forms."""
 
 
 def schema() -> dict[str, Any]:

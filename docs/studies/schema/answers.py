@@ -8,88 +8,65 @@ from compare.comparison.fields.errors import FieldError
 from compare.comparison.rows import Row
 from compare.validation.bars import JudgedRow
 from compare.validation.norms import Norm
-from docs.studies.schema.parts import (
-    COUNTS,
-    MATERIAL,
-    PAIR,
-    SCENES,
-    VERDICT,
-)
+from docs.studies.schema.parts import COUNTS, MATERIAL, PAIR, SCENES, VERDICT
 from docs.studies.schema.vocabulary import (
+    ANYTHING,
     NUMBER,
     SCENE,
     TEXT,
     WHOLE,
     Key,
-    Schema,
     list_of,
     named,
     object_of,
     or_null,
     row_of,
+    shape,
 )
 from semianalytic.results.answer import ARRIVALS, FIELDS
 
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
-_INTERFACE = object_of(
-    interface={"type": "object"}, end_time=or_null(NUMBER), options={"type": "object"}
-)
-_SUBJECT: Schema = {"anyOf": [SCENE, _INTERFACE]}
+_PAIR_KEY = Key("two different bodies, as their TOML file has them", PAIR)
 _LABEL = Key("name of the scene", TEXT)
 _PARAMETERS = Key("the scene itself", SCENE)
 _ESTIMATE = Key("relative error estimate of the answer", NUMBER)
 _METHOD = Key("self-similar or space-time", TEXT)
-_RUN = object_of(
-    run=TEXT,
-    end_time=NUMBER,
-    resolution=NUMBER,
+_WAVE_SPEEDS = Key("speeds of the waves that occur in the fields", named(NUMBER))
+_STATISTICS = Key("cost of the computation", ANYTHING)
+_UNTIL_END_TIME = Key("zones, slip and work until --end-time, if given", ANYTHING, False)
+_EDGES = "velocities of the edges of slip zones"
+_ZONES = Key(_EDGES, list_of(shape("inner outer", wholes="sense")))
+_OPENINGS = Key("velocities of the edges of openings", list_of(shape("inner outer")))
+_INTERFACE = object_of(interface=ANYTHING, end_time=or_null(NUMBER), options=ANYTHING)
+_RUN = shape(
+    "end_time resolution element_size damping time_step critical_step",
+    "run model caution",
+    "steps unknowns",
     companions=list_of(NUMBER),
-    element_size=NUMBER,
-    model=TEXT,
-    damping=NUMBER,
-    time_step=NUMBER,
-    critical_step=NUMBER,
-    steps=WHOLE,
-    unknowns=WHOLE,
-    caution=TEXT,
-    opened=or_null({"type": "object"}),
+    opened=or_null(ANYTHING),
     seconds=named(NUMBER),
 )
-_PAIR_KEY = Key("two different bodies, as their TOML file has them", PAIR)
-_WAVE_SPEEDS = Key("speeds of the waves that occur in the fields", named(NUMBER))
-_ZONES = Key(
-    "velocities of the edges of slip zones",
-    list_of(object_of(inner=NUMBER, outer=NUMBER, sense=WHOLE)),
-)
-_OPENINGS = Key(
-    "velocities of the edges of openings", list_of(object_of(inner=NUMBER, outer=NUMBER))
-)
-_STATISTICS = Key("cost of the computation", {"type": "object"})
-_UNTIL_END_TIME = Key("zones, slip and work until --end-time, if given", {"type": "object"}, False)
-_MEASURED = object_of(value=NUMBER, error=NUMBER)
+_MEASURED, _MATRIX = shape("value error"), list_of(list_of(NUMBER))
 _POINT = object_of(
     ("t", *FIELDS),
     x=NUMBER,
     t=NUMBER,
-    arrivals=object_of(**{name: _MEASURED for name in ARRIVALS}),
-    **{name: _MEASURED for name in FIELDS},
+    arrivals=object_of(**dict.fromkeys(ARRIVALS, _MEASURED)),
+    **dict.fromkeys(FIELDS, _MEASURED),
 )
 _POINTS = Key(
     "arrivals and fields at --x and --t, if given, each a value and the bar of its error",
     list_of(_POINT),
     False,
 )
-_ZONE = object_of(inner=NUMBER, outer=NUMBER, sense=WHOLE, inner_regime=TEXT, outer_regime=TEXT)
 _FIELD = {
     "method": _METHOD,
     "error_estimate": _ESTIMATE,
     "of": Key("quantity drawn", TEXT),
     "time": Key("time of the picture", NUMBER),
-    "window": Key("region shown", object_of(x0=NUMBER, x1=NUMBER, y0=NUMBER, y1=NUMBER)),
+    "window": Key("region shown", shape("x0 x1 y0 y1")),
     "frames": Key("number of frames of the animation", WHOLE),
-    "gauges": Key(
-        "gauges recorded, in the order of the files", list_of(object_of(x=NUMBER, y=NUMBER))
-    ),
+    "gauges": Key("gauges recorded, in the order of the files", list_of(shape("x y"))),
 }
 """Keys of ``slipfront field`` for bodies alike and different."""
 
@@ -98,13 +75,13 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         {
             "scene": _SCENE_KEY,
             "wave_speeds": _WAVE_SPEEDS,
-            "zones": Key(_ZONES.meaning, list_of(_ZONE)),
+            "zones": Key(
+                _EDGES, list_of(shape("inner outer", "inner_regime outer_regime", "sense"))
+            ),
             "openings": _OPENINGS,
             "edge": Key(
                 "state of the interface at x = 0+",
-                object_of(
-                    state=TEXT, slip_rate=NUMBER, stress_intensity_at_unit_time=named(NUMBER)
-                ),
+                shape("slip_rate", "state", stress_intensity_at_unit_time=named(NUMBER)),
             ),
             "far_slip_rate": Key("slip rate ahead of all waves", NUMBER),
             "error_estimate": _ESTIMATE,
@@ -122,9 +99,7 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "largest_slip": Key("largest slip over contact and time", NUMBER),
             "reach_of_slip": Key("largest x that slips forward", NUMBER),
             "reach_of_reverse_slip": Key("largest x that slips backward", NUMBER),
-            "onset": Key(
-                "times at which slip starts at some x", list_of(object_of(x=NUMBER, time=NUMBER))
-            ),
+            "onset": Key("times at which slip starts at some x", list_of(shape("x time"))),
             "accumulated_slip": Key("accumulated slip, integral over the contact", NUMBER),
             "frictional_work": Key("frictional work, integral over the contact", NUMBER),
             "stress_intensity_of_a_stuck_edge": Key(
@@ -135,7 +110,7 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "points": _POINTS,
         },
         {
-            "line": Key("whole line or growing load, as its TOML file has it", {"type": "object"}),
+            "line": Key("whole line or growing load, as its TOML file has it", ANYTHING),
             "wave_speeds": _WAVE_SPEEDS,
             "edge_speed": Key("speed of the edges of slip or opening of a line", NUMBER),
             "edge_amplitude": Key("rate over sqrt(1 - x/(edge speed t)) beside an edge", NUMBER),
@@ -158,34 +133,25 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "fit": (
         {
-            "scene": Key("the scene as its TOML file has it, or the interface", _SUBJECT),
+            "scene": Key(
+                "the scene as its TOML file has it, or the interface",
+                {"anyOf": [SCENE, _INTERFACE]},
+            ),
             "parameters": Key(
                 "fitted values, standard errors, and the ends between which chi2 is at most one "
                 "above its least, by name",
-                named(
-                    object_of(value=NUMBER, standard_error=NUMBER, **{"from": NUMBER, "to": NUMBER})
-                ),
+                named(shape("value standard_error from to")),
             ),
-            "covariance": Key(
-                "covariance of the parameters, in their order", list_of(list_of(NUMBER))
-            ),
-            "correlation": Key(
-                "correlation of the parameters, in their order", list_of(list_of(NUMBER))
-            ),
+            "covariance": Key("covariance, in the order of the parameters", _MATRIX),
+            "correlation": Key("correlation, in the order of the parameters", _MATRIX),
             "chi2": Key("sum of squares of the misfits over the noise", NUMBER),
             "freedom": Key("degrees of freedom: samples minus parameters", WHOLE),
             "unconstrained": Key("parameters that the data leave free", list_of(TEXT)),
             "known_by_prior": Key("parameters known by their prior alone", list_of(TEXT)),
-            "minima": Key(
-                "all minima found", list_of(object_of(values=list_of(NUMBER), chi2=NUMBER))
-            ),
+            "minima": Key("all minima found", list_of(shape("chi2", values=list_of(NUMBER)))),
             "gauges": Key(
                 "records, each with its contribution to chi2",
-                list_of(
-                    object_of(
-                        name=TEXT, quantity=TEXT, x=NUMBER, y=NUMBER, samples=WHOLE, chi2=NUMBER
-                    )
-                ),
+                list_of(shape("x y chi2", "name quantity", "samples")),
             ),
             "derivative_error": Key("relative error of the derivatives", NUMBER),
             "solutions": Key("number of solutions computed", WHOLE),
@@ -207,15 +173,13 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "dimensions": Key("lengths of the dimensions", named(WHOLE)),
             "parameters": Key(
                 "varied parameters and their ranges",
-                named(object_of(least=NUMBER, largest=NUMBER, count=WHOLE)),
+                named(shape("least largest", wholes="count")),
             ),
             "statuses": Key("number of scenes with each status", named(WHOLE)),
             "methods": Key("number of scenes solved by each method", named(WHOLE)),
             "largest_error_estimate": Key("largest error estimate of all scenes", NUMBER),
             "seconds": Key("processor time in seconds", NUMBER),
-            "variables": Key(
-                "variables in the file; their units are in units.variables", list_of(TEXT)
-            ),
+            "variables": Key("variables; their units are in units.variables", list_of(TEXT)),
         },
     ),
     "compare": (
@@ -226,16 +190,13 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "parameters": Key("the scene itself, or both bodies", SCENES),
             "method": _METHOD,
             "caution": Key("reason why the prediction is unresolved", TEXT),
-            "semianalytic": Key(
-                "result as printed by solve; null for a march", or_null({"type": "object"})
-            ),
+            "semianalytic": Key("result of solve; null for a march", or_null(ANYTHING)),
             "finite_elements": Key("settings and cost of the simulation", _RUN),
             "rows": Key(
                 "judged quantities", list_of(row_of(Row, verdict=TEXT, remedy=or_null(TEXT)))
             ),
             "fields": Key(
-                "errors of snapshots",
-                or_null(object_of(band=NUMBER, frames=list_of(row_of(FieldError)))),
+                "errors of snapshots", or_null(shape("band", frames=list_of(row_of(FieldError))))
             ),
         },
     ),
@@ -260,12 +221,10 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
             "comparison": Key(
                 "with --compare: verdict, meshes, and the judged quantities",
-                object_of(
-                    verdict=TEXT,
+                shape(
+                    texts="verdict",
                     counts=named(WHOLE),
-                    meshes=list_of(
-                        object_of(nodes=WHOLE, steps=WHOLE, unknowns=WHOLE, imbalance=NUMBER)
-                    ),
+                    meshes=list_of(shape("imbalance", wholes="nodes steps unknowns")),
                     rows=list_of(row_of(Row, verdict=TEXT)),
                 ),
                 always=False,
@@ -277,16 +236,10 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "scene": _SCENE_KEY,
             "lower_material": Key("material of the lower body, if different", or_null(MATERIAL)),
             "finite_elements": Key("settings and cost of the simulation", _RUN),
-            "own_bars": Key(
-                "error bars from coarser meshes",
-                list_of(object_of(name=TEXT, bar=NUMBER, unit=TEXT)),
-            ),
+            "own_bars": Key("error bars from coarser meshes", list_of(shape("bar", "name unit"))),
         },
     ),
-    "field": (
-        {"scene": _SCENE_KEY, **_FIELD},
-        {"pair": _PAIR_KEY, **_FIELD},
-    ),
+    "field": ({"scene": _SCENE_KEY, **_FIELD}, {"pair": _PAIR_KEY, **_FIELD}),
     "validate": (
         {
             "format": Key("format of report.json, which has the same contents", TEXT),
@@ -298,14 +251,13 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "reading": Key(
                 "how the numbers of the file were read: what was inferred, the options that state "
                 "it, factors and offsets, and the largest error that is left, and as given",
-                object_of(
+                shape(
+                    "left as_given",
+                    "runner_up",
                     inferred=list_of(TEXT),
                     stated_by=list_of(list_of(TEXT)),
                     factors=named(NUMBER),
                     offsets=named(NUMBER),
-                    left=NUMBER,
-                    as_given=NUMBER,
-                    runner_up=TEXT,
                 ),
             ),
             "notes": Key("units and conventions that were given, and corrections", list_of(TEXT)),
@@ -327,25 +279,22 @@ ANSWERS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "scenes": Key(
                 "all named scenes",
                 list_of(
-                    object_of(
-                        name=TEXT,
-                        what=TEXT,
+                    shape(
+                        texts="name what problem summary",
                         package=or_null(TEXT),
-                        problem=TEXT,
-                        summary=TEXT,
                         scene=or_null(SCENES),
                     )
                 ),
             ),
             "brought": Key(
-                "laws, histories and figures from other packages",
-                list_of(object_of(name=TEXT, what=TEXT, package=TEXT, problem=TEXT)),
+                "laws, histories, figures and methods from other packages",
+                list_of(shape(texts="name what package problem")),
             ),
         },
     ),
     "init": (
         {
-            "scene": Key("the scene, as its TOML file has it", SCENES),
+            "scene": Key("the scene, as its TOML file has it", or_null(SCENES)),
             "text": Key("text of the TOML file", TEXT),
         },
     ),

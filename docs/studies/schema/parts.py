@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from docs.studies.schema.vocabulary import (
     NUMBER,
     SCENE,
@@ -12,48 +14,24 @@ from docs.studies.schema.vocabulary import (
     Schema,
     named,
     object_of,
+    shape,
 )
 
-MATERIAL = object_of(shear_modulus=NUMBER, density=NUMBER, poisson_ratio=NUMBER)
-TRACTIONS = object_of(pressure=NUMBER, shear=NUMBER)
+MATERIAL, TRACTIONS = shape("shear_modulus density poisson_ratio"), shape("pressure shear")
 KIND: Schema = {"type": "object", "properties": {"kind": TEXT}, "required": ["kind"]}
-_OPTIONAL = ("pressure_history", "shear_history", "friction_law", "mode", "load_on", "units")
+_WORDS = dict.fromkeys(("mode", "units"), TEXT)
+_LAWS = dict.fromkeys(("pressure_history", "shear_history", "friction_law"), KIND)
+_GIVEN: Mapping[str, Schema] = {"friction": NUMBER, "material": MATERIAL, "base": TRACTIONS}
+_ANY_LOAD = {"anyOf": [TRACTIONS, KIND]}
 DEFINITIONS: Schema = {
     "scene": object_of(
-        _OPTIONAL,
-        friction=NUMBER,
-        material=MATERIAL,
-        base=TRACTIONS,
-        load={"anyOf": [TRACTIONS, KIND]},
-        pressure_history=KIND,
-        shear_history=KIND,
-        friction_law=KIND,
-        mode=TEXT,
-        load_on=TEXT,
-        units=TEXT,
+        (*_LAWS, *_WORDS, "load_on"), **_GIVEN, load=_ANY_LOAD, **_LAWS, **_WORDS, load_on=TEXT
     ),
     "units": named({"anyOf": [TEXT, UNITS]}),
 }
-LINE = object_of(
-    ("mode", "units"),
-    contact=TEXT,
-    friction=NUMBER,
-    material=MATERIAL,
-    base=TRACTIONS,
-    load=KIND,
-    mode=TEXT,
-    units=TEXT,
-)
-PAIR = object_of(
-    ("friction_law", "units"),
-    friction=NUMBER,
-    material=MATERIAL,
-    lower_material=MATERIAL,
-    base=TRACTIONS,
-    load=TRACTIONS,
-    friction_law=KIND,
-    units=TEXT,
-)
+LINE = object_of(tuple(_WORDS), contact=TEXT, **_GIVEN, load=KIND, **_WORDS)
+_PAIRED = {"lower_material": MATERIAL, "load": TRACTIONS, "friction_law": KIND, "units": TEXT}
+PAIR = object_of(("friction_law", "units"), **_GIVEN, **_PAIRED)
 SCENES: Schema = {"anyOf": [SCENE, PAIR]}
 PROBLEM: Schema = {"anyOf": [SCENE, LINE, PAIR, object_of(interface=TEXT)]}
 COUNTS = Key("rows by verdict", named(WHOLE))

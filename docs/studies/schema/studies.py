@@ -8,10 +8,6 @@ from compare.benchmarks.scores import Score
 from compare.benchmarks.sheets import Sheet
 from compare.chart.figure import Found
 from compare.chart.points import Point
-from compare.studies.article.claims import Verdict
-from compare.studies.dissimilar.points import NamedPoint, ThresholdPoint
-from compare.studies.regimes.points import BoundaryPoint
-from compare.studies.supershear.points import TransitionPoint
 from docs.studies.schema.parts import (
     MATERIAL,
     PROBLEM,
@@ -20,19 +16,13 @@ from docs.studies.schema.vocabulary import (
     NUMBER,
     TEXT,
     TRUTH,
-    WHOLE,
     Key,
     list_of,
     named,
-    object_of,
     row_of,
 )
 from semianalytic import SlidingWave
 
-_CLAIMS = Key(
-    "claims of the article, with the verdict of each method",
-    list_of(object_of(section=TEXT, claim=TEXT, base=TEXT, verdicts=named(row_of(Verdict)))),
-)
 _SHEET = row_of(Sheet, scene=PROBLEM)
 
 STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
@@ -49,23 +39,6 @@ STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "benchmark score": (
         {"scores": Key("scores of each run and quantity", list_of(row_of(Score)))},
     ),
-    "regimes": (
-        {
-            "regimes": Key("number of points of each map in each regime", named(named(WHOLE))),
-            "boundaries": Key("curves between the regimes", list_of(row_of(BoundaryPoint))),
-        },
-        {
-            "thresholds": Key(
-                "with --dissimilar: friction above which waves grow",
-                list_of(row_of(ThresholdPoint)),
-            ),
-            "named": Key("growth per wavelength of pairs of solids", list_of(row_of(NamedPoint))),
-            "transitions": Key(
-                "with --supershear: where ruptures overtake shear waves",
-                list_of(row_of(TransitionPoint)),
-            ),
-        },
-    ),
     "sliding": (
         {
             "upper": Key("upper body", MATERIAL),
@@ -80,19 +53,6 @@ STUDIES: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "generalised_rayleigh_speed": Key("null without such a wave", NUMBER),
             "stoneley_speed": Key("null without such a wave", NUMBER),
             "dundurs": Key("Dundurs' parameter beta", NUMBER),
-        },
-    ),
-    "stability": (
-        {
-            "studies": Key(
-                "tables of each study, as in its files", named(named(list_of({"type": "object"})))
-            )
-        },
-    ),
-    "article": (
-        {
-            "claims": _CLAIMS,
-            "disagreement": Key("mean difference between solver and simulation", NUMBER),
         },
     ),
     "chart": (

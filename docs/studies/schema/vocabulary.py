@@ -19,6 +19,7 @@ class Key(NamedTuple):
     always: bool = True
 
 
+ANYTHING: Schema = {"type": "object"}
 TEXT: Schema = {"type": "string"}
 WHOLE: Schema = {"type": "integer"}
 TRUTH: Schema = {"type": "boolean"}
@@ -43,6 +44,12 @@ def object_of(optional: Sequence[str] = (), /, **properties: Schema) -> Schema:
         "required": [name for name in properties if name not in optional],
         "additionalProperties": False,
     }
+
+
+def shape(numbers: str = "", texts: str = "", wholes: str = "", **others: Schema) -> Schema:
+    """Return the schema of an object with names of numbers, texts and whole numbers, and others."""
+    kinds = ((numbers, NUMBER), (texts, TEXT), (wholes, WHOLE))
+    return object_of(**{name: kind for names, kind in kinds for name in names.split()}, **others)
 
 
 def or_null(schema: Schema) -> Schema:

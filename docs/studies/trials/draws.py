@@ -11,9 +11,7 @@ import numpy as np
 from semianalytic import (
     CoulombFriction,
     Harmonic,
-    IncidentWave,
     Material,
-    MovingLoad,
     Pulse,
     Ramp,
     RateWeakening,
@@ -23,7 +21,6 @@ from semianalytic import (
     Tabulated,
     Tractions,
     ViscousFriction,
-    solve,
 )
 from semianalytic.cut.load import contact_opens
 from semianalytic.regimes import opening_threshold
@@ -166,29 +163,6 @@ def _random_solid(random: np.random.Generator) -> tuple[Material, float]:
     return Material(1.0, 1.0, nu), friction
 
 
-def random_front(random: np.random.Generator) -> Scene:
-    """A wave at an angle or a load that moves, under which something slips; raises likewise."""
-    solid = Material(1.0, 1.0, float(random.uniform(0.0, 0.45)))
-    friction = float(random.uniform(0.2, 0.9))
-    base = Tractions(1.0, float(random.uniform(-0.5, 0.5)) * friction)
-    kind, side = (
-        str(random.choice(["P", "SV", "SH", "moving"])),
-        str(random.choice(["below", "above"])),
-    )
-    amount = float(random.choice([-1.0, 1.0]) * random.uniform(0.1, 1.2))
-    load: IncidentWave | MovingLoad
-    if kind == "moving":
-        speed, pressure = float(np.exp(random.uniform(-1.2, 1.4))), float(random.uniform(-0.3, 0.5))
-        load = MovingLoad(speed, pressure, amount)
-    else:
-        load = IncidentWave(kind, float(random.uniform(-80.0, -5.0)), stress=amount, from_=side)
-    mode = "antiplane" if kind == "SH" else "in-plane"
-    scene = Scene(solid, friction, base, load, mode=mode)
-    if max((zone.outer for zone in solve(scene).zones), default=0.0) < 0.1:
-        raise SceneError("Nothing slips.")
-    return scene
-
-
 def _random_judged_history(random: np.random.Generator) -> Scene:
     scene = random_history_scene(random)
     if isinstance(scene.friction_law, RateWeakening):
@@ -214,14 +188,13 @@ KINDS: Mapping[str, Callable[[np.random.Generator], Scene]] = {
     OPENINGS: random_opening,
     "viscous": _random_film,
     "antiplane": _random_antiplane,
-    "fronts": random_front,
 }
 
 
 def judged_scene(kind: str, random: np.random.Generator) -> Scene:
-    """The next admissible scene of a kind; only openings and scenes under fronts may open."""
+    """The next admissible scene of a kind; only openings may open."""
     while True:
         with suppress(SceneError):
             scene = KINDS[kind](random)
-            if kind in (OPENINGS, "fronts") or not (scene.is_self_similar and contact_opens(scene)):
+            if kind == OPENINGS or not (scene.is_self_similar and contact_opens(scene)):
                 return scene

@@ -1,28 +1,22 @@
-"""How far `validate` can be trusted: right and wrong records, in units and conventions of others.
+"""How far `validate` can be trusted: right records, and records with a mistake.
 
 Our finite elements and our marcher take the part of another code, on 50 and 100 cells over c_t T,
 with one file of records at five stations, or two, and the spacing alone to go by.  Scenes are
 random ones: the bars were set on those of one seed, and are tried on those of another
 (``python -m docs.studies.trials.validate validate-alarms validate-power --workers 2``).
-`validate-readings` writes exact records as files in units and conventions of other codes, right
-ones and ones with a mistake, and judges what is read from them.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from statistics import median
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from compare.comparison.rows import DIFFERS, UNRESOLVED
-from compare.records.options import ReadingOptions
-from compare.records.read import read_records
 from compare.records.record import QUANTITIES
 from compare.validation.rows import PLACES
 from compare.validation.validation import Validation, validate
@@ -36,8 +30,6 @@ from semianalytic import (
     Scene,
     SceneError,
     Solution,
-    Tractions,
-    march,
     solve,
 )
 
@@ -66,7 +58,13 @@ def _simulated(scene: Scene, cells: int) -> Arrays:
 
 
 def _marched(scene: Scene, cells: int) -> Arrays:
-    marched = march(scene, 1.0, math.ceil(cells * scene.fastest_speed), companion=False)
+    marched = solve(
+        scene,
+        method="space-time",
+        end_time=1.0,
+        nodes=math.ceil(cells * scene.fastest_speed),
+        companion=False,
+    )
     t, x = marched.interface.t, np.array(PLACES)
     values = {name: getattr(marched, name)(x, t[:, None]) for name in QUANTITIES}
     return {"t": t, "x": x, **values}
@@ -214,90 +212,6 @@ def power(rows: list[Row]) -> list[Row]:
     return found
 
 
-# --- files in units and conventions of others -----------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A scene in SI units, the time until which it is recorded [s], and units of its files."""
-
-    scene: Scene
-    end_time: float
-    units: Mapping[str, tuple[float, str]]
-
-
-def _units(x: str, t: str, slip: str, rate: str, stress: str) -> Mapping[str, tuple[float, str]]:
-    names = (x, t, rate, slip, stress, stress)
-    return {
-        column: (SIZES[name], name)
-        for column, name in zip(("x", "t", *QUANTITIES), names, strict=True)
-    }
-
-
-SIZES: Mapping[str, float] = {
-    **{"km": 1e3, "m": 1.0, "mm": 1e-3, "µm": 1e-6, "s": 1.0, "µs": 1e-6},
-    **{"m/s": 1.0, "MPa": 1e6},
-}
-_ROCK, _PMMA = Material(1e10, 2500.0, 1 / 3), Material(2.3e9, 1190.0, 0.35)
-SETTINGS: Mapping[str, Setting] = {
-    "rock": Setting(
-        Scene(_ROCK, 0.3, Tractions(2e7, 4e6), Tractions(-4e6, 1e7), units="SI"),
-        1.0,
-        _units("km", "s", "m", "m/s", "MPa"),
-    ),
-    "PMMA": Setting(
-        Scene(_PMMA, 0.3, Tractions(5e6, 1e6), Tractions(-1e6, 4e6), units="SI"),
-        50e-6,
-        _units("mm", "µs", "µm", "m/s", "MPa"),
-    ),
-}
-CONVENTIONS: Mapping[str, Mapping[str, float]] = {
-    "": {},
-    "half": {"slip": 0.5, "slip_rate": 0.5},
-    "turned": {"slip": -1.0, "slip_rate": -1.0, "shear_traction": -1.0},
-    "tension positive": {"pressure": -1.0},
-}
-"""Factors by which codes multiply quantities; a reader has to find out or be told."""
-MISTAKES: Mapping[str, Mapping[str, float]] = {
-    "slip rate halved": {"slip_rate": 0.5},
-    "slip × 1000": {"slip": 1e3},
-    "shear traction reversed": {"shear_traction": -1.0},
-    "pressure × 30": {"pressure": 30.0},
-    "slip and slip rate × 1.1": {"slip": 1.1, "slip_rate": 1.1},
-    "times × 1.05": {"t": 1.05},
-    "positions × 1.1": {"x": 1.1},
-}
-"""Factors that no convention explains."""
-
-
-def written(setting: Setting, factors: Mapping[str, float], named: bool, folder: Path) -> Path:
-    """Write exact records times factors as a table of text; return its path."""
-    t = np.linspace(0.0, setting.end_time, 241)
-    x = np.array(PLACES) * setting.scene.material.shear_speed * setting.end_time
-    answer = solve(setting.scene)
-    values = {name: getattr(answer, name)(x, t[:, None]).ravel() for name in QUANTITIES}
-    times, places = np.meshgrid(t, x, indexing="ij")
-    values = {"t": times.ravel(), "x": places.ravel(), **values}
-    table = [factors.get(name, 1.0) * values[name] / setting.units[name][0] for name in values]
-    heads = [f"{name} [{setting.units[name][1]}]" if named else name for name in values]
-    path = folder / "run.csv"
-    np.savetxt(path, np.stack(table, axis=1), "%.9g", ",", header=",".join(heads), comments="")
-    return path
-
-
-def reading_row(place: str, what: str, named: bool) -> Row:
-    """Judge a file; it fails if a right one does not agree or a wrong one does."""
-    setting, right = SETTINGS[place], what in CONVENTIONS
-    factors = CONVENTIONS[what] if right else MISTAKES[what]
-    spacing = setting.scene.material.shear_speed * setting.end_time / CELLS[-1]
-    with TemporaryDirectory() as folder:
-        (run,) = read_records([written(setting, factors, named, Path(folder))], ReadingOptions())
-    found = validate(run, setting.scene, spacing=spacing / setting.units["x"][0])
-    row = {"scene": place, "file": what or "as it is", "named": named, "right": right}
-    fails = right != found.verdict.startswith("agrees")
-    return {**row, "verdict": found.verdict, "fails": fails}
-
-
 def _draws(quick: bool) -> list[tuple[str, int]]:
     return [
         (kind, index) for kind, count in COUNTS.items() for index in range(1 if quick else count)
@@ -309,16 +223,9 @@ def right_points(quick: bool) -> list[Point]:
     return [(use, *draw, code) for use in USES for draw in _draws(quick) for code in CODES]
 
 
-def reading_points(quick: bool) -> list[Point]:
-    """Return all files: right and wrong, with named and unnamed units."""
-    files = (*CONVENTIONS, *MISTAKES)
-    return [(p, what, named) for p in SETTINGS for what in files for named in (True, False)]
-
-
 STUDIES = [
     Study("validate-alarms", right_points, right_rows, alarms),
     Study("validate-power", _draws, wrong_rows, power),
-    Study("validate-readings", reading_points, reading_row),
 ]
 
 if __name__ == "__main__":

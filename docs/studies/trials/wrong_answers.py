@@ -22,7 +22,6 @@ from semianalytic import (
     SlipZone,
     Solution,
     Tractions,
-    march,
     solve,
 )
 from semianalytic.scene.given.overriding import override_scene
@@ -48,7 +47,7 @@ class Profiled(SelfSimilarAnswer):
     """
 
     scene: Scene
-    velocity: Array
+    velocities: Array
     rate: Array
     shear: Array
     normal: Array
@@ -93,21 +92,21 @@ class Profiled(SelfSimilarAnswer):
     def _at(self, values: Array, at_rest: float, x: ArrayLike, t: ArrayLike) -> Array:
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t) - self.lag)
         velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
-        return np.where(t < 0, at_rest, np.interp(velocity, self.velocity, values))
+        return np.where(t < 0, at_rest, np.interp(velocity, self.velocities, values))
 
     @cached_property
     def _slip_over_time(self) -> Array:
         """Slip / t, (n,): the mean of the slip rate over slownesses up to t/x."""
-        slowness = 1 / self.velocity
+        slowness = 1 / self.velocities
         steps = -np.diff(slowness) * (self.rate[:-1] + self.rate[1:]) / 2
         past = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
-        return self.velocity * (past + self.rate[-1] * slowness[-1])
+        return self.velocities * (past + self.rate[-1] * slowness[-1])
 
     def _growing(self, values: Array, t: ArrayLike) -> Array:
         """Integral over all positions and times up to t; inf where it slips ahead of all waves."""
         over_time = math.inf
         if not values[-1]:
-            over_time = np.trapezoid(values, self.velocity) + values[0] * self.velocity[0]
+            over_time = np.trapezoid(values, self.velocities) + values[0] * self.velocities[0]
         time = self._since(t)
         return np.multiply(over_time / 2, time**2, out=np.zeros(time.shape), where=time > 0)
 
@@ -149,7 +148,13 @@ def _of_another_scene(change: Callable[[Scene], Scene], right: Answer) -> Answer
     if not isinstance(right, Marched):
         return solve(other)
     nodes = right.grid.observed
-    return march(other, right.end_time, nodes, length=nodes * right.grid.spacing)
+    return solve(
+        other,
+        method="space-time",
+        end_time=right.end_time,
+        nodes=nodes,
+        length=nodes * right.grid.spacing,
+    )
 
 
 def _friction(size: float) -> Callable[[Scene], Scene]:
@@ -170,7 +175,7 @@ def _second_zone_times(factor: float, right: Solution) -> Profiled | None:
     if len(right.zones) < 2:
         return None
     table, zone = profiled(right), right.zones[1]
-    inside = (table.velocity > zone.inner) & (table.velocity < zone.outer)
+    inside = (table.velocities > zone.inner) & (table.velocities < zone.outer)
     changed = (SlipZone(zone.inner, zone.outer, -zone.sense),) if factor else ()
     zones = [*(other for other in table.zones if other != zone), *changed]
     rate = np.where(inside, factor * table.rate, table.rate)
@@ -189,12 +194,6 @@ def _with_gap_times(factor: float, right: Solution) -> Profiled | None:
     table = profiled(right)
     openings = table.openings if factor else ()
     return replace(table, gap_over_time=factor * table.gap_over_time, openings=openings)
-
-
-def _bent_rayleigh(size: float, right: Solution) -> Profiled | None:
-    material = right.scene.material
-    speed, fixed = material.rayleigh_speed, [material.shear_speed, material.longitudinal_speed]
-    return _bent(right, speed, (1 + size) * speed, [0.0, *fixed])
 
 
 def _first_bent(of: str, size: float, right: Solution) -> Profiled | None:
@@ -231,7 +230,7 @@ def _bent(right: Solution, place: float, moved: float, fixed: list[float]) -> Pr
     openings = tuple(
         OpenZone(*bent(np.array([part.inner, part.outer])).tolist()) for part in table.openings
     )
-    return replace(table, velocity=bent(table.velocity), zones=zones, openings=openings)
+    return replace(table, velocities=bent(table.velocities), zones=zones, openings=openings)
 
 
 Make = Callable[[float, float], Callable[[Solution], Answer | None]]
@@ -244,8 +243,6 @@ _ANY: Mapping[str, Callable[[float], Callable[[Scene], Scene]]] = {
 }
 """Mistakes about the scene, by a share of the usual size."""
 _SELF_SIMILAR: Mapping[str, Make] = {
-    "c_R +0.5 %": lambda share, step: partial(_bent_rayleigh, 0.005 * share),
-    "c_R -0.5 %": lambda share, step: partial(_bent_rayleigh, -0.005 * share),
     "edge +2 %": lambda share, step: partial(_first_bent, "zones", 0.02 * share),
     "edge -2 %": lambda share, step: partial(_first_bent, "zones", -0.02 * share),
     "opening +2 %": lambda share, step: partial(_first_bent, "openings", 0.02 * share),
@@ -302,6 +299,7 @@ def _moves_more(factor: float, run: Simulation) -> Simulation | None:
     return replace(
         run,
         interface=replace(seen, slip=factor * seen.slip, slip_rate=factor * seen.slip_rate),
+        slip_after=factor * run.slip_after,
         final_path=factor * run.final_path,
         final_work_density=factor * run.final_work_density,
         companion=run.companion and _moves_more(factor, run.companion),

@@ -24,13 +24,17 @@ TABLES = {
 }
 LOWER_MATERIAL = "lower_material"
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
-LINE_KEYS = ("contact", "growth")
+LINE_KEYS = frozenset(("contact", "growth"))
 """Keys by which files of problems without a slot, or with a load that grows, are known."""
 INTERFACE_KEY = "law"
 """Key by which files of interfaces are known."""
 LINE_HINT = (
     "has no slot, or a load that grows as a power of time, and only the exact solver knows it: "
-    "slipfront solve, or find_line in Python (docs/whole_line.md)."
+    "slipfront solve, or `solve` in Python (docs/whole_line.md)."
+)
+INTERFACE_HINT = (
+    "has contacts or fields along x, which the engine alone knows: slipfront solve, or `solve` in "
+    "Python (docs/engine.md)."
 )
 WORDS = ("mode", "load_on", "units")
 """Optional keys whose values are words; the scene checks them."""
@@ -64,7 +68,7 @@ def identical(source: str | Path, scene: Scene, lower: Material | None) -> Scene
     if lower not in (None, scene.material):
         raise SceneError(
             f"{source}: this knows identical bodies only, and there are two; solve a step on the "
-            "slot exactly, slipfront solve or survey or solve_pair in Python, or simulate the "
+            "slot exactly, slipfront solve or survey, or simulate the "
             "scene with finite elements, slipfront simulate; slipfront compare does both "
             "(docs/dissimilar.md)."
         )
@@ -78,10 +82,7 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
     """
     document = read_document(path)
     if INTERFACE_KEY in document:
-        raise SceneError(
-            f"{path} describes an interface, not a scene: slipfront run, or find_interface in "
-            "Python (docs/engine.md)."
-        )
+        raise SceneError(f"{path} {INTERFACE_HINT}")
     # Before keys are checked, which would call those of a line unknown one by one.
     if any(key in document for key in LINE_KEYS):
         raise SceneError(f"{path} {LINE_HINT}")

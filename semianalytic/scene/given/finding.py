@@ -11,6 +11,7 @@ from pathlib import Path
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import (
+    INTERFACE_HINT,
     INTERFACE_KEY,
     LINE_HINT,
     LINE_KEYS,
@@ -18,7 +19,7 @@ from semianalytic.scene.given.files import (
     read_blocks,
     read_document,
 )
-from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.named import INTERFACES, LINES, NAMED_PAIRS, NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.quantities import Function, taking_quantities
 from semianalytic.scene.scene import Material, Scene
@@ -47,21 +48,21 @@ def find_scene(source: str | PathLike[str]) -> Scene:
 
     Examples
     --------
-    >>> from semianalytic import find_scene
-    >>> scene = find_scene("preloaded")
+    >>> from semianalytic import find
+    >>> scene = find("preloaded")
     >>> scene.friction, scene.load
     (0.3, Tractions(pressure=0.0, shear=1.0))
     """
     if not isinstance(source, str | PathLike):
         raise SceneError(
-            f"find_scene: give the name of a scene or the path of a TOML file, got {shown(source)}."
+            f"find: give the name of a scene or the path of a TOML file, got {shown(source)}."
         )
     source = fspath(source)
     return identical(source, *find_blocks(source))
 
 
 def checked_scene(function: str, given: object) -> Scene:
-    """Return the scene that a function was given, itself or as a source of `find_scene`.
+    """Return the scene that a function was given, itself or as its name or file.
 
     Raises
     ------
@@ -75,7 +76,7 @@ def checked_scene(function: str, given: object) -> Scene:
     if isinstance(given, str | PathLike):
         return find_scene(given)
     # pairs and interfaces of two bodies are described elsewhere, and not imported here
-    two = " (two bodies are for solve_pair, survey, run and simulate)"
+    two = " (two bodies are for solve, survey and simulate)"
     other = two if hasattr(given, "lower") or hasattr(given, "lower_material") else ""
     raise SceneError(
         f"{function}: scene must be a Scene, or the name or file of one{other}, got {shown(given)}."
@@ -94,16 +95,20 @@ def find_blocks(source: str) -> tuple[Scene, Material | None]:
         return named.scene, named.lower
     if is_file(source):
         return read_blocks(source)
-    if source in LINES:
-        raise SceneError(f"{source} {LINE_HINT}")
+    if source in (*LINES, *INTERFACES):
+        raise SceneError(f"{source} {LINE_HINT if source in LINES else INTERFACE_HINT}")
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin), None
-    own = (*NAMED_SCENES, *NAMED_PAIRS)
-    names = [*own, *plugin_names(SCENES, own)]
-    close = difflib.get_close_matches(source, names, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}"
+    close = difflib.get_close_matches(source, names(), n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names())}"
     raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
+
+
+def names() -> list[str]:
+    """Return every name that there is, those of other packages last."""
+    own = (*NAMED_SCENES, *NAMED_PAIRS, *LINES, *INTERFACES)
+    return [*own, *plugin_names(SCENES, own)]
 
 
 def is_file(source: str) -> bool:
@@ -112,20 +117,26 @@ def is_file(source: str) -> bool:
     return path.suffix == ".toml" or path.is_file()
 
 
-def describes_line(source: str) -> bool:
-    """Return whether a source names a whole line or a growing load, or is a file of one.
+BODIES, LINE, INTERFACE = "bodies", "line", "interface"
+"""Kinds of problems: bodies with a slot, whole lines or growing loads, and interfaces."""
+
+
+def kind_of(source: str) -> str:
+    """Return the kind of what a name or a file describes; `BODIES` for unknown names.
 
     Raises
     ------
     SceneError
         If it is a file that cannot be read.
     """
-    if source in LINES:
-        return True
+    if source in (*NAMED_SCENES, *NAMED_PAIRS):
+        return BODIES
     if not is_file(source):
-        return False
+        return LINE if source in LINES else INTERFACE if source in INTERFACES else BODIES
     document = read_document(source)
-    return INTERFACE_KEY not in document and any(key in document for key in LINE_KEYS)
+    if INTERFACE_KEY in document:
+        return INTERFACE
+    return LINE if LINE_KEYS & document.keys() else BODIES
 
 
 def brought_scene(plugin: Plugin) -> Scene:
@@ -166,7 +177,7 @@ def scene_folder(source: str, overrides: Mapping[str, float | str]) -> Path:
     Parameters
     ----------
     source : str
-        Name or file of the scene, as for `find_scene`.
+        Name or file of the scene, as for `find`.
     overrides : mapping
         Values that replace the scene's own, as for `override_scene`.
     """

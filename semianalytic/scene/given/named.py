@@ -12,6 +12,11 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 
 LINES = ("whole-line-patch", "point-load", "growing-load")
 """Names of problems without a slot, or with a load that grows, that are no scenes."""
+INTERFACES = (
+    *("rate-and-state", "punch", "two-slots", "rock-on-gouge", "steel-on-rubber", "cattaneo"),
+    *("supershear", "tpv101", "tpv205"),
+)
+"""Names of interfaces; that of "tap" is the scene."""
 
 
 @dataclass(frozen=True)

@@ -135,7 +135,7 @@ def scene_text(
 ) -> str:
     """Write a scene as a TOML file with comments, which also show the other laws and histories.
 
-    `find_scene` reads the same scene from the file, `find_blocks` the same lower body.
+    `find` reads the same scene, or the same pair, from the file.
 
     Parameters
     ----------

@@ -15,12 +15,25 @@ from compare.comparison.documents import SCENE_DIMENSIONS, bodies_document, unit
 from compare.output.files import write_text
 from compare.output.places import check_file
 from compare.output.printed import Table
-from semianalytic import Material, Scene, WholeLine
+from semianalytic import Material, Scene, WholeLine, find
+from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.finding import brought_scene, brought_summary, find_blocks
-from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.finding import (
+    BODIES,
+    brought_scene,
+    brought_summary,
+    find_blocks,
+    kind_of,
+)
+from semianalytic.scene.given.named import (
+    DEFAULT_SCENE,
+    INTERFACES,
+    LINES,
+    NAMED_PAIRS,
+    NAMED_SCENES,
+)
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
 from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS
@@ -28,15 +41,17 @@ from semianalytic.scene.plugins import (
     FIGURES,
     HISTORIES,
     LAWS,
+    METHODS,
     SCENES,
     Plugin,
     find_plugin,
     plugins,
 )
 from semianalytic.scene.units import SI
-from semianalytic.whole_line.named import NAMED_LINES
+from semianalytic.whole_line.named import NAMED_LINES, line_text
 from slipfront.cli.options import AsJson
 from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
+from slipfront.cli.scenes.completion import METHODS as OWN_METHODS
 from slipfront.cli.scenes.completion import one_of, scene_names
 from slipfront.cli.terminal import print_json
 
@@ -44,17 +59,19 @@ STDOUT = Path("-")
 
 
 _OWN: Mapping[str, Collection[str]] = {
-    SCENES: (*NAMED_SCENES, *NAMED_PAIRS, *NAMED_LINES),
+    SCENES: (*NAMED_SCENES, *NAMED_PAIRS, *NAMED_LINES, *NAMED_INTERFACES),
     LAWS: FRICTION_LAWS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
+    METHODS: OWN_METHODS,
 }
 
 
 def scenes(as_json: AsJson = False) -> None:
-    """List all scenes, and the scenes, laws, histories and figures of other packages."""
-    rows = [*_own_rows(), *_line_rows(), *map(_brought_row, plugins(SCENES))]
-    others = [_row(plugin) for group in (LAWS, HISTORIES, FIGURES) for plugin in plugins(group)]
+    """List all scenes, and what other packages bring: scenes, laws, histories, figures, methods."""
+    rows = [*_own_rows(), *_other_rows(), *map(_brought_row, plugins(SCENES))]
+    groups = (LAWS, HISTORIES, FIGURES, METHODS)
+    others = [_row(plugin) for group in groups for plugin in plugins(group)]
     if as_json:
         units = {"scenes": _units(*find_blocks(DEFAULT_SCENE))}
         print_json("scenes", {"scenes": rows, "brought": others, "units": units})
@@ -82,17 +99,17 @@ def _own_rows() -> Iterator[dict[str, Any]]:
         }
 
 
-def _line_rows() -> Iterator[dict[str, Any]]:
+def _other_rows() -> Iterator[dict[str, Any]]:
     """Yield the problems that are no scenes, which solve takes; the JSON has no scene of them."""
-    for name, named in NAMED_LINES.items():
-        yield {
-            "name": name,
-            "what": "whole line" if isinstance(named.problem, WholeLine) else "growing load",
-            "package": None,
-            "problem": "",
-            "summary": named.summary,
-            "scene": None,
-        }
+    for name in (*LINES, *INTERFACES):
+        if name in LINES:
+            named = NAMED_LINES[name]
+            what = "whole line" if isinstance(named.problem, WholeLine) else "growing load"
+            summary = named.summary
+        else:
+            what, summary = "interface", find(name).summary
+        row = {"name": name, "what": what, "package": None, "problem": ""}
+        yield {**row, "summary": summary, "scene": None}
 
 
 def _row(plugin: Plugin) -> dict[str, Any]:
@@ -175,6 +192,14 @@ def init(
     """
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
+    if kind_of(from_) != BODIES:
+        if units or material:
+            raise SceneError(
+                f"--{'units' if units else 'material'} is for scenes with a slot; leave it out for "
+                f"{from_}, and change its file."
+            )
+        _write(file, _text_of(from_), {"scene": None, "units": {}}, force=force, as_json=as_json)
+        return
     scene, lower = find_blocks(from_)
     solid = None if material is None else find_solid(material)
     if units or solid:
@@ -182,18 +207,28 @@ def init(
         scene = in_si_units(scene, None if solid is None else solid.material)
         lower = None if lower is None else _beside(scene.material, given, lower)
     text = scene_text(scene, from_, f"{material}: {solid.source}." if solid else "", lower)
+    document = {"scene": bodies_document(scene, lower), "units": _units(scene, lower)}
+    _write(file, text, document, force=force, as_json=as_json)
+
+
+def _text_of(name: str) -> str:
+    """Return the TOML file of a problem that is no scene."""
+    if name in NAMED_INTERFACES:
+        return NAMED_INTERFACES[name].lstrip()
+    if name in LINES:
+        return line_text(NAMED_LINES[name].problem)
+    return Path(name).read_text(encoding="utf-8")
+
+
+def _write(file: Path, text: str, document: dict[str, Any], *, force: bool, as_json: bool) -> None:
+    """Write a file of a scene, or print it, or print the document of both."""
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:
             raise SceneError(f"{file} exists already; give another name, or --force.")
         write_text(file, text)
     if as_json:
-        document = {
-            "scene": bodies_document(scene, lower),
-            "text": text,
-            "units": _units(scene, lower),
-        }
-        print_json("init", document, files=[] if file == STDOUT else [file])
+        print_json("init", {**document, "text": text}, files=[] if file == STDOUT else [file])
     elif file == STDOUT:
         sys.stdout.write(text)
     else:

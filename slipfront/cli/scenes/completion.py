@@ -18,7 +18,6 @@ MESH_NAMES = {
     "element": ("P1", "Q1", "Q2"),
     "mesh": ("squares", "graded", "triangles"),
 }
-LOADINGS = ("both", "preload", "remote")
 FORMATS = ("gif", "mp4")
 """Choices of options.  They repeat those of the functions, whose modules import numpy: importing
 them would make completion slow."""
@@ -33,12 +32,9 @@ def one_of(*names: str) -> Completer:
 
 def scene_names(incomplete: str) -> list[str]:
     """Complete names of scenes, of slipfront and of installed packages, and TOML files."""
-    from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES
-    from semianalytic.scene.plugins import SCENES, plugin_names
+    from semianalytic.scene.given.finding import names
 
-    own = (*NAMED_SCENES, *NAMED_PAIRS)
-    names = _starting([*own, *plugin_names(SCENES, own)], incomplete)
-    return names + _starting(_toml_files(incomplete), incomplete)
+    return _starting([*names(), *_toml_files(incomplete)], incomplete)
 
 
 def interface_names(incomplete: str) -> list[str]:

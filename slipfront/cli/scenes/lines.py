@@ -14,42 +14,24 @@ from compare.output.printed import Table
 from semianalytic import (
     GrowingSlot,
     GrowingSolution,
-    HalfLine,
     LineSolution,
     Patch,
-    Scene,
     WholeLine,
-    solve_growing,
-    solve_line,
+    solve,
 )
-from semianalytic.prediction import METHODS
-from semianalytic.scene.checks import checked_size, shown
-from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.checks import checked_size
+from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.whole_line.named import find_line, override_line
 from slipfront.cli.terminal import print_json
-
-_EXACT = ("auto", "self-similar")
-
-
-def slot_scene_of(source: str, overrides: Mapping[str, Any]) -> Scene | None:
-    """Return the scene that a half-line moves like; None for any other whole line."""
-    problem = override_line(find_line(source), **overrides)
-    if isinstance(problem, WholeLine) and isinstance(problem.load, HalfLine):
-        return problem.slot_scene
-    return None
 
 
 def line_command(
-    source: str,
+    problem: WholeLine | GrowingSlot,
     label: str,
-    overrides: Mapping[str, Any],
     end_time: float | None,
     *,
-    method: str,
     as_json: bool,
     plot: Path | None,
-    figure: str | None,
 ) -> None:
     """Solve a whole line or a growing load, and print the result.
 
@@ -58,11 +40,6 @@ def line_command(
     ComputationError
         If the answer has not converged; it is printed before.
     """
-    if method not in _EXACT:
-        reason = "is marched for scenes with a slot alone" if method in METHODS else "is unknown"
-        raise SceneError(f"{label} is solved exactly, and method {shown(method)} {reason}.")
-    if figure is not None:
-        raise SceneError(f"--figure draws scenes with a slot; leave it out for {label}.")
     if end_time is not None:
         checked_size("solve: end_time", end_time)
     if plot is not None:
@@ -71,14 +48,7 @@ def line_command(
 
         figure_format(plot)
         check_file(plot)
-    problem = override_line(find_line(source), **overrides)
-    answer: LineSolution | GrowingSolution
-    if isinstance(problem, GrowingSlot):
-        answer = solve_growing(problem)
-    else:
-        solved = solve_line(problem)
-        assert isinstance(solved, LineSolution)  # half-lines are solved as scenes
-        answer = solved
+    answer: LineSolution | GrowingSolution = solve(problem)
     if plot is not None:
         from compare.figures.saving import save_figure
         from compare.figures.whole_line import line_figure

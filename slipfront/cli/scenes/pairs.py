@@ -11,10 +11,10 @@ from rich.console import Console
 
 from compare.comparison.pair_documents import pair_answer_document
 from compare.output.printed import Table
-from semianalytic import PairSolution, solve_pair
+from semianalytic import PairSolution, solve
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.results.in_words import digits_apart
-from semianalytic.scene.checks import checked_size, shown
+from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.units import unit
 from slipfront.cli.endings.refusals import check_converged
@@ -22,19 +22,13 @@ from slipfront.cli.options import option_name
 from slipfront.cli.scenes.points import Points, points_table
 from slipfront.cli.terminal import print_json
 
-_EXACT = ("auto", "self-similar")
 _RUN = "march them with slipfront run (docs/engine.md)"
 
 
 def check_pair_options(
-    method: str, march_options: Mapping[str, Any], plot: Path | None, figure: str | None
+    march_options: Mapping[str, Any], plot: Path | None, figure: str | None
 ) -> None:
     """Raise SceneError for options of ``slipfront solve`` that two different bodies do not take."""
-    if method not in _EXACT:
-        raise SceneError(
-            f"--method {shown(method)} is for identical bodies; different ones are solved exactly, "
-            f"or {_RUN}."
-        )
     if march_options:
         raise SceneError(
             f"{option_name(next(iter(march_options)))} is for marches of identical bodies; leave "
@@ -43,7 +37,7 @@ def check_pair_options(
     if plot is not None or figure is not None:
         raise SceneError(
             f"--{'figure' if plot is None else 'plot'} draws identical bodies; leave it out for "
-            "different ones, and ask for points with --x and --t, or draw what solve_pair returns "
+            "different ones, and ask for points with --x and --t, or draw what solve returns "
             "in Python (docs/dissimilar.md)."
         )
 
@@ -60,7 +54,7 @@ def pair_command(
     """
     if end_time is not None:
         checked_size("solve: end_time", end_time)
-    answer = solve_pair(pair)
+    answer = solve(pair)
     if as_json:
         document = pair_answer_document(answer, end_time)
         document = document if points is None else points.with_units(document, answer)

@@ -23,18 +23,7 @@ from compare.benchmarks.pages import page_of
 from compare.benchmarks.sheets import DATA, SUMS, find_sheet, sheets, stored_text
 from compare.records.record import QUANTITIES
 from docs.studies import benchmarks
-from semianalytic import (
-    DataFileError,
-    Material,
-    Scene,
-    Tractions,
-    find_interface,
-    find_line,
-    march,
-    solve,
-    solve_line,
-    solve_pair,
-)
+from semianalytic import DataFileError, Material, Scene, Tractions, find, solve
 from semianalytic.scene.given.finding import find_blocks
 
 SHEETS = sheets()
@@ -63,8 +52,7 @@ EDGES = {
 )
 def test_a_table_holds_what_the_solver_says(name):
     sheet = SHEETS[name]
-    solver = {"whole-line-patch": solve_line, **dict.fromkeys(PAIRS, solve_pair)}.get(name, solve)
-    answer = solver(sheet.problem)
+    answer = solve(sheet.problem)
     lines = table_of(sheet).splitlines()
     assert lines[2] == ",".join(("t", "x", *QUANTITIES))
     t, x, *columns = np.loadtxt(lines[3:], delimiter=",").T
@@ -98,7 +86,9 @@ def test_at_an_arrival_the_level_is_passed_and_no_front_passes_at_a_time_of_the_
 def test_a_march_is_as_far_off_as_it_says(monkeypatch):
     sheet = SHEETS["pulse"]
     assert [name for name, one in SHEETS.items() if one.is_marched] == ["pulse", *INTERFACES]
-    fine = fields_of(sheet, march(sheet.problem, 1.0, 1600, companion=False))
+    fine = fields_of(
+        sheet, solve(sheet.problem, method="space-time", end_time=1.0, nodes=1600, companion=False)
+    )
     monkeypatch.setattr(answers, "NODES", 600)
     monkeypatch.setattr(answers, "answer_to", cache(answer_to.__wrapped__))
     coarse, errors = fields_of(sheet, answers.answer_to(sheet)), stated_errors(sheet)
@@ -195,9 +185,9 @@ def test_the_file_of_a_sheet_is_its_problem(name, tmp_path):
     assert f"| {sheet.title} | {sheet.tests} |" in page
     path.write_text(sheet.file)
     if sheet.is_interface:
-        assert find_interface(path).document() == sheet.problem.document()
+        assert find(path).document() == sheet.problem.document()
     elif name == "whole-line-patch":
-        assert find_line(path) == sheet.problem
+        assert find(path) == sheet.problem
     else:
         assert find_blocks(str(path)) == find_blocks(name)
 

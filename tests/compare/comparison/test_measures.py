@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.comparison.measures import norm, onset_time, relative_error, sampled_zones
+from compare.comparison.measures import norm, onset_time, relative_error
 from compare.comparison.scales import (
     scene_fronts,
     slip_rate_scale,
@@ -15,6 +15,7 @@ from compare.comparison.scales import (
     wave_speeds,
 )
 from semianalytic import Material, Scene, Tractions
+from semianalytic.results.intervals import slip_intervals
 from semianalytic.scene.given.finding import find_scene
 
 CELL = 0.01
@@ -54,29 +55,29 @@ def test_relative_error_is_relative_to_the_prediction():
 @pytest.mark.parametrize("sense", [1, -1])
 def test_square_root_edges_are_found_within_half_a_cell(shift, sense):
     inner, outer = 0.6 + shift * CELL, 0.9 + shift * CELL
-    (zone,) = sampled_zones(VELOCITY, sense * zone_profile(inner, outer), 0.01)
+    (zone,) = slip_intervals(VELOCITY, sense * zone_profile(inner, outer), 0.01)
     assert zone.sense == sense
     # The square is a parabola, not a line: half a cell covers its curvature over four cells.
-    assert zone.inner == pytest.approx(inner, abs=0.5 * CELL)
-    assert zone.outer == pytest.approx(outer, abs=0.5 * CELL)
+    assert zone.start == pytest.approx(inner, abs=0.5 * CELL)
+    assert zone.end == pytest.approx(outer, abs=0.5 * CELL)
 
 
 def test_zones_of_both_senses_are_told_apart():
     profile = zone_profile(0.3, 0.6) - zone_profile(0.6, 0.7, 0.2) + zone_profile(0.98, 1.06, 0.1)
-    zones = sampled_zones(VELOCITY, profile, 0.01)
+    zones = slip_intervals(VELOCITY, profile, 0.01)
     assert [zone.sense for zone in zones] == [1, -1, 1]
-    assert zones[2].inner == pytest.approx(0.98, abs=CELL)
+    assert zones[2].start == pytest.approx(0.98, abs=CELL)
 
 
 def test_a_zone_at_either_end_of_the_samples_reaches_the_edge_or_infinity():
-    (zone,) = sampled_zones(VELOCITY, np.ones_like(VELOCITY), 0.01)
-    assert (zone.inner, zone.outer) == (0.0, math.inf)
+    (zone,) = slip_intervals(VELOCITY, np.ones_like(VELOCITY), 0.01)
+    assert (zone.start, zone.end) == (0.0, math.inf)
 
 
 def test_what_stays_below_the_threshold_or_on_one_node_is_no_zone():
     profile = np.full_like(VELOCITY, 0.009)
     profile[50] = 0.5
-    assert sampled_zones(VELOCITY, profile, 0.01) == ()
+    assert slip_intervals(VELOCITY, profile, 0.01) == ()
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import predict_like
 from compare.comparison.report import report_document, write_report
 from compare.comparison.scales import reference_values
-from semianalytic import Material, Scene, SlipWeakening, Tractions, march
+from semianalytic import Material, Scene, SlipWeakening, Tractions, solve
 from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
@@ -240,7 +240,7 @@ def test_every_number_of_a_solution_has_a_unit(name):
 def test_every_number_of_a_march_has_a_unit(name):
     weakening = replace(find_scene("preloaded"), friction_law=SlipWeakening(0.5, 0.2))
     scene = weakening if name == "weakening" else find_scene(name)
-    document = march_document(march(scene, 0.5, 60))
+    document = march_document(solve(scene, method="space-time", end_time=0.5, nodes=60))
     assert list(without_unit(document, document["units"])) == []
     assert document["units"]["largest_slip"] == "length"
     assert document["units"]["frictional_work"] == "stress length^2"

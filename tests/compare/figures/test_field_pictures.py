@@ -16,8 +16,9 @@ from compare.figures.animation import check_format, write_animation
 from compare.figures.fields import FieldPicture
 from compare.figures.fronts import fronts, moving_parts, reach
 from compare.figures.quantities import ALONG_Z, QUANTITIES, find_quantity
-from compare.figures.saving import figure_png, save_figure
+from compare.figures.saving import save_figure
 from compare.figures.style import SENSE_COLOURS
+from docs.studies.accuracy.scenes import figure_png
 from semianalytic import (
     ComputationError,
     IncidentWave,
@@ -25,7 +26,7 @@ from semianalytic import (
     Scene,
     SceneError,
     Tractions,
-    find_scene,
+    find,
     fringes,
     solve,
 )
@@ -35,7 +36,7 @@ SCENES = ("preloaded", "tap", "antiplane")
 
 @pytest.fixture(scope="module", params=SCENES)
 def solution(request):
-    return solved(find_scene(request.param))
+    return solved(find(request.param))
 
 
 def picture(solution, name, points=10):
@@ -47,7 +48,7 @@ def picture(solution, name, points=10):
 def test_names_of_fronts_that_cross_stand_clear_of_each_other():
     """The circle of the P wave meets the front of this SV wave where both have their names."""
     wave = IncidentWave("SV", angle=-30.0, stress=0.2)
-    scene = Scene(find_scene("preloaded").material, 0.3, Tractions(1.0, 0.0), wave)
+    scene = Scene(find("preloaded").material, 0.3, Tractions(1.0, 0.0), wave)
     panel = picture(solve(scene, rtol=1e-4), "sxy", 8).figure.axes[0]
     places = {text.get_text(): text.xy for text in panel.texts}
     assert {"P", "S", "incident SV"} <= set(places)
@@ -66,7 +67,7 @@ def test_names_of_fronts_that_cross_stand_clear_of_each_other():
     ],
 )
 def test_fronts_of_scenes_are_all_named(name, names):
-    assert [front.name for front in fronts(solved(find_scene(name)), 1.0)] == names
+    assert [front.name for front in fronts(solved(find(name)), 1.0)] == names
 
 
 def test_nothing_moves_ahead_of_the_first_circle(solution):
@@ -96,10 +97,10 @@ def test_slope_of_velocity_breaks_at_head_waves_and_mach_fronts(solution):
 
 
 def test_moving_parts_are_those_of_the_interface():
-    (opening,) = moving_parts(solved(find_scene("tap")), 2.0)
+    (opening,) = moving_parts(solved(find("tap")), 2.0)
     assert opening.kind == "open"
     assert opening.covers(2 * 0.9325)
-    first, second = moving_parts(solved(find_scene("preloaded")), 1.0)
+    first, second = moving_parts(solved(find("preloaded")), 1.0)
     assert (first.kind, first.start) == ("slip", 0.0)
     assert second.covers(1.0)
 
@@ -128,7 +129,7 @@ def test_every_quantity_has_a_label_and_a_value(solution):
 
 
 def test_values_are_those_of_the_fields():
-    solution = solved(find_scene("preloaded"))
+    solution = solved(find("preloaded"))
     scene, x, y = solution.scene, np.array([0.4, -0.5]), np.array([0.2, -0.3])
     stress, velocity = solution.stress(x, y, 1.0), solution.velocity(x, y, 1.0)
     for name, expected in (
@@ -146,7 +147,7 @@ def test_values_are_those_of_the_fields():
 
 
 def test_antiplane_shear_stress_is_that_along_z():
-    solution = solved(find_scene("antiplane"))
+    solution = solved(find("antiplane"))
     rows = solution.stress(0.4, 0.2, 1.0)
     shown = find_quantity("max-shear", solution.scene)
     seen = shown.at(solution, np.array([0.4]), np.array([0.2]), 1.0)
@@ -156,11 +157,11 @@ def test_antiplane_shear_stress_is_that_along_z():
 @pytest.mark.parametrize(("name", "words"), [("szz", "one of speed"), ("vz", "only antiplane")])
 def test_unknown_quantities_are_refused(name, words):
     with pytest.raises(SceneError, match=words):
-        find_quantity(name, find_scene("preloaded"))
+        find_quantity(name, find("preloaded"))
 
 
 def test_picture_of_a_window_has_square_cells(tmp_path):
-    solution = solved(find_scene("preloaded"))
+    solution = solved(find("preloaded"))
     quantity = find_quantity("speed", solution.scene)
     figure = FieldPicture(solution, quantity, (-1.0, 1.0, 0.0, 0.5), 40, 1.0).figure
     (image,) = figure.axes[0].get_images()
@@ -173,7 +174,7 @@ def test_picture_of_a_window_has_square_cells(tmp_path):
 @pytest.mark.slow
 def test_animation_has_a_frame_for_each_time(tmp_path):
     path, shown = tmp_path / "film.gif", []
-    speed = picture(solved(find_scene("preloaded")), "speed")
+    speed = picture(solved(find("preloaded")), "speed")
     write_animation(path, speed, [0.3, 0.6, 1.0], lambda *done: shown.append(done))
     assert shown == [(1, 3), (2, 3), (3, 3)]
     film = Image.open(path)
@@ -188,7 +189,7 @@ def test_animation_has_a_frame_for_each_time(tmp_path):
 
 @pytest.mark.slow
 def test_frames_of_a_film_lie_on_one_another():
-    film = picture(solved(find_scene("tap")), "pressure")
+    film = picture(solved(find("tap")), "pressure")
     place, colours = film.panel.get_position(), film.panel.get_images()[0].get_clim()
     title = film.figure.texts[0].get_window_extent().y0
     film.show(0.2)
@@ -205,7 +206,7 @@ def test_interrupted_animation_leaves_nothing(tmp_path):
     def interrupt(done, frames):
         raise KeyboardInterrupt
 
-    still = picture(solved(find_scene("antiplane")), "vz", 6)
+    still = picture(solved(find("antiplane")), "vz", 6)
     with pytest.raises(KeyboardInterrupt):
         write_animation(tmp_path / "film.gif", still, [0.5, 1.0], interrupt)
     assert list(tmp_path.iterdir()) == []
@@ -223,7 +224,7 @@ def film(tmp_path, monkeypatch):
         monkeypatch.setitem(rcParams, "animation.ffmpeg_path", str(program))
         check_format("mp4")
         path = tmp_path / "films" / "film.mp4"
-        write_animation(path, picture(solved(find_scene("antiplane")), "vz", 6), [0.5, 1.0])
+        write_animation(path, picture(solved(find("antiplane")), "vz", 6), [0.5, 1.0])
         return path
 
     return make
@@ -256,9 +257,9 @@ def test_a_missing_ffmpeg_is_one_sentence(monkeypatch):
 @pytest.mark.slow
 def test_few_colours_keep_those_of_the_senses():
     """A line on a picture of many colours is rare, and says which way it slips."""
-    scene = find_scene("auxetic")
+    scene = find("auxetic")
     drawn = picture(solved(scene), "max-shear", 60).figure
-    with Image.open(BytesIO(figure_png(drawn, dpi=80))) as packed:
+    with Image.open(BytesIO(figure_png(drawn, 80, 256))) as packed:
         pixels = np.asarray(packed.convert("RGB"), dtype=float).reshape(-1, 3)
     for sense in ("slip", "reverse slip"):
         colour = 255 * np.array(to_rgb(SENSE_COLOURS[sense]))

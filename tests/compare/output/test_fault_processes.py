@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import random
-import re
 import signal
 import subprocess
 import time
@@ -135,15 +134,15 @@ IGNORING = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
     [
         ("", "slipfront.cli.commands", [signal.SIGINT], 130),
         ("", "slipfront.cli.commands", [signal.SIGTERM], 143),
-        ("", "compare.studies.regimes.study", [signal.SIGINT], 130),
-        (IGNORING, "compare.studies.regimes.study", [signal.SIGINT, signal.SIGTERM], 143),
+        ("", "slipfront.surveys.run", [signal.SIGINT], 130),
+        (IGNORING, "slipfront.surveys.run", [signal.SIGINT, signal.SIGTERM], 143),
     ],
     ids=["interrupted", "terminated", "at work", "in the background"],
 )
 def test_an_interruption_is_one_line_at_any_time(before, module, numbers, code, tmp_path):
     """While the first modules are imported, and when a command has just begun."""
-    arguments = ["regimes", "--quick", "--output", tmp_path / "out"]
-    process = start(before + ENTRY, module, *arguments)
+    arguments = ["survey", "preloaded", "--friction", "0.1:0.9:99"]
+    process = start(before + ENTRY, module, *arguments, "--output", tmp_path / "out")
     assert process.stdout.readline() == "ready\n"
     for number in numbers:
         process.send_signal(number)
@@ -154,7 +153,7 @@ def test_an_interruption_is_one_line_at_any_time(before, module, numbers, code, 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("command", ["regimes --quick", "stability --solver --quick", "chart"])
+@pytest.mark.parametrize("command", ["chart"])
 def test_studies_are_interrupted_at_any_time(command, number, tmp_path):
     rng = random.Random(f"{command} {number}")
     for _ in range(2):
@@ -170,8 +169,6 @@ def test_studies_are_interrupted_at_any_time(command, number, tmp_path):
             assert "Traceback" not in errors
         names = [path.name for path in (tmp_path / "out").rglob("*") if path.is_file()]
         left = [name for name in names if name.endswith((".lock", ".part"))]
-        if "regimes" in command:  # the rows of a map that was begun are kept to be taken up
-            left = [name for name in left if not re.fullmatch(r"\.regimes-.*\.csv\.part", name)]
         assert not left
 
 
@@ -257,11 +254,6 @@ COMMANDS = {
     "solve ramp --save": "file",
     "simulate preloaded --output": "folder",
     "compare preloaded --output": "folder",
-    "regimes --output": "folder",
-    "stability --solver --output": "folder",
-    "stability --fem --output": "folder",
-    "stability --space-time --output": "folder",
-    "article --output": "folder",
     "chart --output": "folder",
 }
 
@@ -279,14 +271,9 @@ def no_computing(monkeypatch):
 
     for name in (
         "slipfront.cli.solve_command.solve",
-        "slipfront.cli.marching.march",
+        "slipfront.cli.marching.solve",
         "fem.simulate",
         "compare.chart.points.exact",
-        "compare.studies.regimes.study._computed",
-        "compare.studies.stability.solver.run_tasks",
-        "compare.studies.stability.fem.run_trial",
-        "compare.studies.stability.spacetime.stability_rows",
-        "compare.studies.article.study.run_cases",
         "compare.chart.points.run_point",
     ):
         monkeypatch.setattr(name, compute)

@@ -11,15 +11,12 @@ from faults import (
     ROOT,
     all_kinds,
     as_nobody,
-    columns,
     flip_bits,
     full_disk,
     identity_of,
     open_folder,
     randomness,
-    read_columns,
     start,
-    write_columns,
 )
 
 from compare.chart.points import read_points
@@ -83,18 +80,6 @@ def test_a_full_disk_leaves_what_was_there_and_says_what_is_needed(name, how, ki
         assert content(folder)[path] != b"what was there before"
 
 
-@pytest.mark.parametrize("how", FULL)
-def test_a_table_that_grows_on_a_full_disk_keeps_its_whole_columns(how, tmp_path):
-    with full_disk(how, tmp_path) as (folder, make_room):
-        path = folder / "columns.part"
-        with pytest.raises(DataFileError, match="bytes are needed"):
-            write_columns(folder)
-        make_room()
-        kept = read_columns(path)
-        assert kept
-        assert {point for rows in kept.values() for point in rows} <= set(columns())
-
-
 def test_the_message_counts_free_bytes_without_the_file_itself(tmp_path):
     how = "disk" if "disk" in FULL else "limit"
     with full_disk(how, tmp_path) as (folder, _), pytest.raises(DataFileError) as caught:
@@ -141,20 +126,6 @@ def test_flipped_bits_are_refused_or_change_nothing(name, count, seed, kinds, tm
     refused = flip_and_read(kinds[name], tmp_path, count, seed)
     least = 12 if count == 16 else 900
     assert refused == 0 if name == "mesh" else refused > least  # a mesh is built again
-
-
-def test_flipped_bits_in_a_table_that_grows_lose_columns_only(tmp_path):
-    write_columns(tmp_path)
-    path, rng, lost = tmp_path / "columns.part", randomness(3), 0
-    intact = path.read_bytes()
-    known = read_columns(path)
-    assert len(known) == 20
-    for _ in range(30):
-        path.write_bytes(flip_bits(intact, 3, rng))
-        kept = read_columns(path)
-        assert all(known[nu] == rows for nu, rows in kept.items())
-        lost += len(known) - len(kept)
-    assert lost > 40
 
 
 @pytest.mark.parametrize("name", ["history", "march", "simulation", "checkpoint"])

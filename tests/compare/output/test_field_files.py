@@ -8,14 +8,14 @@ import pytest
 
 from compare.output.field_files import grid_of, in_parts, record_fields, write_frames, write_record
 from compare.output.files import write_text
-from semianalytic import find_scene, solve, strain
+from semianalytic import find, solve, strain
 from semianalytic.results.files import new_file
 from semianalytic.scene.errors import DataFileError
 
 
 @pytest.fixture(scope="module")
 def solution():
-    return solve(find_scene("preloaded"))
+    return solve(find("preloaded"))
 
 
 def test_grid_has_the_interface_twice():
@@ -41,7 +41,7 @@ def test_grid_of_one_body_has_its_own_face(y0, y1, below):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["preloaded", "antiplane"])
 def test_frames_hold_the_fields(name, tmp_path):
-    solution = solve(find_scene(name))
+    solution = solve(find(name))
     window, shown = (-0.5, 0.5, -0.4, 0.4), []
     write_frames(tmp_path, solution, [0.5, 1.0, 1.5], window, (3, 4))
     index = write_frames(tmp_path, solution, [0.5, 1.0], window, (3, 4), lambda *n: shown.append(n))

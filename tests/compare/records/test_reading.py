@@ -12,7 +12,7 @@ import pytest
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
 from fem import simulate
-from semianalytic import InterfaceHistory, find_scene
+from semianalytic import InterfaceHistory, find
 from semianalytic.scene import extras
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
 from semianalytic.scene.tables.units import si_size
@@ -208,7 +208,7 @@ def test_what_this_package_writes(tmp_path):
     InterfaceHistory(X, T, SLIP, RATE, zero, zero + 1, zero).save(tmp_path / "history.h5")
     (records,) = read_records([tmp_path / "history.h5"])
     check(records)
-    simulation = simulate(find_scene("preloaded"), 1.0, resolution=10, snapshots=tmp_path / "s")
+    simulation = simulate(find("preloaded"), 1.0, resolution=10, snapshots=tmp_path / "s")
     simulation.save(tmp_path / "run")
     for path in (tmp_path / "run", tmp_path / "run" / "simulation.h5"):
         (records,) = read_records([path])

@@ -1,7 +1,6 @@
 """Surveys and studies on a Dask cluster: workers die, are old, or are not there."""
 
 import os
-import pickle
 import signal
 import sys
 from importlib.metadata import PackageNotFoundError
@@ -18,7 +17,7 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from slipfront.cli.commands import main
 from slipfront.surveys import survey
 
-SCENE = sf.find_scene("preloaded")
+SCENE = sf.find("preloaded")
 VALUES = {"friction": [0.1, 0.2, 0.3, 0.5, 0.7, 0.9], "poisson_ratio": [0.1, 0.2, 0.45]}
 
 
@@ -131,43 +130,3 @@ def test_the_command_line_works_on_a_cluster(two_workers, tmp_path, capsys):
     assert main([*line.split(), "--output", str(path), "--scheduler", address]) == 0
     assert path.is_file()
     assert "converged" in capsys.readouterr().out
-
-
-class Asked(BaseException):
-    """That tasks were handed to a cluster; no Exception, which the commands report as a fault."""
-
-
-STUDIES = {
-    "regimes --quick": "regimes.study",
-    "stability --quick --solver": "stability.solver",
-    "stability --quick --fem": "stability.fem",
-    "stability --quick --space-time": "stability.spacetime",
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("line", STUDIES)
-def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, monkeypatch):
-    def run_tasks(tasks, workers=None, progress=None, client=None):
-        assert client.scheduler.address == two_workers.scheduler_address
-        for function, arguments in tasks:
-            pickle.loads(pickle.dumps((function, arguments)))
-        raise Asked(len(tasks))
-
-    monkeypatch.setattr(f"compare.studies.{STUDIES[line]}.run_tasks", run_tasks)
-    options = ["--scheduler", two_workers.scheduler_address, "--output", str(tmp_path), "--quiet"]
-    with pytest.raises(Asked, match=r"[1-9]"):
-        main([*line.split(), *options])
-
-
-@pytest.mark.slow
-@in_processes
-def test_a_map_made_by_a_cluster(client, two_workers, tmp_path):
-    client.wait_for_workers(2, timeout=60)  # those that another test has ended are back
-    scheduler = ["--scheduler", two_workers.scheduler_address, "--quiet"]
-    for folder, options in (("here", ["--quiet"]), ("there", scheduler)):
-        to = ["--output", str(tmp_path / folder)]
-        assert main(["regimes", "--loading", "remote", "--quick", *to, *options]) == 0
-    for name in ("regimes-remote.csv", "boundaries.csv", "front-speeds.csv", "openings.csv"):
-        here, there = ((tmp_path / folder / name).read_text() for folder in ("here", "there"))
-        assert here == there

@@ -11,7 +11,7 @@ from compare.validation import Conventions, validate
 from compare.validation.data import as_runs
 from compare.validation.readings import settings_of
 from compare.validation.validation import CONVERTED
-from semianalytic import Material, Pulse, Scene, Tractions, march
+from semianalytic import Material, Pulse, Scene, Tractions, solve
 from semianalytic.scene.errors import DataFileError, SceneError, TensionError
 from semianalytic.scene.given.finding import find_scene
 
@@ -241,7 +241,9 @@ def test_a_march_is_read_in_its_own_time():
     scene = replace(scene, shear_history=Pulse(20e-6))
     t = np.linspace(0.0, END, 121)
     x = PLACES * END * scene.material.shear_speed
-    marched = march(scene, END, 200, length=1.25 * x[-1], companion=False)
+    marched = solve(
+        scene, method="space-time", end_time=END, nodes=200, length=1.25 * x[-1], companion=False
+    )
     data = {"t": t, "x": x, **{name: getattr(marched, name)(x, t[:, None]) for name in NAMES}}
     found = judged(divided(data, LAB), scene)
     assert found.verdict == CONVERTED

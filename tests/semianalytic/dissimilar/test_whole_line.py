@@ -76,11 +76,11 @@ def test_like_bodies():
     assert whole_line.half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)
     for speed, missing in ((0.3, 0.5), (0.6, 0.6)):
         patch = sf.WholeLine(SOLID, missing, sf.Tractions(1.0, 0.0), sf.Patch(speed, shear=1.0))
-        known = sf.solve_line(patch).edge_speed
+        known = sf.solve(patch).edge_speed
         assert whole_line.patch_speeds(ALIKE, 0.2, missing, speed) == pytest.approx(
             (known, known), rel=1e-9
         )
-        known = sf.solve_line(replace(patch, load=sf.PointForce(shear=1.0))).edge_speed
+        known = sf.solve(replace(patch, load=sf.PointForce(shear=1.0))).edge_speed
         assert whole_line.point_speeds(ALIKE, 0.2, missing) == pytest.approx(
             (known, known), rel=1e-8
         )

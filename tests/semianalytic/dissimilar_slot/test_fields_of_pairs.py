@@ -5,9 +5,10 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from compare.studies.dissimilar.pairs import SCENES, random_pair
-from semianalytic import Material, Pair, Scene, SceneError, Tractions, solve, solve_pair
+from docs.studies.dissimilar.pairs import SCENES, random_pair
+from semianalytic import Material, Pair, Scene, SceneError, Tractions, solve
 from semianalytic.dissimilar.pair import PARAMETERS, changed, parameter_of
+from semianalytic.dissimilar_slot.solver import coupled
 from tests.semianalytic.field.body_fields import (
     check_faces,
     departures_from_laws,
@@ -31,7 +32,7 @@ CASES = [
 
 @lru_cache
 def answer_of(name, rtol=1e-8):
-    return solve_pair(SCENES[name], rtol=rtol)
+    return solve(SCENES[name], rtol=rtol)
 
 
 def speeds(pair):
@@ -74,7 +75,7 @@ def of_identical_bodies(friction=0.5, base=(2.4, 0.0), load=(-0.2, 1.0)):
     """The answers of both solvers; to a scene that opens unless told otherwise."""
     base, load = Tractions(*base), Tractions(*load)
     one = solve(Scene(SOLID, friction, base, load), rtol=1e-10)
-    return one, solve_pair(Pair(SOLID, SOLID, friction, base, load), rtol=1e-9)
+    return one, coupled(Pair(SOLID, SOLID, friction, base, load), 1e-9)
 
 
 @pytest.mark.thinned(4)
@@ -100,7 +101,7 @@ def test_identical_bodies_have_the_fields_of_the_other_solver(given):
 def test_exchanged_bodies_have_mirrored_fields(name):
     answer = answer_of(name)
     pair, far = answer.pair, max(speeds(answer.pair))
-    other = solve_pair(pair.exchanged)
+    other = solve(pair.exchanged)
     x, y = np.random.default_rng(3).uniform(-far, far, (2, 40))
     for field, signs in (("velocity", (1, -1)), ("stress", (1, 1, -1)), ("displacement", (1, -1))):
         mirrored = np.array(signs)[:, None] * getattr(other, field)(x, -y, 1.0)
@@ -182,14 +183,14 @@ def test_error_of_fields_is_honest_on_random_pairs(seed):
     while True:
         pair = random_pair(rng)
         try:
-            fine = solve_pair(pair, rtol=1e-9)
+            fine = solve(pair, rtol=1e-9)
         except SceneError:
             continue
         break
     x, y = rng.uniform(-1.0, 1.0, (2, 100)) * max(speeds(pair))
     impedance = np.where(y > 0, pair.upper.shear_impedance, pair.lower.shear_impedance)
     for rtol in (1e-4, 1e-6):
-        answer = solve_pair(pair, rtol=rtol)
+        answer = solve(pair, rtol=rtol)
         if len(answer.zones) != len(fine.zones):
             continue
         for field, unit in (("velocity", impedance), ("stress", 1.0)):
@@ -229,9 +230,7 @@ def test_differences_of_solutions_agree(name, parameter):
     value = parameter_of(pair, parameter)
     step = 2e-4 * max(abs(value), 1.0)
     points, weights = (-2, -1, 1, 2), np.array([1.0, -8.0, 8.0, -1.0]) / (12 * step)
-    beside = [
-        solve_pair(changed(pair, parameter, value + step * point), rtol=1e-10) for point in points
-    ]
+    beside = [solve(changed(pair, parameter, value + step * point), rtol=1e-10) for point in points]
     assert derivative.status == "converged"
     for end in ("inner", "outer"):
         found = [getattr(zone, end) for zone in derivative.zones]

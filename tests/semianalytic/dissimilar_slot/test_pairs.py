@@ -1,4 +1,4 @@
-"""`solve_pair` on random and named pairs: like bodies, units, law of contact, honest errors."""
+"""The solver of two bodies on random and named pairs: like bodies, units, law, honest errors."""
 
 from dataclasses import replace
 
@@ -8,9 +8,10 @@ from dissimilar_pairs import scene
 from two_body_march import march
 
 import slipfront as sf
-from compare.studies.dissimilar.honesty import error_of
-from compare.studies.dissimilar.pairs import SCENES, random_pair
-from semianalytic.scene.given.finding import find_blocks, scene_label
+from docs.studies.dissimilar.judged import error_of
+from docs.studies.dissimilar.pairs import SCENES, random_pair
+from semianalytic.dissimilar_slot.solver import coupled
+from semianalytic.scene.given.finding import find_blocks, find_scene, scene_label
 from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
 from slipfront.cli.scenes.completion import scene_names
 
@@ -31,13 +32,11 @@ def random_scene(rng):
 
 
 def check_like_bodies(given, accuracy):
-    """A scene through `solve_pair` is what `solve` says."""
+    """A scene through the solver of two bodies is what `solve` says."""
     known = sf.solve(given, rtol=accuracy)
     law = {"friction_law": given.friction_law}
     solids = (given.material, given.material)
-    found = sf.solve_pair(
-        sf.Pair(*solids, given.friction, given.base, given.load, **law), rtol=accuracy
-    )
+    found = coupled(sf.Pair(*solids, given.friction, given.base, given.load, **law), accuracy)
     assert found.status == "converged"
     speed = given.material.shear_speed
     assert len(found.zones) == len(known.zones)
@@ -77,7 +76,7 @@ def test_units_do_not_matter(name):
         sf.Tractions(stress * one.pressure, stress * one.shear) for one in (pair.base, pair.load)
     )
     one, other = (
-        sf.solve_pair(given)
+        sf.solve(given)
         for given in (pair, replace(pair, upper=upper, lower=lower, base=base, load=load))
     )
     np.testing.assert_allclose(other.edge_speeds, speed * one.edge_speeds, rtol=1e-11)
@@ -122,14 +121,14 @@ def check_law(answer, rtol):
 def test_errors_of_random_pairs_are_below_their_estimates(seed):
     pair = random_pair(np.random.default_rng([2, seed]))
     try:
-        exact = sf.solve_pair(pair, rtol=1e-10)
+        exact = sf.solve(pair, rtol=1e-10)
     except sf.SceneError:
         assert seed not in (1, 4)
         return
     assert np.isfinite(exact.error_estimate)
     check_law(exact, 1e-9)
     for rtol in (1e-4, 1e-6, 1e-8):
-        answer = sf.solve_pair(pair, rtol=rtol)
+        answer = sf.solve(pair, rtol=rtol)
         assert answer.status == "converged"
         error = error_of(answer, exact)
         if error is not None:  # else there are zones next to the edge that rtol leaves out
@@ -143,7 +142,7 @@ def compared(pair, nodes, reach):
     the j-th node on every grid, for the symbol of the grid jumps at its Nyquist frequency
     (docs/dissimilar.md): means of three neighbours are compared, of the march and of the answer.
     """
-    answer = sf.solve_pair(pair, rtol=1e-5)
+    answer = sf.solve(pair, rtol=1e-5)
     marched = march(pair, nodes, reach, getattr(pair.friction_law, "viscosity", 0.0))
     x = marched.velocity
     clear = x[1:-1] > 0.03
@@ -183,7 +182,7 @@ def test_a_march_converges_to_the_answer(name, reach, rate, pressure):
 
 @pytest.mark.slow
 def test_both_senses():
-    answer = sf.solve_pair(SCENES["both senses"], rtol=1e-6)
+    answer = sf.solve(SCENES["both senses"], rtol=1e-6)
     assert [zone.sense for zone in answer.zones] == [1, -1, 1]
     assert answer.status == "converged"
     assert len(answer.openings) == 0
@@ -192,7 +191,7 @@ def test_both_senses():
 @pytest.mark.slow
 def test_a_stuck_edge_of_different_bodies_slips_within_a_strip():
     """The tractions turn like x^(i eps) there: they leave every cone of friction."""
-    answer = sf.solve_pair(scene("0", 0.4, (0.7, 0.0), (5.5, -1.0)))
+    answer = sf.solve(scene("0", 0.4, (0.7, 0.0), (5.5, -1.0)))
     edge, detached = answer.zones
     assert (edge.inner, edge.sense) == (0.0, 1)
     assert edge.outer == pytest.approx(1.5728e-6, rel=1e-4)
@@ -200,7 +199,7 @@ def test_a_stuck_edge_of_different_bodies_slips_within_a_strip():
 
 
 def test_tension_next_to_the_edge_opens_it():
-    answer = sf.solve_pair(scene("A", 0.2, (5.0, 0.0), (0.0, -1.0)))
+    answer = sf.solve(scene("A", 0.2, (5.0, 0.0), (0.0, -1.0)))
     assert answer.openings[0].outer == pytest.approx(1.036920e-5, rel=1e-6)
     assert answer.zones[0].outer == pytest.approx(0.373588456, abs=3e-9)
 
@@ -211,7 +210,7 @@ def test_a_grid_whose_pivoting_goes_astray_is_not_followed():
     lower = sf.Material(1.0, 1.0, 0.34676798720629365)
     base = sf.Tractions(1.0, -0.0298379203671244)
     load = sf.Tractions(-1.9398954248279061, -0.9257573724198593)
-    answer = sf.solve_pair(sf.Pair(upper, lower, 0.2147322085626276, base, load))
+    answer = sf.solve(sf.Pair(upper, lower, 0.2147322085626276, base, load))
     assert answer.status == "converged"
     assert answer.statistics.zone_sets < 10
     (slip,), (opening,) = answer.zones, answer.openings
@@ -221,7 +220,7 @@ def test_a_grid_whose_pivoting_goes_astray_is_not_followed():
 
 @pytest.mark.slow
 def test_a_detached_opening():
-    answer = sf.solve_pair(SCENES["detached opening"])
+    answer = sf.solve(SCENES["detached opening"])
     assert answer.status == "converged"
     assert answer.openings[0].inner == pytest.approx(0.7831567, abs=1e-7)
     assert answer.openings[0].outer == pytest.approx(1.1553929, abs=1e-7)
@@ -237,35 +236,35 @@ def test_a_detached_opening_of_like_bodies():
 @pytest.mark.slow
 def test_what_has_no_answer_is_refused():
     with pytest.raises(sf.SceneError, match=r"grow by 4\.82 % .* no friction is too low"):
-        sf.solve_pair(scene("A", 0.2, (5.0, 0.0), (0.0, 1.0)))
+        sf.solve(scene("A", 0.2, (5.0, 0.0), (0.0, 1.0)))
     with pytest.raises(sf.SceneError, match=r"lower it below 0\.572"):
-        sf.solve_pair(scene("0", 0.8, (1.0, 0.0), (0.0, 1.0)))
+        sf.solve(scene("0", 0.8, (1.0, 0.0), (0.0, 1.0)))
     upper, lower = sf.Material(1.0, 1.0, 0.3), sf.Material(1.9706, 1.98737, -0.02)
     bonded = sf.Pair(upper, lower, 0.2, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 0.3))
     with pytest.raises(sf.SceneError, match="Stoneley"):
-        sf.solve_pair(bonded)
+        sf.solve(bonded)
     film = replace(SCENES["slip and opening"], friction_law=sf.ViscousFriction(0.3))
     with pytest.raises(sf.SceneError, match="viscous film"):
-        sf.solve_pair(film)
+        sf.solve(film)
     with pytest.raises(sf.SceneError, match="rtol"):
-        sf.solve_pair(SCENES["slip from the slot"], rtol=1e-13)
+        sf.solve(SCENES["slip from the slot"], rtol=1e-13)
 
 
 @pytest.mark.slow
 def test_waves_towards_the_edge_are_told():
     """Slip of pair C towards -x is solved; a march of it lets waves towards the edge grow."""
-    answer = sf.solve_pair(SCENES["slip from the slot"], rtol=1e-5)
+    answer = sf.solve(SCENES["slip from the slot"], rtol=1e-5)
     (wave,) = answer.growing
     assert wave.velocity < 0
     assert 0 < wave.growth < 0.02
-    assert sf.solve_pair(SCENES["slip and opening"], rtol=1e-5).growing == ()
+    assert sf.solve(SCENES["slip and opening"], rtol=1e-5).growing == ()
 
 
 def test_nothing_moves_without_a_load_or_before_it():
-    still = sf.solve_pair(scene("0", 0.3, (1.0, 0.1), (0.0, 0.0)))
+    still = sf.solve(scene("0", 0.3, (1.0, 0.1), (0.0, 0.0)))
     assert (still.status, still.zones) == ("converged", ())
     np.testing.assert_array_equal(still.shear_traction(X, 1.0), 0.1)
-    answer = sf.solve_pair(SCENES["slip from the slot"], rtol=1e-5)
+    answer = sf.solve(SCENES["slip from the slot"], rtol=1e-5)
     assert answer.slip_rate(0.1, -1.0) == 0
     assert answer.pressure(0.1, 0.0) == 4.0
     assert answer.zones_at(0.0) == ()
@@ -277,7 +276,7 @@ def test_nothing_moves_without_a_load_or_before_it():
 
 @pytest.mark.slow
 def test_history_holds_all_fields():
-    answer = sf.solve_pair(SCENES["slip and opening"], rtol=1e-5)
+    answer = sf.solve(SCENES["slip and opening"], rtol=1e-5)
     history = answer.history([0.05, 0.3], [0.5, 1.0])
     assert history.slip_rate.shape == (2, 2)
     assert history.gap[1, 0] > 0 == history.gap[1, 1]
@@ -292,7 +291,7 @@ def test_no_name_is_taken_twice():
 
 @every_name
 def test_a_name_is_that_of_both_bodies(name):
-    pair, (scene, lower) = sf.find_pair(name), find_blocks(name)
+    pair, (scene, lower) = sf.find(name), find_blocks(name)
     assert pair.alike == scene
     assert pair.lower == lower != pair.upper
     assert scene_label(name) == name
@@ -304,7 +303,7 @@ def test_a_name_is_that_of_both_bodies(name):
     [("pair-slip", [0.0, 0.7614591804], None), ("pair-opening", [0.2360, 0.7222], 0.2360)],
 )
 def test_a_name_is_solved(name, edges, opening):
-    answer = sf.solve_pair(name)
+    answer = sf.solve(name)
     assert answer.edge_speeds[0].tolist() == pytest.approx(edges, abs=5e-5)
     assert [part.outer for part in answer.openings] == pytest.approx(
         [] if opening is None else [opening], abs=5e-5
@@ -313,14 +312,16 @@ def test_a_name_is_solved(name, edges, opening):
 
 @every_name
 def test_what_knows_identical_bodies_only_names_what_can(name):
-    for function in (sf.find_scene, sf.solve, sf.predict, lambda one: sf.march(one, 1.0)):
-        with pytest.raises(sf.SceneError, match="solve_pair in Python"):
+    for function in (find_scene, lambda one: sf.sweep(one, [0.3])):
+        with pytest.raises(sf.SceneError, match="slipfront solve or survey"):
             function(name)
+    with pytest.raises(sf.SceneError, match="space-time is for a Scene or Interface"):
+        sf.solve(name, method="space-time", end_time=1.0)
 
 
 def test_a_misspelt_name_is_guessed():
     with pytest.raises(sf.SceneError, match="did you mean pair-opening"):
-        sf.find_pair("pair-openin")
+        sf.find("pair-openin")
 
 
 def test_the_list_has_both_bodies(printed):
@@ -335,4 +336,4 @@ def test_the_list_has_both_bodies(printed):
 @every_name
 def test_the_command_solves_it(name, printed):
     document = printed(f"solve {name}")
-    assert document["zones"][0]["outer"] == sf.solve_pair(name).zones[0].outer
+    assert document["zones"][0]["outer"] == sf.solve(name).zones[0].outer

@@ -1,4 +1,4 @@
-"""Tractions beside a stuck edge, read from nodes, against the exact ones of `solve_pair`."""
+"""Tractions beside a stuck edge, read from nodes, against the exact ones of a pair."""
 
 import math
 
@@ -17,7 +17,7 @@ def slotted(upper, friction, length, parts, nodes, load=(0.0, 1.0), **given):
     loads = [sf.InterfaceLoad(load[1], on="slot", **({"pressure": load[0]} if load[0] else {}))]
     given = {"pressure": PRESSURE, "contact": sf.Contact(parts), "loads": loads, **given}
     face = sf.Interface(upper, sf.Coulomb(friction), length, **given)
-    return sf.run(face, 1.0, nodes, estimate=False, times=[1.0])
+    return sf.solve(face, end_time=1.0, nodes=nodes, estimate=False, times=[1.0])
 
 
 def held(pair, load, nodes, side=1, friction=0.005):
@@ -31,7 +31,7 @@ def held(pair, load, nodes, side=1, friction=0.005):
 def exact(pair, load, distance, friction=0.005):
     """tau + i sigma of the stuck contact, x > 0, beyond the base."""
     base = sf.Tractions(PRESSURE, 0.0)
-    answer = sf.solve_pair(sf.Pair(*pair, friction, base, sf.Tractions(*load)))
+    answer = sf.solve(sf.Pair(*pair, friction, base, sf.Tractions(*load)))
     shear, pressure = answer.shear_traction(distance, 1.0), answer.pressure(distance, 1.0)
     return shear + 1j * (PRESSURE - pressure)
 
@@ -124,7 +124,9 @@ def test_tractions_beside_pressed_slots_are_within_their_errors(pressure):
     push = sf.InterfaceLoad(-1.0, on="slot", pressure=pressure)
     half = {"contact": sf.Contact.half_line(), "pressure": 1.0, "loads": [push]}
     times = [0.3, 0.9]
-    done = sf.run(sf.Interface(solid, sf.Coulomb(0.4), 16.0, **half), 0.9, 512, times=times)
+    done = sf.solve(
+        sf.Interface(solid, sf.Coulomb(0.4), 16.0, **half), end_time=0.9, nodes=512, times=times
+    )
     on = done.touching & (done.x < 4)
     known = exact.history(done.x[on], times)
     for name in ("shear_traction", "pressure"):

@@ -38,7 +38,7 @@ def off(one, truth):
 
 @pytest.fixture(scope="module")
 def truth():
-    return sf.run(punch(), END, 2560, times=[END], estimate=False)
+    return sf.solve(punch(), end_time=END, nodes=2560, times=[END], estimate=False)
 
 
 def test_a_grid_knows_ends_between_its_nodes():
@@ -100,7 +100,9 @@ def test_a_grid_is_moved_with_the_interface(nodes):
             sf.Material(1.0, 1.0, 0.3), sf.Coulomb(0.4), 20.0, contact=contact, **base
         )
 
-    one, other = (sf.run(face(by), END, nodes, times=[END]) for by in (0.0, 0.0177))
+    one, other = (
+        sf.solve(face(by), end_time=END, nodes=nodes, times=[END]) for by in (0.0, 0.0177)
+    )
     assert other.shift != one.shift != 0
     assert one.contact_misfit == pytest.approx(other.contact_misfit, abs=1e-9)
     assert one.contact_misfit < (0.05 if nodes is None else 0.3)
@@ -114,11 +116,13 @@ def test_a_grid_is_moved_with_the_interface(nodes):
 
 def test_a_moved_run_is_saved_read_and_continued(tmp_path):
     face = replace(punch(), even=False, contact=Contact([(-2.03, 1.9)]))
-    half, whole = (sf.run(face, end, 200, latest=END, times=[end]) for end in (END / 2, END))
+    half, whole = (
+        sf.solve(face, end_time=end, nodes=200, latest=END, times=[end]) for end in (END / 2, END)
+    )
     assert half.shift != 0
     half.save(tmp_path / "half.npz")
     read = sf.Run.load(tmp_path / "half.npz", face)
-    done = sf.run(face, END, go_on=read, times=[END])
+    done = sf.solve(face, end_time=END, go_on=read, times=[END])
     # the step that ended the first run was cut
     np.testing.assert_allclose(done.slip[-1], whole.slip[-1], atol=1e-4)
     with pytest.raises(sf.SlipfrontError, match="run of another interface"):
@@ -142,8 +146,8 @@ def test_slip_between_ends_anywhere_is_within_its_error():
         face = sf.Interface(solid, law, 16.0, contact=Contact([ends]), loads=[load])
         most = face.contact.fitting_nodes(16.0, 2900, 1, movable=True)
         done, truth = (
-            sf.run(face, 2.0, times=[2.0]),
-            sf.run(face, 2.0, most, times=[2.0], estimate=False),
+            sf.solve(face, end_time=2.0, times=[2.0]),
+            sf.solve(face, end_time=2.0, nodes=most, times=[2.0], estimate=False),
         )
         assert done.contact_misfit < 0.05
         x = np.linspace(ends[0] + 0.1, ends[1] - 0.1, 200)
@@ -153,7 +157,7 @@ def test_slip_between_ends_anywhere_is_within_its_error():
 
 
 def test_by_default_ends_fit(truth):
-    done = sf.run(punch(), END, times=[END])
+    done = sf.solve(punch(), end_time=END, times=[END])
     assert done.contact_misfit == 0
     assert done.caution == ""
     assert off(done, truth) < 2e-3
@@ -164,7 +168,7 @@ def test_displaced_ends_are_told_and_estimated(truth):
     # the end lies at 25.6 node distances of the first grid, and half the nodes have it at the same
     # wrong place; it fits the second grid, and lies at 51.2 of the third
     for nodes in (256, 260, 512):
-        done = sf.run(punch(), END, nodes, times=[END])
+        done = sf.solve(punch(), end_time=END, nodes=nodes, times=[END])
         error = off(done, truth)
         if nodes == 260:
             assert done.caution == ""
@@ -174,8 +178,8 @@ def test_displaced_ends_are_told_and_estimated(truth):
             assert 1e-2 < error < done.error_estimates["slip"]
     assert "choose 520 nodes" in done.caution
     odd = replace(punch(), length=7.3, even=False, contact=Contact([(-1, 2**0.5)]))
-    assert "choose 72 nodes" in sf.run(odd, 0.1, 68, estimate=False).caution
-    assert "choose a period" in sf.run(odd, 0.1, 64, estimate=False).caution
+    assert "choose 72 nodes" in sf.solve(odd, end_time=0.1, nodes=68, estimate=False).caution
+    assert "choose a period" in sf.solve(odd, end_time=0.1, nodes=64, estimate=False).caution
 
 
 def test_a_contact_of_few_nodes_is_unresolved_and_gets_enough_by_default():
@@ -184,18 +188,20 @@ def test_a_contact_of_few_nodes_is_unresolved_and_gets_enough_by_default():
     material, law = sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.05)
     face = sf.Interface(material, law, 16.0, loads=[push], contact=sf.Contact([(-0.11, 0.11)]))
     words = r"unresolved: a contact or slot of width 0\.22 has 2\.2 nodes; use 584 nodes or more"
-    assert re.match(words, sf.run(face, 0.2, 160).status)
-    assert sf.run(face, 0.2, estimate=False).nodes >= 584
+    assert re.match(words, sf.solve(face, end_time=0.2, nodes=160).status)
+    assert sf.solve(face, end_time=0.2, estimate=False).nodes >= 584
     with pytest.raises(sf.SceneError, match="no node lies on the contact; use 584 nodes or more"):
-        sf.run(face, 0.2, 64)
+        sf.solve(face, end_time=0.2, nodes=64)
     slot = sf.Interface(
         material, law, 16.0, loads=[push], contact=sf.Contact([(-6, -0.05), (0.05, 6)])
     )
-    assert "has 0.8 nodes" in sf.run(slot, 0.2, 128, estimate=False).status
+    assert "has 0.8 nodes" in sf.solve(slot, end_time=0.2, nodes=128, estimate=False).status
 
 
 def test_nothing_is_known_beyond_the_period():
-    done = sf.run(sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3), 16.0), 0.1, 16)
+    done = sf.solve(
+        sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3), 16.0), end_time=0.1, nodes=16
+    )
     assert np.isnan(done.at(done.slip, [-8.1, 0.0, 100.0])).tolist()[-1] == [True, False, True]
 
 
@@ -229,8 +235,8 @@ def test_long_steps_beside_slots_give_the_answer_of_short_ones(contact, plate):
         contact=sf.Contact(contact),
     )
     times = [0.02, 0.05]
-    found = sf.run(face, 0.05, 32, estimate=False, times=times)
-    fine = sf.run(face, 0.05, 32, estimate=False, times=times, longest=6e-5)
+    found = sf.solve(face, end_time=0.05, nodes=32, estimate=False, times=times)
+    fine = sf.solve(face, end_time=0.05, nodes=32, estimate=False, times=times, longest=6e-5)
     assert np.diff(fine.step_times).max() < 6.1e-5  # the shortest steps, which need no solution
     assert found.steps < fine.steps / 5
     on = found.touching
@@ -249,8 +255,8 @@ def test_the_file_of_the_page_runs(tmp_path, monkeypatch):
     (tmp_path / "fault.toml").write_text(text, encoding="utf-8")
     table = "x [m],pressure [MPa]\n-8,4.8\n0,5\n8,4.8\n"
     (tmp_path / "pressure.csv").write_text(table, encoding="utf-8")
-    found = sf.find_interface(tmp_path / "fault.toml")
-    done = sf.run(found.interface, found.end_time, **found.options)
+    found = sf.find(tmp_path / "fault.toml")
+    done = sf.solve(found.interface, end_time=found.end_time, **found.options)
     assert done.status == "done"
     assert done.steps < 2000
 
@@ -323,10 +329,10 @@ def patch(contact, friction=0.4):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("contact", [sf.Contact.half_line(), sf.Contact()], ids=["slot", "line"])
 def test_slip_of_a_patch_does_not_depend_on_where_its_ends_meet_the_grid(contact):
-    truth = sf.run(patch(contact), END, 2048, times=[END], estimate=False)
+    truth = sf.solve(patch(contact), end_time=END, nodes=2048, times=[END], estimate=False)
 
     def error(interface, nodes):
-        done = sf.run(interface, END, nodes, times=[END], estimate=False)
+        done = sf.solve(interface, end_time=END, nodes=nodes, times=[END], estimate=False)
         exact = np.interp(done.x, truth.x, truth.slip[-1])[done.touching]
         return np.abs(done.slip[-1][done.touching] - exact).sum() / np.abs(exact).sum()
 
@@ -344,11 +350,11 @@ def test_a_half_line_is_one_until_waves_come_back_from_the_end_of_its_period(
     length, status, caution
 ):
     """The exact answer of the same slot holds until then, and the run says when it does not."""
-    scene = sf.find_scene("preloaded")
+    scene = sf.find("preloaded")
     loads = [sf.InterfaceLoad(scene.load.shear, on="slot")]
     half = {"contact": Contact.half_line(), "loads": loads, "pressure": 1.0}
     face = sf.Interface(scene.material, sf.Coulomb(scene.friction), length, **half)
-    done = sf.run(face, 2.0, nodes=int(32 * length))
+    done = sf.solve(face, end_time=2.0, nodes=int(32 * length))
     assert done.status.startswith(status), done.status
     assert caution in done.caution
     x = done.x[done.touching & (done.x < 1.0)]

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
-from docs.studies.engine import beside_slot
+from docs.studies.accuracy.engine import beside_slot
 from semianalytic.engine.run import run
 from semianalytic.engine.steps import Stepper
 from semianalytic.memory.exponentials import fit_memory
@@ -223,7 +223,7 @@ def test_rate_and_state_opens_after_long_steps():
 def test_estimates_cover_gap_and_pressure():
     _, face = beside_slot("tap")
     done = run(face, 1.0, 512, times=[1.0])
-    exact = sf.solve(sf.find_scene("tap"))
+    exact = sf.solve(sf.find("tap"))
     near = (done.x > 0) & (done.x < 2.2)
     known = exact.gap(done.x[near], 1.0)
     error = np.abs(done.gap[0][near] - known).sum() / known.sum()

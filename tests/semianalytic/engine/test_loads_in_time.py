@@ -28,7 +28,8 @@ def slow(load, law=STRENGTHENING, **given):
 def with_short_steps(face, end, nodes, longest):
     """A run as long as it likes its steps, and one of short steps alone."""
     return (
-        sf.run(face, end, nodes, estimate=False, **given) for given in ({}, {"longest": longest})
+        sf.solve(face, end_time=end, nodes=nodes, estimate=False, **given)
+        for given in ({}, {"longest": longest})
     )
 
 
@@ -41,7 +42,7 @@ def with_short_steps(face, end, nodes, longest):
 )
 def test_a_history_that_turns_within_a_step_is_unresolved(history):
     face = struck(history)
-    coarse = sf.run(face, 1.0, 128, estimate=False)
+    coarse = sf.solve(face, end_time=1.0, nodes=128, estimate=False)
     assert coarse.status.startswith("unresolved: the history of a load turns faster than 128 nodes")
     needed = int(coarse.status.split("use ")[1].split()[0])
     assert needed == pytest.approx(nodes_for_histories(face, 1.0), abs=4)
@@ -50,12 +51,12 @@ def test_a_history_that_turns_within_a_step_is_unresolved(history):
 
 def test_a_run_takes_the_nodes_that_its_loads_need():
     face = struck(sf.Pulse(0.1, "triangle"))
-    done = sf.run(face, 0.5)
+    done = sf.solve(face, end_time=0.5)
     assert done.status == "done"
     assert done.nodes == pytest.approx(nodes_for_histories(face, 0.5), abs=4)
     assert done.nodes > 512
-    assert sf.run(struck(sf.Pulse(2.0, "triangle")), 0.5, estimate=False).nodes == 512
-    assert sf.run(face, 0.5, 128, rtol=0.5).nodes >= done.nodes
+    assert sf.solve(struck(sf.Pulse(2.0, "triangle")), end_time=0.5, estimate=False).nodes == 512
+    assert sf.solve(face, end_time=0.5, nodes=128, rtol=0.5).nodes >= done.nodes
 
 
 def blow(t):
@@ -137,8 +138,8 @@ def test_friction_that_damps_less_as_it_speeds_up_does_not_let_short_waves_grow(
         return len(steps) > 3000
 
     end = 1.5 * period
-    done = sf.run(face, end, 64, estimate=False, progress=gives_up)
-    fine = sf.run(face, end, 64, estimate=False, longest=period / 200, times=[end])
+    done = sf.solve(face, end_time=end, nodes=64, estimate=False, progress=gives_up)
+    fine = sf.solve(face, end_time=end, nodes=64, estimate=False, longest=period / 200, times=[end])
     assert done.status == "done"
     assert done.peak_rates.max() < 1e-3
     assert done.slip[-1] == pytest.approx(fine.slip[-1], rel=0.02, abs=2e-3 * fine.slip.max())
@@ -149,14 +150,14 @@ def test_a_step_that_ends_beyond_convergence_is_repeated(monkeypatch):
     law = sf.RateAndState(a=0.012, b=0.006, f0=0.6, v0=1e-6, distance=1e-5)
     load = sf.InterfaceLoad(lambda x: 1.9e6 * (abs(x) < 1), lambda t: np.sin(np.pi * t / 500))
     face = sf.Interface(ROCK, law, 16.0, 5e6, 1e6, [load], rate=1e-9, mode="antiplane")
-    right, chosen = sf.run(face, 500.0, 64, estimate=False), Stepper.length
+    right, chosen = sf.solve(face, end_time=500.0, nodes=64, estimate=False), Stepper.length
 
     def too_long(stepper, now):
         rung = chosen(stepper, now)[1] + 2
         return stepper.ladder.length(rung), rung
 
     monkeypatch.setattr(Stepper, "length", too_long)
-    done = sf.run(face, 500.0, 64, estimate=False)
+    done = sf.solve(face, end_time=500.0, nodes=64, estimate=False)
     assert done.steps < right.steps / 3
     assert done.slip[-1] == pytest.approx(right.slip[-1], abs=0.01 * right.slip[-1].max())
 
@@ -171,7 +172,7 @@ def test_a_stiffness_of_a_wave_shorter_than_the_grid_bounds_steps_too(held):
         **{"rate": 1e-6, "plate_rate": 1e-6, "held": held, "mode": "antiplane"},
     )
     few, many = (
-        sf.run(face, 10.0, count, estimate=False, times=[10.0])
+        sf.solve(face, end_time=10.0, nodes=count, estimate=False, times=[10.0])
         for count in (16, round(64 / held / 4) * 4)
     )
     assert few.slip[-1] == pytest.approx(many.slip[-1, 0], rel=1e-3)
@@ -186,7 +187,7 @@ def test_slots_take_no_work_of_adhesion():
         face = sf.Interface(
             *(UNIT, glued, 16.0), loads=[pull], adhesion=sf.Adhesion(1.0, 0.5), contact=contact
         )
-        done = sf.run(face, 1.0, 256, estimate=False)
+        done = sf.solve(face, end_time=1.0, nodes=256, estimate=False)
         assert np.isfinite(done.pressure).all()
         works.append(done.work["closing"])
     assert works[0] == pytest.approx(works[1], rel=0.01)

@@ -15,7 +15,6 @@ from semianalytic import (
     Scene,
     SceneError,
     Tractions,
-    run,
     solve,
 )
 from semianalytic.engine.checks import missed_slip
@@ -35,14 +34,14 @@ def pushed(friction, **others):
 @pytest.mark.parametrize("friction", [8.0, pytest.param(12.0, marks=pytest.mark.slow)])
 def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
     (zone,) = solve(Scene(SOLID, friction, Tractions(1.0, 0.0), Tractions(0.0, 1.0))).zones
-    done = run(pushed(friction), 1.0, nodes=512, times=[1.0])
+    done = solve(pushed(friction), end_time=1.0, nodes=512, times=[1.0])
     assert not done.slip[:, done.touching].any()
     assert done.error_estimates["slip"] == done.error_estimates["slip_rate"] == 1.0
     length, area = missed_slip(done)
     assert length == pytest.approx(zone.outer, rel=0.1)
     assert f"slips beside an edge over about {length:.2g}" in done.status
     needed = int(done.status.split("use ")[1].split()[0])
-    assert run(pushed(friction), 1.0, nodes=needed, times=[1.0]).status == "done"
+    assert solve(pushed(friction), end_time=1.0, nodes=needed, times=[1.0]).status == "done"
     x = zone.outer * (np.arange(400) + 0.5) / 400
     scene = Scene(SOLID, friction, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
     exact = 2 * float(solve(scene).slip(x, 1.0).sum()) * zone.outer / 400  # at both ends
@@ -50,8 +49,11 @@ def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
 
 
 def test_edges_that_slip_and_laws_that_never_stick_miss_nothing():
-    assert missed_slip(run(pushed(3.0), 1.0, nodes=512, times=[1.0])) == (0.0, 0.0)
-    assert missed_slip(run(Interface(SOLID, Coulomb(0.5), 8.0), 0.5, nodes=64)) == (0.0, 0.0)
+    assert missed_slip(solve(pushed(3.0), end_time=1.0, nodes=512, times=[1.0])) == (0.0, 0.0)
+    assert missed_slip(solve(Interface(SOLID, Coulomb(0.5), 8.0), end_time=0.5, nodes=64)) == (
+        0.0,
+        0.0,
+    )
 
 
 def patch(even):
@@ -61,24 +63,27 @@ def patch(even):
 
 
 def test_rupture_speed_is_from_the_nearest_origin_on_any_grid():
-    speeds = [run(patch(e), 3.0, nodes=256, estimate=False).rupture_speed for e in (True, False)]
+    speeds = [
+        solve(patch(e), end_time=3.0, nodes=256, estimate=False).rupture_speed
+        for e in (True, False)
+    ]
     assert speeds[0] == pytest.approx(speeds[1], rel=1e-9)
     assert speeds[0] == pytest.approx(0.3153, abs=1e-4)
 
 
 def test_estimates_of_traction_do_not_hang_on_the_stored_frames():
-    stored = [run(patch(True), 3.0, nodes=256, times=at) for at in ([0.0, 3.0], [3.0])]
+    stored = [solve(patch(True), end_time=3.0, nodes=256, times=at) for at in ([0.0, 3.0], [3.0])]
     errors = [one.error_estimates["shear_traction"] for one in stored]
     assert max(errors) < 0.02
 
 
 def test_times_that_are_no_numbers_are_refused():
     with pytest.raises(SceneError, match="times must lie between 0 and the end time"):
-        run(patch(True), 3.0, nodes=64, times=[float("nan")])
+        solve(patch(True), end_time=3.0, nodes=64, times=[float("nan")])
 
 
 def test_a_run_that_cannot_be_saved_leaves_the_earlier_file(tmp_path, monkeypatch):
-    done = run(patch(True), 0.5, nodes=64, estimate=False)
+    done = solve(patch(True), end_time=0.5, nodes=64, estimate=False)
     path = tmp_path / "run.npz"
     done.save(path)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from semianalytic import SceneError, find_scene, fringe_order, fringes, solve, strain
+from semianalytic import SceneError, find, fringe_order, fringes, solve, strain
 from semianalytic.field.derived import principal_difference
 
 X, Y, T = np.array([0.4, -0.7, 0.3]), np.array([0.2, 0.5, -0.6]), 1.0
@@ -24,7 +24,7 @@ def gradient(field):
 
 @pytest.mark.parametrize("name", ["preloaded", "tap", "antiplane"])
 def test_strain_is_the_gradient_of_displacement(name):
-    scene = find_scene(name)
+    scene = find(name)
     solution = solve(scene)
     change = solution.stress(X, Y, T) - solution.stress(X, Y, 0.0)
     seen = strain(change, scene.material)
@@ -66,7 +66,7 @@ def test_infinite_stress_has_no_intensity():
         (lambda: fringes(np.zeros(3), 0.0, 1.0), "thickness must be positive"),
         (lambda: fringes(np.zeros(3), 1.0, -1.0), "fringe_constant must be positive"),
         (lambda: fringes(np.zeros((2, 3)), 1.0, 1.0), "must have 3 rows"),
-        (lambda: strain(1.0, find_scene("stuck").material), "must have 3 rows"),
+        (lambda: strain(1.0, find("stuck").material), "must have 3 rows"),
     ],
 )
 def test_what_is_no_stress_or_body_is_refused(ask, message):

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, REMOTE, UNIT, unit_scene
 
-from semianalytic import RateWeakening, SceneError, ViscousFriction, solve
+from semianalytic import RateWeakening, SceneError, ViscousFriction
 from semianalytic.field import body, tuning
 from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.selfsimilar.solver import solve
 from tests.semianalytic.field.body_fields import check_faces, edges_of
 
 WEAKENED = unit_scene(1.0, load=(0.0, 1.2), friction_law=RateWeakening(0.4, 1.0))

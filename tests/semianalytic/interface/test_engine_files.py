@@ -7,13 +7,13 @@ import pytest
 
 import semianalytic as sf
 from semianalytic.interface.fields import Expression
-from semianalytic.interface.named import NAMED_INTERFACES
+from semianalytic.interface.named import NAMED_INTERFACES, find_interface
 from semianalytic.interface.parameters import interface_at, interface_parameters
+from semianalytic.scene.given.named import INTERFACES
 from slipfront.cli.commands import main
 
 MATERIAL = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
 SOFTER_BELOW = "lower_" + MATERIAL.replace("shear_modulus = 1.0", "shear_modulus = 0.3")
-NONE_BELOW = SOFTER_BELOW.replace("0.3", "0.0")
 COULOMB = 'law = {kind = "coulomb", friction = 0.3}\n'
 GOOD = f"""length = 8.0
 pressure = {{file = "p.csv", column = "pressure"}}
@@ -67,8 +67,8 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_a_file_and_the_same_in_python(folder):
-    found = sf.find_interface("a.toml")
-    done = sf.run(found.interface, found.end_time, estimate=False, **found.options)
+    found = sf.find("a.toml")
+    done = sf.solve(found.interface, end_time=found.end_time, estimate=False, **found.options)
     same = sf.Interface(
         sf.Material(1.0, 1.0, 0.25),
         sf.SlipDependent(lambda x: 0.5 + 0.1 * np.cos(np.pi * x / 4), 0.2, 4.0),
@@ -76,7 +76,7 @@ def test_a_file_and_the_same_in_python(folder):
         shear=lambda x: 0.2 * (1 - np.abs(x) / 4),
         loads=[sf.InterfaceLoad(lambda x: np.exp(-(x**2)), sf.Ramp(0.5))],
     )
-    other = sf.run(same, 1.0, 64, estimate=False)
+    other = sf.solve(same, end_time=1.0, nodes=64, estimate=False)
     assert done.slip.max() > 0.1
     assert done.slip == pytest.approx(other.slip, abs=1e-14)
 
@@ -94,8 +94,8 @@ pressure = "-2 * exp(-x**2) * min(2 * t, 1)"
     )
     for load in (shared, timed):
         (folder / "a.toml").write_text(f"{head}[[load]]\n{load}{tail}")
-        found = sf.find_interface("a.toml")
-        runs.append(sf.run(found.interface, 1.0, 64, estimate=False))
+        found = sf.find("a.toml")
+        runs.append(sf.solve(found.interface, end_time=1.0, nodes=64, estimate=False))
     assert runs[0].gap.max() > 0.1
     assert runs[0].gap == pytest.approx(runs[1].gap, abs=1e-14)
     assert runs[0].slip == pytest.approx(runs[1].slip, abs=1e-14)
@@ -109,17 +109,17 @@ pressure = "-2 * exp(-x**2) * min(2 * t, 1)"
 
 def test_files_and_surveys_know_adhesion(folder):
     (folder / "a.toml").write_text(GLUED)
-    face = sf.find_interface("a.toml").interface
+    face = sf.find("a.toml").interface
     named = interface_parameters(face)
     assert named["adhesion_length"].value == 0.5
     assert named["adhesion_strength_factor"].value == 1.0
-    done = sf.run(face, 0.2, 64, estimate=False)
+    done = sf.solve(face, end_time=0.2, nodes=64, estimate=False)
     assert done.pressure.min() < -1.0
 
 
 def test_files_describe_fronts_and_surveys_vary_them(folder):
     (folder / "a.toml").write_text(WAVE)
-    face = sf.find_interface("a.toml").interface
+    face = sf.find("a.toml").interface
     (load,) = face.loads
     assert load.front == sf.IncidentWave("SV", angle=-20.0, stress=0.3)
     assert (load.at, load.history) == (4.0, sf.Pulse(0.5, "half-sine"))
@@ -128,14 +128,14 @@ def test_files_describe_fronts_and_surveys_vary_them(folder):
     other = interface_at(face, {"load_angle": -30.0, "shear_modulus": 4.0})
     assert other.loads[0].front.angle == -30.0
     assert other.loads[0].material.shear_modulus == 4.0
-    sf.run(other, 0.5, 32)
+    sf.solve(other, end_time=0.5, nodes=32)
 
 
 @pytest.mark.parametrize("name", NAMED_INTERFACES)
 def test_named_interfaces_begin(name):
-    found = sf.find_interface(name)
+    found = find_interface(name)
     assert found.summary
-    done = sf.run(found.interface, found.end_time / 1000, 256, estimate=False)
+    done = sf.solve(found.interface, end_time=found.end_time / 1000, nodes=256, estimate=False)
     assert np.isfinite(done.slip).all()
 
 
@@ -151,26 +151,20 @@ def test_named_interfaces_begin(name):
         (GOOD, "length = 8.0", "length = 80.0", "must cover the contact"),
         (GOOD, 'column = "pressure"', 'column = "preasure"', "there is no column"),
         (GOOD, '"p.csv"', '"q.csv"', "q.csv cannot be read"),
-        (GOOD, "nodes = 64", "nodes = 65", "multiple of 4"),
         (GOOD, "poisson_ratio = 0.25", "poisson_ratio = 0.7", "poisson_ratio must"),
         (GOOD, "[run]", "[[contact]]\n[run]", "contact must be a table"),
-        (GOOD, "[run]", "[contact]\nintervals = [[0, 2], [1, 3]]\n[run]", "overlap"),
         (GOOD, 'shear = "exp(-x**2)"\n', "", "load: shear or pressure is missing"),
         (GOOD, 'shear = "exp(-x**2)"\n', "presure = 1.0\n", "did you mean pressure"),
         (GOOD, 'shear = "exp(-x**2)"\n', "pressure = [1.0]\n", "load.pressure must be a number"),
         (GLUED, "length = 0.5", "length = 0.0", "adhesion: length must be positive"),
         (GLUED, '"1 + 0.1 * (x > 0)"', "-1.0", "adhesion: strength must be 0 or more"),
         (GLUED, "length = 0.5", "", "adhesion.length is missing"),
-        (GLUED, "length = 0.5", "length = 0.5\nreach = 1.0", "unknown key adhesion.reach"),
         (GLUED, "load =", "#", "nothing opens without a load"),
         (WAVE, 'wave = "SV"', 'wave = "SH"', "must be of kind P or SV, got SH"),
         (WAVE, "angle = -20.0", "angle = 95.0", "angle must"),
         (WAVE, "at = 4.0", "on = 4.0", "has no 'on'"),
-        (WAVE, '"incident-wave"', '"wave"', "kind must be one of"),
         (WAVE, "length = 8.0", "length = 8.0\neven = true", "not even in x"),
-        (WAVE, "at = 4.0", 'at = "end"', "load: at must"),
         (WAVE, "material", f"{SOFTER_BELOW}material", "beyond a critical angle"),
-        (WAVE, "material", f"{NONE_BELOW}material", "lower_material: shear_modulus must be"),
     ],
 )
 def test_mistakes_in_files_end_in_one_sentence(folder, capsys, text, old, new, said):
@@ -282,13 +276,13 @@ def test_lines_of_tables_are_counted_with_comments(tmp_path):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes with names")
 def test_pipes_devices_and_huge_files_are_refused_at_once(folder, monkeypatch):
     os.mkfifo("pipe.toml")
-    for find in (sf.find_scene, sf.find_interface, sf.find_pair, sf.find_line, sf.Table.read):
+    for find in (sf.find, sf.Table.read):
         with pytest.raises(sf.SceneError, match="not an ordinary file"):
             find("pipe.toml")
     with monkeypatch.context() as patch:
         patch.setattr("semianalytic.scene.given.text_files.LARGEST", 10)
         with pytest.raises(sf.SceneError, match="has more than"):
-            sf.find_interface("a.toml")
+            sf.find("a.toml")
 
 
 def test_files_of_scenes_and_of_interfaces_are_told_apart(tmp_path, capsys):
@@ -304,7 +298,7 @@ def test_files_of_scenes_and_of_interfaces_are_told_apart(tmp_path, capsys):
         "[load]\npressure = 0.0\nshear = 1.0\n"
     )
     for command, file, named in (
-        *((one, face, "slipfront run") for one in ("solve", "compare", "field", "simulate")),
+        *((one, face, "slipfront solve") for one in ("compare", "field", "simulate")),
         ("run", scene, "slipfront solve"),
     ):
         assert main([command, str(file)]) == 2
@@ -314,6 +308,7 @@ def test_files_of_scenes_and_of_interfaces_are_told_apart(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("name", ["preloaded", "pair-slip", "point-load"])
-def test_names_of_scenes_are_told_from_those_of_interfaces(name):
-    with pytest.raises(sf.SceneError, match=f"{name} is a scene, not an interface"):
-        sf.find_interface(name)
+def test_names_of_scenes_are_told_from_those_of_interfaces(name, capsys):
+    assert main(["run", name]) == 2
+    assert f"{name} is no interface: slipfront solve {name}" in capsys.readouterr().err
+    assert {*INTERFACES, "tap"} == {*NAMED_INTERFACES}

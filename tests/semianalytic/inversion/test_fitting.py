@@ -139,7 +139,7 @@ def test_a_prior_wider_than_the_value_is_the_error_where_records_say_nothing():
 
 def test_a_value_that_changes_nothing_leaves_the_intervals_of_the_others():
     """Slip in antiplane shear does not depend on Poisson's ratio."""
-    scene, t = sf.find_scene("antiplane"), np.linspace(0.3, 1.5, 6)
+    scene, t = sf.find("antiplane"), np.linspace(0.3, 1.5, 6)
     record = sf.Gauge(0.2, t, sf.solve(scene).slip(0.2, t), 1e-3, "slip")
     found = sf.fit([record], scene, ("friction", "poisson_ratio"), rtol=1e-6)
     assert found.unconstrained == ("poisson_ratio",)
@@ -291,7 +291,7 @@ def test_bad_records_are_refused(truth):
 
 def test_progress_counts_up_to_what_it_foretells():
     """With a gauge in a body, the computation of which takes nearly all of the time."""
-    scene = sf.find_scene("antiplane")
+    scene = sf.find("antiplane")
     t = np.linspace(0.2, 1.5, 4)
     record = sf.Gauge(0.4, t, np.zeros(4), 0.02, "vz", y=0.1)
     exact = Samples((record,)).of(sf.solve(scene), Setup())

@@ -21,8 +21,6 @@ from semianalytic.reference import (
 )
 from semianalytic.reference.known_answers import (
     closed_form,
-    published_obstacle,
-    published_unit,
 )
 from semianalytic.reference.viscous_zone import _viscous_zone
 
@@ -107,7 +105,7 @@ def test_what_makes_no_sense_is_refused():
             viscous_edge_speed(UNIT, ratio, viscosity)
 
 
-# --- what has a closed form, and what the published algorithm applies to --------------------------
+# --- what has a closed form -----------------------------------------------------------------------
 
 
 SOLID = Material(2.0, 3.0, 0.25)
@@ -123,17 +121,6 @@ SHOCK = Scene(SOLID, 0.5, base=NOTHING, load=BOTH, load_on="remote")
 def test_other_scenes_have_no_closed_form(changes):
     with pytest.raises(SceneError, match="no closed form"):
         closed_form(replace(SLOW, **changes))
-
-
-def test_the_published_algorithm_knows_a_remote_shock_only():
-    assert published_obstacle(SHOCK) == ""
-    assert published_unit(SHOCK) == pytest.approx(2 * 0.5 * 1.5 / SOLID.shear_impedance)
-    for scene, why in (
-        (SLOW, "sudden remote"),
-        (replace(SHOCK, friction=0.0), "zero"),
-        (replace(SLOW, shear_history=Ramp(0.5)), "not steps"),
-    ):
-        assert why in published_obstacle(scene)
 
 
 # --- openings -------------------------------------------------------------------------------------

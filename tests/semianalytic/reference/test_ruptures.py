@@ -10,7 +10,7 @@ import scipy
 from dissimilar_pairs import GOUGE_ON_ROCK, ROCK
 
 import semianalytic as sf
-from docs.studies.engine import marched_growth
+from docs.studies.accuracy.engine import marched_growth
 from semianalytic import Material, SceneError
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.memory.impedance import Antiplane, InPlane
@@ -87,9 +87,11 @@ def test_supershear_strength_of_slower_cracks():
 @pytest.mark.slow
 def test_tpv101_on_a_coarse_grid():
     """Slip at 14.95 s against a march of 5,760 nodes made independently for this project."""
-    found = sf.find_interface("tpv101")
+    found = sf.find("tpv101")
     time = 148 * 20 * 0.35 * 50 / found.interface.material.shear_speed
-    done = sf.run(found.interface, time, 480, step_ratio=0.35, times=[time], estimate=False)
+    done = sf.solve(
+        found.interface, end_time=time, nodes=480, step_ratio=0.35, times=[time], estimate=False
+    )
     known = {0: 16.717576, 6000: 13.566330, 12000: 11.314320, 15000: 9.790005}
     for at, slip in known.items():
         here = float(np.interp(at, done.x, done.slip[0]))

@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 
 import semianalytic as sf
 from fem import simulate, with_companions
+from semianalytic.dissimilar_slot.solver import coupled
 from semianalytic.results.answer import ARRIVALS, FIELDS
 from tests.laws import opening_scene, random_scenes
 
-PRELOADED = sf.solve(sf.find_scene("preloaded"))
+PRELOADED = sf.solve(sf.find("preloaded"))
 
 
 def beside(solution, random):
@@ -69,7 +70,7 @@ def test_errors_of_random_scenes_are_within_their_bars():
 
 
 def test_bars_of_a_shifted_edge_do_not_hold():
-    scene = sf.find_scene("preloaded")
+    scene = sf.find("preloaded")
     solution = sf.solve(scene, rtol=1e-5)
     edge = PRELOADED.edge_speeds[0, 1]
     moved = replace(solution, error_estimate=1e-15)
@@ -85,7 +86,7 @@ def test_arrivals_are_proportional_to_the_distance(x, scale):
 
 def test_slip_begins_when_it_arrives():
     for name in ("preloaded", "lift-off-shear", "remote-shock"):
-        solution = sf.solve(sf.find_scene(name))
+        solution = sf.solve(sf.find(name))
         when = solution.arrival(0.7)
         before, after = solution.slip_rate(0.7, when * np.array([1 - 1e-6, 1 + 1e-6]))
         assert before == 0
@@ -105,11 +106,11 @@ def test_senses_arrive_with_zones_of_their_sense():
 
 def test_what_never_comes_is_infinite_and_what_is_everywhere_comes_at_once():
     assert np.isinf(PRELOADED.arrival([0.1, 3.0], "opening")).all()
-    stuck = sf.solve(sf.find_scene("stuck"))
+    stuck = sf.solve(sf.find("stuck"))
     assert np.isinf(stuck.arrival(1.0))
     assert stuck.reading(1.0, 1.0).arrivals["slip"].error == 0
     sudden = replace(
-        sf.find_scene("remote-shock"), friction=0.1, load=sf.Tractions(pressure=1.0, shear=1.0)
+        sf.find("remote-shock"), friction=0.1, load=sf.Tractions(pressure=1.0, shear=1.0)
     )
     assert sf.solve(sudden).arrival(1.0) == 0
 
@@ -123,7 +124,7 @@ def test_a_solution_that_breaks_the_law_has_no_bars():
 
 
 def test_openings_arrive():
-    tap = sf.solve(sf.find_scene("tap"))
+    tap = sf.solve(sf.find("tap"))
     (opening,) = tap.openings
     assert tap.arrival(2.0, "opening") == pytest.approx(2.0 / opening.outer)
     assert tap.gap(2.0, 1.001 * float(tap.arrival(2.0, "opening"))) > 0
@@ -156,10 +157,15 @@ def covered(answer, exact, count=300):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["preloaded", "remote-shock"])
 def test_bars_of_a_march_hold(name):
-    exact = sf.solve(sf.find_scene(name))
-    marched = sf.march(exact.scene, 1.0, nodes=200)
+    exact = sf.solve(sf.find(name))
+    marched = sf.solve(exact.scene, method="space-time", end_time=1.0, nodes=200)
     assert min(covered(marched, exact).values()) > 0.97
-    spoilt = sf.march(replace(exact.scene, friction=1.1 * exact.scene.friction), 1.0, nodes=200)
+    spoilt = sf.solve(
+        replace(exact.scene, friction=1.1 * exact.scene.friction),
+        method="space-time",
+        end_time=1.0,
+        nodes=200,
+    )
     assert min(covered(spoilt, exact).values()) < 0.9
 
 
@@ -170,7 +176,7 @@ def test_bars_of_marches_hold_on_fronts_and_beside_edges():
     for scene, x in ((fronts, np.array([1.0, 0.999])), (edge, np.array([1.0, 1.05]))):
         exact = sf.solve(scene, rtol=1e-10)
         for nodes in (100, 200):
-            at = sf.march(scene, 1.0, nodes).reading(x, 1.0)
+            at = sf.solve(scene, method="space-time", end_time=1.0, nodes=nodes).reading(x, 1.0)
             for name in FIELDS:
                 value, bar = getattr(at, name)
                 off = np.abs(value - getattr(exact, name)(x, 1.0))
@@ -187,7 +193,7 @@ def test_bars_of_a_simulation_hold():
 
 def test_a_pair_of_equal_bodies_reads_like_one_body():
     solid, base, load = sf.Material(1.0, 1.0, 0.25), sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 0.8)
-    pair = sf.solve_pair(sf.Pair(solid, solid, 0.4, base, load), rtol=1e-6)
+    pair = coupled(sf.Pair(solid, solid, 0.4, base, load), 1e-6)
     exact = sf.solve(sf.Scene(solid, 0.4, base, load), rtol=1e-12)
     x = np.linspace(0.05, 1.5, 30)
     assert over_bars(pair, exact, x) < 1

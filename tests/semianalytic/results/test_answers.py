@@ -28,8 +28,8 @@ TIMES = np.array([0.31, 0.62, 1.0])
 
 @cache
 def answer(name, method) -> sf.Answer:
-    scene = NAMED_SCENES[name].scene
-    return sf.predict(scene, END, nodes=NODES, method=method)
+    marched = {"end_time": END, "nodes": NODES} if method == "space-time" else {}
+    return sf.solve(name, method=method, **marched)
 
 
 def any_answer(test):
@@ -166,7 +166,9 @@ def sheared(history, **parts):
 
 
 def test_a_march_answers_up_to_where_it_ends():
-    marched = sf.march(sheared(sf.Pulse(0.3)), 0.5, 50, length=0.8)
+    marched = sf.solve(
+        sheared(sf.Pulse(0.3)), method="space-time", end_time=0.5, nodes=50, length=0.8
+    )
     assert marched.slip(0.8, 0.5) == marched.interface.slip[-1, -1]
     assert marched.slip(1e-9, 0.5) == marched.interface.slip[-1, 0]
     with pytest.raises(sf.SceneError, match=r"ends at t = 0.5; .* later end time"):
@@ -182,7 +184,10 @@ def test_a_march_answers_up_to_where_it_ends():
 def test_totals_of_a_march_are_sums_over_every_step(history):
     """The path is the trapezoidal rule over all levels, as the marcher's own."""
     scene = sheared(history)
-    whole, thin = sf.march(scene, nodes=100), sf.march(scene, nodes=100, every=13)
+    whole, thin = (
+        sf.solve(scene, method="space-time", nodes=100),
+        sf.solve(scene, method="space-time", nodes=100, every=13),
+    )
     rate, t = np.abs(whole.interface.slip_rate), whole.interface.t
     rubbed = (rate[1:] + rate[:-1]) / 2 * np.diff(t)[:, None]
     area = np.append(0.0, np.cumsum(rubbed.sum(axis=1))) * whole.grid.spacing
@@ -199,7 +204,11 @@ def test_totals_of_a_march_are_sums_over_every_step(history):
 
 
 def test_weakening_leaves_totals_that_grow():
-    marched = sf.march(sheared(sf.Pulse(0.3), friction_law=sf.SlipWeakening(0.5, 0.1)), nodes=100)
+    marched = sf.solve(
+        sheared(sf.Pulse(0.3), friction_law=sf.SlipWeakening(0.5, 0.1)),
+        method="space-time",
+        nodes=100,
+    )
     for total in ("accumulated_slip", "frictional_work"):
         assert np.all(np.diff(getattr(marched.totals, total)) >= 0)
 

@@ -40,24 +40,16 @@ TAKES_A_SIZE = ("shear_modulus", "density", "duration", "frequency", "rate", "di
 
 NO_NUMBERS = [
     True,
-    np.True_,
     "0.25",
-    b"0.25",
     None,
-    [0.25],
-    (0.25,),
-    {},
     0.25 + 0j,
-    np.array(0.25),
     np.array([[0.25, 0.5]] * 40),
     float("nan"),
-    float("inf"),
-    10**400,
-    10**5000,
-    -(10**400),
     np.float64("inf"),
+    10**5000,
     1e300,
 ]
+"""One of each kind: no number, no real one, several, long to show, infinite, out of range."""
 
 
 def stored(made):
@@ -131,19 +123,17 @@ def test_tables_refuse_what_is_not_a_number_and_slopes_beyond_range():
         ("friction_law", "must be one of CoulombFriction, "),
     ],
 )
-@pytest.mark.parametrize("value", [(1.0, 0.0), None, {"pressure": 1.0}, 1.0, "rock"], ids=repr)
-def test_parts_of_a_scene_of_the_wrong_type_are_named(name, said, value):
+def test_parts_of_a_scene_of_the_wrong_type_are_named(name, said):
     with pytest.raises(sf.SceneError, match=f"scene: {name} {said}"):
-        replace(PRELOADED, **{name: value})
+        replace(PRELOADED, **{name: "rock"})
 
 
 @pytest.mark.parametrize("value", [50.0, True, "50", None, 10**400, 10**17], ids=shown)
 def test_counts_are_whole_numbers_of_bounded_size(value):
     given = value if value is not None else "None"  # no number of nodes is the default one
     for take in (
-        lambda: sf.march(PRELOADED, nodes=given),
-        lambda: sf.march(PRELOADED, every=value),
-        lambda: sf.predict(PRELOADED, nodes=given),
+        lambda: sf.solve(PRELOADED, method="space-time", nodes=given),
+        lambda: sf.solve(PRELOADED, method="space-time", every=value),
         lambda: Settings(resolution=value),
         lambda: Settings(frames=value),
     ):
@@ -152,11 +142,14 @@ def test_counts_are_whole_numbers_of_bounded_size(value):
 
 
 def test_options_of_a_march_are_numbers_of_any_type():
-    plain = sf.march(PRELOADED, 0.25, 32, damping=0.5, step_ratio=0.5)
-    other = sf.march(
+    plain = sf.solve(
+        PRELOADED, method="space-time", end_time=0.25, nodes=32, damping=0.5, step_ratio=0.5
+    )
+    other = sf.solve(
         PRELOADED,
-        np.float32(0.25),
-        np.int64(32),
+        method="space-time",
+        end_time=np.float32(0.25),
+        nodes=np.int64(32),
         damping=np.float32(0.5),
         step_ratio=Fraction(1, 2),
     )
@@ -164,14 +157,7 @@ def test_options_of_a_march_are_numbers_of_any_type():
     for name in ("end_time", "length", "latest", "damping", "step_ratio", "tolerance"):
         for value in ("1", True, 10**400, 1e300, float("nan")):
             with pytest.raises(sf.SceneError, match=f"march: {name} must"):
-                sf.march(PRELOADED, **{"nodes": 32, name: value})
-
-
-@pytest.mark.parametrize("method", ["auto", "space-time"])
-def test_options_of_a_prediction_are_checked_whatever_the_method(method):
-    for bad in ({"end_time": -1.0}, {"end_time": "1"}, {"length": 0.0}, {"nodes": 0}):
-        with pytest.raises(sf.SceneError, match="predict: "):
-            sf.predict(PRELOADED, method=method, **bad)
+                sf.solve(PRELOADED, method="space-time", **{"nodes": 32, name: value})
 
 
 def test_a_sweep_takes_numbers_only():
@@ -185,7 +171,7 @@ def test_a_sweep_takes_numbers_only():
 def test_results_can_be_compared_and_kept_in_sets():
     history = [sf.solve(PRELOADED).history([0.1, 0.2], [1.0]) for _ in range(2)]
     simulations = [fem.simulate(PRELOADED, resolution=8) for _ in range(2)]
-    marches = [sf.march(PRELOADED, nodes=16) for _ in range(2)]
+    marches = [sf.solve(PRELOADED, method="space-time", nodes=16) for _ in range(2)]
     solutions = [sf.solve(PRELOADED) for _ in range(2)]
     sweeps = [sf.sweep(PRELOADED, [0.3], rtol=1e-3) for _ in range(2)]
     for one, other in (history, simulations, marches, solutions, sweeps):
@@ -219,20 +205,17 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: slipfront.solve("preload"), "no scene called 'preload'; did you mean preloaded"),
-        (lambda: slipfront.solve("point-load"), "point-load has no slot, or a load that grows"),
-        (lambda: slipfront.march(0.3), "march: scene must be a Scene, or the name or file of one"),
-        (lambda: slipfront.predict(None), "or the name or file of one, got None."),
+        (
+            lambda: slipfront.solve(0.3, method="space-time"),
+            "space-time is for a Scene or Interface, or the name or file of one, got 0.3",
+        ),
+        (lambda: slipfront.solve(None), "or the name or file of one, got None."),
         (lambda: slipfront.simulate("none.toml"), "Cannot read the scene file none.toml"),
         (lambda: slipfront.cost(3), "simulate: scene must be a Scene, or the name or file"),
         (lambda: slipfront.sweep("", [0.1]), "There is no scene called ''"),
         (lambda: slipfront.survey((), friction=[0.1]), "survey: scene must be a Scene"),
-        (lambda: slipfront.run("punch", 1.0), 'such as find_interface("punch").interface, got'),
-        (lambda: slipfront.solve_line("point-load"), "line must be a WholeLine, such as find_line"),
-        (lambda: slipfront.solve_growing(2), "slot must be a GrowingSlot, such as find_line"),
-        (lambda: slipfront.solve_pair(2), "solve_pair: pair must be a Pair of two"),
         (lambda: slipfront.validate({}, 1.0), "validate: scene must be a Scene"),
-        (lambda: slipfront.find_scene(3), "find_scene: give the name of a scene or the path"),
+        (lambda: slipfront.find(3), "find: give a name or the path of a TOML file, got 3."),
         (lambda: slipfront.fit([GAUGE], b"a", "friction"), "fit: scene must be a Scene"),
         (lambda: slipfront.fit(7, PRELOADED, "friction"), "fit: gauges must be a sequence"),
         (lambda: slipfront.fit([GAUGE], PRELOADED, "friction", priors=3), "fit: priors must be by"),

@@ -88,7 +88,7 @@ def test_a_new_law_is_followed_by_the_march_without_being_told_of(monkeypatch):
     law = complete()
     monkeypatch.setitem(kinds.FRICTION_LAWS, "new", law)
     new, old, constant = (
-        sf.march(replace(SCENE, friction_law=one), nodes=64).interface.slip
+        sf.solve(replace(SCENE, friction_law=one), method="space-time", nodes=64).interface.slip
         for one in (law(), sf.SlipWeakening(0.3, 0.5), sf.CoulombFriction())
     )
     np.testing.assert_array_equal(new, old)
@@ -102,7 +102,7 @@ def test_a_new_law_is_refused_where_it_is_ill_posed_or_too_sharp(monkeypatch):
     with pytest.raises(sf.SceneError, match="faster than radiation can balance"):
         replace(SCENE, friction_law=steep())
     with pytest.raises(sf.SceneError, match="weakens within about"):
-        sf.march(replace(SCENE, friction_law=sharp()), nodes=64)
+        sf.solve(replace(SCENE, friction_law=sharp()), method="space-time", nodes=64)
 
 
 # --- the length that slip weakening gives a front -------------------------------------------------

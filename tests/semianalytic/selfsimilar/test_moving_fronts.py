@@ -18,10 +18,10 @@ from semianalytic import (
     SceneError,
     Tractions,
     ViscousFriction,
-    solve,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.scene.given.finding import find_scene
+from semianalytic.selfsimilar.solver import solve
 from tests.semianalytic.selfsimilar.derivatives.test_derivative import errors
 
 SOLID = Material(1.0, 1.0, 1 / 3)

@@ -2,8 +2,8 @@
 
 import pytest
 
-from semianalytic import GrowingSlot, SceneError, WholeLine, find_line, find_scene
-from semianalytic.scene.given.finding import describes_line
+from semianalytic import GrowingSlot, SceneError, WholeLine, find
+from semianalytic.scene.given.finding import BODIES, LINE, find_scene, kind_of
 from semianalytic.scene.given.named import LINES, NAMED_SCENES
 from semianalytic.whole_line.named import (
     NAMED_LINES,
@@ -44,10 +44,10 @@ def test_names_are_those_that_scenes_know_of():
 
 @pytest.mark.parametrize("name", LINES)
 def test_documents_go_there_and_back(name):
-    problem = find_line(name)
+    problem = find(name)
     assert line_from_document(line_document(problem)) == problem
-    assert describes_line(name)
-    with pytest.raises(SceneError, match="slipfront solve, or find_line"):
+    assert kind_of(name) == LINE
+    with pytest.raises(SceneError, match="slipfront solve, or `solve`"):
         find_scene(name)
 
 
@@ -55,14 +55,12 @@ def test_files_describe_the_named_ones(tmp_path):
     for text, name in ((PATCH, "whole-line-patch"), (GROWING, "growing-load")):
         path = tmp_path / f"{name}.toml"
         path.write_text(text)
-        assert describes_line(str(path))
-        assert find_line(path) == find_line(name)
-        with pytest.raises(SceneError, match="slipfront solve, or find_line"):
+        assert kind_of(str(path)) == LINE
+        assert find(path) == find(name)
+        with pytest.raises(SceneError, match="slipfront solve, or `solve`"):
             find_scene(path)
     path.write_text(GROWING.replace("growth = 1\n", "[base]\npressure = 0\nshear = 0\n"))
-    assert not describes_line(str(path))
-    with pytest.raises(SceneError, match="describes a scene with a slot"):
-        find_line(path)
+    assert kind_of(str(path)) == BODIES
 
 
 @pytest.mark.parametrize(
@@ -72,22 +70,17 @@ def test_files_describe_the_named_ones(tmp_path):
         ('kind = "patch"\n', "", "belong to a scene, without contact"),
         ("patch", "path", "kind must be one of patch, point-force, half-line"),
         ("speed = 0.3\n", "", "load.speed is missing"),
-        ("speed = 0.3", "speed = 0.0", "patch: speed must be positive"),
         ("speed = 0.3", 'speed = "fast"', "load.speed must be a number"),
         ("shear = 1.0", "sheer = 1.0", "unknown key load.sheer; did you mean shear"),
         ("friction = 0.5", "", "friction is missing"),
         ("friction = 0.5", "friction = 0.5\ngrowth = 1", "not both"),
         ("friction = 0.5", 'friction = 0.5\nload_on = "slot"', "unknown key load_on"),
-        ("friction = 0.5", "friction = 1.5", "nothing slips"),
-        ("density = 1.0", "density = -1.0", "density must be positive"),
         ('patch"\nspeed = 0.3', 'half-line"\nspeed = 0.3', "unknown key load.speed"),
-        ("growth = 1", "growth = 4", "power must be 1 or 2"),
         (
             "33\n[load]",
             "33\n[base]\npressure = 1\nshear = 0\n[load]",
             "march a scene with this base",
         ),
-        ("pressure = 1.0\nshear = 1.0", "shear = 1.0", "load.pressure is missing"),
     ],
 )
 def test_a_wrong_file_is_refused_with_its_name(tmp_path, old, new, said):
@@ -96,21 +89,21 @@ def test_a_wrong_file_is_refused_with_its_name(tmp_path, old, new, said):
     assert old in text
     path.write_text(text.replace(old, new))
     with pytest.raises(SceneError, match=said) as refusal:
-        find_line(path)
+        find(path)
     assert str(refusal.value).startswith(str(path))
 
 
 def test_unknown_names_are_refused():
     with pytest.raises(SceneError, match="did you mean point-load"):
-        find_line("point-lode")
-    with pytest.raises(SceneError, match="choose whole-line-patch"):
-        find_line("?")
-    with pytest.raises(SceneError, match="give the name"):
-        find_line(3)
+        find("point-lode")
+    with pytest.raises(SceneError, match=r"choose preloaded.* whole-line-patch"):
+        find("?")
+    with pytest.raises(SceneError, match="give a name"):
+        find(3)
 
 
 def test_parameters_are_replaced():
-    line, growing = find_line("whole-line-patch"), find_line("growing-load")
+    line, growing = find("whole-line-patch"), find("growing-load")
     other = override_line(line, friction=0.6, poisson_ratio=0.2, base_shear=0.1, load_shear=2.0)
     assert isinstance(other, WholeLine)
     assert (other.friction, other.material.poisson_ratio) == (0.6, 0.2)

@@ -92,7 +92,7 @@ def test_entry_point_as_a_process():
     ("error", "code"), [(ComputationError("It diverged."), 4), (MissingLibraryError("No GLU."), 5)]
 )
 def test_other_errors_have_exit_codes_of_their_own(error, code, monkeypatch, refused):
-    def fail(scene):
+    def fail(scene, **_):
         raise error
 
     monkeypatch.setattr(slipfront.cli.solve_command, "solve", fail)
@@ -102,7 +102,7 @@ def test_other_errors_have_exit_codes_of_their_own(error, code, monkeypatch, ref
 UNCONVERGED = "no set of slip zones was found that fulfils Coulomb's law everywhere"
 
 
-def unconverged(scene):
+def unconverged(scene, **_):
     """What a solver gives that does not converge."""
     return replace(solve(scene), status=UNCONVERGED, error_estimate=np.inf)
 
@@ -184,7 +184,7 @@ def test_huge_numbers_are_refused_in_one_sentence(tmp_path, refused):
 
 
 def test_interrupt_is_a_short_sentence_and_130(monkeypatch, refused):
-    def interrupt(scene):
+    def interrupt(scene, **_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(slipfront.cli.solve_command, "solve", interrupt)

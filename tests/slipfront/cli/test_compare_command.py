@@ -170,7 +170,7 @@ def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_fou
 def test_a_prediction_that_differs_exits_with_one(simulated, monkeypatch, shown):
     """With the answer for more friction in place of the right one."""
 
-    def spoilt(scene):
+    def spoilt(scene, **_):
         return solve(replace(scene, friction=0.6))
 
     line = f"compare --from {simulated} --output out"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compare.figures import animation
-from semianalytic import find_scene, solve, solve_pair
+from semianalytic import find, solve
 from semianalytic.dissimilar.described import pair_of
 
 
@@ -44,7 +44,7 @@ def test_a_face_is_told_by_its_sign(tmp_path, undrawn, shown):
     assert first == (
         "# slipfront field preloaded --friction=0.2 --gauge=-0.5,-0.0 --time=1.0 --samples=3"
     )
-    solution = solve(find_scene("preloaded"))
+    solution = solve(find("preloaded"))
     assert upper[:, 3] == pytest.approx(-lower[:, 3])
     assert upper[-1, 3] != pytest.approx(solution.velocity(-0.5, 0.0, 1.0)[0], rel=1e-4)
 
@@ -53,14 +53,14 @@ def test_a_face_is_told_by_its_sign(tmp_path, undrawn, shown):
 def test_a_lower_body_of_another_kind_is_solved_and_recorded(
     tmp_path, undrawn, printed, monkeypatch
 ):
-    solved = cache(solve_pair)
-    monkeypatch.setattr("slipfront.cli.field_command.solve_pair", solved)
+    solved = cache(solve)
+    monkeypatch.setattr("slipfront.cli.field_command.solve", solved)
     gauges = "--gauge=0.5,0 --gauge=0.5,-0.2 --points 4 --samples 3 --output ."
     document = printed(f"field preloaded --lower-shear-modulus 2.25 {gauges}")
     pair = document["pair"]
     assert (pair["material"]["shear_modulus"], pair["lower_material"]["shear_modulus"]) == (1, 2.25)
     assert document["units"]["pair"]["lower_material"]["shear_modulus"] == "stress"
-    scene = find_scene("preloaded")
+    scene = find("preloaded")
     lower = replace(scene.material, shear_modulus=2.25)
     answer = solved(pair_of(scene, lower))
     for number, y, body in ((1, 0.0, scene.material), (2, -0.2, lower)):

@@ -1,7 +1,6 @@
 """What commands print with --json: one envelope, a schema, nothing else on standard output."""
 
 import json
-from collections import Counter
 from pathlib import Path
 
 import jsonschema
@@ -13,17 +12,8 @@ from compare.chart.figure import chart_document
 from compare.chart.points import read_points
 from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
-from compare.studies.article.claims import METHODS, Claim, Verdict
-from compare.studies.article.study import Article
-from compare.studies.documents import (
-    article_document,
-    regimes_document,
-    stability_document,
-)
-from compare.studies.regimes.figures import RegimeResults
-from compare.studies.regimes.points import BoundaryPoint, MapPoint
 from docs.studies.schema import DOCUMENTS, schema
-from semianalytic import find_scene
+from semianalytic import find
 from semianalytic.scene.given.documents import scene_document
 from slipfront.cli.commands import command_for, main
 
@@ -58,7 +48,7 @@ def test_schema_and_table_are_up_to_date(tmp_path, capsys):
 
 
 def test_a_document_with_another_key_or_without_one_does_not_fit():
-    scene = scene_document(find_scene("ramp"))
+    scene = scene_document(find("ramp"))
     good = envelope("init", {"scene": scene, "text": ""})
     assert VALIDATOR.is_valid(good)
     assert not VALIDATOR.is_valid({**good, "more": 1})
@@ -176,45 +166,5 @@ def test_files_are_what_is_new_or_changed(tmp_path):
 
 
 def test_documents_of_studies_fit_their_schema():
-    claim = Claim("1", "all", "preload", {"exact": Verdict("holds", "by 1")})
-    point = MapPoint("preload", 0.3, 0.1, "two", "0:1:+1", "converged", 1e-9)
-    curve = BoundaryPoint("preload", "gap", 0.3, -1.0)
-    maps = RegimeResults({"preload": [point, point]}, [curve], [], [])
-    documents = {
-        "article": article_document(Article((claim,), (), 0.1, ())),
-        "regimes": regimes_document(maps),
-        "chart": chart_document(read_points(ROOT / "docs" / "data" / "chart.csv")),
-        "stability": stability_document({"solver": {"rows": [point]}}),
-    }
-    for command, document in documents.items():
-        checked(json_text(envelope(command, document)))
-    assert documents["regimes"]["regimes"] == {"preload": Counter(two=2)}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("arguments", "among"),
-    [
-        ("regimes --quick --size 4", "boundaries.csv"),
-        ("stability --space-time --quick", "stability-space-time.csv"),
-    ],
-)
-def test_studies_write_files_and_print_what_their_schema_says(arguments, among, capsys):
-    """Charts and the article in tests of their own, which make them too."""
-    capsys.readouterr()
-    assert main([*arguments.split(), "--json"]) in (0, 1)
-    files = [Path(one) for one in checked(capsys.readouterr().out)["files"]]
-    assert among in {one.name for one in files}
-    assert all(one.is_dir() or one.stat().st_size for one in files)
-
-
-def test_claims_of_the_article_are_a_table(shown, monkeypatch):
-    """Without --json; the study itself is run by the test above."""
-    verdict = Verdict("holds", "by 1")
-    claim = Claim("6.1", "words of it", "preload", dict.fromkeys(METHODS, verdict))
-    found = Article((claim,), (), 0.1, ())
-    monkeypatch.setattr("compare.studies.article.study.write_article", lambda *_: found)
-    said = shown("article --quick").out
-    assert "claim" in said
-    assert "words of it" in said
-    assert "Written to results/article/" in said
+    document = chart_document(read_points(ROOT / "docs" / "data" / "chart.csv"))
+    checked(json_text(envelope("chart", document)))

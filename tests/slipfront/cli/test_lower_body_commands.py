@@ -9,7 +9,7 @@ import pytest
 import slipfront as sf
 from fem import load_simulation
 from semianalytic.scene.given.files import read_scene
-from semianalytic.scene.given.finding import find_blocks
+from semianalytic.scene.given.finding import find_blocks, find_scene
 from slipfront.cli.commands import main
 from slipfront.cli.scenes import pairs
 
@@ -45,7 +45,7 @@ GAUGE = sf.Gauge(0.4, np.array([0.1, 0.2]), np.array([0.1, 0.2]), 0.1)
 @cache
 def solved(friction=0.3, **options):
     """The answer for the bodies of the file, with another friction if one is given."""
-    return sf.solve_pair(sf.Pair(UPPER, LOWER, friction, PAIR.base, PAIR.load), **options)
+    return sf.solve(sf.Pair(UPPER, LOWER, friction, PAIR.base, PAIR.load), **options)
 
 
 @pytest.fixture(autouse=True)
@@ -56,24 +56,21 @@ def folder(tmp_path):
 
 
 FUNCTIONS = {
-    "solve": sf.solve,
-    "march": lambda scene: sf.march(scene, 1.0),
-    "predict": sf.predict,
     "sweep": lambda scene: sf.sweep(scene, [0.3]),
     "fit": lambda scene: sf.fit([GAUGE], scene, ["friction"]),
     "validate": lambda scene: sf.validate("record.csv", scene),
-    "find_scene": sf.find_scene,
+    "find_scene": find_scene,
 }
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_functions_of_a_scene_say_what_can(name):
-    with pytest.raises(sf.SceneError, match=r"solve_pair in Python, or\s+simulate"):
+    with pytest.raises(sf.SceneError, match=r"slipfront solve or survey, or\s+simulate"):
         FUNCTIONS[name]("two.toml")
     # interfaces of two bodies may be fitted, or not, as those of one
     given = {"find_scene": (), "fit": (PAIR,)}.get(name, (PAIR, RUNNING))
     for described in given:
-        with pytest.raises(sf.SceneError, match=r"two bodies are for solve_pair, survey, run"):
+        with pytest.raises(sf.SceneError, match=r"two bodies are for solve, survey and simulate"):
             FUNCTIONS[name](described)
 
 
@@ -85,15 +82,15 @@ def test_a_file_of_two_bodies_is_solved(shown, printed, monkeypatch):
     assert document["points"][0]["slip_rate"]["value"] == float(known.slip_rate(0.5, 1.0))
     assert document["until_end_time"]["largest_slip"] == pytest.approx(float(known.max_slip(2.0)))
     assert document["units"]["wave_speeds"]["lower"]["shear"] == "length/time"
-    monkeypatch.setattr(pairs, "solve_pair", lambda pair, **_: known)
+    monkeypatch.setattr(pairs, "solve", lambda pair, **_: known)
     said = shown(line).out
     for words in ("open", "c_R, c_t, c_l, lower body", "forward slip comes", "converged"):
         assert words in said
-    assert sf.find_pair("two.toml") == PAIR
+    assert sf.find("two.toml") == PAIR
 
 
 def test_options_describe_the_lower_body_in_units(tmp_path, printed, monkeypatch):
-    monkeypatch.setattr(pairs, "solve_pair", lambda pair, **_: sf.solve_pair(pair, rtol=1e-4))
+    monkeypatch.setattr(pairs, "solve", lambda pair, **_: sf.solve(pair, rtol=1e-4))
     text = 'units = "SI"\n' + FILE.replace("shear_modulus = 1.0", "shear_modulus = 1e9")
     upper, _, rest = text.partition("[lower_material]")
     (tmp_path / "si.toml").write_text(upper + "[base]" + rest.partition("[base]")[2])
@@ -139,7 +136,7 @@ def test_a_pair_is_surveyed_in_python():
     pytest.importorskip("xarray")
     found = sf.survey(PAIR, together=True, friction=[0.2, 0.9], base_shear=[0.1, 0.0], workers=1)
     base = sf.Tractions(1.0, 0.1)
-    known = sf.solve_pair(sf.Pair(UPPER, LOWER, 0.2, base, PAIR.load), rtol=1e-6)
+    known = sf.solve(sf.Pair(UPPER, LOWER, 0.2, base, PAIR.load), rtol=1e-6)
     assert found.status.values[0] == "converged"
     assert float(found.edges[0].sel(zone=0, edge="outer")) == known.zones[0].outer
     assert "waves that run ahead grow" in found.status.values[1]
@@ -152,7 +149,7 @@ def test_a_file_of_two_bodies_is_written_from_another(printed):
         document = printed(f"init new.toml --force --from two.toml{units}")
         lower = document["scene"]["lower_material"]
         assert lower["shear_modulus"] == scale * LOWER.shear_modulus
-        pair = sf.find_pair("new.toml")
+        pair = sf.find("new.toml")
         assert pair.lower.shear_modulus == pytest.approx(scale * LOWER.shear_modulus, rel=1e-14)
         assert pair.lower.poisson_ratio == LOWER.poisson_ratio
         ratio = pair.lower.density / pair.upper.density
@@ -193,7 +190,7 @@ def test_compare_judges_two_bodies(printed, refused, shown, folder, monkeypatch)
     from compare.comparison import prediction
 
     wrong = solved(0.36, rtol=1e-5)
-    monkeypatch.setattr(prediction, "solve_pair", lambda pair: wrong)
+    monkeypatch.setattr(prediction, "solve", lambda pair: wrong)
     assert "Verdict: differs" in shown("compare two.toml --from out -q", 1).out
 
 
@@ -226,7 +223,7 @@ def test_folder_says_what_the_lower_block_was(shown):
 
 
 def test_readers_of_one_material_refuse_it():
-    for read in (sf.find_scene, read_scene):
+    for read in (find_scene, read_scene):
         with pytest.raises(sf.SceneError, match="identical bodies only"):
             read("two.toml")
 
@@ -234,7 +231,7 @@ def test_readers_of_one_material_refuse_it():
 def test_equal_lower_material_is_an_ordinary_scene(folder):
     equal = FILE.replace("4.0", "1.0").replace("2.0", "1.0").replace("0.4", "0.25")
     (folder / "two.toml").write_text(equal)
-    assert sf.find_scene("two.toml").material == UPPER
+    assert sf.find("two.toml").material == UPPER
 
 
 @pytest.mark.parametrize(

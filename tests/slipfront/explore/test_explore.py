@@ -14,7 +14,7 @@ from catalogue import solved, unit_scene
 from matplotlib.path import Path
 
 from compare.figures.fronts import moving_parts
-from semianalytic import Material, Scene, SceneError, SlipWeakening, Step, Tractions, march, solve
+from semianalytic import Material, Scene, SceneError, SlipWeakening, Step, Tractions, solve
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.units import unit
@@ -300,7 +300,7 @@ def test_pictures_show_the_moment_of_the_time_slider(share, steel):
 
 def test_another_moment_of_a_march_is_not_marched_anew(alone):
     scene = unit_scene(friction_law=SlipWeakening(0.5, 0.3))
-    marched = march(scene, 1.0, nodes=64)
+    marched = solve(scene, method="space-time", end_time=1.0, nodes=64)
     session = Session(Document(), scene, "")
     values = controls.defaults(scene)
     session._answer_to({"values": values, "moving": False, "since": 0.0})

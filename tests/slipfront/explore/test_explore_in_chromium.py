@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 
 import pytest
 
-from slipfront.explore.chromium import served_page
+from docs.studies.chromium import served_page
 
 pytestmark = pytest.mark.slow
 
@@ -171,7 +171,7 @@ def test_a_law_shows_its_own_controls_and_is_marched_with_a_bar(page):
     assert not page.value(hidden)
     _until(page, "!document.getElementById('progress').hidden", 90)
     _until(page, "document.getElementById('status').textContent.includes('error estimate')", 90)
-    assert "sf.march" in page.value(TEXT % "program")
+    assert "sf.solve(scene, end_time=" in page.value(TEXT % "program")
 
 
 def test_what_is_refused_is_said_and_the_last_picture_greyed(page):

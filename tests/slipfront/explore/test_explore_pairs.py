@@ -23,7 +23,7 @@ every = pytest.mark.parametrize("name", NAMED_PAIRS)
 
 @every
 def test_an_address_holds_both_bodies(name):
-    pair = sf.find_pair(name)
+    pair = sf.find(name)
     values = controls.defaults(pair)
     assert controls.problem_of(values) == pair
     query = controls.query_of(values)
@@ -51,7 +51,7 @@ def test_the_menu_has_pairs_and_controls_are_shown_with_another_body():
 @pytest.mark.thinned(2)
 @every
 def test_a_move_is_answered_by_the_exact_solver_of_pairs(name, alone):
-    pair = sf.find_pair(name)
+    pair = sf.find(name)
     session = Session(Document(), pair, "")
     values = controls.defaults(pair) | {"modulus_ratio": 2.4}
     session._show(values, True, 0.0)
@@ -59,7 +59,7 @@ def test_a_move_is_answered_by_the_exact_solver_of_pairs(name, alone):
     assert told["status"] == "converged"
     lower = sf.Material(2.4, 1.2, 0.25)
     moved = sf.Pair(pair.upper, lower, pair.friction, pair.base, pair.load)
-    answer = sf.solve_pair(moved, rtol=1e-5)  # three digits are shown
+    answer = sf.solve(moved, rtol=1e-5)  # three digits are shown
     outer = f"{answer.zones[0].outer:.3g}"
     assert outer in told["readings"][-1][1]
     assert session._answer.pair == moved
@@ -73,13 +73,13 @@ def test_a_move_is_answered_by_the_exact_solver_of_pairs(name, alone):
 
 @pytest.mark.slow
 def test_friction_without_an_answer_is_said_in_the_sentence_of_the_product():
-    pair = sf.find_pair("pair-slip")
+    pair = sf.find("pair-slip")
     session = Session(Document(), pair, "")
     session._show(controls.defaults(pair) | {"friction": 0.6}, True, 0.0)
     told = told_by(session)
     assert (told["status"], told["stale"], told["readings"]) == ("no answer", True, [])
     with pytest.raises(sf.SceneError) as refusal:
-        sf.solve_pair(sf.Pair(pair.upper, pair.lower, 0.6, pair.base, pair.load))
+        sf.solve(sf.Pair(pair.upper, pair.lower, 0.6, pair.base, pair.load))
     assert told["message"] == str(refusal.value)
     assert "waves that run ahead grow" in told["message"]
     session._show(controls.defaults(pair), True, 0.0)
@@ -87,7 +87,7 @@ def test_friction_without_an_answer_is_said_in_the_sentence_of_the_product():
 
 
 def test_pictures_are_those_of_the_answer_and_reach_beyond_the_faster_body():
-    answer = sf.solve_pair("pair-opening", rtol=1e-5)
+    answer = sf.solve("pair-opening", rtol=1e-5)
     view, zones = interface_view(answer, 50), space_time_view(answer)
     np.testing.assert_allclose(view.slip_rate * 2, answer.slip_rate(view.x, 1.0), atol=1e-12)
     np.testing.assert_allclose(view.pressure, answer.pressure(view.x, 1.0), atol=1e-12)
@@ -104,11 +104,11 @@ def test_pictures_are_those_of_the_answer_and_reach_beyond_the_faster_body():
 @pytest.mark.thinned(2)
 @every
 def test_files_hold_both_bodies(name, tmp_path, capsys):
-    answer = sf.solve_pair(name)
+    answer = sf.solve(name)
     _, _, text = FILES["toml"](answer)
     assert tomllib.loads(text.decode())["lower_material"]["shear_modulus"] == 2.5
     (tmp_path / "scene.toml").write_bytes(text)
-    assert sf.find_pair(tmp_path / "scene.toml") == answer.pair
+    assert sf.find(tmp_path / "scene.toml") == answer.pair
     exec(program(answer.pair), {})
     assert f"{answer.zones[0].outer:.6f}"[:6] in capsys.readouterr().out
     assert FILES["csv"](answer)[2].decode().splitlines()[1].startswith("x,slip_rate")

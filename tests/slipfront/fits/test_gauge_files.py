@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compare.output.field_files import record_fields, write_record
-from semianalytic import DataFileError, find_interface, find_scene, solve
+from semianalytic import DataFileError, find, solve
 from slipfront.fits import read_gauges
 from slipfront.fits.data import gauges_and_notes
 
@@ -120,7 +120,7 @@ def station_files(folder, header, columns_at, places=PLACES, comments="# x1 {x}\
     return paths
 
 
-ANSWER = solve(find_scene("preloaded"))
+ANSWER = solve(find("preloaded"))
 BASE = ANSWER.scene.base.shear
 KINDS = {
     "relative": ("t slip", lambda x: [ANSWER.slip(x, T)], "slip"),
@@ -165,7 +165,7 @@ def test_what_does_not_follow_from_a_file_is_refused(tmp_path):
         with pytest.raises(DataFileError, match=f"do not say {name}"):
             gauges_and_notes(change, {"": 1.0}, ANSWER.scene, ["friction", name])
     alone = station_files(tmp_path, *KINDS["upper"][:2])
-    for scene in (find_scene("lift-off"), find_interface("rock-on-gouge")):
+    for scene in (find("lift-off"), find("rock-on-gouge")):
         with pytest.raises(DataFileError, match=r"motion of one face alone.*give both faces"):
             read_gauges(alone, {"": 1.0}, scene)
     times = written(tmp_path, "j k t\n1 0 0.1\n2 0 0.2\n")
@@ -183,7 +183,7 @@ def test_gauges_are_at_all_places_that_the_scene_has(form, tmp_path):
     elif form == "arrays":
         np.savez(tmp_path / "a.npz", t=T, x=places, slip=np.ones((len(T), 3)))
         paths = [tmp_path / "a.npz"]
-    gauges = read_gauges(paths, {"": 1.0}, find_interface("cattaneo"))
+    gauges = read_gauges(paths, {"": 1.0}, find("cattaneo"))
     assert [one.x for one in gauges] == places
     gauges, notes, _ = gauges_and_notes(paths, {"": 1.0}, ANSWER.scene)
     assert [one.x for one in gauges] == [0.5]
@@ -203,7 +203,7 @@ def test_y_of_zero_is_the_interface_and_what_is_elsewhere_is_said(tmp_path):
 @pytest.mark.parametrize("units", ["", "SI"])
 def test_what_field_records_can_be_fitted(units, tmp_path):
     t = np.linspace(0.1, 1, 5)
-    record = record_fields(solve(find_scene("preloaded")), 0.4, 0.2, t)
+    record = record_fields(solve(find("preloaded")), 0.4, 0.2, t)
     write_record(tmp_path / "gauge.csv", record, units, "slipfront field preloaded")
     gauges = {one.quantity: one for one in read_gauges([tmp_path / "gauge.csv"], {"": 1e-3})}
     assert {"vx", "uy", "sxy", "exy"} <= gauges.keys()

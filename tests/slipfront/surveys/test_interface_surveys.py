@@ -39,7 +39,7 @@ nodes = 32
 def fault(tmp_path, monkeypatch):
     (tmp_path / "fault.toml").write_text(FAULT)
     monkeypatch.chdir(tmp_path)
-    return sf.find_interface("fault.toml")
+    return sf.find("fault.toml")
 
 
 def test_every_number_can_be_changed_alone(fault):
@@ -66,7 +66,7 @@ def test_points_are_those_of_single_runs(fault):
     for distance, radius in ((0.8, 1.5), (1.2, 0.5)):
         point = found.sel(law_distance=distance, radius=radius)
         own = interface_at(fault.interface, {"law_distance": distance, "radius": radius})
-        done = sf.run(own, 2.0, 32, times=[1.0])
+        done = sf.solve(own, end_time=2.0, nodes=32, times=[1.0])
         assert point.status == done.status
         assert point.error_estimate == done.error_estimates["slip"]
         assert point.frictional_work == done.work["friction"]
@@ -128,4 +128,4 @@ def test_the_command_writes_and_a_refused_point_says_why(fault, printed):
 def test_numbers_that_mean_nothing_are_refused(old, new, message, tmp_path):
     (tmp_path / "bad.toml").write_text(FAULT.replace(old, new))
     with pytest.raises(sf.SceneError, match=message):
-        sf.find_interface(tmp_path / "bad.toml")
+        sf.find(tmp_path / "bad.toml")

@@ -100,7 +100,9 @@ def test_a_point_of_a_march_that_is_too_coarse_says_what_would_resolve_it():
         PRELOADED.material, 8.0, sf.Tractions(1, 0), sf.Tractions(0, 1), shear_history=sf.Ramp(0.2)
     )
     data = survey(scene, friction=[8.0], end_time=1.0, nodes=64)
-    assert data.status.item() == sf.march(scene, 1.0, nodes=64).caution
+    assert (
+        data.status.item() == sf.solve(scene, method="space-time", end_time=1.0, nodes=64).caution
+    )
     assert "raise `nodes`" in data.status.item()
 
 
@@ -113,11 +115,11 @@ def test_refused_points_say_why_and_lose_nothing_else():
     assert str(refused.method.values) == "none"
     assert np.isnan(refused.edges.values).all()
     assert np.isnan(data.rayleigh_speed.values[1])
-    tension = survey(sf.find_scene("tap"), friction=[0.2, 0.3], base_pressure=[0.0, 0.02])
+    tension = survey(sf.find("tap"), friction=[0.2, 0.3], base_pressure=[0.0, 0.02])
     statuses = tension.sel(base_pressure=0.0).status.values
     assert all(status.startswith("scene: under a base pressure of 0") for status in statuses)
     for friction in (0.2, 0.3):
-        scene = scene_at(sf.find_scene("tap"), {"friction": friction, "base_pressure": 0.02})
+        scene = scene_at(sf.find("tap"), {"friction": friction, "base_pressure": 0.02})
         where = tension.sel(friction=friction, base_pressure=0.02)
         assert_holds(where, sf.solve(scene, rtol=1e-6))
 
@@ -147,7 +149,7 @@ def test_marches_hold_their_numbers():
     assert data.friction_law_reduction.dims == ("friction_law_reduction",)
     assert float(data.shear_history_rise_time) == 0.4
     scene = scene_at(WEAKENING, {"friction_law_reduction": 0.3, "shear_history_rise_time": 0.4})
-    march = sf.predict(scene, 0.8, nodes=60)
+    march = sf.solve(scene, end_time=0.8, nodes=60)
     there = data.sel(friction_law_reduction=0.3)
     assert float(there.largest_slip) == march.seen.slip.max()
     assert float(there.onset) == march.seen.onset.min()
@@ -203,10 +205,7 @@ def test_many_points_of_a_plane_are_single_solutions():
         ({"frction": [0.1]}, {}, "no parameter 'frction'; did you mean friction?"),
         ({"rise_time": [0.1]}, {}, "no parameter 'rise_time'; it has friction, "),
         ({"friction": []}, {}, "must be a number or a row of numbers"),
-        ({"friction": [[0.1]]}, {}, "must be a number or a row of numbers"),
-        ({"friction": ["a"]}, {}, "must be a number or a row of numbers"),
         ({"friction": [np.nan]}, {}, "must hold finite numbers only"),
-        ({"friction": 0.2}, {}, "give a row of values"),
         ({}, {}, "give a row of values"),
         ({"viscosity": [1], "friction_law.viscosity": [1]}, {}, "viscosity is given twice"),
         (

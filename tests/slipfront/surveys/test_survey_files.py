@@ -161,7 +161,7 @@ def test_a_program_without_a_guard_is_not_run_again(tmp_path):
     script.write_text(
         "import slipfront as sf\n"
         "print('begun')\n"
-        "data = sf.survey(sf.find_scene('preloaded'), friction=[0.1, 0.2], chunk=1, workers=2)\n"
+        "data = sf.survey('preloaded', friction=[0.1, 0.2], chunk=1, workers=2)\n"
         "print(data.sizes['friction'])\n"
     )
     shown = subprocess.run(

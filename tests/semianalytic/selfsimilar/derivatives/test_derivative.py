@@ -7,18 +7,11 @@ import pytest
 from catalogue import PRELOADED, REMOTE, SHOCK, STEEL, UNIT, over, unit_scene
 from laws import random_scenes
 
-from semianalytic import (
-    Material,
-    RateWeakening,
-    Scene,
-    SceneError,
-    Tractions,
-    ViscousFriction,
-    solve,
-)
+from semianalytic import Material, RateWeakening, Scene, SceneError, Tractions, ViscousFriction
 from semianalytic.reference import edge_speed_under_shear_step, slip_rate_under_shear_step
 from semianalytic.scene.given.overriding import override_scene
 from semianalytic.selfsimilar.derivatives.parameters import parameter
+from semianalytic.selfsimilar.solver import solve
 
 TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
 NAMES = ("friction", "poisson_ratio", *TRACTIONS)

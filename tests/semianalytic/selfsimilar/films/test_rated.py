@@ -7,13 +7,14 @@ import pytest
 from catalogue import REMOTE, unit_scene
 from laws import check_march_converges
 
-from semianalytic import CoulombFriction, RateWeakening, SceneError, ViscousFriction, solve
+from semianalytic import CoulombFriction, RateWeakening, SceneError, ViscousFriction
 from semianalytic.reference import viscous_edge_speed, viscous_slip_rate
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.rated import approach, newton
 from semianalytic.selfsimilar.rated.approach import approached, settled_zones, unsettled
 from semianalytic.selfsimilar.rated.law import unit_law
 from semianalytic.selfsimilar.rated.newton import rated_zones
+from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.placement import polish_edges
 

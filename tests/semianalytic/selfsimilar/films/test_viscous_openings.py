@@ -10,8 +10,9 @@ import pytest
 from catalogue import unit_scene
 from laws import check_invariants
 
-from semianalytic import RateWeakening, SceneError, ViscousFriction, solve
+from semianalytic import RateWeakening, SceneError, ViscousFriction
 from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.zones import tuning
 from tests.semianalytic.selfsimilar.films.test_viscous import check_honest
 

@@ -9,9 +9,9 @@ from compare.figures.named import OWN_FIGURES
 from compare.figures.quantities import QUANTITIES, find_quantity
 from fem.elements.families import FAMILIES
 from meshes.blocks import PATTERNS
-from semianalytic import find_scene
-from semianalytic.prediction import chosen_method
-from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic import find
+from semianalytic.methods import chosen
+from semianalytic.scene.given.named import INTERFACES, LINES, NAMED_SCENES
 from semianalytic.scene.loading import LOADED
 from semianalytic.scene.scene import MODES
 from slipfront.cli import commands
@@ -101,8 +101,8 @@ def test_files_below_a_folder_are_completed(tmp_path):
 
 
 def test_names_are_those_of_the_functions_that_take_them():
-    preloaded = find_scene("preloaded")
-    antiplane = find_scene("antiplane")
+    preloaded = find("preloaded")
+    antiplane = find("antiplane")
     for name in completion.QUANTITIES:
         find_quantity(name, antiplane if name.endswith("z") else preloaded, None)
     assert set(QUANTITIES) <= set(completion.QUANTITIES)
@@ -112,5 +112,5 @@ def test_names_are_those_of_the_functions_that_take_them():
     assert completion.MESH_NAMES["element"] == tuple(FAMILIES)
     assert completion.MESH_NAMES["mesh"] == PATTERNS
     for method in completion.METHODS:
-        assert chosen_method(preloaded, method) in completion.METHODS
-    assert set(completion.scene_names("")) >= set(NAMED_SCENES)
+        assert chosen(preloaded, method).name in completion.METHODS
+    assert set(completion.scene_names("")) >= {*NAMED_SCENES, *LINES, *INTERFACES}

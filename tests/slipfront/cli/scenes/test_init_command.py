@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from semianalytic import RateWeakening, SlipWeakening, find_scene, march, solve
+from semianalytic import RateWeakening, SlipWeakening, find, solve
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.given.template import in_si_units, scene_text
@@ -21,7 +21,11 @@ X = np.linspace(0.03, 1.2, 40)
 def slip(scene):
     """Slip at x when a shear wave has come to 1, over the load over the shear modulus."""
     end, marched = 1 / scene.material.shear_speed, not scene.is_self_similar
-    answer = march(scene, end, nodes=120, companion=False) if marched else solve(scene)
+    answer = (
+        solve(scene, method="space-time", end_time=end, nodes=120, companion=False)
+        if marched
+        else solve(scene, method="self-similar")
+    )
     off = scene.superposition.taken_off
     load = max(abs(off.pressure), abs(off.shear))
     return answer.slip(X, end) * scene.material.shear_modulus / load
@@ -32,8 +36,8 @@ def slip(scene):
 def test_what_is_written_is_read_back_and_solved(name, shown):
     for line in (f"init plain.toml --from {name}", f"init si.toml --from {name} --units SI"):
         assert shown(line).out.count("Written to") == 1
-    plain, si = find_scene("plain.toml"), find_scene("si.toml")
-    assert plain == find_scene(name)
+    plain, si = find("plain.toml"), find("si.toml")
+    assert plain == find(name)
     assert (plain.units, si.units) == ("", "SI")
     assert si.material.shear_speed == 1000.0
     bar = 1e-6 if plain.is_self_similar else 0.01  # a jump may fall behind a step by rounding
@@ -41,10 +45,13 @@ def test_what_is_written_is_read_back_and_solved(name, shown):
 
 
 def test_weakening_laws_are_the_same_in_si_units():
-    scene = find_scene("preloaded")
+    scene = find("preloaded")
     for law in (SlipWeakening(0.5, 0.3), RateWeakening(0.1, 2.0)):
         weakening = replace(scene, friction_law=law)
-        plain, si = (march(one, None, nodes=100) for one in (weakening, in_si_units(weakening)))
+        plain, si = (
+            solve(one, method="space-time", end_time=None, nodes=100)
+            for one in (weakening, in_si_units(weakening))
+        )
         np.testing.assert_allclose(
             si.interface.slip[-1], 1e-3 * plain.interface.slip[-1], rtol=1e-9, atol=1e-15
         )
@@ -66,14 +73,14 @@ def test_each_alternative_works_once_its_marks_are_moved(units, shown):
             chosen = block[0].replace("\n# ", "\n").removeprefix("# ")
             whole = before + head + "\n" + chosen + gap + after
             Path("mine.toml").write_text(whole)
-            scene = find_scene("mine.toml")
+            scene = find("mine.toml")
             assert type(getattr(scene, table)) is known[kind]
             assert f'kind = "{kind}"' in scene_text(scene)
 
 
 def test_every_number_has_its_unit_and_meaning():
     for units, expected in (("", ("[stress]", "[time]", "[1/time]")), ("SI", ("[Pa]", "[s]"))):
-        scene = find_scene("harmonic")
+        scene = find("harmonic")
         text = scene_text(in_si_units(scene) if units else scene)
         for measure in expected:
             assert measure in text
@@ -83,7 +90,7 @@ def test_every_number_has_its_unit_and_meaning():
 
 
 def test_comments_leave_a_file_that_is_toml_and_nothing_unknown():
-    document = tomllib.loads(scene_text(find_scene("viscous"), "viscous"))
+    document = tomllib.loads(scene_text(find("viscous"), "viscous"))
     assert document["friction_law"] == {"kind": "viscous", "viscosity": 0.1}
     assert "lower_material" not in document
 
@@ -95,7 +102,7 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path, refused):
     assert "exists already" in refused("init")
     assert path.read_text() == "mine"
     assert main(["init", "--force", "--from", "tap"]) == 0
-    assert find_scene(str(path)) == find_scene("tap")
+    assert find(str(path)) == find("tap")
 
 
 def test_places_that_cannot_be_written_are_refused(tmp_path, refused):
@@ -105,7 +112,7 @@ def test_places_that_cannot_be_written_are_refused(tmp_path, refused):
 
 
 def test_scenes_of_other_units_are_not_turned():
-    scene = find_scene("preloaded")
+    scene = find("preloaded")
     other = replace(scene, material=replace(scene.material, density=2.0))
     with pytest.raises(SceneError, match="unit shear modulus and density"):
         in_si_units(other)

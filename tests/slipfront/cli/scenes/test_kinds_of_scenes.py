@@ -8,15 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from semianalytic import (
-    Marched,
-    find_line,
-    find_scene,
-    march,
-    solve,
-    solve_growing,
-    solve_line,
-)
+from semianalytic import Marched, find, solve
 from slipfront.cli.commands import main
 
 # --- whole lines and growing loads ----------------------------------------------------------------
@@ -40,8 +32,8 @@ shear = 8e6
 
 @pytest.mark.parametrize("name", ["whole-line-patch", "point-load", "growing-load"])
 def test_a_named_line_is_solved(shown, printed, name):
-    problem = find_line(name)
-    answer = solve_growing(problem) if name == "growing-load" else solve_line(problem)
+    problem = find(name)
+    answer = solve(problem)
     said = shown(f"solve {name} --end-time 2").out
     assert f"{answer.edge_speed:.12g}" in said
     assert "converged" in said
@@ -146,7 +138,7 @@ def test_a_pulse_at_an_angle_in_a_file_is_marched(printed, tmp_path):
 def test_a_march_knows_the_intensity_of_the_moving_front(printed):
     stuck = printed("solve incident-sv --friction 5 --method space-time --nodes 40")
     marched = stuck["stress_intensity_of_a_stuck_edge"]
-    exact = solve(replace(find_scene("incident-sv"), friction=5.0)).stress_intensity(1.0)
+    exact = solve(replace(find("incident-sv"), friction=5.0)).stress_intensity(1.0)
     assert list(marched.values()) == pytest.approx([float(one) for one in exact], rel=1e-12)
 
 
@@ -206,7 +198,7 @@ def test_solve_marches_saves_and_goes_on(tmp_path, shown, printed):
     document = printed("solve harmonic --go-on march.h5")
     assert document["end_time"] == 1.0
     length = Marched.load("march.h5").interface.x[-1]
-    whole = march(find_scene("harmonic"), 1.0, 120, length=length)
+    whole = solve(find("harmonic"), method="space-time", end_time=1.0, nodes=120, length=length)
     assert document["frictional_work"] == pytest.approx(
         whole.final_work_density.sum() * whole.grid.spacing, rel=0.05
     )
@@ -229,7 +221,7 @@ def test_interrupted_march_is_saved(monkeypatch, shown, printed):
 
 def test_going_on_with_another_scene_is_refused(tmp_path, refused):
     saved = tmp_path / "march.h5"
-    march(find_scene("ramp"), 0.5, 50, latest=1.0).save(saved)
+    solve(find("ramp"), method="space-time", end_time=0.5, nodes=50, latest=1.0).save(saved)
     refused("solve harmonic --go-on march.h5")
     assert "leave one of the two out" in refused("solve ramp --go-on march.h5 --nodes 60")
     saved.write_bytes(saved.read_bytes()[:500])

@@ -6,7 +6,7 @@ import pytest
 from rich.text import Text
 
 from docs.studies.schema import DOCUMENTS
-from semianalytic import find_scene, solve
+from semianalytic import find, solve
 from slipfront.cli.commands import command_for
 from slipfront.cli.scenes.points import written
 
@@ -41,7 +41,7 @@ def test_arrivals_alone_and_of_marches(printed):
     first, second = printed("solve preloaded --x 0.5,1")["points"]
     assert "t" not in first
     assert "slip" not in first
-    exact = solve(find_scene("preloaded"))
+    exact = solve(find("preloaded"))
     assert second["arrivals"]["slip"]["value"] == pytest.approx(float(exact.arrival(1.0)))
     document = printed("solve preloaded --x 0.5 --method space-time --nodes 128 -q")
     assert document["end_time"] == 1.0  # twice the time of a shear wave
@@ -72,7 +72,7 @@ def test_values_are_written_to_the_digits_of_their_bar(pair, shown):
 def test_init_begins_with_a_real_solid(refused, shown, tmp_path):
     for name in ("steel", "aluminium", "pmma", "homalite", "granite"):
         shown(f"init {name}.toml --material {name} --from ramp")
-        scene = find_scene(f"{name}.toml")
+        scene = find(f"{name}.toml")
         assert scene.units == "SI"
         assert scene.material.shear_speed > 1000
     assert "Leet and Ewing" in (tmp_path / "granite.toml").read_text()

@@ -1,1 +1,0 @@
-"""Ruptures that weaken with slip: where they overtake shear waves."""

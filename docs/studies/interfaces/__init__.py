@@ -1,1 +1,0 @@
-"""Interfaces against finite elements: the named ones, and random pairs of bodies."""

@@ -1,0 +1,64 @@
+"""One catalogue of names: whatever slips, found by its name or by the path of a TOML file."""
+
+from __future__ import annotations
+
+from os import PathLike, fspath
+from typing import Any
+
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.finding import INTERFACE, LINE, find_blocks, kind_of
+
+
+def find(source: str | PathLike[str]) -> Any:
+    """Find a problem by its name or by the path of a TOML file.
+
+    Parameters
+    ----------
+    source : str or path
+        A name that ``slipfront scenes`` lists (docs/scenes.md, docs/engine.md), also of an
+        installed package, or a path: anything that ends in .toml or exists as a file.
+
+    Returns
+    -------
+    Scene, Pair, WholeLine, GrowingSlot or InterfaceFile
+        A `Pair` if there are two different bodies; an `InterfaceFile` holds an `Interface` and how
+        long it is to be run.
+
+    Raises
+    ------
+    SceneError
+        If there is no such name or file, or the file describes none of them; the message says which
+        name is nearest, or which key to change.
+    PluginError
+        If the package that brings the name is broken, or two packages bring it.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> sa.find("preloaded").friction
+    0.3
+    >>> sa.find("whole-line-patch").load
+    Patch(speed=0.3, pressure=0.0, shear=1.0)
+    >>> sa.find("tpv101").end_time
+    15.0
+    """
+    if not isinstance(source, str | PathLike):
+        raise SceneError(f"find: give a name or the path of a TOML file, got {shown(source)}.")
+    source = fspath(source)
+    kind = kind_of(source)
+    # Each kind is read by a module that most problems do without.
+    if kind == LINE:
+        from semianalytic.whole_line.named import find_line
+
+        return find_line(source)
+    if kind == INTERFACE:
+        from semianalytic.interface.named import find_interface
+
+        return find_interface(source)
+    scene, lower = find_blocks(source)
+    if lower in (None, scene.material):
+        return scene
+    from semianalytic.dissimilar.described import pair_of
+
+    return pair_of(scene, lower)

@@ -1,0 +1,120 @@
+"""The table of methods, and the verb `solve`, which asks the first that takes a problem."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator
+from functools import partial
+from importlib import import_module
+from os import PathLike
+from typing import Any, NamedTuple
+
+from semianalytic.finding import find
+from semianalytic.scene import plugins
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+
+
+class Method(NamedTuple):
+    """A method, the class of problems it takes, its module, and what they are.
+
+    The module has ``solve(problem, **settings)``, and ``refuses(problem)``: None, or a sentence
+    that says why the method does not take the problem unless it is asked for by name.
+    """
+
+    name: str
+    problem: str
+    module: str
+    takes: str
+
+
+METHODS = (
+    Method("self-similar", "Scene", "selfsimilar.solver", "a slot beside a contact: step loads"),
+    Method("self-similar", "Pair", "dissimilar_slot.solver", "the same between two bodies"),
+    Method("self-similar", "WholeLine", "whole_line.solver", "a patch or a force without a slot"),
+    Method("self-similar", "GrowingSlot", "whole_line.growing", "a slot under a load that grows"),
+    Method("space-time", "Scene", "spacetime.march", "a slot: any history, slip weakening"),
+    Method("space-time", "Interface", "engine.run", "contacts, fields and laws along x"),
+)
+"""The methods in the order in which they are asked; those of installed packages come last."""
+_OWN = list(dict.fromkeys(row.name for row in METHODS))
+
+
+def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
+    """Solve a problem for what happens on its interface, by the first method that takes it.
+
+    Parameters
+    ----------
+    problem : Scene, Pair, WholeLine, GrowingSlot, Interface, InterfaceFile, str or path
+        What slips, or its name or file as for `find`.
+    method : str
+        "auto", or the name of a method (docs/methods.md).
+    **settings
+        Settings of that method, such as rtol or end_time; the page lists them.
+
+    Returns
+    -------
+    Solution, PairSolution, LineSolution, GrowingSolution, Marched or Run
+        An answer with the methods of `Answer`.
+
+    Raises
+    ------
+    SceneError
+        If there is no such problem, method or setting, or no method takes the problem.
+    TensionError, ComputationError
+        If the contact would open without end, or a march fails.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> sa.solve("preloaded").status, sa.solve("ramp", nodes=128).status
+    ('converged', 'resolved')
+    """
+    problem = find(problem) if isinstance(problem, str | PathLike) else problem
+    name, solver = chosen(problem, method)
+    known = [*inspect.signature(solver.solve).parameters.values()][1:]
+    for setting in sorted(settings.keys() - {one.name for one in known}):
+        if all(one.kind is not one.VAR_KEYWORD for one in known):
+            takes = ", ".join(one.name for one in known) or "none"
+            what = f"{name} for a {type(problem).__name__}"
+            raise SceneError(f"solve: {setting} is no setting of {what}, which knows {takes}.")
+    return solver.solve(problem, **settings)
+
+
+class Chosen(NamedTuple):
+    """The method that answers a problem, and its module."""
+
+    name: str
+    solver: Any
+
+
+def chosen(problem: object, method: str = "auto") -> Chosen:
+    """Return the method by which `solve` answers a problem; raises what it raises."""
+    refusals: dict[str, str] = {}
+    for name, load in _rows(problem):
+        if method in ("auto", name):
+            solver = load()
+            refusal = solver.refuses(problem) if method == "auto" else None
+            if refusal is None:
+                return Chosen(name, solver)
+            refusals.setdefault(refusal, name)  # two may say the same
+    if refusals:
+        raise SceneError(" ".join(f"{name}: {one}" for one, name in refusals.items()))
+    names = ["auto", *_OWN, *plugins.plugin_names(plugins.METHODS, _OWN)]
+    if method not in names:
+        raise SceneError(f"method must be one of {', '.join(names)}, got {shown(method)}.")
+    kinds = dict.fromkeys(row.problem for row in METHODS if method in ("auto", row.name))
+    wanted = f"a {' or '.join(kinds)}, or the name or file of one, got {shown(problem)}"
+    subject = "solve: problem must be" if method == "auto" else f"`method` {method} is for"
+    raise SceneError(f"{subject} {wanted}.")
+
+
+def _rows(problem: object) -> Iterator[tuple[str, Callable[[], Any]]]:
+    """Yield the methods for such problems, each with what imports its module."""
+    classes = {one.__name__.removesuffix("File") for one in type(problem).__mro__}
+    for row in METHODS:
+        if row.problem in classes:
+            yield row.name, partial(import_module, f"semianalytic.{row.module}")
+    for name in plugins.plugin_names(plugins.METHODS, _OWN):
+        if plugin := plugins.find_plugin(plugins.METHODS, name):
+            yield name, plugin.load

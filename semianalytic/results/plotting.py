@@ -1,0 +1,58 @@
+"""An answer as a picture: slip rate and tractions over x at one time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from semianalytic.scene.extras import needing
+from semianalytic.scene.units import SI
+
+_POINTS = 800
+_SHOWN = {"length": (1e3, "mm"), "time": (1e6, "µs"), "stress": (1e-6, "MPa")}
+"""Sizes and names of the units in which scenes in those of the SI are drawn."""
+
+
+def drawn(answer: Any, ax: Any, t: float | None) -> Any:
+    """Draw an answer; `Gridded.plot` describes it."""
+    with needing("plot"):
+        from matplotlib import pyplot
+    material = answer.scene.material
+    end = getattr(answer, "end_time", 1 / material.shear_speed) if t is None else t
+    nodes = getattr(getattr(answer, "interface", None), "x", None)
+    reach = 1.05 * material.longitudinal_speed * end if nodes is None else nodes[-1]
+    x = np.linspace(0.0, reach, _POINTS + 1)[1:]
+    axes = ax if ax is not None else pyplot.subplots(2, sharex=True, layout="constrained")[1]
+    si = answer.scene.units == SI
+    length, time, stress = (_SHOWN[one] if si else (1.0, one) for one in _SHOWN)
+    upper = axes if ax is not None else axes[0]
+    upper.plot(x * length[0], answer.slip_rate(x, end), label="slip rate")
+    upper.set_ylabel("slip rate" + (" [m/s]" if si else ""))
+    upper.set_title(f"t = {end * time[0]:.4g}" + (f" {time[1]}" if si else ""))
+    if ax is None:
+        for name in ("shear_traction", "pressure"):
+            values = stress[0] * getattr(answer, name)(x, end)
+            axes[1].plot(x * length[0], values, label=name.replace("_", " "))
+        axes[1].set_ylabel("traction" + (f" [{stress[1]}]" if si else ""))
+        axes[1].legend()
+    for one in np.atleast_1d(axes):
+        for name, speed in _waves(answer).items():
+            if speed * end < reach:
+                place = speed * end * length[0]
+                one.axvline(place, color="0.7", lw=0.8)
+                one.annotate(name, (place, 1), xycoords=("data", "axes fraction"))
+    np.atleast_1d(axes)[-1].set_xlabel("x" + (f" [{length[1]}]" if si else ""))
+    return axes
+
+
+def _waves(answer: Any) -> dict[str, float]:
+    """Return the speeds of waves by name, those of a lower body that is another one as well."""
+    bodies = {"": answer.scene.material}
+    if hasattr(answer, "pair"):
+        bodies |= {" of the lower body": answer.pair.lower}
+    return {
+        f"{name}{of}": getattr(body, f"{wave}_speed")
+        for of, body in bodies.items()
+        for name, wave in (("c_R", "rayleigh"), ("c_t", "shear"), ("c_l", "longitudinal"))
+    }

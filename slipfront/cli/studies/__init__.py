@@ -1,1 +1,0 @@
-"""Commands that compute many scenes: surveys, maps of regimes, stability, the article redone."""

@@ -1,0 +1,320 @@
+"""``slipfront survey``: a scene at many values of its parameters, into a file."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.markup import escape
+
+from compare.output.printed import Table
+from compare.output.progress import progress_bar
+from semianalytic.interface.named import described_interface
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.extras import CLUSTER, require
+from semianalytic.scene.given.finding import find_blocks, scene_label
+from semianalytic.scene.given.overriding import override_scene
+from semianalytic.scene.units import ARGUMENTS, InSI, unit
+from slipfront.cli.options import (
+    LOWER_OPTIONS,
+    SCENE_OPTIONS,
+    AsJson,
+    Quiet,
+    SceneArgument,
+    asked,
+    measured_option,
+    option_dimension,
+    option_name,
+    read_number,
+    with_options,
+)
+from slipfront.cli.terminal import print_json
+
+if TYPE_CHECKING:
+    from slipfront.surveys.parameters import Subject
+
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Work on the Dask cluster of this scheduler, as tcp://127.0.0.1:8786.",
+    ),
+]
+_VALUES = (
+    "Values: a number, a list 0.1,0.2,0.5, or start:stop:count, with :log for equal ratios; "
+    "with units as 1MPa:5MPa:9"
+)
+
+_DIGIT = re.compile(r"\d")
+
+VALUE_OPTIONS: Mapping[str, Any] = {
+    name: Annotated[
+        str | None,
+        typer.Option(metavar="VALUES", help=escape(_help), rich_help_panel=_VALUES),
+    ]
+    for name, _help in (
+        (name, hint.__metadata__[0].help.replace("\\[", "["))
+        for name, hint in {**SCENE_OPTIONS, **LOWER_OPTIONS}.items()
+        if name not in ("mode", "load_on", "wave", "wave_from", "units")
+    )
+}
+SAMPLES: Mapping[str, Any] = {
+    name: Annotated[
+        str | None, typer.Option(metavar="VALUES", help=escape(text), rich_help_panel=_VALUES)
+    ]
+    for name, text in {
+        "x": "Positions at which fields are stored [length].",
+        "t": "Times at which fields are stored [time].",
+    }.items()
+}
+QUESTIONS: Mapping[str, Any] = {
+    "rtol": Annotated[
+        float | None,
+        typer.Option(help="Requested accuracy; 1e-6 by default for solutions, none for marches."),
+    ],
+    "end_time": Annotated[
+        float | None,
+        measured_option("time", "Time until which totals are taken and marches run [time]."),
+    ],
+    "nodes": Annotated[int | None, typer.Option(help="Number of contact nodes of marches.")],
+    "length": Annotated[
+        float | None,
+        measured_option("length", "Length of the contact that marches observe [length]."),
+    ],
+}
+
+
+@with_options(
+    values=VALUE_OPTIONS,
+    samples=SAMPLES,
+    question=QUESTIONS,
+    overrides={"units": SCENE_OPTIONS["units"]},
+)
+def survey_command(
+    values: Mapping[str, str],
+    samples: Mapping[str, str],
+    question: Mapping[str, Any],
+    overrides: Mapping[str, Any],
+    scene_name: SceneArgument,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUES",
+            help="Any other number of the scene, such as friction_law.reduction=0:1:11, or of an "
+            "interface, such as law.distance=1e-5:1e-4:10:log.",
+        ),
+    ] = None,
+    together: Annotated[
+        bool,
+        typer.Option("--together", help="Take the values as one list of points instead of a grid."),
+    ] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="NetCDF file to write; results/SCENE-survey.nc by default."
+        ),
+    ] = None,
+    chunk: Annotated[
+        int | None,
+        typer.Option(help="Largest number of points that are solved and saved together."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Number of processes; one per core by default.")
+    ] = None,
+    scheduler: Scheduler = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Solve a scene or run an interface at many values of its parameters, into NetCDF.
+
+    SCENE may also be the name or file of an interface, as for slipfront run.  Two different bodies
+    with a slot are solved exactly: the lower one is lower_material of the file, or is like
+    the upper one but for the numbers that are given.
+
+    An interrupted survey resumes when it is started again with the same values.  Scenes that are
+    refused have nan as their values and the reason as their status; the exit code is still 0.
+    """
+    from semianalytic.dissimilar.described import pair_of
+    from slipfront.surveys.plan import Question, planned
+    from slipfront.surveys.run import FIELDS, run_survey
+
+    interface = described_interface(scene_name)
+    if interface is not None and overrides:
+        raise SceneError("--units has no effect on an interface; leave it out.")
+    scene: Subject
+    if interface is not None:
+        scene = interface
+    else:
+        alike, lower = find_blocks(scene_name)
+        scene = alike = override_scene(alike, **overrides)
+        if lower not in (None, alike.material) or values.keys() & LOWER_OPTIONS.keys():
+            scene = pair_of(alike, lower or alike.material)
+    path = output or Path("results", f"{scene_label(scene_name)}-survey.nc")
+    if workers is not None and workers < 1:
+        raise SceneError(f"{option_name('workers')} must be a whole number from 1, got {workers}.")
+    places = {
+        name: tuple(np.atleast_1d(typed_values(scene, name, text, ARGUMENTS[name])).tolist())
+        for name, text in samples.items()
+    }
+    for name in ("end_time", "length"):
+        asked(scene, name, question.get(name), ARGUMENTS[name])
+    wanted: dict[str, Any] = {**question, **places, "fields": FIELDS if "t" in places else ()}
+    given: dict[str, Any] = {
+        name: typed_values(scene, name, text, option_dimension(name))
+        for name, text in values.items()
+    }
+    others = _others(scene, vary or ())
+    if twice := [name for name in others if name in given]:
+        raise SceneError(
+            f"--vary {twice[0]} and {option_name(twice[0])} are one parameter; give one of them."
+        )
+    given |= others
+    plan = planned(scene, given, Question(**wanted), together=together, chunk=chunk)
+    command = shlex.join(["slipfront", *sys.argv[1:]])
+    bar = progress_bar(Console(stderr=True), quiet or as_json, "surveying")
+    with on_scheduler(scheduler) as client, bar as progress:
+        found = run_survey(plan, path, workers, client, progress, command)
+    document = survey_document(found, path)
+    if as_json:
+        print_json("survey", document, files=[path])
+    else:
+        Console().print(_table(document, scene_label(scene_name)))
+        Console().print(f"Written to {path}", highlight=False, markup=False)
+
+
+def on_scheduler(address: str | None) -> AbstractContextManager[Any]:
+    """A client of the scheduler at an address; None without an address."""
+    from compare.tasks.cluster import connected
+
+    if address is not None:
+        require("--scheduler", *CLUSTER)
+    return connected(address)
+
+
+def typed_values(scene: Subject, name: str, text: str, dimension: str) -> Any:
+    """Parse values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
+
+    Numbers of a dimension may have units, all of one text or none; they are returned in the units
+    of the scene.
+
+    Raises
+    ------
+    SceneError
+        If the text has none of these forms, units are not those of the dimension, or there are too
+        many values.
+    """
+    from slipfront.surveys.plan import MOST_VALUES
+
+    first, *others = text.split(":")
+    try:
+        if not others:
+            row = _read(scene, name, text.split(","), dimension)
+            return np.array(row) if "," in text else row[0]
+        stop, count, *scale = others
+        (start, end), number = _read(scene, name, (first, stop), dimension), int(count)
+        if number < 1 or scale not in ([], ["log"]):
+            raise ValueError(count)
+        if number <= MOST_VALUES:
+            return np.geomspace(start, end, number) if scale else np.linspace(start, end, number)
+    except ValueError as error:
+        # a unit of another dimension is no matter of form
+        if isinstance(error, SceneError) and all(map(_DIGIT.search, re.split("[:,]", text)[:2])):
+            raise
+        raise _no_values(name, text) from error
+    raise SceneError(f"{option_name(name)} must be at most {MOST_VALUES:.0e} values, got {text!r}.")
+
+
+def _read(scene: Subject, name: str, texts: Sequence[str], dimension: str) -> list[float]:
+    numbers = [read_number(scene, name, text, dimension) for text in texts]
+    bare = [one for one in numbers if one and not isinstance(one, InSI)]
+    if 0 < len(bare) < len(numbers) and any(isinstance(one, InSI) for one in numbers):
+        raise SceneError(
+            f"{option_name(name)} must have a unit at each number or at none, got "
+            f"{shown(','.join(texts))}."
+        )
+    return numbers
+
+
+def _no_values(name: str, text: str) -> SceneError:
+    return SceneError(
+        f"{option_name(name)} must be a number, a row as 0.1,0.2,0.5, or start:stop:count as "
+        f"0.1:0.9:100, got {text!r}."
+    )
+
+
+def _others(scene: Subject, vary: Sequence[str]) -> dict[str, Any]:
+    """Return the values of parameters that have no option of their own."""
+    from slipfront.surveys.parameters import dimension_of, parameter_name
+
+    result: dict[str, Any] = {}
+    for text in vary:
+        name, equals, values = text.partition("=")
+        if not equals or not name:
+            raise SceneError(
+                f"--vary must be a name and values as friction_law.reduction=0:1:11, got {text!r}."
+            )
+        if name in result:
+            raise SceneError(f"--vary {name} is given twice; give all its values in one row.")
+        dimension = dimension_of(scene, parameter_name(scene, name))
+        result[name] = typed_values(scene, "vary", values, dimension)
+    return result
+
+
+def survey_document(found: Any, path: Path) -> dict[str, Any]:
+    """Summarise a survey in numbers with their units, for JSON."""
+    counts = Counter(np.asarray(found["status"].values).ravel().tolist())
+    methods = Counter(np.asarray(found["method"].values).ravel().tolist())
+    estimates = found["error_estimate"].values if "error_estimate" in found else np.array([np.nan])
+    document: dict[str, Any] = {
+        "file": str(path),
+        "points": int(found["status"].size),
+        "dimensions": {name: int(length) for name, length in found.sizes.items()},
+        "parameters": {
+            name: {"least": float(row.min()), "largest": float(row.max()), "count": row.size}
+            for name, row in found.coords.items()
+            if row.dtype.kind == "f"
+        },
+        "statuses": dict(counts.most_common()),
+        "methods": dict(methods.most_common()),
+        "largest_error_estimate": float(np.fmax.reduce(estimates, axis=None)),
+        "seconds": float(found["seconds"].sum()),
+        "variables": sorted(map(str, found.data_vars)),
+    }
+    units = {name: found[name].attrs.get("units", "1") for name in document["variables"]}
+    document["units"] = {
+        "parameters": {name: found[name].attrs["units"] for name in document["parameters"]},
+        "largest_error_estimate": unit("1"),
+        "seconds": "s",
+        "variables": units,
+    }
+    return document
+
+
+def _table(document: Mapping[str, Any], label: str) -> Table:
+    table = Table(title=f"{label}: {document['points']:,} points", show_header=False)
+    for name, row in document["parameters"].items():
+        units = document["units"]["parameters"][name]
+        text = f"{row['least']:.6g} to {row['largest']:.6g} ({row['count']})"
+        table.add_row(name.replace("_", " "), text if units == "1" else f"{text} {units}")
+    statuses = list(document["statuses"].items())
+    for status, count in statuses[:_SHOWN]:
+        table.add_row(f"{count:,}", escape(status))
+    if len(statuses) > _SHOWN:
+        table.add_row(f"{sum(count for _, count in statuses[_SHOWN:]):,}", "otherwise")
+    table.add_row("largest error estimate", f"{document['largest_error_estimate']:.2g}")
+    table.add_row("processor time", f"{document['seconds']:.3g} s")
+    return table
+
+
+_SHOWN = 4
+"""Number of statuses in the table; the rest are counted together."""

@@ -1,0 +1,122 @@
+"""The article reproduced: its cases, claims, figures and the equation register."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from docs.studies.article.__main__ import (
+    STUDIES,
+    case_row,
+    claims_table,
+    figure_2,
+    figure_5,
+    figure_6,
+    reading_rows,
+    slot_figure,
+)
+from docs.studies.article.cases import (
+    Cases,
+    article_scene,
+    run_cases,
+    slot_errors,
+    slot_rows,
+)
+from docs.studies.article.claims import CLAIMS, METHODS
+from docs.studies.pages import read_data
+from semianalytic.scene.errors import SceneError
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "article.md"
+
+
+@pytest.fixture(scope="module")
+def cases() -> Cases:
+    return run_cases(32)
+
+
+def test_parameters_are_the_articles():
+    scene = article_scene("remote", 0.5)
+    material = scene.material
+    assert material.shear_speed == pytest.approx(5)
+    assert material.longitudinal_speed == pytest.approx(10)
+    assert material.rayleigh_speed == pytest.approx(4.662, abs=1e-3)
+    assert scene.friction * scene.load.pressure / scene.load.shear == 0.5
+
+
+def test_the_two_honest_methods_agree(cases):
+    """At 40 cells per c_t T slip rates differ by 1 % of Q_0/(mu b) in the mean, first order; at 32
+    by a quarter more."""
+    for case in cases.values():
+        assert case.solution.status == "converged"
+        assert case.difference() < 0.02
+
+
+def test_claims(cases):
+    """The verdicts of the two honest methods are the same, and those of the page."""
+    rows = [judge(cases) for judge in CLAIMS]
+    kept = read_data("article-claims")[1]
+    assert len(rows) == len(kept) == 10
+    for row, shown in zip(rows, kept, strict=True):
+        verdicts = {name: row[name].split(":")[0] for name in METHODS}
+        assert verdicts["exact"] == verdicts["finite_elements"], row["claim"]
+        assert verdicts == {name: shown[name].split(":")[0] for name in METHODS}
+        assert (row["claim"], row["exact"]) == (shown["claim"], shown["exact"])
+    assert claims_table([row | {"resolution": 32} for row in rows]) == rows
+
+
+def test_the_page_shows_all_cases_and_what_they_differ_by():
+    rows = read_data("article-cases")[1]
+    (study,) = (one for one in STUDIES if one.name == "article-cases")
+    assert len(rows) == len(study.points(False)) == 9
+    assert max(float(row["difference"]) for row in rows) < 2e-3
+    kind, chi, _ = study.points(False)[0]
+    row = case_row(kind, chi, 20)
+    assert row["difference"] < 0.05
+    assert (row["base"], row["chi"]) == (rows[0]["base"], float(rows[0]["chi"]))
+
+
+@pytest.mark.slow
+def test_figures(cases):
+    rows = [*slot_rows("II", 0.04), *slot_rows("I", 0.04)]
+    for figure in (figure_2(cases), figure_5(cases), figure_6(cases), slot_figure(rows)):
+        assert all(axes.lines for axes in figure.axes)
+    errors = {row["mode"]: row for row in slot_errors(rows)}
+    assert all(errors[mode]["free"] < 0.1 < errors[mode]["held"] for mode in ("I", "II"))
+
+
+@pytest.mark.slow
+def test_no_reading_of_the_algorithm_gives_the_published_limit():
+    rows = reading_rows(40)
+    assert len(rows) == 144
+    assert sum("(default)" in row["start"] for row in rows) == 1
+    singular = [row for row in rows if math.isinf(row["condition"])]
+    assert {row["delay"] for row in singular} == {"printed"}
+    limits = [row["reverse_limit"] for row in rows if row["settled"] is True]
+    assert limits
+    assert all(abs(limit / 0.0575 - 1) > 0.05 for limit in limits)
+
+
+@pytest.mark.parametrize(
+    ("chi", "loading", "words"),
+    [(0.5, "article", "bound is negative"), (-1.0, "remote", "chi must be positive")],
+)
+def test_scene_errors(chi, loading, words):
+    with pytest.raises(SceneError, match=words):
+        article_scene(loading, chi)
+
+
+def test_equation_register_is_complete():
+    """Every numbered equation has a row; that its functions exist is tested of all pages."""
+    register = DOCUMENT.read_text(encoding="utf-8").split("## Equation register")[1]
+    listed = set()
+    for first, last in re.findall(
+        r"^\| \(([\d.]+)\)(?:–\(([\d.]+)\))? \|", register.split("\n## ")[0], flags=re.MULTILINE
+    ):
+        section, number = first.split(".")
+        for one in range(int(number), int((last or first).split(".")[1]) + 1):
+            listed.add(f"{section}.{one}")
+    counts = {"2": 1, "3": 21, "4": 45, "5": 4, "7": 11}
+    assert listed == {f"{s}.{n}" for s, count in counts.items() for n in range(1, count + 1)}
