@@ -331,12 +331,12 @@ def test_files_hold_no_numerics():
 
 
 def test_product_needs_numpy_and_scipy_only():
-    allowed = {"numpy", "scipy", "semianalytic", "h5py", "xarray", "matplotlib"} | set(
+    allowed = {"numpy", "scipy", "semianalytic", "h5py", "xarray", "pint", "matplotlib"} | set(
         sys.stdlib_module_names
     )
     for path in sources("semianalytic"):
         assert {name.split(".")[0] for name in imported_modules(path)} <= allowed, path
-    heavy = {"h5py", "xarray", "matplotlib", "skfem", "gmsh", "meshio", "rich"}
+    heavy = {"h5py", "xarray", "pint", "matplotlib", "skfem", "gmsh", "meshio", "rich"}
     assert not heavy & set(loaded_with("")[0])
 
 

@@ -26,12 +26,12 @@ from compare.benchmarks.answers import (
 )
 from compare.benchmarks.sheets import SI, Sheet, find_sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
-from compare.records.read import read_records
+from compare.records.read import ARRAYS, HDF5, MESHES, read_records
 from compare.records.record import QUANTITIES, Record, Records
-from compare.records.text import lines_of
 from compare.validation import Conventions, validate
 from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.tables.text import lines_of
 
 Array = NDArray[np.float64]
 
@@ -83,14 +83,15 @@ class Score:
     held: float
 
 
-def score_file(path: Path, sheet: Sheet | None = None) -> tuple[Score, ...]:
-    """Score the run of a file.
+def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Score, ...]:
+    """Score the runs of files; files that hold one station each are one run, as for `validate`.
 
     Parameters
     ----------
-    path : Path
+    paths : sequence of Path
+        Files or folders.
     sheet : Sheet, optional
-        That it is of, unless the file says so (``# benchmark: NAME``).
+        That they are of, unless the files say so (``# benchmark: NAME``).
 
     Raises
     ------
@@ -99,20 +100,38 @@ def score_file(path: Path, sheet: Sheet | None = None) -> tuple[Score, ...]:
     SceneError
         If nothing says which sheet it is of.
     """
-    said = (line.removeprefix("#").partition(":") for line in lines_of(path) if line[:1] == "#")
-    named = next((name.strip() for label, _, name in said if label.strip() == "benchmark"), None)
-    if sheet is None and named is None:
-        raise SceneError(f"{path} does not say of which benchmark it is; give `sheet`.")
-    if sheet is not None and named not in (None, sheet.name):
-        raise DataFileError(f"{path} is of {named}, not of {sheet.name}; leave `sheet` out.")
-    sheet = sheet or find_sheet(str(named))
-    (records,) = read_records([path])
-    for name, unit in records.stated.units.items():
-        if sheet.units != SI:  # numbers with units were converted to the SI
-            raise DataFileError(
-                f"{path}: {name} is in {unit.name}; hand it in where {sheet.units}, without a unit."
-            )
-    return score(sheet, records)
+    runs: dict[str, list[Path]] = {}
+    for path in paths:
+        named = _named(path)
+        if sheet is None and named is None:
+            raise SceneError(f"{path} does not say of which benchmark it is; give `sheet`.")
+        if sheet is not None and named not in (None, sheet.name):
+            raise DataFileError(f"{path} is of {named}, not of {sheet.name}; leave `sheet` out.")
+        runs.setdefault(sheet.name if sheet else str(named), []).append(path)
+    scores: list[Score] = []
+    for name, files in runs.items():
+        of = sheet or find_sheet(name)
+        for records in read_records(files):
+            for column, unit in records.stated.units.items():
+                if of.units != SI:  # numbers with units were converted to the SI
+                    raise DataFileError(
+                        f"{records.source}: {column} is in {unit.name}; hand it in where "
+                        f"{of.units}, without a unit."
+                    )
+            scores += score(of, records)
+    return tuple(scores)
+
+
+def _named(path: Path) -> str | None:
+    """Name of the sheet that a file, or the first one of a folder that does, says it is of."""
+    for file in sorted(path.iterdir()) if path.is_dir() else [path]:
+        if file.suffix.lower() in (*MESHES, *ARRAYS, *HDF5) or file.is_dir():
+            continue
+        said = (line.removeprefix("#").partition(":") for line in lines_of(file) if line[:1] == "#")
+        for label, _, name in said:
+            if label.strip() == "benchmark":
+                return name.strip()
+    return None
 
 
 def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:

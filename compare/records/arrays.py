@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from compare.records.bounds import MOST_FILES, check_file_size, check_numbers
 from compare.records.names import known_columns, no_columns
 from compare.records.options import ReadingOptions
 from compare.records.record import QUANTITIES, Array, Records
@@ -25,6 +24,7 @@ from compare.records.stations import (
 from semianalytic.results.interface_history import FORMAT as HISTORY
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, check_numbers
 
 ANEW = "write it anew"
 _DAMAGES = (
@@ -217,7 +217,7 @@ def records_of_arrays(
     stations_of = stations_of_rows if in_rows else stations_of_grid
     stations, mended = stations_of(path, x, t, fitted)
     notes = (*known.notes, *more, *mended)
-    return Records(stations, None, str(path), notes, stated=stated)
+    return Records(stations, None, str(path), notes, stated=stated, unread=known.unread)
 
 
 def _fitted(path: Path, name: str, value: Array, t: Array, x: Array) -> Array:

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.records.bounds import check_file_size
 from compare.records.names import Columns
 from compare.records.options import ReadingOptions
 from compare.records.record import AFTER, Array, Records
 from compare.records.stations import contact_stations, joined_faces
-from compare.records.text import text_of
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.bounds import check_file_size
+from semianalytic.scene.tables.text import text_of
 
 UGUCA_FIELDS = {
     "top_velo_0": "velocity_upper",

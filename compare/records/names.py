@@ -8,8 +8,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from compare.records.record import QUANTITIES, Unit
-from compare.records.units import DIMENSIONS, EXAMPLES, names_no_unit, si_size
+from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.columns import split_heading
+from semianalytic.scene.tables.units import (
+    DIMENSIONS,
+    EXAMPLES,
+    names_no_unit,
+    si_size,
+)
 
 FACES = {
     "slip_rate": ("velocity_upper", "velocity_lower"),
@@ -23,9 +30,9 @@ ALIASES: Mapping[str, str] = {
     "slip_rate": "slip_rate sliprate slip_velocity slipvelocity h_slip_rate v rate delta_dot srs",
     "slip": "slip h_slip delta displacement_jump jump sls",
     "shear_traction": "shear_traction shear_stress h_shear_stress traction tau shear sigma_xy s_xy "
-    "ts0",
+    "sxy tau_xy tau_12 s12 sigma_12 traction0 traction_0 traction_x ts0",
     "pressure": "pressure normal_pressure contact_pressure p n_stress normal_stress sigma_n "
-    "sigma_yy normal_traction pn0",
+    "sigma_yy normal_traction syy s22 sigma_22 traction1 traction_1 traction_y pn0",
     "velocity_upper": "velocity_upper upper_velocity velocity_top top_velocity v_upper v_top "
     "vx_top",
     "velocity_lower": "velocity_lower lower_velocity velocity_bottom bottom_velocity v_lower "
@@ -49,15 +56,17 @@ LONGEST = 200
 
 _KINDS = {name: kind for kind, names in ALIASES.items() for name in names.split()}
 _OF_FACES = {face: kind for kind, faces in FACES.items() for face in faces}
-_TENSION = {"n_stress", "normal_stress", "sigma_n", "sigma_yy", "normal_traction", "pn0"}
-_BRACKETED = re.compile(r"([^\[(]*)[\[(]([^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]\s*\Z")
-_ENDINGS: Mapping[str, str] = {
-    "length": "m km cm mm um µm",
-    "time": "s ms us µs",
-    "length / time": "m/s km/s cm/s mm/s um/s µm/s",
-    "stress": "Pa kPa MPa GPa",
+_COMPRESSION = {"pressure", "normal_pressure", "contact_pressure", "p"}
+_LONG = {
+    "v": ("v", "v_", "velocity_"),
+    "u": ("u", "u_", "displacement_"),
+    "s": ("s", "s_", "sigma_", "stress_"),
+    "e": ("e", "e_", "eps_", "epsilon_", "strain_"),
 }
-"""Units that may end a name behind _, as in x_mm."""
+_BODIES = {stem + name[1:]: name for name in FIELDS for stem in _LONG[name[0]]}
+"""Names of quantities inside the bodies, some of which mean a traction where there is no y."""
+NOISE = "noise"
+"""Name of a column of standard deviations, of all quantities or, as slip_noise, of one."""
 
 
 @dataclass(frozen=True)
@@ -74,21 +83,27 @@ class Columns:
         Tractions that are changes since t = 0, by their names.
     notes : tuple of str
         What was taken for granted, a sentence each.
+    unread : tuple of str
+        Names of all other columns.
     """
 
     places: Mapping[str, int]
     units: Mapping[str, Unit] = field(default_factory=dict)
     changes: frozenset[str] = frozenset()
     notes: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
 
     def scale(self, kind: str) -> float:
         """Factor of a column: to SI units where it names a unit."""
         return self.units[kind].size if kind in self.units else 1.0
 
 
-def dimension_of(kind: str) -> str:
-    """Dimension of a column by what it holds."""
-    return DIMENSIONS[_OF_FACES.get(kind, kind)]
+def dimensions_of(kind: str) -> tuple[str, ...]:
+    """Dimension of a column by what it holds; noise of all quantities may have any."""
+    kind = kind.removeprefix(f"{NOISE} ")
+    if kind == NOISE:
+        return tuple(EXAMPLES)
+    return (FIELDS.get(kind) or DIMENSIONS[_OF_FACES.get(kind, "x" if kind == "y" else kind)],)
 
 
 def known_columns(
@@ -97,10 +112,9 @@ def known_columns(
     told: Mapping[str, str],
     line: int = 0,
     units: Mapping[str, str] | None = None,
+    bodies: bool = False,
 ) -> Columns:
     """Which column holds what, and in which unit.
-
-    Columns of unknown names are left out.
 
     Parameters
     ----------
@@ -112,6 +126,8 @@ def known_columns(
         Names of columns by what they hold, for those that are told.
     units : mapping, optional
         Units by name of column where a file has them apart from names.
+    bodies : bool
+        Whether y, quantities inside the bodies and noise are known, besides those of `ALIASES`.
 
     Raises
     ------
@@ -122,7 +138,17 @@ def known_columns(
     places: dict[str, int] = {}
     named: dict[str, Unit] = {}
     notes = []
-    split = [_split(name) for name in names]
+    kinds = _KINDS
+    if bodies:  # with y, sigma_xy is a stress inside a body, else a traction
+        with_y = any(_split(name, {"y": "y"})[0] == "y" for name in names)
+        kinds = {"y": "y"} | (_KINDS | _BODIES if with_y else _BODIES | _KINDS)
+        kinds |= {NOISE: NOISE} | {
+            name: f"{NOISE} {kind}"
+            for pure, kind in kinds.items()
+            for name in (f"{pure}_{NOISE}", f"{NOISE}_{pure}")
+            if kind in (*QUANTITIES, *FIELDS)
+        }
+    split = [_split(name, kinds) for name in names]
     for kind, column in told.items():
         if kind not in ALIASES:
             raise DataFileError(f"A column cannot be {kind!r}; choose among {', '.join(ALIASES)}.")
@@ -131,7 +157,7 @@ def known_columns(
                 f"{path} has no column {column!r}; choose among {', '.join(names) or 'none'}."
             )
         places[kind] = list(names).index(column)
-    times = "t" in told or any(_KINDS.get(pure) == "t" for pure, unit in split if unit != "s")
+    times = "t" in told or any(kinds.get(pure) == "t" for pure, unit in split if unit != "s")
     if times:  # what SeisSol calls T_s is then no time in seconds
         split = [(n, "") if n in SEISSOL else pair for n, pair in zip(names, split, strict=True)]
     changes = {
@@ -140,25 +166,31 @@ def known_columns(
         if times and name in names and total not in names and kind not in told
     }
     for place, (pure, _) in enumerate(split):
-        kind = _seissol(names, place, changes) or _KINDS.get(pure, "")
+        kind = _seissol(names, place, changes) or kinds.get(pure, "")
         if not kind or kind in told or place in places.values():
             continue
         if kind in places:
             raise DataFileError(
                 f"{path}{_at(line)}: columns {names[places[kind]]!r} and {names[place]!r} are both "
-                f"{kind}; say which one is, as {kind}=NAME."
+                f"{kind}; rename one, or tell slipfront validate --column {kind}=NAME."
             )
         places[kind] = place
-        if pure in _TENSION:
+        if kinds.get(pure) == "pressure" and pure not in _COMPRESSION:
             notes.append(f"{names[place]} is read as pressure")
     for kind, place in places.items():
         text = apart.get(names[place], split[place][1])
-        unit = _unit(path, line, names[place], text, dimension_of(kind))
+        unit = _unit(path, line, names[place], text, dimensions_of(kind))
         if unit is not None:
             named[kind] = unit
             if unit.size != 1:
                 notes.append(f"{names[place]} is converted to SI units")
-    return Columns(places, named, frozenset(changes), tuple(notes))
+    named |= {  # noise is in the unit of its quantity unless it has its own
+        kind: named[kind.removeprefix(f"{NOISE} ")]
+        for kind in places
+        if kind not in named and kind.removeprefix(f"{NOISE} ") in named
+    }
+    unread = tuple(name for place, name in enumerate(names) if place not in places.values())
+    return Columns(places, named, frozenset(changes), tuple(notes), unread)
 
 
 def _seissol(names: Sequence[str], place: int, changes: set[str]) -> str:
@@ -167,45 +199,54 @@ def _seissol(names: Sequence[str], place: int, changes: set[str]) -> str:
     return kind if kind in changes else ""
 
 
-def _unit(path: Path, line: int, name: str, text: str, dimension: str) -> Unit | None:
+def _unit(path: Path, line: int, name: str, text: str, dimensions: Sequence[str]) -> Unit | None:
     """The unit that a column names; None if it has none."""
-    if names_no_unit(text, dimension):
+    if any(names_no_unit(text, one) for one in dimensions):
         return None
-    size = si_size(text, dimension)
+    sizes = (si_size(text, one) for one in dimensions)
+    size = next((one for one in sizes if one is not None), None)
     if size is None:
         shown = text if len(text) <= LONGEST // 4 else text[: LONGEST // 4] + "..."
         raise DataFileError(
             f"{path}{_at(line)}: {shown!r} in the name of {name[:LONGEST]!r} is no known unit of "
-            f"{dimension}; write one, such as {EXAMPLES[dimension]}, or none."
+            f"{' or '.join(dimensions).replace('1', 'strain')}; write one, such as "
+            f"{EXAMPLES[dimensions[0]]}, or none."
         )
     return Unit(text.strip(), size)
 
 
 def named_unit(path: Path, name: str, kind: str) -> Unit | None:
     """The unit that the name of a column or field ends in; None if it has none."""
-    return _unit(path, 0, name, _split(name)[1], dimension_of(kind))
+    return _unit(path, 0, name, _split(name, _KINDS)[1], dimensions_of(kind))
 
 
 def _at(line: int) -> str:
     return f", line {line}" if line else ""
 
 
-def _split(name: str) -> tuple[str, str]:
-    """A column's name in the words of `ALIASES`, and the unit it says, or ""."""
+def _split(name: str, kinds: Mapping[str, str]) -> tuple[str, str]:
+    """A column's name in the words of kinds, and the unit in brackets or behind _, or ""."""
     name = name[:LONGEST].strip()
-    bracketed = _BRACKETED.match(name)
-    whole, unit = bracketed.groups() if bracketed else (name, "")
-    pure = _words(whole)
-    if pure not in _KINDS and not unit and "_" in whole:
-        stem, _, last = whole.rpartition("_")
-        kind = _KINDS.get(_words(stem))
-        if kind is not None and last in _ENDINGS[dimension_of(kind)].split():
-            return _words(stem), last
-    return pure, unit
+
+    def dimensions(stem: str) -> tuple[str, ...]:
+        kind = kinds.get(_words(stem))
+        return dimensions_of(kind) if kind and _words(name) not in kinds else ()
+
+    whole, unit = split_heading(name, dimensions)
+    return _words(whole), unit
 
 
 def _words(name: str) -> str:
     return re.sub(r"[\s\-.:]+", "_", name.strip().lower())
+
+
+def not_read(unread: Sequence[str]) -> tuple[str, ...]:
+    """Return the note on columns of unknown names; empty if there are none."""
+    return (
+        (f"columns without a known name: {', '.join(one[:LONGEST] for one in unread)}",)
+        if unread
+        else ()
+    )
 
 
 def no_columns(path: Path, names: Sequence[str], line: int = 0) -> DataFileError:
@@ -213,6 +254,5 @@ def no_columns(path: Path, names: Sequence[str], line: int = 0) -> DataFileError
     shown = ", ".join(repr(name[:LONGEST]) for name in names[:8]) or "nothing"
     return DataFileError(
         f"{path}{_at(line)} names {shown}: none of it is {', '.join(QUANTITIES)} of the interface; "
-        "say which column is, as slip_rate=NAME.  Records of points inside the bodies are for "
-        "slipfront fit."
+        "rename what is, or tell slipfront validate --column slip_rate=NAME."
     )

@@ -10,12 +10,12 @@ from tokenize import TokenError
 
 from compare.records.arrays import read_hdf5, read_npz, read_simulation
 from compare.records.bodies import read_bodies
-from compare.records.bounds import MOST_FILES, size_of
 from compare.records.codes import FAULT, read_sem2dpack, read_uguca
 from compare.records.options import ReadingOptions
 from compare.records.record import Records
 from compare.records.tables import joined, read_text
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.bounds import MOST_FILES, size_of
 
 MESHES = (".vtu", ".vtk", ".pvd", ".xdmf", ".xmf")
 ARRAYS = (".npz", ".npy")

@@ -30,11 +30,18 @@ class Record:
         Times [time], increasing.
     values : mapping of names among `QUANTITIES` to (n,) arrays
         NaN where nothing was recorded; in units of the file until `validate` has scaled them.
+        Inside the bodies the names are those of `semianalytic.inversion.gauges.FIELDS`.
+    y : float or None
+        Distance above the interface [length] of a point inside the bodies.
+    noise : mapping from names to (n,) arrays
+        Standard deviations, where columns give them.
     """
 
     x: float
     t: Array
     values: Mapping[str, Array]
+    y: float | None = None
+    noise: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -97,6 +104,10 @@ class Records:
         Between the points of that code's grid [length, in the unit of x], where its file says so.
     stated : Stated
         Units and conventions that the file itself names.
+    points : tuple of Record
+        Records of points inside the bodies, which only `slipfront fit` takes.
+    unread : tuple of str
+        Names of the columns, arrays or fields of which nothing is known.
     """
 
     stations: tuple[Record, ...]
@@ -105,3 +116,5 @@ class Records:
     notes: tuple[str, ...] = field(default=())
     spacing: float | None = None
     stated: Stated = field(default_factory=Stated)
+    points: tuple[Record, ...] = ()
+    unread: tuple[str, ...] = ()

@@ -7,13 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.records.bounds import LARGEST_STATIONS
-from compare.records.names import FACES, Columns
+from compare.records.names import FACES, NOISE, Columns
 from compare.records.record import QUANTITIES, Array, Record, Stated
 from semianalytic.scene.errors import DataFileError
-
-LEAST_TIMES = 2
-"""Least number of times that a station needs to be a record."""
+from semianalytic.scene.tables.bounds import LARGEST_STATIONS
 
 
 def joined_faces(
@@ -57,7 +54,7 @@ def station(
     Raises
     ------
     DataFileError
-        If there are fewer than two times, or no values.
+        If there are no times, or no values.
     """
     notes = []
     timed = np.isfinite(t)
@@ -71,10 +68,8 @@ def station(
     if not last.all():
         notes.append("of rows of the same time the last is kept")
     order = order[last]
-    if len(order) < LEAST_TIMES:
-        raise DataFileError(
-            f"{path} has {len(order)} times at x = {x:g}; a record takes {LEAST_TIMES} at least."
-        )
+    if not len(order):
+        raise DataFileError(f"{path} has no time at x = {x:g}; give one in every row.")
     kept = {name: value[order] for name, value in values.items()}
     for name, value in kept.items():
         if np.isinf(value).any():
@@ -84,12 +79,14 @@ def station(
             )
     empty = [name for name, value in kept.items() if not np.isfinite(value).any()]
     kept = {name: value for name, value in kept.items() if name not in empty}
+    noise = {name: kept.pop(f"{NOISE} {name}", None) for name in list(kept)}
     if not kept:
         raise DataFileError(
             f"{path} has no finite number at x = {x:g}; leave that station out, or write it anew."
         )
     notes += [f"{name} has no number at x = {x:g} and is left out there" for name in empty]
-    return Record(float(x), t[order], kept), notes
+    known = {name: one for name, one in noise.items() if one is not None}
+    return Record(float(x), t[order], kept, noise=known), notes
 
 
 def _check_count(path: Path, count: int) -> None:

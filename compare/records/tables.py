@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from compare.records.names import known_columns, no_columns
+from compare.records.names import NOISE, Columns, known_columns, no_columns
 from compare.records.options import ReadingOptions
-from compare.records.record import AFTER, Record, Records, Unit
+from compare.records.record import AFTER, Array, Record, Records, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
-from compare.records.text import Table, read_table
-from compare.records.units import EXAMPLES, NO_UNIT, si_size
+from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.text import Table, read_table
+from semianalytic.scene.tables.units import EXAMPLES, NO_UNIT, common_size, si_size
 
 SCEC_UNIT = 100.0
 """Metres that one unit of the number in the name of a SCEC station stands for."""
 NEVER = 1e8
 """Rupture times from this value on mean that no rupture occurred; SCEC writes 1e9."""
+_FAR = 10.0
+"""Factor above all other times from which 1000, 99999 and their like mean the same."""
 
 _SCEC = re.compile(r"faultst(-?\d+)dp(-?\d+)", re.IGNORECASE)
 _NAMED = re.compile(r"(?:^|[_\-\s])x[_=]?(-?\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
@@ -29,6 +35,8 @@ _COMMENTED = re.compile(rf"^(?:(?:x|position|station)\s*[:=]|x1\s){_LENGTH}", re
 _SPACING = re.compile(rf"^(?:spacing|dx|element_size|grid spacing)\s*[:=]{_LENGTH}", re.IGNORECASE)
 _MEAN = re.compile(r"from t to t \+ ([\d.eE+-]*\d)")
 """Words by which a comment says that slip rates are means over a step, as in benchmarks."""
+_HEADED = re.compile(r"column\s*#?\s*(\d+)\s*[:=].*[(\[]([^()\[\]]+)[)\]]\s*\Z", re.IGNORECASE)
+"""Comments of SCEC that name the unit of a column, as Column #8 = normal stress (MPa)."""
 _CELLS = re.compile(r"^cells\s*[:=]\s*(\d+)", re.IGNORECASE)
 
 
@@ -51,28 +59,105 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
     if tuple(name.lower() for name in table.names) == ("j", "k", "t"):
         return _rupture_times(table, options), False
     names = table.names or _bare_names(table, alone=at is not None or bool(_SCEC.search(path.name)))
-    known = known_columns(path, names, options.columns, table.line)
+    units = _units_of_comments(table, names)
+    known = known_columns(path, names, options.columns, table.line, units, bodies=True)
     if "t" not in known.places:
         raise DataFileError(
             f"{path} has no column of times among {', '.join(names)}; call it t, or say t=NAME."
         )
     columns = {name: table.rows[:, i] * known.scale(name) for name, i in known.places.items()}
     values, stated, more = joined_faces(columns, known)
-    if not values:
+    fields = {name: columns[name] for name in FIELDS if name in columns}
+    if not values and not fields:
         raise no_columns(path, names, table.line)
+    for noisy in (values, fields):
+        noisy |= _noise(columns, known, tuple(noisy))
     stated = replace(stated, **_mean(table))
-    source, notes = str(path), (*known.notes, *more)
+    source, unread = str(path), known.unread
+    notes = [*known.notes, *more]
     if "x" in columns and at is None:
-        along = columns["x"] - options.origin * known.scale("x")
-        stations, mended = stations_of_rows(path, along, columns["t"], values)
+        along, t = columns["x"] - options.origin * known.scale("x"), columns["t"]
+        y = columns.get("y", np.full(len(t), np.nan))
+        stations: tuple[Record, ...] = ()
+        points: list[Record] = []
+        here = np.isnan(y) | (y == 0)
+        if "y" in columns:  # rows of other places have gaps where a quantity is not theirs
+            here &= _any_finite(values, len(t))
+        if values and (here.any() or "y" not in columns):
+            stations, mended = stations_of_rows(path, along[here], t[here], _rows_of(values, here))
+            notes += mended
+        for height in np.unique(y[np.isfinite(y) & _any_finite(fields, len(t))]):
+            here = (y == height) & _any_finite(fields, len(t))
+            some, mended = stations_of_rows(path, along[here], t[here], _rows_of(fields, here))
+            points += [replace(one, y=float(height)) for one in some]
+            notes += mended
+        notes += _misplaced(y, values, fields)
+        if not stations and not points:
+            raise DataFileError(f"{path}: {'; '.join(_misplaced(y, values, fields))}.")
         spacing = _spacing(table, stated.units.get("x"))
-        return Records(stations, None, source, (*notes, *mended), spacing, stated), False
+        points.sort(key=lambda one: (one.x, one.y))
+        notes = list(dict.fromkeys(notes))
+        records = Records(stations, None, source, tuple(notes), spacing, stated)
+        return replace(records, points=tuple(points), unread=unread), False
+    if not values:
+        raise DataFileError(
+            f"{path} holds {', '.join(fields)} of points inside the bodies; give columns x and y."
+        )
     x, unit, how = _position(table, at, options.origin)
     if unit is not None:
         stated = replace(stated, units={**stated.units, "x": unit})
     one, mended = station(path, x, columns["t"], values)
     spacing = _spacing(table, unit)
-    return Records((one,), None, source, (*notes, *how, *mended), spacing, stated), True
+    notes += [*how, *mended]
+    return Records((one,), None, source, tuple(notes), spacing, stated, unread=unread), True
+
+
+def _units_of_comments(table: Table, names: Sequence[str]) -> dict[str, str]:
+    """Units by name of column, where comments say them by its number."""
+    found = (match for comment in table.comments if (match := _HEADED.search(comment)))
+    return {
+        names[int(match[1]) - 1]: match[2]
+        for match in found
+        if 0 < int(match[1]) <= len(names)
+        and any(common_size(match[2].strip(), one) is not None for one in EXAMPLES)
+    }
+
+
+def _noise(columns: Mapping[str, Array], known: Columns, names: Iterable[str]) -> dict[str, Array]:
+    """Standard deviations of quantities, under the names of their columns."""
+    of_all = columns.get(NOISE)
+    result = {}
+    for name in names:
+        own = columns.get(f"{NOISE} {name}")
+        if own is None and of_all is not None:
+            own = of_all if NOISE in known.units else of_all * known.scale(name)
+        if own is not None:
+            result[f"{NOISE} {name}"] = own
+    return result
+
+
+def _any_finite(values: Mapping[str, Array], count: int) -> NDArray[np.bool_]:
+    """Rows in which one quantity at least has a number."""
+    known = [np.isfinite(one) for name, one in values.items() if not name.startswith(NOISE)]
+    return np.any([np.zeros(count, dtype=bool), *known], axis=0)
+
+
+def _rows_of(values: Mapping[str, Array], here: NDArray[np.bool_]) -> dict[str, Array]:
+    return {name: one[here] for name, one in values.items()}
+
+
+def _misplaced(y: Array, values: Mapping[str, Array], fields: Mapping[str, Array]) -> list[str]:
+    """What is left out because it is not where it belongs, a sentence each."""
+    notes = []
+    for named, there, where in (
+        (values, np.isfinite(y) & (y != 0), "is of the interface, where y is 0 or missing"),
+        (fields, np.isnan(y), "is of points inside the bodies and needs its y"),
+    ):
+        for name, one in named.items():
+            count = int(np.sum(there & np.isfinite(one)))
+            if count and not name.startswith(NOISE):
+                notes.append(f"{name} {where}: {count} rows are left out")
+    return notes
 
 
 def joined(parts: list[Records]) -> Records:
@@ -104,7 +189,8 @@ def joined(parts: list[Records]) -> Records:
                 "the stations of a run alike."
             )
     one_run = tuple(stations[x][0] for x in sorted(stations))
-    return Records(one_run, None, sources, notes, spacing, stated)
+    unread = tuple(dict.fromkeys(name for part in parts for name in part.unread))
+    return Records(one_run, None, sources, notes, spacing, stated, unread=unread)
 
 
 def _bare_names(table: Table, alone: bool) -> tuple[str, ...]:
@@ -202,11 +288,25 @@ def _rupture_times(table: Table, options: ReadingOptions) -> Records:
     """Times of rupture by position, of the row nearest to k = 0."""
     j, k, t = table.rows.T
     depth = np.unique(k[np.abs(k) == np.nanmin(np.abs(k))])[0]
-    here = (k == depth) & np.isfinite(j) & np.isfinite(t)
+    here = (k == depth) & np.isfinite(j)
     order = np.argsort(j[here], kind="stable")
     x, times = j[here][order] - options.origin, t[here][order]
     if len(x) < 2:
         raise DataFileError(f"{table.path} has fewer than two times of rupture; give all of them.")
-    notes = (f"times of rupture at k = {depth:g}",) if len(np.unique(k)) > 1 else ()
-    times = np.where(times > NEVER, np.inf, times)
-    return Records((), (x, times), str(table.path), notes)
+    notes = [f"times of rupture at k = {depth:g}"] if len(np.unique(k)) > 1 else []
+    never = _never(x, times)
+    for word in dict.fromkeys(f"{time:g}" for time in times[never]):
+        notes.append(f"times of rupture {word} are read as never")
+    return Records((), (x, np.where(never, np.inf, times)), str(table.path), tuple(notes))
+
+
+def _never(x: Array, times: Array) -> NDArray[np.bool_]:
+    """Which times of rupture say that there was none, whatever the code writes for that."""
+    never = ~(times >= 0) | (times > NEVER)
+    last = np.max(times[~never], initial=0.0)
+    known = last >= 1e3 and any(math.log10(last + one) % 1 == 0 for one in (0, 1))
+    if known and last >= _FAR * np.max(times[~never & (times < last)], initial=0.0):
+        never |= times == last
+    # a rupture that begins at the edge does not reach a point before those nearer to it
+    begun = np.min(x[~never & (times > 0) & (x > 0)], initial=np.inf)
+    return np.asarray(never | ((times == 0) & (x > begun)))

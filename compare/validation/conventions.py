@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from compare.records.record import QUANTITIES, Stated
-from compare.records.units import DIMENSIONS
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.tables.units import DIMENSIONS
 
 SLIPS = ("relative", "half", "face")
 """Possible meanings of recorded slip: relative slip, half of it, or the motion of one face."""

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.records.record import QUANTITIES, Record, Records
-from compare.records.stations import LEAST_TIMES
 from semianalytic import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 
@@ -17,6 +16,8 @@ Array = NDArray[np.float64]
 
 Data = Records | InterfaceHistory | Mapping[str, Any]
 """One run."""
+LEAST_TIMES = 2
+"""Least number of times that a station needs to be compared."""
 
 
 def as_runs(data: Data | Sequence[Data]) -> list[Records]:
@@ -38,6 +39,12 @@ def as_runs(data: Data | Sequence[Data]) -> list[Records]:
     runs = [_run(one) for one in data]
     if not runs:
         raise DataFileError("validate: there are no records; give at least one run.")
+    for run in runs:
+        if run.points and not run.stations:
+            raise DataFileError(
+                f"{run.source} holds points inside the bodies alone, which slipfront fit takes; "
+                "give records of the interface."
+            )
     for record in (one for run in runs for one in run.stations if len(one.t) < LEAST_TIMES):
         raise DataFileError(
             f"validate: the record at x = {record.x:g} has {len(record.t)} times; it takes "

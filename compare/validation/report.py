@@ -43,6 +43,8 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
             "runner_up": detection.runner_up,
         },
         "notes": list(validation.notes),
+        "unread": list(validation.unread),
+        "not_compared": list(validation.not_compared),
         "parameters": scene_document(scene),
         "method": method_of(exact.answer),
         "end_time": exact.end_time,

@@ -96,6 +96,17 @@ class Validation(HasRows[JudgedRow]):
         return CONVERTED if verdict == AGREES else verdict
 
     @property
+    def unread(self) -> tuple[str, ...]:
+        """Columns, arrays or fields of the files of which nothing is known."""
+        return tuple(dict.fromkeys(name for run in self.grids.runs for name in run.unread))
+
+    @property
+    def not_compared(self) -> tuple[str, ...]:
+        """Quantities that no file holds, which the verdict says nothing of."""
+        there = {name for run in self.grids.runs for one in run.stations for name in one.values}
+        return tuple(name for name in QUANTITIES if name not in there)
+
+    @property
     def source(self) -> str:
         """The file or files of the records that are judged."""
         return self.grids.finest.source
@@ -156,7 +167,8 @@ def validate(
     one_face = conventions.slip == "face" or alone
     face = one_face and bool(scene.superposition.taken_off.pressure)
     notes = [note for run in runs for note in run.notes]
-    said = (*detection.notes, *notes, *_face_notes(one_face, face), *left_out[-1], *guessed)
+    left = (note for some in left_out for note in some)
+    said = (*detection.notes, *notes, *_face_notes(one_face, face), *left, *guessed)
     exact = detection.exact
     return Validation(
         scene,
@@ -258,6 +270,10 @@ def _in_reach(run: Records, detection: Detection) -> tuple[Records, tuple[str, .
         notes.append(f"{MOST_STATIONS} of {len(kept)} stations are judged, evenly chosen")
         spacing = run.spacing if run.spacing is not None else profile_spacing(run)
         run, kept = replace(run, spacing=spacing), tuple(kept[place] for place in evenly)
+    if run.points:
+        notes.append(f"{len(run.points)} records of points inside the bodies are not compared")
+    if any(len(record.t) > MOST_SAMPLES for record in kept):
+        notes.append(f"of stations of more than {MOST_SAMPLES} times evenly chosen ones are judged")
     return replace(run, stations=tuple(map(_fewer, kept))), tuple(notes)
 
 

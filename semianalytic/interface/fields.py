@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import ast
-import csv
 import math
 import operator
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial, reduce
@@ -18,14 +16,11 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.text_files import text_of
+from semianalytic.scene.tables.columns import read_columns
+from semianalytic.scene.tables.units import EXAMPLES
 
 Array = NDArray[np.float64]
 
-_PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
-UNITS = {f"{prefix}{unit}": size for unit in ("m", "s", "Pa") for prefix, size in _PREFIXES.items()}
-UNITS |= {f"{prefix}m/s": size for prefix, size in _PREFIXES.items()} | {"1": 1.0, "": 1.0}
-"""Units that headers of tables may name, in SI units."""
 _ANY_NUMBER = 0
 _FUNCTIONS: Mapping[str, tuple[Callable[..., Any], int]] = {
     **{name: (getattr(np, name), 1) for name in ("abs", "exp", "log", "sqrt", "sin", "cos", "tan")},
@@ -101,45 +96,41 @@ class Table:
 
     @classmethod
     def read(cls, path: str | PathLike[str], column: str = "") -> Table:
-        """Read a table from a CSV file with a header such as ``x [km], pressure [MPa]``.
+        """Read a table from a file with a header such as ``x [km], pressure [MPa]``.
 
         Parameters
         ----------
         path : str or path
-            The file.  Its first column is x; lines that begin with # are left out.
+            The file.  Its first column is x; units stand in brackets, behind _ (pressure_MPa) or
+            in a row of their own below the names.
         column : str, optional
-            Name of the column that holds the values; the second one by default.
+            Name of the column that holds the values, with or without its unit; the second one by
+            default.
 
         Raises
         ------
         SceneError
             If the file cannot be read, or a number or a unit is not known.
         """
-        try:
-            lines = text_of(path).splitlines()
-        except OSError as error:
-            reason = error.strerror or error
-            raise SceneError(f"Cannot read the table {path}: {reason}.") from error
-        except ValueError as error:
-            raise SceneError(f"{path} is not a text file in UTF-8.") from error
-        rows = list(csv.reader(line for line in lines if line.strip() and line[0] != "#"))
-        if len(rows) < 3:
+        columns = read_columns(path)
+        at = [one for one in columns[1:] if column in ("", one.name, one.heading)]
+        if not at:
+            names = ", ".join(one.heading for one in columns)
+            raise SceneError(f"{path}: there is no column {column!r}; it has {names}.")
+        read = []
+        for one, dimensions in ((columns[0], ("length",)), (at[0], tuple(EXAMPLES))):
+            size = one.size(dimensions)
+            if size is None:
+                raise SceneError(
+                    f"{path}: the heading {shown(one.heading)} must be a name and a unit such as "
+                    "x [km] or pressure [MPa]."
+                )
+            if not np.isfinite(one.values).all():
+                raise SceneError(f"{path}: {one.name} must hold finite numbers in every row.")
+            read.append(size * one.values)
+        if len(read[0]) < 2:
             raise SceneError(f"{path}: a table must have a header and two lines or more.")
-        names, sizes = zip(*(_heading(path, cell) for cell in rows[0]), strict=True)
-        if len(names) < 2 or (column and column not in names[1:]):
-            raise SceneError(f"{path}: there is no column {column!r}; it has {', '.join(names)}.")
-        at = names.index(column) if column else 1
-        numbers = []
-        for number, row in enumerate(rows[1:], 2):
-            try:
-                pair = float(row[0]) * sizes[0], float(row[at]) * sizes[at]
-            except (ValueError, IndexError):
-                pair = (math.nan, math.nan)
-            if not all(map(math.isfinite, pair)):
-                raise SceneError(f"{path}: line {number} must hold finite numbers, got {row}.")
-            numbers.append(pair)
-        x, values = np.array(numbers).T
-        return cls(x, values)
+        return cls(*read)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,18 +155,6 @@ class Scaled:
 
 Field = float | Callable[[Array], Any] | Table
 """A number, a function of x (n,) that returns (n,), or a `Table`."""
-
-
-def _heading(path: Any, cell: str) -> tuple[str, float]:
-    """Return name and size of the unit of a heading."""
-    match = re.fullmatch(r"\s*(\w+)\s*(?:\[(.*)\])?\s*", cell)
-    unit = (match[2] or "").strip() if match else ""
-    if match is None or unit not in UNITS:
-        raise SceneError(
-            f"{path}: the heading {shown(cell)} must be a name and a unit such as x [km] or "
-            "pressure [MPa]."
-        )
-    return match[1], UNITS[unit]
 
 
 def sampled(

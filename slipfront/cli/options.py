@@ -14,13 +14,13 @@ from typing import Annotated, Any, Protocol
 import typer
 from rich.markup import escape
 
-from compare.records.units import si_size
 from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
 from semianalytic.scene.quantities import in_units_of
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import PARAMETERS, SI, InSI, measure
 from slipfront.cli.scenes.completion import (
     LOADED,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.benchmarks.scores import score_file
+from compare.benchmarks.scores import score_files
 from compare.records.read import read_records
 from compare.validation import validate
 from docs.studies.pages import ROOT
@@ -57,7 +57,7 @@ def test_errors_fall_with_cells_and_stay_small(code):
 def test_friction_three_per_cent_off_is_worse(code):
     """By classes: two grids of a code, and its finest with friction 0.309."""
     right, off = (
-        {one.quantity: one for one in score_file(path)} for path in (runs(code)[-1], wrong(code))
+        {one.quantity: one for one in score_files([path])} for path in (runs(code)[-1], wrong(code))
     )
     for quantity in ("slip_rate", "slip", "shear_traction"):
         assert right[quantity].grade in set("ABC")

@@ -168,6 +168,8 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "derivative_error": Key("relative error of the derivatives", NUMBER),
             "solutions": Key("number of solutions computed", WHOLE),
             "misfit": Key("a sentence that compares the misfits with the noise", TEXT),
+            "notes": Key("what was made of the records, and left out", list_of(TEXT)),
+            "unread": Key("columns of the files that are not read", list_of(TEXT)),
         },
     ),
     "explore": (
@@ -271,6 +273,8 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 ),
             ),
             "notes": Key("units and conventions that were given, and corrections", list_of(TEXT)),
+            "unread": Key("columns of the files that are not read", list_of(TEXT)),
+            "not_compared": Key("quantities that the files do not hold", list_of(TEXT)),
             "parameters": _PARAMETERS,
             "method": _METHOD,
             "end_time": Key("end time T", NUMBER),

@@ -134,10 +134,10 @@ def score(
     as_json: AsJson = False,
 ) -> None:
     """Score runs: what `validate` says, and errors of arrivals, slip, slip rate and tractions."""
-    from compare.benchmarks.scores import score_file
+    from compare.benchmarks.scores import score_files
 
     given = None if sheet is None else find_sheet(sheet)
-    scores = [one for path in files for one in score_file(path, given)]
+    scores = score_files(files, given)
     if as_json:
         units = {"error": "1", "held": "1"}
         document = {"scores": [asdict(one) for one in scores], "units": {"scores": units}}

@@ -17,6 +17,7 @@ from compare.output.files import write_text
 from compare.output.places import check_file
 from compare.output.printed import Table
 from compare.output.progress import progress_bar
+from compare.records.names import not_read
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.named import described_interface
 from semianalytic.inversion.fitted import Fit
@@ -31,6 +32,7 @@ from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown
 from slipfront.cli.options import (
     SCENE_OPTIONS,
@@ -41,7 +43,7 @@ from slipfront.cli.options import (
     with_options,
 )
 from slipfront.cli.scenes.completion import scene_names
-from slipfront.fits.data import gauge_unit, read_gauges
+from slipfront.fits.data import gauges_and_notes
 from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence
 
 PRIORS: Mapping[str, type] = {"normal": Normal, "lognormal": LogNormal, "uniform": Uniform}
@@ -124,18 +126,18 @@ def fit_command(
     scene = interface or override_scene(find_scene(scene_name), **overrides)
     known, numbers = _priors(scene, prior or ()), _numbers(scene, "setup", held or (), SETUP)
     setup = Setup(numbers.get("t0", 0.0), numbers.get("x0", 0.0), numbers.get("gain", 1.0))
-    gauges = read_gauges(files, _noise(scene, noise or ()))
+    gauges, notes, unread = gauges_and_notes(files, _noise(scene, noise or ()), scene, names)
     if plot is not None:
         from compare.figures.saving import figure_format
 
         figure_format(plot)
     for path in filter(None, (plot, output)):
         check_file(path)
-    notes = Console(stderr=True)
-    with progress_bar(notes, quiet or as_json, "fitting") as progress:
+    with progress_bar(Console(stderr=True), quiet or as_json, "fitting") as progress:
         found = fit(gauges, scene, names, priors=known, setup=setup, nodes=nodes, progress=progress)
     written = [path for path in (plot, output) if path is not None]
-    text = json_text(envelope("fit", fit_document(found), files=written))
+    document = {**fit_document(found), "notes": list(notes), "unread": list(unread)}
+    text = json_text(envelope("fit", document, files=written))
     if plot is not None:
         from compare.figures.saving import save_figure
         from slipfront.fits.figures import fit_figure
@@ -146,7 +148,7 @@ def fit_command(
     if as_json:
         print(text, end="")
     else:
-        _show(found, written)
+        _show(found, written, (*notes, *not_read(unread)))
     _check_converged(found)
 
 
@@ -156,8 +158,10 @@ def _check_converged(found: Fit) -> None:
         raise ComputationError(f"The fit is not to be relied upon: {found.status}.")
 
 
-def _show(found: Fit, written: Sequence[Path]) -> None:
+def _show(found: Fit, written: Sequence[Path], notes: Sequence[str]) -> None:
     console = Console()
+    for note in notes:
+        console.print(f"Note: {note}.", highlight=False, markup=False)
     console.print(_values_table(found))
     console.print(_gauges_table(found))
     lines = [
@@ -250,7 +254,7 @@ def _plain(number: str) -> bool:
 def _sized(text: str, kind: str) -> float | None:
     """Return a number with a unit of a dimension in that of the SI; None if it has another one."""
     try:
-        return measure(text, kind, gauge_unit)
+        return measure(text, kind, si_size)
     except SceneError:
         return None
 
@@ -278,7 +282,7 @@ def _numbers(
 
 def _measured(scene: Scene | InterfaceFile, option: str, text: str, kind: str) -> float:
     """Return a number that may have a unit of a dimension, in the units of the scene."""
-    number = measure(text, kind, gauge_unit)
+    number = measure(text, kind, si_size)
     in_scene = asked(scene, option, number, kind)
     return number if in_scene is None else in_scene
 

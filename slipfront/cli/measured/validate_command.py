@@ -12,9 +12,9 @@ from rich.console import Console
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import REPORT
 from compare.output.places import working_folder
+from compare.records.names import not_read
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
-from compare.records.units import DIMENSIONS, EXAMPLES, si_size
 from compare.validation.conventions import BASIC, Conventions
 from compare.validation.readings import settings_of
 from compare.validation.report import validation_document, write_validation
@@ -25,6 +25,7 @@ from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
 from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.tables.units import DIMENSIONS, EXAMPLES, si_size
 from semianalytic.scene.units import InSI, measure
 from slipfront.cli import terminal
 from slipfront.cli.options import (
@@ -277,6 +278,9 @@ def _show(validation: Validation, label: str, directory: Path) -> None:
     console.print(terminal.norms_table(validation))
     text = terminal.verdict_text(validation, ("spacing",))
     console.print(text, highlight=False, markup=False)
+    missed = ", ".join(validation.not_compared).replace("_", " ")
+    for line in (*([f"not compared: {missed}"] if missed else []), *not_read(validation.unread)):
+        console.print(f"The verdict does not cover: {line}.", highlight=False, markup=False)
     console.print(f"Written to {directory}/", highlight=False, markup=False)
 
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from compare.records.units import si_size
 from semianalytic import Scene
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure
 from slipfront.cli.options import asked, option_name
 

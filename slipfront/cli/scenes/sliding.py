@@ -9,10 +9,10 @@ import typer
 from rich.console import Console
 
 from compare.output.printed import Table
-from compare.records.units import si_size
 from semianalytic import Material, sliding_stability
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import InSI, measure
 from slipfront.cli.options import AsJson, measured_option
 from slipfront.cli.terminal import print_json

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compare.benchmarks.answers import answer_to, values_of
-from compare.benchmarks.scores import class_of, score, score_file
+from compare.benchmarks.scores import class_of, score, score_files
 from compare.benchmarks.sheets import sheets
 from compare.records.record import AFTER, QUANTITIES, Record, Records, Stated
 from compare.validation import validate
@@ -180,10 +180,29 @@ def test_units_may_be_named_where_the_sheet_is_in_the_si(tmp_path):
         rows = zip(answer.t, answer.values["slip"][:, place], strict=True)
         lines += [f"{1e3 * t},{x / 1e3},{1e3 * slip}" for t, slip in rows]
     (tmp_path / "a.csv").write_text("\n".join(lines))
-    found = {one.quantity: one for one in score_file(tmp_path / "a.csv", SHEETS["tpv205"])}
+    found = {one.quantity: one for one in score_files([tmp_path / "a.csv"], SHEETS["tpv205"])}
     assert (found["slip"].error < 1e-12, found["slip"].grade) == (True, "A")
     with pytest.raises(DataFileError, match="without a unit"):
-        score_file(tmp_path / "a.csv", SHEETS["two-slots"])
+        score_files([tmp_path / "a.csv"], SHEETS["two-slots"])
+
+
+@pytest.mark.parametrize("given", ["files", "folder"])
+def test_stations_of_scec_are_one_run(given, tmp_path):
+    """A file for each station, with tractions in MPa by its comments."""
+    sheet = SHEETS["tpv205"]
+    answer = answer_to(sheet)
+    head = "# Column #3 = horizontal shear stress (MPa)\nt h-slip h-shear-stress\n"
+    for place, x in enumerate(answer.x):
+        slip, shear = (answer.values[name][:, place] for name in ("slip", "shear_traction"))
+        rows = np.stack([answer.t, slip, shear / 1e6], axis=1).tolist()
+        text = head + "".join(" ".join(map(repr, row)) + "\n" for row in rows)
+        (tmp_path / f"faultst{round(x / 100):03d}dp075").write_text(text)
+    paths = [tmp_path] if given == "folder" else sorted(tmp_path.iterdir())
+    scores = score_files(paths, sheet)
+    assert len(scores) == len({one.quantity for one in scores})  # one run
+    found = {one.quantity: one for one in scores}
+    for name in ("slip", "shear_traction"):
+        assert (found[name].error < 1e-9, found[name].grade, found[name].held) == (True, "A", 1.0)
 
 
 @pytest.mark.parametrize(
@@ -198,7 +217,7 @@ def test_units_may_be_named_where_the_sheet_is_in_the_si(tmp_path):
 def test_files_that_are_no_runs_are_refused(tmp_path, text, message):
     (tmp_path / "run.csv").write_text(text)
     with pytest.raises(DataFileError, match=message):
-        score_file(tmp_path / "run.csv", PRELOADED)
+        score_files([tmp_path / "run.csv"], PRELOADED)
     (tmp_path / "run.csv").write_text("t,x,slip\n0,1,2\n")
     with pytest.raises(SceneError, match="does not say of which benchmark"):
-        score_file(tmp_path / "run.csv")
+        score_files([tmp_path / "run.csv"])

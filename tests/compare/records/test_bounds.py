@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from junk_files import JUNK
 
-from compare.records import bounds
 from compare.records.read import read_records
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables import bounds
 
 READ = """
 import sys
@@ -47,7 +47,7 @@ def test_junk_is_refused_in_one_sentence(what, tmp_path):
 
 
 def test_what_is_no_file_is_not_read():
-    assert "is no ordinary file" in sentence_of(Path("/dev/zero"))
+    assert "is not an ordinary file" in sentence_of(Path("/dev/zero"))
 
 
 @pytest.mark.slow

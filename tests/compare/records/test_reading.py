@@ -11,11 +11,11 @@ import pytest
 
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
-from compare.records.units import si_size
 from fem import simulate
 from semianalytic import InterfaceHistory, find
 from semianalytic.scene import extras
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
+from semianalytic.scene.tables.units import si_size
 
 ENTRANTS = Path(__file__).parents[2] / "data" / "entrants"
 T = np.linspace(0.0, 1.0, 5)
@@ -58,6 +58,7 @@ TEXTS = {
     "header-in-comment": text_of(ROWS).replace("t,x,slip_rate", "% t,x,slip_rate"),
     "fortran": "\n".join(" ".join(f"{v:.8E}".replace("E", "D") for v in row) for row in ROWS),
     "repeated": text_of(ROWS + ROWS[2:5]),
+    "nuls-in-a-comment": b"# code=some  \0\0\0\n" + text_of(ROWS).encode(),
     "gzip": gzip.compress(text_of(ROWS).encode()),
     "utf-16": text_of(ROWS).encode("utf-16"),
 }
@@ -101,10 +102,39 @@ def test_scec_stations_and_rupture_times(tmp_path):
     check(records, x=(300.0, 500.0))
     assert records.stations[0].values["pressure"][0] == -120
     assert any("n-stress" in note for note in records.notes)
-    text = "# rupture times\nj k t\n0 0 0.1\n200 0 0.2\n100 0 0.15\n0 100 9\n300 0 1.0E+09\n"
+
+
+def test_scec_stations_name_their_units_in_comments(tmp_path):
+    head = "# Column #1 = Time (s)\n# Column #2 = horizontal slip (m)\n"
+    head += "# Column #3 = horizontal shear stress (MPa)\nt h-slip h-shear-stress\n"
+    (records,) = read_records([written(tmp_path / "faultst030dp075", head + "0 0 70\n1 2 71\n")])
+    assert records.stations[0].values["shear_traction"].tolist() == [7e7, 7.1e7]
+    assert records.stated.units["shear_traction"].name == "MPa"
+
+
+@pytest.mark.parametrize("never", ["-1", "0", "1000", "99999", "1.0E+09", "nan", "-nan", "inf"])
+def test_rupture_times_of_points_that_never_slip_are_said(never, tmp_path):
+    text = f"# times\nj k t\n0 0 0.1\n200 0 0.2\n100 0 0.15\n0 100 9\n300 0 {never}\n"
     (records,) = read_records([written(tmp_path / "cplot.txt", text)])
     np.testing.assert_array_equal(records.arrivals[0], [0, 100, 200, 300])
     np.testing.assert_array_equal(records.arrivals[1], [0.1, 0.15, 0.2, np.inf])
+    said = f"times of rupture {float(never):g} are read as never"
+    assert records.notes == ("times of rupture at k = 0", said)
+
+
+def test_rupture_times_that_may_be_times_are_kept(tmp_path):
+    text = "j k t\n0 0 0\n100 0 300\n200 0 600\n300 0 1000\n"
+    (records,) = read_records([written(tmp_path / "cplot.txt", text)])
+    np.testing.assert_array_equal(records.arrivals[1], [0, 300, 600, 1000])
+
+
+def test_gaps_with_a_sign_and_exponents_that_lost_their_e(tmp_path):
+    """A gap forces the reader to take rows one by one; Fortran writes 1.5-115 for 1.5e-115."""
+    words = ["-nan", "NA", "1.5-115", "-.25+003", "-nan(ind)"]
+    rows = [f"{t} {word}" for t, word in zip(T, words, strict=True)]
+    (records,) = read_records([written(tmp_path / "x1.dat", "t slip\n" + "\n".join(rows))])
+    slip = records.stations[0].values["slip"]
+    np.testing.assert_array_equal(slip, [np.nan, np.nan, 1.5e-115, -250.0, np.nan])
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -163,6 +193,9 @@ def test_motion_of_faces_of_a_mesh(suffix, tmp_path, monkeypatch):
             writer.write_points_cells(points, cells)
             for t, data in zip(T, fields, strict=True):
                 writer.write_data(t, point_data=data)
+        # as dolfin, SeisSol and others begin their files
+        kind = '<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>'
+        path.write_text(f'<?xml version="1.0"?>\n{kind}\n{path.read_text()}')
     (records,) = read_records([path])
     places = np.array([0.25, 0.5, 0.75])
     check(records, np.outer(T, 4 * places), places)
@@ -274,6 +307,7 @@ def read(path, **options):
         ("t_ms,x_mm,V (mm/s)", (1e-3, 1e-3, 1e-3)),
         ("t_ms,x_mm,tau_MPa", (1e-3, 1e-3, 1e6)),
         ("t [s],x [m],tau [N/mm^2]", (1.0, 1.0, 1e6)),
+        ("t,x,tau\nms,mm,MPa", (1e-3, 1e-3, 1e6)),
         ("t [-],x [1],slip", (1.0, 1.0, 1.0)),
     ],
 )
@@ -358,7 +392,7 @@ def test_a_station_may_name_the_unit_of_its_place(tmp_path):
 
 
 def test_other_units_of_the_si_need_pint(tmp_path, monkeypatch):
-    monkeypatch.setattr("compare.records.units._size", _without_pint)
+    monkeypatch.setattr("semianalytic.scene.tables.units._size", _without_pint)
     assert read(table(tmp_path, "t [ms],x [cm],tau [Pa]")).stations
     with pytest.raises(MissingLibraryError, match=re.escape("pip install '.[units]'")):
         read(table(tmp_path, "t [min],x,slip"))

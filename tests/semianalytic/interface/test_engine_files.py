@@ -150,7 +150,7 @@ def test_named_interfaces_begin(name):
         (GOOD, "length = 8.0\n", "", "length is missing"),
         (GOOD, "length = 8.0", "length = 80.0", "must cover the contact"),
         (GOOD, 'column = "pressure"', 'column = "preasure"', "there is no column"),
-        (GOOD, '"p.csv"', '"q.csv"', "Cannot read the table"),
+        (GOOD, '"p.csv"', '"q.csv"', "q.csv cannot be read"),
         (GOOD, "poisson_ratio = 0.25", "poisson_ratio = 0.7", "poisson_ratio must"),
         (GOOD, "[run]", "[[contact]]\n[run]", "contact must be a table"),
         (GOOD, 'shear = "exp(-x**2)"\n', "", "load: shear or pressure is missing"),
@@ -180,9 +180,9 @@ def test_mistakes_in_files_end_in_one_sentence(folder, capsys, text, old, new, s
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        (TABLE.replace("[kPa]", "[psi]"), "must be a name and a unit"),
+        (TABLE.replace("[kPa]", "[furlnog]"), "must be a name and a unit"),
         (TABLE.replace("4000, 0, 1e-3\n4000", "4000, 0, nan\n4000"), "must hold finite numbers"),
-        ("x [m], pressure [Pa]\n", "two lines or more"),
+        ("x [m], pressure [Pa]\n", "has no row of numbers"),
     ],
 )
 def test_mistakes_in_tables_end_in_one_sentence(folder, capsys, table, said):
@@ -244,6 +244,33 @@ def test_functions_of_expressions_count_their_arguments():
 def test_tables_of_anything_but_numbers_are_refused(x, values):
     with pytest.raises(sf.SceneError, match="must be two or more finite numbers"):
         sf.Table(x, values)
+
+
+TABLES = {
+    "brackets": "x [mm],note [1],pressure [MPa]\n0,7,1\n500,7,3\n",
+    "behind the name": "x_mm,note,pressure_MPa\n0,7,1\n500,7,3\n",
+    "second row": "x,note,pressure\nmm,-,MPa\n0,7,1\n500,7,3\n",
+    "second row in brackets": "x;note;pressure\n[mm];[1];[MPa]\n0;7;1\n500;7;3\n",
+    "of pint": "x (thou)\tnote\tpressure (N/mm^2)\n0\t7\t1\n19685.03937007874\t7\t3\n",
+    "of Excel": "\ufeff# a comment\nx [mm];note;pressure [MPa]\n0;7;1,0\n5e2;7;3,0\n",
+}
+
+
+@pytest.mark.parametrize("column", ["pressure", "heading"])
+@pytest.mark.parametrize("form", TABLES)
+def test_units_of_tables_are_read_wherever_they_stand(form, column, tmp_path):
+    path = tmp_path / "p.csv"
+    path.write_text(TABLES[form], encoding="utf-8")
+    heading = "pressure_MPa" if form == "behind the name" else "pressure"
+    table = sf.Table.read(path, heading if column == "heading" else column)
+    np.testing.assert_allclose(table.x, [0, 0.5], rtol=1e-12)
+    np.testing.assert_allclose(table.values, [1e6, 3e6], rtol=1e-12)
+
+
+def test_lines_of_tables_are_counted_with_comments(tmp_path):
+    (tmp_path / "p.csv").write_text("# one\n\n# two\nx,p\n0,1\n# three\n1,abc\n")
+    with pytest.raises(sf.SceneError, match=r"p.csv, line 7: 'abc' is not a number"):
+        sf.Table.read(tmp_path / "p.csv")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes with names")

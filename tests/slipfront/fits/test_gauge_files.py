@@ -6,6 +6,7 @@ import pytest
 from compare.output.field_files import record_fields, write_record
 from semianalytic import DataFileError, find, solve
 from slipfront.fits import read_gauges
+from slipfront.fits.data import gauges_and_notes
 
 TABLE = """# strain gauges and one of slip rate on the interface
 t [us]; x [mm]; y [mm]; exx [ustrain]; sigma_xy [MPa]; slip_rate; slip_rate_noise; noise
@@ -25,8 +26,8 @@ def written(folder, text, name="a.csv"):
 
 
 def test_a_table_of_gauges_is_read_as_it_says(tmp_path):
-    strain, stress, rate = read_gauges([written(tmp_path, TABLE)])
-    assert [one.quantity for one in (strain, stress, rate)] == ["exx", "sxy", "slip_rate"]
+    rate, stress, strain = read_gauges([written(tmp_path, TABLE)])
+    assert [one.quantity for one in (rate, stress, strain)] == ["slip_rate", "sxy", "exx"]
     assert [one.name for one in (strain, stress, rate)] == ["exx-1", "sxy-1", "slip_rate-1"]
     assert (strain.x, strain.y, rate.x, rate.y) == (0.02, 0.0035, 0.04, None)
     np.testing.assert_allclose(strain.t, [0, 1e-6, 2e-6])
@@ -35,6 +36,16 @@ def test_a_table_of_gauges_is_read_as_it_says(tmp_path):
     np.testing.assert_allclose(strain.noise, [2e-6, 3e-6, 2e-6])
     np.testing.assert_allclose(stress.noise, [2e6, 3e6])
     np.testing.assert_allclose(rate.noise, [0.01, 0.02])
+
+
+@pytest.mark.parametrize(
+    "unit", ["µε", "με", "ustrain", "microstrain", "µm/m", "um/m", "1e-6", "ppm"]
+)
+def test_strain_may_be_in_any_of_its_units(unit, tmp_path):
+    for header in (f"t,x,y,exx [{unit}]\n", f"t,x,y,exx\ns,m,m,{unit}\n"):
+        if unit != "1e-6" or "[" in header:
+            (gauge,) = read_gauges([written(tmp_path, header + "0,1,2,5\n")], {"": 1e-6})
+            assert gauge.values == pytest.approx(5e-6)
 
 
 def test_places_without_y_are_of_the_interface_and_noise_may_be_told(tmp_path):
@@ -67,9 +78,12 @@ def test_records_of_the_field_command_are_read(tmp_path):
     ("text", "message"),
     [
         ("t,x,slip_rate\n0,0.1,1\n", r"does not say how exact its slip_rate is"),
-        ("t,x,speed\n0,0.1,1\n", r"has no column of slip_rate"),
-        ("t,x,y,exx [furlong]\n0,0.1,1,1\n", r"line 1: 'furlong' is no known unit of exx"),
-        ("t,x,vx,y,v_x\n0,0.1,1,1,2\n", r"two columns are v_x"),
+        ("t,x,speed\n0,0.1,1\n", r"none of it is slip_rate"),
+        (
+            "t,x,y,exx [furlong]\n0,0.1,1,1\n",
+            r"line 1: 'furlong' in the name of 'exx .furlong.' is no known unit of strain",
+        ),
+        ("t,x,vx,y,v_x\n0,0.1,1,1,2\n", r"'vx' and 'v_x' are both vx; rename one"),
         ("t,x,slip_rate\n0,0.1,one\n", r"line 2: 'one' is not a number"),
         ("t,x,slip,noise\n0,0.1,1,0\n", r"slip at x = 0.1: gauge: noise must be positive"),
         ("", r"has no row of numbers"),
@@ -88,6 +102,102 @@ def test_no_file_is_refused(tmp_path):
         read_gauges([])
     with pytest.raises(DataFileError, match="does not exist"):
         read_gauges([tmp_path / "b.csv"])
+
+
+# --- what the reader knows of a column counts in a fit --------------------------------------------
+
+T = np.linspace(0.05, 1.2, 24)
+PLACES = (0.2, 0.5, 0.9)
+
+
+def station_files(folder, header, columns_at, places=PLACES, comments="# x1 {x}\n"):
+    """A file of each place with columns of T, in the form of a station of another code."""
+    paths = []
+    for x in places:
+        rows = [" ".join(map(repr, map(float, row))) for row in zip(T, *columns_at(x), strict=True)]
+        text = comments.format(x=x) + header + "\n" + "\n".join(rows) + "\n"
+        paths.append(written(folder, text, f"station_x{x}.dat"))
+    return paths
+
+
+ANSWER = solve(find("preloaded"))
+BASE = ANSWER.scene.base.shear
+KINDS = {
+    "relative": ("t slip", lambda x: [ANSWER.slip(x, T)], "slip"),
+    "upper": ("t u_upper", lambda x: [ANSWER.slip(x, T) / 2], "slip"),
+    "lower": ("t v_lower", lambda x: [-ANSWER.slip_rate(x, T) / 2], "slip_rate"),
+    "total": ("Time SRs T_s Ts0", lambda x: [T, T, ANSWER.shear_traction(x, T)], "shear_traction"),
+    "change": ("Time T_s", lambda x: [ANSWER.shear_traction(x, T) - BASE], "shear_traction"),
+    "tension": ("t n-stress", lambda x: [-ANSWER.pressure(x, T)], "pressure"),
+    "mean": (
+        "t slip_rate",
+        lambda x: [(ANSWER.slip(x, T + 0.02) - ANSWER.slip(x, T)) / 0.02],
+        "slip_rate",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_gauges_are_what_files_say_of_their_columns(kind, tmp_path):
+    header, columns, quantity = KINDS[kind]
+    mean = "# the mean over the step from t to t + 0.02\n" if kind == "mean" else ""
+    paths = station_files(tmp_path, header, columns, comments="# x1 {x}\n" + mean)
+    gauges, notes, _ = gauges_and_notes(paths, {"": 1e-3}, ANSWER.scene)
+    found = [one for one in gauges if one.quantity == quantity]
+    assert [one.x for one in found] == list(PLACES)
+    rtol = 2e-3 if kind == "mean" else 1e-12
+    for one in found:
+        exact = getattr(ANSWER, quantity)(one.x, one.t)
+        away = one.t > one.x * 1.5 if kind == "mean" else one.t > 0  # a mean smooths the front
+        np.testing.assert_allclose(one.values[away], exact[away], rtol=rtol, atol=1e-12)
+        assert one.noise == (2e-3 if kind in ("upper", "lower") else 1e-3)
+    said = {"upper": "doubled", "lower": "doubled", "change": "the base of the scene is added",
+            "tension": "tension is positive", "mean": "stands for its middle"}  # fmt: skip
+    found = {words for words in said.values() for note in notes if words in note}
+    assert found == ({said[kind]} if kind in said else set())
+
+
+def test_what_does_not_follow_from_a_file_is_refused(tmp_path):
+    change = station_files(tmp_path, *KINDS["change"][:2])
+    with pytest.raises(DataFileError, match="say of which scene"):
+        read_gauges(change, {"": 1.0})
+    for name in ("base_shear", "gain"):
+        with pytest.raises(DataFileError, match=f"do not say {name}"):
+            gauges_and_notes(change, {"": 1.0}, ANSWER.scene, ["friction", name])
+    alone = station_files(tmp_path, *KINDS["upper"][:2])
+    for scene in (find("lift-off"), find("rock-on-gouge")):
+        with pytest.raises(DataFileError, match=r"motion of one face alone.*give both faces"):
+            read_gauges(alone, {"": 1.0}, scene)
+    times = written(tmp_path, "j k t\n1 0 0.1\n2 0 0.2\n")
+    with pytest.raises(DataFileError, match="times of rupture, which slipfront validate takes"):
+        read_gauges(times, {"": 1.0})
+
+
+@pytest.mark.parametrize("form", ["table", "arrays", "stations"])
+def test_gauges_are_at_all_places_that_the_scene_has(form, tmp_path):
+    places = [-1.0, 0.0, 0.5]
+    paths = station_files(tmp_path, "t slip", lambda x: [T], places, "")
+    if form == "table":
+        rows = "".join(f"{t},{x},{t}\n" for t in T for x in places)
+        paths = [written(tmp_path, "t,x,slip\n" + rows)]
+    elif form == "arrays":
+        np.savez(tmp_path / "a.npz", t=T, x=places, slip=np.ones((len(T), 3)))
+        paths = [tmp_path / "a.npz"]
+    gauges = read_gauges(paths, {"": 1.0}, find("cattaneo"))
+    assert [one.x for one in gauges] == places
+    gauges, notes, _ = gauges_and_notes(paths, {"": 1.0}, ANSWER.scene)
+    assert [one.x for one in gauges] == [0.5]
+    assert any("off the contact of the scene" in note for note in notes)
+
+
+def test_y_of_zero_is_the_interface_and_what_is_elsewhere_is_said(tmp_path):
+    text = "t,x,y,slip,exx\n0,1,0,3,\n0,1,,4,\n1,1,0,5,\n0,1,0.5,9,7\n1,1,,,8\n"
+    gauges, notes, _ = gauges_and_notes([written(tmp_path, text)], {"": 1.0})
+    slip, strain = gauges
+    assert (slip.y, slip.values.tolist()) == (None, [4, 5])
+    assert (strain.y, strain.values.tolist()) == (0.5, [7])
+    assert "slip is of the interface, where y is 0 or missing: 1 rows are left out" in notes
+    assert "exx is of points inside the bodies and needs its y: 1 rows are left out" in notes
 
 
 @pytest.mark.parametrize("units", ["", "SI"])

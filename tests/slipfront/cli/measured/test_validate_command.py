@@ -87,6 +87,27 @@ def test_a_position_with_a_unit_needs_that_of_the_file(steel, refused):
     assert "slip: the number must be a number alone or in m, cm" in said
 
 
+@pytest.mark.parametrize("name", ["tau_xy", "sigma_12", "sxy", "traction0", "shear_force"])
+def test_a_verdict_says_what_it_has_not_seen(name, result, tmp_path, capsys):
+    """Shear traction twice too large: found under its names, said not to be read under others."""
+    lines = [line.split(",") for line in Path(result.split()[1]).read_text().splitlines()]
+    rows = [[*line[:4], repr(2 * float(line[4]))] for line in lines[1:]]
+    header = ["t", "x", "slip_rate", "slip", name]
+    (tmp_path / "a.csv").write_text("\n".join(map(",".join, [header, *rows])))
+    line = (
+        "validate a.csv --scene preloaded --output out --spacing 0.01 --slip half --sign as-given"
+    )
+    code = main([*line.split(), "--scale", "stress=1"])
+    said, known = " ".join(capsys.readouterr().out.split()), name != "shear_force"
+    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert ((code, report["verdict"]) == (1, "differs")) == known
+    assert report["unread"] == ([] if known else [name])
+    assert ("does not cover: columns without a known name: shear_force" in said) != known
+    missed = ["pressure"] if known else ["shear_traction", "pressure"]
+    assert report["not_compared"] == missed
+    assert f"not compared: {', '.join(missed)}".replace("_", " ") in said
+
+
 def test_what_cannot_be_read_returns_3_with_the_line(tmp_path, refused):
     (tmp_path / "odd.csv").write_text("time,x\n1,2\n")
     assert "line 1" in refused("validate odd.csv --scene preloaded", 3)

@@ -41,12 +41,12 @@ def size_of(path: Path) -> int:
         reason = error.strerror or error
         raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
     if not stat.S_ISREG(status.st_mode):
-        raise DataFileError(f"{path} is no ordinary file; save what it gives in one.")
+        raise DataFileError(f"{path} is not an ordinary file; save what it gives in one.")
     return status.st_size
 
 
 def check_file_size(path: Path, most: int = LARGEST_FILE) -> None:
-    """Refuse what is no ordinary file, or has too many bytes; raises a DataFileError."""
+    """Refuse what is not an ordinary file, or has too many bytes; raises a DataFileError."""
     size = size_of(path)
     if size > most:
         raise too_large(path, f"{size / 2**20:.0f} MB", f"{most / 2**20:.0f} MB")
@@ -71,7 +71,7 @@ def content_of(path: Path) -> bytes:
     Raises
     ------
     DataFileError
-        If it is no ordinary file, a damaged archive, or too large.
+        If it is not an ordinary file, a damaged archive, or too large.
     """
     check_file_size(path, LARGEST_TEXT)
     try:

@@ -28,6 +28,7 @@ EXAMPLES: Mapping[str, str] = {
     "time": "µs",
     "length / time": "mm/s",
     "stress": "MPa",
+    "1": "µε",
 }
 """A unit of each dimension, for messages."""
 NO_UNIT = ("", "-", "1", "nd", "dimensionless", "none")
@@ -40,6 +41,11 @@ _BASE = {
     **{"mass / length^3": "kg/m**3", "stress time / length": "Pa*s/m"},
     **{"stress length": "N/m", "1": ""},
 }
+_PARTS: Mapping[str, float] = {
+    **{"ε": 1.0, "strain": 1.0, "1e-3": 1e-3, "mstrain": 1e-3, "1e-6": 1e-6, "microstrain": 1e-6},
+    **{prefix + name: 1e-6 for prefix in "uµμ" for name in ("strain", "ε")},
+}
+"""Parts of one that instruments name."""
 _CASES = {name.lower(): name for name in ("Pa", "kPa", "MPa", "GPa")}
 _KNOWN = re.compile(r"[A-Za-zµμ][A-Za-zµμ0-9*/^. ()⁻¹²³·⋅-]*\Z")
 _REFUSALS = (ValueError, TypeError, AssertionError, ArithmeticError, SyntaxError)
@@ -78,12 +84,18 @@ def si_size(name: str, dimension: str) -> float | None:
     text = name.strip()
     if text == unit(dimension, SI):
         return 1.0
-    common = size_of(text, dimension)
+    common = common_size(text, dimension)
     if common is not None:
         return common
     if len(text) > LONGEST or not _KNOWN.match(text):
         return None
     return _size(_CASES.get(text, text), dimension)
+
+
+def common_size(text: str, dimension: str) -> float | None:
+    """Factor from a unit with a common prefix, or of strain, to that of the SI; None for others."""
+    size = size_of(text, dimension)
+    return _PARTS.get(text.lower()) if size is None and dimension == "1" else size
 
 
 @cache

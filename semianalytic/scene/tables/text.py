@@ -11,14 +11,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from compare.records.bounds import LONGEST_LINE, MOST_SECONDS, check_numbers, content_of
-from compare.records.record import Array
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.bounds import LONGEST_LINE, MOST_SECONDS, check_numbers, content_of
+
+Array = NDArray[np.float64]
 
 COMMENTS = ("#", "%", "!", "//")
-MISSING = {"", "nan", "na", "n/a", "none", "null", "-", "--", "?"}
-"""Entries that mark a missing number."""
+MISSING = {"", "nan", "nan(ind)", "na", "n/a", "none", "null", "?"}
+"""Entries that mark a missing number, behind any signs."""
 LONGEST_SHOWN = 24
 """Characters of a damaged entry that are quoted."""
 MOST_COMMENTS = 10_000
@@ -26,7 +28,11 @@ MOST_COMMENTS = 10_000
 ROWS_AT_ONCE = 20_000
 """Rows that are parsed together: half as many and twice as many take as long."""
 
-_NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eEdD][+-]?\d+)?\Z")
+_NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+))(?:[eEdD]([+-]?\d+))?\Z")
+_LOST = re.compile(r"([+-]?\d*[.,]\d+)([+-]\d{3})\Z")
+"""Fortran leaves out the E where the exponent has three digits."""
+_COMMENT = re.compile(rb"^[ \t]*[#%!][^\n]*", re.MULTILINE)
+"""Lines of which some codes write all characters, NULs included."""
 _TECPLOT = re.compile(r"(TITLE|VARIABLES|ZONE)\s*=", re.IGNORECASE)
 
 
@@ -75,7 +81,7 @@ def _decodable(path: Path) -> tuple[bytes, str]:
     content = content_of(path)
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         content, encoding = _from_utf_16(path, content), "utf-8"
-    elif b"\0" in content:
+    elif b"\0" in (content := _COMMENT.sub(lambda found: found[0].replace(b"\0", b""), content)):
         line = content[: content.index(b"\0")].count(b"\n") + 1
         raise DataFileError(
             f"{path}, line {line}: there are bytes that are no text; give a text file, or one "
@@ -159,7 +165,7 @@ class _Reader:
                 self.comments.append(line.lstrip("#%!/ "))
             return
         if not self.width:
-            if not self.names and self._take_names(number, raw):
+            if self._take_names(number, raw):
                 return
             self._begin(number, raw)
         self.waiting.append((number, raw))
@@ -167,7 +173,7 @@ class _Reader:
             self._parse()
 
     def _take_names(self, number: int, raw: str) -> bool:
-        """Whether a line before all rows names columns, or says something of a table of Tecplot."""
+        """Whether a line before all rows names columns or, below, their units, or is Tecplot's."""
         tecplot = _TECPLOT.match(raw.strip())
         if tecplot is None:
             separator = _separator(raw)
@@ -177,10 +183,23 @@ class _Reader:
             entries = re.findall(r'"([^"]*)"', raw)
         else:
             return True
-        if any(map(_is_number, entries)):
+        if any(_is_number(entry) and (entry != "1" or not self.names) for entry in entries):
             return False
+        if self.names:
+            return self._take_units([entry.strip("[]()\"' ") for entry in entries])
         self.separator = separator
         self.names, self.line = tuple(entry.strip("\"' ") for entry in entries), number
+        return True
+
+    def _take_units(self, units: list[str]) -> bool:
+        """Whether the line below the names holds units, which then follow the names."""
+        pairs = list(zip(self.names, units, strict=False))
+        if len(units) != len(self.names) or all(unit.lower() in MISSING for unit in units):
+            return False
+        self.names = tuple(
+            name if unit in ("", "-", "1") or name[-1:] in ("]", ")") else f"{name} [{unit}]"
+            for name, unit in pairs
+        )
         return True
 
     def _begin(self, number: int, raw: str) -> None:
@@ -190,8 +209,8 @@ class _Reader:
         self.width = len(self.names) or len(_split(raw, self.separator))
         if self.width < 2:
             raise DataFileError(
-                f"{self.path}, line {number}: there is one column; give a table of times and "
-                "quantities at least."
+                f"{self.path}, line {number}: there is one column, and two at least are needed; "
+                "put commas, semicolons, tabs or blanks between columns."
             )
         check_numbers(self.path, (self.lines - number) * self.width)
 
@@ -243,7 +262,7 @@ class _Reader:
             self._parse()
         if not self.parts:
             raise DataFileError(
-                f"{self.path} has no row of numbers; give a table of t, x and slip_rate."
+                f"{self.path} has no row of numbers; give names of columns and rows below them."
             )
         names = self.names or _names_of_comments(self.comments, self.width)
         return Table(self.path, names, np.concatenate(self.parts), tuple(self.comments), self.line)
@@ -275,16 +294,18 @@ def _split(line: str, separator: str | None) -> list[str]:
 
 
 def _is_number(text: str) -> bool:
-    return bool(_NUMBER.match(text.strip()))
+    return bool(_NUMBER.match(text.strip()) or _LOST.match(text.strip()))
 
 
 def _value(path: Path, line: int, text: str, separator: str | None) -> float:
     text = text.strip().strip("\"'")
-    if text.lower() in MISSING:
+    word = text.lower().lstrip("+-")
+    if word in MISSING:
         return np.nan
-    if text.lower().lstrip("+-") in ("inf", "infinity"):
+    if word in ("inf", "infinity"):
         return float(text)
-    if not _NUMBER.match(text) or ("," in text and separator == ","):
+    number = _NUMBER.match(text) or _LOST.match(text)
+    if not number or ("," in text and separator == ","):
         shown = text if len(text) <= LONGEST_SHOWN else text[:LONGEST_SHOWN] + "..."
         raise DataFileError(f"{path}, line {line}: {shown!r} is not a number; mend that line.")
-    return float(text.replace(",", ".").replace("D", "e").replace("d", "e"))
+    return float(f"{number[1].replace(',', '.')}e{number[2] or 0}")

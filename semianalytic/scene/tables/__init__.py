@@ -1,0 +1,1 @@
+"""Tables of text with headings and units, whoever wrote them."""
