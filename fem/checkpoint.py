@@ -24,7 +24,7 @@ from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.documents import scene_document
 
-FORMAT = "slipfront checkpoint 5"
+FORMAT = "slipfront checkpoint 6"
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,7 @@ class Record:
         self._totals = np.zeros((3, steps + 1))
         self._energy = np.zeros((6, steps + 1))
         self._opened = np.array([math.inf, 0.0, 0.0, 0.0])  # the fields of Opening
+        self._after = np.zeros((model.half_window, nodes))
         self._final = np.zeros((2, nodes))
 
     def level(self, step: int) -> None:
@@ -110,6 +111,8 @@ class Record:
         if sliding is None:
             return
         slip, rates = sliding.offset()[SEEN], self._interface[1]
+        if step > self.model.steps:
+            self._after[step - self.model.steps - 1] = slip
         ended = step - half if step >= 2 * half else step / 2
         for row in np.flatnonzero(self._levels == ended):
             window = 2 * min(half, ended) * self.model.time_step
@@ -163,6 +166,7 @@ class Record:
             "state": self._state[:rows],
             "gap": self._gap[:rows],
             "opened": self._opened,
+            "after": self._after,
             "final": self._final,
         }
 
@@ -178,7 +182,8 @@ class Record:
         self._state[:rows] = stored["state"]
         if stored["gap"].any():
             self._gap[:rows] = stored["gap"]
-        self._opened[:], self._final[:] = stored["opened"], stored["final"]
+        for name in ("opened", "after", "final"):
+            getattr(self, f"_{name}")[:] = stored[name]
 
     def results(self) -> dict[str, Any]:
         """Return everything that was recorded, under the names of the fields of `Simulation`."""
@@ -189,6 +194,7 @@ class Record:
         return {
             "interface": InterfaceHistory(self.model.contact_x[SEEN], t, *fields),
             "state": self._state,
+            "slip_after": self._after,
             "final_path": self._final[0],
             "final_work_density": self._final[1],
             "slot": SlotHistory(self._slot_x, t, *self._whole_velocity(t)),

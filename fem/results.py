@@ -21,9 +21,9 @@ from semianalytic.scene.given.documents import scene_document, scene_from_docume
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 8"
+FORMAT = "slipfront simulation 9"
 FILE_NAME = "simulation.h5"
-ARRAYS = ("state", "final_path", "final_work_density")
+ARRAYS = ("state", "slip_after", "final_path", "final_work_density")
 HISTORIES = ("interface", "slot", "energy", "totals")
 COMPANION = "companion"
 
@@ -186,6 +186,9 @@ class Simulation(SampledAnswer):
     state : (m, n) array of int8
         State of each node of `interface` in the step after each time: STICK (0), slip FORWARD
         (+1) or BACKWARD (-1), or OPEN (2).
+    slip_after : (k, n) array
+        Slip of each node of `interface` at each of the steps after the end, until the window of the
+        last slip rate ends [length].
     final_path : (n,) array
         Accumulated |slip| of each node of `interface` at the end [length], summed over every step,
         stored or not, and also while the node is open.
@@ -244,6 +247,7 @@ class Simulation(SampledAnswer):
     unknowns: int
     interface: InterfaceHistory
     state: NDArray[np.int8]
+    slip_after: NDArray[np.float64]
     final_path: NDArray[np.float64]
     final_work_density: NDArray[np.float64]
     totals: Totals

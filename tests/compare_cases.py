@@ -88,6 +88,7 @@ def sampled_run(
             gap=gain * seen.gap,
         ),
         state=np.zeros(seen.slip.shape, dtype=np.int8),
+        slip_after=np.zeros((0, len(x))),
         final_path=path,
         final_work_density=work,
         totals=Totals(

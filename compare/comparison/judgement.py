@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from compare.comparison.case import Case
@@ -29,7 +28,7 @@ from compare.comparison.quantities.profile_rows import (
     wear_rows,
 )
 from compare.comparison.quantities.slot_rows import slot_rows
-from compare.comparison.rows import DIFFERS, UNRESOLVED, HasRows, Row, overall, shown_number
+from compare.comparison.rows import DIFFERS, UNRESOLVED, HasRows, Row, shown_number
 from semianalytic import Marched, Solution
 from semianalytic.results.answer import Answer
 from semianalytic.results.notebook import html_table
@@ -37,13 +36,6 @@ from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
     from fem import Simulation
-
-
-MOTION = ("slip rate", "slip", "gap")
-"""Kinds of rows that decide the verdict on a scene."""
-REST = ("shear traction", "pressure")
-"""Kinds of rows that decide instead where nothing moves, so that rows of motion have nothing to
-compare."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,25 +79,10 @@ class Judgement(HasRows[Row]):
         """Simulation that is compared, with its companions."""
         return self.case.simulation
 
-    @cached_property
-    def verdict(self) -> str:
-        """Verdict on the whole scene.
-
-        It is "differs" if one row differs.  Else it is "agrees" if a row of slip, slip rate or gap
-        that is not 0 agrees and all of these rows converge, with those of pressure.  Else it is
-        "unresolved", whatever fronts and parts of maps do.  Where nothing moves, rows of tractions
-        decide instead.
-        """
-        if self.having(DIFFERS):
-            return DIFFERS
-        deciding = [row for row in self.rows if row.kind in MOTION]
-        if deciding and self.case.rests:
-            deciding = [row for row in self.rows if row.kind in REST]
-        # the pressure of a right simulation converges: it did in all 500 scenes of docs/judge.md
-        pressed = [row for row in self.rows if row.kind == "pressure"]
-        if not all(row.converges for row in (*deciding, *pressed)):
-            return UNRESOLVED
-        return overall(row.verdict for row in deciding if row.size)
+    @property
+    def rests(self) -> bool:
+        """Whether nothing moves, neither predicted nor simulated."""
+        return self.case.rests
 
     def remedy(self, row: Row) -> str:
         """Return the mesh that would resolve a row, and its cost; "" where none is known."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from compare.comparison.bars import (
 )
 from compare.comparison.case import Case
 from compare.comparison.measures import NOTHING, norm, within
-from compare.comparison.rows import AGREES, DIFFERS, TELLING, UNRESOLVED, Row
+from compare.comparison.rows import AGREES, BEYOND, DIFFERS, TELLING, UNRESOLVED, Row
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer
 from semianalytic.results.sampled import interpolated
@@ -36,15 +37,41 @@ meshes change; with half this value none was beyond 1.5 bars."""
 USUAL = 0.9
 """Part of the slipping nodes and times whose mesh differences are at most the usual one."""
 
-BEYOND = "it is beyond its error bar, but by less than {:g} times"
+BY_LITTLE = BEYOND + "by less than {:g} times"
+NO_BAR = "no coarser mesh shows it, so that it has no error bar"
 WIDE = f"its error bar is more than {TELLING:g} of what is compared"
-"""Obstacles of rows whose meshes converge and still do not decide."""
+"""Obstacles of rows that meshes do not decide although they do not move apart."""
 
 Reading = Callable[[InterfaceHistory], float | None]
 """Function that reads a number off a history; None where the history does not have it."""
 Expected = Callable[[Answer, InterfaceHistory], Array]
 """Function that returns a field of an answer along the contact at the end, (n,), given the history
 of the answer at nodes."""
+
+
+class Meshes(Protocol):
+    """What a row has to know of a comparison: how fine its meshes are, and what spoils it.
+
+    Attributes
+    ----------
+    finer : int
+        Resolution, or number of nodes, of a mesh twice as fine.
+    caution : str
+        What simulation or prediction are too coarse for; "" if there is nothing.
+    needed : int or None
+        Resolution with which they would not be, where known.
+    amplified : str
+        Why errors grow on this mesh so that nothing differs for certain; "" if they do not.
+    """
+
+    @property
+    def finer(self) -> int: ...
+    @property
+    def caution(self) -> str: ...
+    @property
+    def needed(self) -> int | None: ...
+    @property
+    def amplified(self) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -272,20 +299,16 @@ def _floor(case: Case, nothing: bool) -> float:
     return NOTHING + (0.0 if nothing else LEAST_ERROR + case.error_estimate)
 
 
-def judged(case: Case, row: Row, comparison: Comparison) -> Row:
+def judged(case: Meshes, row: Row, comparison: Comparison) -> Row:
     """Return a row with its bar and its verdict: unresolved if meshes or a march cannot decide."""
-    error = comparison.error
-    finer = 2 * case.simulation.resolution
+    error, finer = comparison.error, case.finer
     if error is not None:
         bar = error.size + comparison.added
         row = replace(row, bar=bar, order=error.order, converges=error.converges)
     if case.caution and row.kind not in ("arrival", "pressure"):
-        times = max((shortfall.times for shortfall in case.shortfalls), default=0.0)
-        needed = math.ceil(times * case.simulation.resolution) or None
-        return replace(row, obstacle=case.caution, resolution=needed)
+        return replace(row, obstacle=case.caution, resolution=case.needed)
     if error is None or row.bar is None:
-        reason = "coarser meshes do not show it" if case.coarser else "no coarser mesh was run"
-        return replace(row, obstacle=f"{reason}, so that it has no error bar", resolution=finer)
+        return replace(row, obstacle=NO_BAR, resolution=finer)
     if math.isinf(row.bar):
         return replace(row, obstacle="the prediction has not converged")
     held = row if error.converges else _diverging(row, error, comparison, finer)
@@ -294,14 +317,14 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
     if not error.converges:
         return held
     if row.verdict == UNRESOLVED:
-        return replace(row, obstacle=BEYOND.format(row.alarm), resolution=finer)
+        return replace(row, obstacle=BY_LITTLE.format(row.alarm), resolution=finer)
     # what is nothing at the nodes has no size that a bar could be held against
     if row.verdict == AGREES and row.size > NOTHING and row.bar > TELLING * row.size:
         growth = row.bar / (TELLING * row.size)
         return replace(
             row,
             obstacle=WIDE,
-            resolution=math.ceil(growth * case.simulation.resolution),
+            resolution=math.ceil(growth * finer / 2),
         )
     return row
 

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from compare.comparison.judging import BEYOND
+from compare.comparison.judging import BY_LITTLE
 from compare.comparison.measures import NOTHING, nearest, onset_time
 from compare.comparison.rows import UNRESOLVED
 from compare.comparison.scales import stress_scale
@@ -44,7 +44,7 @@ SLIDING = 0.05
 STRENGTH_FLOOR = 0.005
 MEDIAN_NOISE = math.sqrt(math.pi / 2)
 """Standard deviation of a median of normally distributed samples, over that of their mean."""
-BETWEEN = f"{BEYOND.format(ALARM)}; a finer grid, or noise that is stated as it is, would tell"
+BETWEEN = f"{BY_LITTLE.format(ALARM)}; a finer grid, or noise that is stated as it is, would tell"
 NO_GRID = "nothing says how fine the grid is; give `spacing`"
 ONE_FACE = (
     "one face moves by more than half of the slip where pressure acts on it; record both faces"

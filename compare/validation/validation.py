@@ -9,9 +9,8 @@ from os import PathLike
 
 import numpy as np
 
-from compare.comparison.judgement import MOTION
 from compare.comparison.measures import NOTHING
-from compare.comparison.rows import AGREES, DIFFERS, HasRows, overall
+from compare.comparison.rows import AGREES, DIFFERS, MOTION, HasRows, overall
 from compare.records.record import BEFORE, QUANTITIES, Record, Records
 from compare.validation.bars import JudgedRow
 from compare.validation.conventions import Conventions

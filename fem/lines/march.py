@@ -49,6 +49,12 @@ class LineSimulation:
         Times [time]; the last one is the end.
     slip, slip_rate, shear_traction, pressure, gap : (m, n) arrays
         Relative slip and gap [length], slip rate [length / time] and tractions [stress].
+    strength : (m, n) array
+        Shear traction that friction bears at most, a mean like the tractions [stress]; 0 on slots.
+    window : (m, 2) array
+        Beginning and end of the time over which means are taken [time].
+    window_slip : (m, 2, n) array
+        Slip at these times [length].
     imbalance : float
         Energy of the bodies and what far sides absorb, less the work of all tractions, over it.
     steps, unknowns : int
@@ -64,6 +70,9 @@ class LineSimulation:
     shear_traction: Array
     pressure: Array
     gap: Array
+    strength: Array
+    window: Array
+    window_slip: Array
     imbalance: float
     steps: int
     unknowns: int
@@ -133,6 +142,7 @@ class LineModel:
         self.pressing = self._jump(Y) if line.opens else None
         self.state = line.state
         (self.pressure, _), (self.shear, _) = line.pressure(0.0), line.shear(0.0)
+        self.strength = np.zeros(len(line.x))
         self.felt = self.pressure[line.touching]
         self.pushed = self.absorbed = self.imbalance = 0.0
 
@@ -210,6 +220,7 @@ class LineModel:
         speed = slip_speed(friction, size, self.felt, impedance, self.state, touches)
         self.shear = slot.copy()
         self.shear[on] = stopping - np.sign(stopping) * impedance * speed
+        self.strength[on] = touches * friction.strength(self.felt, speed, self.state)
         # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy
         self.pushed += jump.push(line - self.shear, part)
 
@@ -352,8 +363,8 @@ class _Record:
         self.model, self.levels, self.window = model, levels, window
         count = (len(levels), len(model.line.x))
         self._slip, self._gap = np.zeros(count), np.zeros(count)
-        self._begin, self._rate = np.zeros(count), np.zeros(count)
-        self._shear, self._pressure = np.zeros(count), np.zeros(count)
+        self._ends, self._window = np.zeros((count[0], 2, count[1])), np.zeros((count[0], 2))
+        self._means = {name: np.zeros(count) for name in ("shear_traction", "pressure", "strength")}
 
     def level(self, level: int) -> None:
         """Record a level whose kick is done."""
@@ -362,23 +373,24 @@ class _Record:
             if not first <= level <= last:
                 continue
             slip = self.model.slip(level)
-            if level == first:
-                self._begin[number] = slip
-            if level == last:
-                time = self.model.step * (last - first)
-                self._rate[number] = (slip - self._begin[number]) / time
+            for end, limit in enumerate((first, last)):
+                if level == limit:
+                    self._ends[number, end] = slip
+                    self._window[number, end] = level * self.model.step
             if level == at:
                 self._slip[number], self._gap[number] = slip, self.model.gap()
-            share = 1 / (last - first + 1)
-            self._shear[number] += share * self.model.shear
-            self._pressure[number] += share * self.model.pressure
+            now = (self.model.shear, self.model.pressure, self.model.strength)
+            for mean, values in zip(self._means.values(), now, strict=True):
+                mean[number] += values / (last - first + 1)
 
     def fields(self) -> dict[str, Array]:
         """The fields of a `LineSimulation`."""
+        gained, times = np.diff(self._ends, axis=1)[:, 0], np.diff(self._window)
         return {
             "slip": self._slip,
-            "slip_rate": self._rate,
-            "shear_traction": self._shear,
-            "pressure": self._pressure,
+            "slip_rate": gained / times,
             "gap": self._gap,
+            "window": self._window,
+            "window_slip": self._ends,
+            **self._means,
         }

@@ -17,6 +17,7 @@ from compare.comparison.fields.fronts import Fronts, TwoBodies, fronts_between, 
 from compare.comparison.fields.pairs import Pair, alike, area_norm, frame_pairs
 from compare.comparison.measures import NOTHING
 from compare.comparison.snapshots import listed_frames
+from meshes.blocks import causal_margin
 from semianalytic import PairSolution, Scene
 from semianalytic.results.answer import Answer, BodyFields
 
@@ -27,6 +28,8 @@ Array = NDArray[np.float64]
 
 BAND = 2.0
 """Half-width of the band around a front, in elements."""
+COARSEST = 4
+"""Elements of the coarsest mesh, in elements."""
 SEEN_LAST = 1_000_000
 SEEN_BEFORE = 5_000
 """Largest numbers of nodes, and of elements, at which the last frame and each earlier one are
@@ -115,20 +118,24 @@ def field_errors(
     if not isinstance(prediction, BodyFields) or not getattr(prediction, "has_bodies", True):
         return None
     scene, size = simulation.scene, simulation.element_size
-    fronts = fronts_in(prediction, scene)
+    widest = BAND * COARSEST * size / scene.material.shear_speed
+    fronts = fronts_in(prediction, scene, shortest=widest)
     listed = listed_frames(folder, simulation.run)
     frames: list[tuple[FieldError, ...]] = []
     mesh = None
     for number, entry in enumerate(listed, start=1):
         frame = read_frame(*entry, mesh)
-        mesh, frame = frame.mesh, _undisturbed(prediction, frame)
+        mesh, frame = frame.mesh, _undisturbed(simulation, frame, size)
         most = SEEN_LAST if number == len(listed) else SEEN_BEFORE
         pairs = frame_pairs(prediction, frame, most)
         frames.append(tuple(pair_errors(pairs, fronts, frame.time, BAND * size)))
         if progress is not None:
             progress(number, len(listed))
     coarser = companion_frames(simulation, folder)
-    meshes = [(size, frame), *((cell, _undisturbed(prediction, one)) for cell, one in coarser)]
+    meshes = [
+        (size, frame),
+        *((cell, _undisturbed(simulation, one, cell)) for cell, one in coarser),
+    ]
     width = BAND * max(cell for cell, _ in meshes)
 
     def predict(coarser: Frame) -> dict[str, Pair]:
@@ -138,15 +145,22 @@ def field_errors(
     return FieldErrors(size, tuple(frames), pairs, changes)
 
 
-def _undisturbed(prediction: Answer | PairSolution, frame: Frame) -> Frame:
-    """Return the part of a frame that its sides do not disturb.
+def _undisturbed(simulation: Simulation, frame: Frame, size: float) -> Frame:
+    """Return the part of a frame, of a mesh of an element size [length], that no side disturbs.
 
-    They hold what plane waves of identical bodies do not move; between different ones they do not.
+    Nothing comes back from the sides, but the left one is no part of a slot that goes on: it holds
+    what plane waves of identical bodies do not move, and between different bodies it disturbs their
+    waves from t = 0 on.  It also disturbs those of a load that moves, from when the load arrives.
     """
-    if not isinstance(prediction, PairSolution):
+    scene, lower = simulation.scene, simulation.lower_material
+    bodies = scene.material, lower or scene.material
+    alike, slowness = bodies[0] == bodies[1], -scene.front_slowness
+    since = frame.time - slowness * -frame.nodes.x.min()
+    if since <= 0 or (alike and not slowness):
         return frame
-    bodies = prediction.pair.upper, prediction.pair.lower
-    return frame.clear_of_sides(max(one.longitudinal_speed for one in bodies) * frame.time)
+    speed = max(map(scene.fastest_in, bodies))
+    damping_time = simulation.damping * size / scene.material.shear_speed
+    return frame.clear_of_left(speed * since + causal_margin(speed, since, size, damping_time))
 
 
 def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, Frame]]:
@@ -213,10 +227,13 @@ def _relative(pairs: dict[str, Pair], kept: dict[int, NDArray[np.bool_]]) -> dic
     return errors
 
 
-def fronts_in(prediction: Answer | PairSolution, scene: Scene) -> Fronts | TwoBodies:
-    """Fronts of a scene, including those of the zones and openings of a prediction."""
+def fronts_in(
+    prediction: Answer | PairSolution, scene: Scene, shortest: float = 0.0
+) -> Fronts | TwoBodies:
+    """Fronts of a scene, including those of the zones and openings of a prediction; flanks of loads
+    that are shorter than a time count as jumps."""
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
     edges = [edge for part in parts for edge in (part.inner, part.outer)]
     if isinstance(prediction, PairSolution):
         return fronts_between(prediction.pair, edges)
-    return fronts_of(scene, edges)
+    return fronts_of(scene, edges, shortest)

@@ -108,13 +108,10 @@ class Frame:
     elements: Places
     mesh: Mesh
 
-    def clear_of_sides(self, distance: float) -> Frame:
-        """Return the part of the frame that is further than a distance [length] from the sides."""
-        left, right = self.nodes.x.min() + distance, self.nodes.x.max() - distance
-        nodes, elements = (
-            places.at((left < places.x) & (places.x < right))
-            for places in (self.nodes, self.elements)
-        )
+    def clear_of_left(self, distance: float) -> Frame:
+        """Return the part of the frame that is further than a distance [length] from its left."""
+        left = self.nodes.x.min() + distance
+        nodes, elements = (places.at(places.x > left) for places in (self.nodes, self.elements))
         return replace(self, nodes=nodes, elements=elements)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,9 @@ from numpy.typing import NDArray
 from semianalytic import Pair, Scene
 
 Array = NDArray[np.float64]
+
+FLANK = 0.1
+"""Least change of a load, over its largest value, in a flank that counts as a jump."""
 
 
 @dataclass(frozen=True)
@@ -130,15 +134,29 @@ def fronts_between(pair: Pair, edges: Sequence[float] = ()) -> TwoBodies:
     return TwoBodies(*found)
 
 
-def jump_times(scene: Scene) -> tuple[float, ...]:
-    """Times at which a load of a scene jumps, in order [time]."""
+def jump_times(scene: Scene, shortest: float = 0.0) -> tuple[float, ...]:
+    """Times at which a load of a scene jumps, in order [time].
+
+    Flanks of a history that are shorter than a time count as jumps, at their beginning and end, if
+    the load changes by more than `FLANK` of its largest value; finely tabulated ones do not.
+    """
     load = scene.superposition.taken_off
     histories = ((scene.pressure_history, load.pressure), (scene.shear_history, load.shear))
-    starts = {time for one, step in histories if step for time, _ in one.pieces.jumps}
+    starts: set[float] = set()
+    for history, step in histories:
+        if not step:
+            continue
+        starts.update(time for time, _ in history.pieces.jumps)
+        times = history.pieces.breaks
+        values = history.value(np.array(times)) if times else np.zeros(0)
+        steep = np.abs(np.diff(values)) > FLANK * np.abs(values).max(initial=0.0)
+        for (begin, end), rises in zip(pairwise(times), steep, strict=True):
+            if rises and end - begin < shortest:
+                starts.update((begin, end))
     return tuple(sorted(starts))
 
 
-def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
+def fronts_of(scene: Scene, edges: Sequence[float] = (), shortest: float = 0.0) -> Fronts:
     """Return the fronts that jumps of the loads of a scene send out.
 
     Parameters
@@ -146,6 +164,8 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     scene : Scene
     edges : sequence of float
         Velocities of the ends of its slip zones and openings [length / time].
+    shortest : float
+        Flanks of loads that are shorter count as jumps [time].
     """
     material, load = scene.material, scene.superposition.taken_off
     shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed
@@ -164,4 +184,4 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     lines += [StraightFront(shear, 0.0, 1)] if scene.far_slip_rate else []
     lines += [StraightFront(shear, pressure, side) for side in (1, -1) if in_plane]
     lines += [StraightFront(s, 1 / edge, 1) for edge in moving for s in waves if s * edge > 1]
-    return Fronts(jump_times(scene), waves, tuple(lines), tuple(points))
+    return Fronts(jump_times(scene, shortest), waves, tuple(lines), tuple(points))

@@ -73,26 +73,37 @@ def _local_row(case: Case, name: str, unit: float, symbol: str, shown: Mask) -> 
     if case.doubted is not None:
         doubt = np.abs(getattr(case.doubted, name) / unit - predicted)
         bar += scipy.ndimage.maximum_filter(doubt, _band(case))
-    off = np.where(shown, np.abs(simulated - predicted), 0.0)
-    at = np.unravel_index(np.argmax(off / np.maximum(bar, np.finfo(float).tiny)), off.shape)
-    level, node = at
-    when = f"t = {seen.t[level] / case.end_time:.3f} T"
-    row = Row(
-        f"{name.replace('_', ' ')}, place by place",
-        "local",
-        None,
-        float(predicted[at]),
-        float(simulated[at]),
-        float(simulated[at] - predicted[at]),
-        None,
-        symbol,
-        place=f"x = {seen.x[node] / case.length:.3f} c_t T, {when}",
-    )
+    row, at = place_row(name, symbol, (predicted, simulated), np.where(shown, bar, np.inf))
+    x, when = seen.x[at[1]] / case.length, seen.t[at[0]] / case.end_time
+    row = replace(row, place=f"x = {x:.3f} c_t T, t = {when:.3f} T")
     if case.opens and not all(run.interface.gap.any() for run in case.runs):
         finer = 2 * case.simulation.resolution
         row = replace(row, bar=float(bar[at]), resolution=finer)
         return replace(row, obstacle="one mesh opens, another does not: no place has a bar")
     return judged(case, row, Comparison(ErrorBar(float(bar[at]), None, np.inf, converges=True)))
+
+
+def place_row(
+    name: str, symbol: str, fields: tuple[Array, Array], bar: Array
+) -> tuple[Row, tuple[np.intp, ...]]:
+    """Return the row of the place at which a field is off by the most error bars, still without its
+    bar, and the indices of that place.
+
+    Parameters
+    ----------
+    name, symbol : str
+        The field and its unit.
+    fields : pair of (m, n) arrays
+        As predicted and as simulated.
+    bar : (m, n) array
+        Error bar of each place, infinite where it is left out.
+    """
+    predicted, simulated = fields
+    off = np.abs(simulated - predicted) / np.maximum(bar, np.finfo(float).tiny)
+    at = np.unravel_index(np.argmax(off), off.shape)
+    before, after = float(predicted[at]), float(simulated[at])
+    words = f"{name.replace('_', ' ')}, place by place"
+    return Row(words, "local", None, before, after, after - before, None, symbol), at
 
 
 def _driven(case: Case, name: str) -> Array:
@@ -120,7 +131,8 @@ def _beside_fronts(case: Case) -> Mask:
     seen, scene = case.seen, case.scene
     width = BAND * case.runs[2].element_size + ASIDE * case.simulation.element_size
     beside = np.zeros((len(seen.t), len(seen.x)), dtype=bool)
-    for start in {0.0, *jump_times(scene)}:  # t = 0 has fronts even without a jump
+    flank = width / scene.material.shear_speed
+    for start in {0.0, *jump_times(scene, flank)}:  # t = 0 has fronts even without a jump
         for speed in case.fronts.values():
             beside |= np.abs(seen.x - speed * (seen.t[:, None] - start)) < width
     motions = [_motion(case, case.at_nodes)]

@@ -4,9 +4,9 @@ law, slip."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar
 from compare.comparison.case import Case
-from compare.comparison.judging import Comparison, judged
+from compare.comparison.judging import Comparison, Meshes, judged
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import TELLING, Row
 from semianalytic.scene.errors import DataFileError
 
 if TYPE_CHECKING:
-    from fem import Simulation, SlotHistory
-    from semianalytic import InterfaceHistory
+    from fem import Simulation
 
 Array = NDArray[np.float64]
 
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
+WORN = ("final_path", "final_work_density")
 WHOLE_STEPS = 1e-6
 """Tolerance for rounding between times of levels and of the ends of windows, in steps."""
 BEYOND, MISMATCH = "traction beyond friction", "slip rate against slip"
@@ -43,27 +43,36 @@ def check_finite(simulation: Simulation) -> None:
     """
     run: Simulation | None = simulation
     while run is not None:
-        parts: list[tuple[InterfaceHistory | SlotHistory, str]] = [
-            *((run.interface, name) for name in FIELDS),
-            *((run.slot, name) for name in ("velocity_x", "velocity_y")),
-        ]
-        for history, name in parts:
-            wrong = ~np.isfinite(getattr(history, name))
-            if wrong.any():
-                level, node = np.argwhere(wrong)[0]
-                raise _refusal(run, name, f"x = {history.x[node]:.6g}, t = {history.t[level]:.6g}")
-        for name in ("final_path", "final_work_density"):
-            wrong = ~np.isfinite(getattr(run, name))
-            if wrong.any():
-                raise _refusal(run, name, f"x = {run.interface.x[np.flatnonzero(wrong)[0]]:.6g}")
+        whose = f"the simulation of resolution {run.resolution}"
+        contact, slot, end = run.interface, run.slot, run.interface.t[-1:]
+        refuse_unfinite(whose, contact.x, contact.t, fields_of(contact, FIELDS))
+        refuse_unfinite(whose, slot.x, slot.t, fields_of(slot, ("velocity_x", "velocity_y")))
+        worn = {name: values[None] for name, values in fields_of(run, WORN).items()}
+        refuse_unfinite(whose, contact.x, end, worn)
         run = run.companion
 
 
-def _refusal(run: Simulation, name: str, place: str) -> DataFileError:
-    return DataFileError(
-        f"the simulation of resolution {run.resolution} holds a {name.replace('_', ' ')} that is "
-        f"not a finite number, at {place}; simulate again."
-    )
+def fields_of(history: Any, names: Iterable[str]) -> dict[str, Array]:
+    """Return fields of a history by name."""
+    return {name: getattr(history, name) for name in names}
+
+
+def refuse_unfinite(whose: str, x: Array, t: Array, fields: Mapping[str, Array]) -> None:
+    """Refuse fields, (m, n) at times t (m,) and places x (n,), that are not finite numbers.
+
+    Raises
+    ------
+    DataFileError
+        The message says which field, where and when.
+    """
+    for name, values in fields.items():
+        wrong = np.argwhere(~np.isfinite(values))
+        if len(wrong):
+            level, node = wrong[0]
+            raise DataFileError(
+                f"{whose} holds a {name.replace('_', ' ')} that is not a finite number, at "
+                f"x = {x[node]:.6g}, t = {t[level]:.6g}; compute it again."
+            )
 
 
 def own_rows(case: Case) -> Iterator[Row]:
@@ -72,22 +81,23 @@ def own_rows(case: Case) -> Iterator[Row]:
     simulation."""
     changed = _changed_at_rest(case)
     if changed is not None:
-        yield _own_row(case, AT_REST, changed / case.stress, "τ₀")
+        yield own_row(case, AT_REST, changed / case.stress, "τ₀")
     excess = _beyond_friction(case)
     if excess is None:
-        yield _own_row(case, BEYOND, None, "τ₀", obstacle=SPARSE.format("a rate of each step"))
+        yield own_row(case, BEYOND, None, "τ₀", obstacle=SPARSE.format("a rate of each step"))
     else:
-        yield _own_row(case, BEYOND, excess / case.stress, "τ₀")
+        yield own_row(case, BEYOND, excess / case.stress, "τ₀")
     off, bar = _mismatch(case)
     obstacle = ""
     if bar > TELLING * float(np.abs(case.seen.slip).max()) / case.end_time:
         obstacle = SPARSE.format("what slips between two levels")
-    yield _own_row(case, MISMATCH, off / case.rate, "V₀", bar / case.rate, obstacle)
+    yield own_row(case, MISMATCH, off / case.rate, "V₀", bar / case.rate, obstacle)
 
 
-def _own_row(
-    case: Case, name: str, value: float | None, unit: str, bar: float = 0.0, obstacle: str = ""
+def own_row(
+    case: Meshes, name: str, value: float | None, unit: str, bar: float = 0.0, obstacle: str = ""
 ) -> Row:
+    """Return the row of something that is 0 in a correct simulation but for rounding."""
     row = Row(name, "law", None, 0.0, value, value, None, unit)
     row = judged(case, row, Comparison(ErrorBar(NOTHING + bar, None, 0.0, converges=True)))
     return replace(row, obstacle=obstacle) if obstacle else row
@@ -142,29 +152,28 @@ def _mismatch(case: Case) -> tuple[float, float]:
     of the windows of most levels, each slip rate is compared with the slip gained in its window.
     Else the slip at the end is compared with the time integral of the slip rates.
     """
-    seen = case.seen
-    half = np.minimum(case.simulation.rate_window / 2, seen.t)
-    begin, end = (_stored_at(case, seen.t + side * half) for side in (-1, 1))
+    seen, simulation = case.seen, case.simulation
+    later = simulation.time_step * np.arange(1, len(simulation.slip_after) + 1)
+    t = np.concatenate([seen.t, seen.t[-1] + later])
+    slip = np.concatenate([seen.slip, simulation.slip_after])
+    half = np.minimum(simulation.rate_window / 2, seen.t)
+    begin, end = (_stored_at(case, t, seen.t + side * half) for side in (-1, 1))
     whole = (half > 0) & (begin >= 0) & (end >= 0)
     if 2 * np.count_nonzero(whole) > len(seen.t):
-        gained = seen.slip[end[whole]] - seen.slip[begin[whole]]
-        mean = gained / (2 * half[whole, None])
+        mean = (slip[end[whole]] - slip[begin[whole]]) / (2 * half[whole, None])
         return float(np.max(np.abs(mean - seen.slip_rate[whole]), initial=0.0)), 0.0
-    slip = np.trapezoid(seen.slip_rate, seen.t, axis=0)
-    off = np.abs(seen.slip[-1] - slip) / case.end_time
+    gained = np.trapezoid(seen.slip_rate, seen.t, axis=0)
+    off = np.abs(seen.slip[-1] - gained) / case.end_time
     open_ = _between_levels(case) / case.end_time
     worst = int(np.argmax(off - open_))
     return float(off[worst]), float(open_[worst])
 
 
-def _stored_at(case: Case, times: Array) -> NDArray[np.intp]:
-    """Indices of the levels stored at times (m,); -1 where none is stored."""
-    t = case.seen.t
-    level = np.minimum(
-        np.searchsorted(t, times - WHOLE_STEPS * case.simulation.time_step), t.size - 1
-    )
-    near = np.abs(t[level] - times) <= WHOLE_STEPS * case.simulation.time_step
-    return np.where(near, level, -1)
+def _stored_at(case: Case, t: Array, times: Array) -> NDArray[np.intp]:
+    """Indices of the levels, at times t (n,), at times (m,); -1 where none is stored."""
+    rounding = WHOLE_STEPS * case.simulation.time_step
+    level = np.minimum(np.searchsorted(t, times - rounding), t.size - 1)
+    return np.where(np.abs(t[level] - times) <= rounding, level, -1)
 
 
 def _between_levels(case: Case) -> Array:

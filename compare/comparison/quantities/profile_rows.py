@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 
@@ -161,7 +162,7 @@ def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Ro
 def wear_rows(case: Case) -> Iterator[Row]:
     """Rows of accumulated |slip| and frictional work per area at the end."""
     slip = case.rate * case.end_time
-    unseen, back = _unseen_wear(case), _unseen_return(case)
+    unseen, back, summed = _unseen_wear(case), _unseen_return(case), _unseen_between(case)
     for part, (name, kind, field, scale, symbol) in enumerate(
         (
             ("accumulated |slip|", "slip", "final_path", slip, "V₀ T"),
@@ -182,7 +183,7 @@ def wear_rows(case: Case) -> Iterator[Row]:
             partial(_own, case, field),
             reach,
             exact=_worn_norm(case, part, reach, scale),
-            unseen=case.norm_of((unseen[part] + back[part]) / scale, reach),
+            unseen=case.norm_of((unseen[part] + back[part] + summed[part]) / scale, reach),
             scale=(scale, symbol),
             driven=partial(_driven_by, case, part),
         )
@@ -258,6 +259,22 @@ def _unseen_return(case: Case) -> tuple[Array, Array]:
     path = np.trapezoid(rate, seen.t, axis=0)
     work = np.trapezoid(rate * np.abs(seen.shear_traction), seen.t, axis=0)
     return np.asarray(2 * path), np.asarray(2 * work)
+
+
+def _unseen_between(case: Case) -> tuple[Array, Array]:
+    """Change of predicted accumulated |slip| and work per area if every second time is left out of
+    their sums, (n,) each; 0 where the prediction has summed them itself."""
+    history = case.at_nodes
+    x, end, last = history.x, case.end_time, len(history.t) - 1
+    if own_wear(case.prediction, x, end, 0) is not None:
+        return np.zeros(len(x)), np.zeros(len(x))
+    kept = np.union1d(np.arange(0, last, 2), last)
+    fields = ("t", "slip", "slip_rate", "shear_traction", "pressure", "gap")
+    fewer = replace(history, **{name: getattr(history, name)[kept] for name in fields})
+    path, work = (
+        np.abs(one - other) for one, other in zip(worn(history), worn(fewer), strict=True)
+    )
+    return path, work
 
 
 def _unseen_shear(case: Case, reach: tuple[float, float]) -> float:

@@ -299,6 +299,7 @@ def _moves_more(factor: float, run: Simulation) -> Simulation | None:
     return replace(
         run,
         interface=replace(seen, slip=factor * seen.slip, slip_rate=factor * seen.slip_rate),
+        slip_after=factor * run.slip_after,
         final_path=factor * run.final_path,
         final_work_density=factor * run.final_work_density,
         companion=run.companion and _moves_more(factor, run.companion),

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from compare import judge
 from compare.comparison.case import NARROW
-from compare.comparison.rows import ALARM, Row
+from compare.comparison.rows import ALARM, BEYOND, Row
 from compare.comparison.scales import slip_rate_scale
 from fem import simulate
 from semianalytic import Material, Scene, Tractions
@@ -133,7 +133,7 @@ def test_without_companions_nothing_agrees_and_nothing_differs(solution, resolut
             assert row.verdict != "agrees" or row.kind == "law"
             assert row.kind == "law" or (row.bar is None and row.obstacle)
         reasons = {row.obstacle for row in judgement.rows if row.kind == "slip"}
-        assert reasons == {"no coarser mesh was run, so that it has no error bar"}
+        assert reasons == {"no coarser mesh shows it, so that it has no error bar"}
     assert any(row.resolution == 2 * resolution for row in judgement.rows)
     assert judge(solution, sampled_run(solution, resolution=16)).counts["agrees"] > 0
 
@@ -298,6 +298,7 @@ def test_verdict_of_a_judgement(fair):
     )
     for rows, verdict in (
         ((agrees, unresolved), "agrees"),
+        ((agrees, replace(agrees, difference=1.2, obstacle=BEYOND)), "unresolved"),
         ((agrees, unresolved, differs), "differs"),
         ((unresolved,), "unresolved"),
         ((unresolved, replace(front, obstacle="coarse")), "unresolved"),

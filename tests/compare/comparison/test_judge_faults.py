@@ -10,13 +10,22 @@ from compare_cases import differing, named, simulated
 from compare import judge
 from compare.comparison.case import Case
 from compare.comparison.comparing import held_against, planned
+from compare.comparison.fields.fronts import jump_times
 from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.own_rows import own_rows
 from docs.studies.trials.wrong_answers import FAULTS
 from fem import simulate, with_companions
-from semianalytic import Material, Scene, Tractions
+from semianalytic import (
+    CoulombFriction,
+    Material,
+    RateWeakening,
+    Scene,
+    Tabulated,
+    Tractions,
+    ViscousFriction,
+)
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.overriding import override_scene
@@ -250,6 +259,27 @@ class TestSimulationsAtFault:
         with pytest.raises(DataFileError, match=f"holds a {field.replace('_', ' ')} that is not"):
             judge(solution, spoilt(coarse, field, np.nan, at=(3, 5)))
 
+    @pytest.mark.parametrize("level", [10, -20, -3, -2, -1])
+    def test_a_stored_slip_rate_is_that_of_the_slip_at_every_level(self, solution, coarse, level):
+        """Also at the last ones, whose windows end after the end of the run."""
+        node = int(np.argmax(np.abs(coarse.interface.slip_rate[level])))
+        wrong = spoilt(coarse, "slip_rate", 1.01, at=(level, node))
+        assert "slip rate against slip" in differing(judge(solution, wrong))
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("more", [0.97, 1.02, 1.05])
+    @pytest.mark.parametrize("name", ["viscous", "preloaded", "remote-shock", "antiplane"])
+    def test_a_finest_run_of_another_load_does_not_agree(self, name, more):
+        """It widens its own bars, so that it is within some of them."""
+        film = replace(PRELOADED, friction_law=ViscousFriction(0.2))
+        scene = film if name == "viscous" else find_scene(name)
+        pressure, shear = scene.load.pressure, scene.load.shear
+        other = replace(scene, load=Tractions(more * pressure, more * shear))
+        right = simulated(scene, 60)
+        wrong = replace(simulate(other, resolution=60), scene=scene, companion=right.companion)
+        assert judge(solved(scene), right).verdict == "agrees"
+        assert judge(solved(scene), wrong).verdict != "agrees"
+
     def test_so_is_a_companion(self, solution, coarse):
         values = np.full_like(coarse.companion.final_path, np.inf)
         wrong = replace(coarse, companion=replace(coarse.companion, final_path=values))
@@ -264,3 +294,45 @@ class TestSimulationsAtFault:
             node = int(np.argmin(np.abs(coarse.interface.x - place)))
             at = 2 * len(coarse.interface.t) // 3, node
             assert judge(solution, spoilt(coarse, field, 1.1, at)).verdict == "differs", place
+
+
+class TestMeshesThatDoNotTellTheirErrors:
+    """Right scenes that were said to differ: agreed, or unresolved with the reason."""
+
+    FLANKS = (
+        ((0.0, 0.005, 0.4, 0.405, 1.0), (0.0, 1.0, 1.0, 0.0, 0.0)),
+        ((0.0, 0.089219, 0.37116, 0.37491), (0.0, 0.74062, 0.05626, -0.87007)),
+    )
+
+    @pytest.mark.parametrize("flanks", [FLANKS[0], pytest.param(FLANKS[1], marks=pytest.mark.slow)])
+    def test_flanks_of_a_load_within_an_element_are_fronts(self, flanks):
+        scene = replace(PRELOADED, shear_history=Tabulated(*flanks))
+        assert differing(judged(scene, 60)) == []
+
+    def test_so_are_those_of_no_finely_tabulated_load(self):
+        t = np.linspace(0, 1, 401)
+        smooth = replace(PRELOADED, shear_history=Tabulated(t, np.sin(3 * t)))
+        assert jump_times(smooth, 0.1) == ()
+        steep = replace(PRELOADED, shear_history=Tabulated((0, 0.4, 0.41), (0.0, 0.2, 1.0)))
+        assert jump_times(steep, 0.1) == (0.4, 0.41)
+
+    WEAKENING = Scene(
+        Material(1.0, 1.0, -0.1399),
+        0.71814,
+        Tractions(1.3057, 0.70224),
+        Tractions(0.0, 1.7844),
+        friction_law=RateWeakening(0.33669, 2.4376),
+    )
+
+    @pytest.mark.parametrize("law", ["falls", "is constant"])
+    def test_short_waves_that_grow_are_named(self, law):
+        """Only where friction falls with slip rate, or bodies are different."""
+        scene = self.WEAKENING
+        if law == "is constant":
+            scene = replace(scene, friction_law=CoulombFriction())
+        case = judged(scene, 100).case
+        rough = case.seen.slip_rate + 0.1 * case.rate * (-1.0) ** np.arange(len(case.seen.x))
+        wrong = replace(case.simulation, interface=replace(case.seen, slip_rate=rough))
+        amplified = replace(case, simulation=wrong).amplified
+        assert ("waves of a few elements grow" in amplified) == (law == "falls")
+        assert differing(judged(scene, 100)) == []

@@ -9,7 +9,7 @@ import semianalytic as sf
 from compare.interfaces import compare_interface, judging
 from compare.interfaces.judging import judge_interface
 from semianalytic.interface.named import find_interface
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.errors import DataFileError, SceneError
 from slipfront.cli.commands import main
 
 ROCK, GOUGE = sf.Material(1.0, 1.0, 0.25), sf.Material(0.4, 0.85, 0.25)
@@ -37,7 +37,7 @@ def judged():
 def test_different_bodies_agree(judged):
     assert judged.verdict == "agrees"
     rows = {row.kind: row for row in judged.rows}
-    assert set(rows) == {"slip", "slip rate", "shear traction", "pressure"}
+    assert set(rows) == {"slip", "slip rate", "shear traction", "pressure", "local", "law"}
     assert rows["slip"].difference < 0.02
     assert rows["slip"].bar < 0.1
     assert rows["pressure"].over_bar < 1
@@ -95,7 +95,91 @@ def test_a_contact_that_opens_beside_a_slot_agrees():
     tap = find_interface("tap")
     judged = compare_interface(tap.interface, tap.end_time, 256)
     assert judged.verdict == "agrees"
-    assert [row.kind for row in judged.rows if row.verdict == "agrees"] == ["gap", "pressure"]
+    assert {row.kind for row in judged.rows} == {"gap", "pressure", "local", "law"}
+
+
+def spoilt_at(name, times):
+    """A simulation with a wrong value of a field at one place and time."""
+
+    def spoil(one):
+        values = getattr(one, name).copy()
+        contact = np.flatnonzero(one.touching)
+        level, node = np.unravel_index(np.argmax(np.abs(values[:, contact])), (20, len(contact)))
+        values[level, contact[node]] *= times
+        return replace(one, **{name: values})
+
+    return spoil
+
+
+def spoilt_nodes(name, times, phase=0):
+    """A simulation with wrong values of a field at all nodes but one of four."""
+
+    def spoil(one):
+        values = getattr(one, name).copy()
+        values[:, np.arange(values.shape[1]) % 4 != phase] *= times
+        return replace(one, **{name: values})
+
+    return spoil
+
+
+SPOILT = {
+    "slip": ("slip", 10),
+    "slip rate": ("slip_rate", 10),
+    "shear traction": ("shear_traction", 2),
+    "pressure": ("pressure", 0.5),
+}
+
+
+@pytest.mark.parametrize("spoil", [spoilt_at, spoilt_nodes])
+@pytest.mark.parametrize("what", SPOILT)
+def test_no_node_of_the_finest_mesh_is_left_out(judged, spoil, what):
+    finest, *coarser = judged.simulations
+    wrong = judge_interface(judged.run, [spoil(*SPOILT[what])(finest), *coarser])
+    assert wrong.verdict == "differs"
+
+
+def test_stored_slip_rates_are_those_of_the_stored_slip(judged):
+    """Wrong on all meshes alike, and in the run: no comparison shows it, but slip does."""
+    scaled = [replace(one, slip_rate=1.01 * one.slip_rate) for one in judged.simulations]
+    run = replace(judged.run, slip_rate=1.01 * judged.run.slip_rate)
+    wrong = judge_interface(run, scaled)
+    assert [row.name for row in wrong.having("differs")] == ["slip rate against slip"]
+
+
+@pytest.mark.parametrize("field", ["slip", "slip_rate", "shear_traction", "pressure", "gap"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_values_that_are_not_finite_are_refused(judged, field, value):
+    finest, *coarser = judged.simulations
+    every = np.full_like(finest.slip, value)
+    one = getattr(finest, field).copy()
+    one[3, 5] = value
+    for spoilt in (every, one):
+        with pytest.raises(DataFileError, match=r"256 nodes holds .* not a finite number"):
+            judge_interface(judged.run, [replace(finest, **{field: spoilt}), *coarser])
+    everywhere = [
+        replace(one, **{field: np.full_like(one.slip, value)}) for one in (finest, *coarser)
+    ]
+    with pytest.raises(DataFileError, match="not a finite number"):
+        judge_interface(judged.run, everywhere)
+    with pytest.raises(DataFileError, match="the run holds"):
+        judge_interface(replace(judged.run, **{field: every}), list(judged.simulations))
+
+
+@pytest.mark.parametrize("contact", [None, sf.Contact([(-2.0, 1.5)])])
+def test_contacts_that_stick_are_decided_by_their_tractions(contact):
+    load = sf.InterfaceLoad(lambda x: 0.3 * np.exp(-(x**2) / 0.3))
+    where = {} if contact is None else {"contact": contact}
+    face = sf.Interface(ROCK, sf.Coulomb(0.9), 10.0, shear=0.05, loads=[load], **where)
+    judged = compare_interface(face, 1.0, mesh_nodes=None if contact else 128)
+    assert judged.run.status == "done"
+    assert judged.verdict == "agrees"
+    assert {row.kind for row in judged.rows} == {"shear traction", "local", "law"}
+    given = {"end_time": 1.0, "nodes": judged.run.nodes, "times": list(judged.run.t)}
+    wrong = sf.solve(replace(face, shear=0.06), **given)
+    shown = judge_interface(
+        replace(judged.run, shear_traction=wrong.shear_traction), list(judged.simulations)
+    )
+    assert shown.verdict == "differs"
 
 
 def test_rate_and_state_friction_agrees():
@@ -103,7 +187,7 @@ def test_rate_and_state_friction_agrees():
     load = sf.InterfaceLoad(lambda x: 0.5 * np.exp(-(x**2)), history=lambda t: min(t, 1.0))
     fault = sf.Interface(ROCK, law, 12.0, shear=0.55, rate=1e-6, loads=[load])
     judged = compare_interface(fault, 2.0, 128)
-    assert [row.verdict for row in judged.rows] == ["agrees"] * 3
+    assert {row.verdict for row in judged.rows} == {"agrees"}
     assert judged.rows[0].difference < 0.02
     wrong = sf.solve(
         replace(fault, law=replace(law, evolution="slip")),
@@ -179,5 +263,5 @@ def test_an_interface_on_which_nothing_happens_says_why_nothing_is_decided(tmp_p
     )
     main(["run", str(path), "--compare", "--mesh-nodes", "64", "--quiet"])
     shown = " ".join(capsys.readouterr().out.split())
-    assert "Verdict: unresolved (nothing is compared)." in shown
+    assert "Verdict: unresolved (2 agrees)." in shown
     assert "Nothing slips or opens in either answer, so that no row decides." in shown

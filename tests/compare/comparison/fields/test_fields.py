@@ -16,7 +16,7 @@ from compare.comparison.fields.frames import last_frame, read_frame
 from compare.comparison.fields.fronts import StraightFront, fronts_of
 from compare.comparison.snapshots import listed_frames
 from fem import simulate
-from semianalytic import Pulse
+from semianalytic import IncidentWave, Material, MovingLoad, Pulse, Scene, Tractions, solve
 from semianalytic.results.answer import BodyFields
 from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.scene.errors import DataFileError
@@ -336,3 +336,29 @@ def test_a_damaged_or_missing_frame_is_named(folder, content):
         write_bytes(frame, content, Seal.XML)
     with pytest.raises(DataFileError, match=r"last\.vtu cannot be read"):
         last_frame(folder)
+
+
+OBLIQUE = {
+    "P": IncidentWave("P", -11.0, stress=0.4, from_="above"),
+    "SV": IncidentWave("SV", -3.0, stress=0.2),
+    "SH": IncidentWave("SH", -15.0, stress=0.2, from_="above"),
+    "6 c_t": MovingLoad(6.0, 0.0, 1.0),
+    "25 c_t": MovingLoad(25.0, -0.1, 0.5),
+}
+"""Loads that come to the left side of the mesh before the end."""
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("name", OBLIQUE)
+def test_waves_of_the_left_side_are_left_out(name, tmp_path):
+    """It is no part of a slot that goes on, and sends out a wave when the load comes to it."""
+    mode = "antiplane" if name == "SH" else "in-plane"
+    scene = Scene(Material(1, 1, 0.25), 0.9, Tractions(1, 0), OBLIQUE[name], mode=mode)
+    run, folder = simulated(tmp_path, scene, 40)
+    shown = field_errors(solve(scene), run, folder)
+    moved = [error for error in shown.frames[-1] if error.component.startswith("u")]
+    assert max(error.outside for error in moved) < 0.003  # with these waves 0.001 to 0.02
+    assert shown.last["u_x"].places.x.min() < -0.98 * scene.fastest_speed
+    wrong = changed(solve(scene), displacement=lambda values, y: 1.01 * values)
+    moved = field_errors(wrong, run, folder).frames[-1]
+    assert max(error.outside for error in moved if error.component.startswith("u")) > 0.009
