@@ -110,9 +110,7 @@ def all_kinds():
             lambda path: read_checkpoint(path, who),
         ),
         "mesh": Kind(
-            cache_path(BLOCKS).name,
-            lambda folder: read_mesh_again(folder / "any"),
-            read_mesh_again,
+            cache_path(BLOCKS).name, lambda folder: read_mesh_again(folder / "any"), read_mesh_again
         ),
         "snapshot": Kind("last.vtu", write_frame, lambda path: last_frame(path.parent)),
         "index": Kind("fields.pvd", write_frame, lambda path: last_frame(path.parent)),

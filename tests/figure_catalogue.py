@@ -38,8 +38,7 @@ from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
 from docs.studies.article import __main__ as article
 from docs.studies.article.cases import run_cases
-from docs.studies.dissimilar.__main__ import growth_figure
-from docs.studies.dissimilar.pairs import NAMED
+from docs.studies.dissimilar import __main__ as dissimilar
 from docs.studies.dissimilar.pairs import SCENES as PAIRS
 from docs.studies.regimes import figures as regimes
 from docs.studies.regimes.points import map_rows, trace
@@ -147,23 +146,11 @@ def _regimes():
 
 
 def _growth():
-    contrasts, frictions = (1.02, 1.5, 4.0), (0.01, 0.1, 1.25)
-    rows = [
-        {"part": "map", "of": c, "friction": f, "with": f, "against": 2 * f * (c > 2)}
-        for c in contrasts
-        for f in frictions
-    ]
-    rows += [
-        {"part": "curves", "contrast": c, "threshold_with": 0.3 * c, "threshold_against": 1 / c}
-        for c in contrasts
-    ]
-    rows += [
-        {"part": "named", "of": name, "friction": f, "velocity": 1.0 if f > 1 else -1.0}
-        | {"growth": np.nan if f < 0.1 else f}
-        for name in NAMED
-        for f in frictions
-    ]
-    return growth_figure(rows)
+    """Every sixth point of the quick study."""
+    points = dissimilar.map_points(True)[::6]
+    return dissimilar.growth_figure(
+        [row for part, of, _ in points for row in dissimilar.map_rows(part, of, 3)]
+    )
 
 
 def _ruptures():

@@ -188,17 +188,6 @@ def test_threads_hear_of_a_simulation_what_one_hears():
     assert differing(lambda: run) == set()
 
 
-@pytest.mark.slow
-def test_threads_of_dask_hear_what_one_hears():
-    dask = pytest.importorskip("dask")
-    answer, alike = (solve(SCENES["two zones"]) for _ in range(2))
-    asked = dict(questions(answer))
-    alone = asked_by_one(alike, asked)
-    tasks = [dask.delayed(told)(dask.delayed(one)(answer)) for one in asked.values()]
-    heard = dask.compute(*tasks, scheduler="threads", num_workers=THREADS)
-    assert dict(zip(asked, heard, strict=True)) == alone
-
-
 UNLOCKED = """
 import functools, threading
 from collections import defaultdict

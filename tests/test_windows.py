@@ -70,13 +70,6 @@ def test_no_module_needs_what_only_unix_has(tmp_path):
     assert int(done.stdout.split()[-1]) > 250
 
 
-def test_a_module_that_needs_it_would_be_found(tmp_path):
-    (tmp_path / "fem").mkdir()
-    (tmp_path / "fem" / "__init__.py").write_text("import resource\n")
-    done = without_unix("import fem", tmp_path)
-    assert "No module named 'resource', asked for by fem" in done.stderr
-
-
 @pytest.fixture
 def windows(monkeypatch):
     """Refuse to rename and to remove files that are open in this process, as Windows does."""

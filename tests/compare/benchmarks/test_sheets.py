@@ -137,12 +137,6 @@ def test_coarser_grids_have_the_stored_limit(name):
         assert changes(name, COARSE[name], wrong) == ["arrivals", "slip"]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", INTERFACES)
-def test_the_stored_answer_is_the_one_computed_now(name):
-    assert changes(name, SHEETS[name].nodes, answer_to(SHEETS[name])) == []
-
-
 def test_until_a_wave_has_crossed_it_one_of_two_slots_is_one_long_slot():
     sheet = SHEETS["two-slots"]
     answer, face = answer_to(sheet), sheet.problem.interface

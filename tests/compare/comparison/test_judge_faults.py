@@ -87,11 +87,6 @@ class TestGapsThatCoarserMeshesBridge:
     def test_neighbours_agree_at_the_mesh_of_the_command(self, name):
         self.check((BRIDGED | DRAWN)[name])
 
-    @pytest.mark.slow
-    @pytest.mark.parametrize("name", BRIDGED)
-    def test_and_on_a_coarser_one(self, name):
-        self.check(BRIDGED[name], 60)
-
 
 class TestSlipThatIsLittleOfWhatDrivesIt:
     """Slip is what is left of a load that strength nearly bears: errors of strength drive it."""
@@ -101,12 +96,6 @@ class TestSlipThatIsLittleOfWhatDrivesIt:
     @pytest.mark.parametrize("resolution", [60, pytest.param(100, marks=pytest.mark.slow)])
     def test_it_agrees(self, resolution):
         assert differing(judged(self.SCENE, resolution)) == []
-
-    @pytest.mark.slow
-    @pytest.mark.parametrize("shear", [0.09, 0.11, 0.15, -0.12])
-    def test_so_do_its_neighbours(self, shear):
-        scene = replace(self.SCENE, load=Tractions(1.0, shear))
-        assert differing(judged(scene, 100)) == []
 
     @pytest.mark.slow
     def test_a_third_more_slip_differs(self):
@@ -130,11 +119,6 @@ class TestOpeningsThatNoMeshShows:
         for name in ("gap, L1", "largest gap", "opening 1, outer edge", "length open"):
             assert rows[name].verdict == "unresolved", name
             assert rows[name].resolution > 60
-
-    @pytest.mark.slow
-    @pytest.mark.parametrize("resolution", [32, 40, 48, 76])
-    def test_nothing_differs_on_other_meshes(self, resolution):
-        assert differing(judged(self.SCENE, resolution)) == []
 
     @pytest.mark.slow
     def test_the_mesh_of_the_command_shows_it(self):
@@ -242,14 +226,6 @@ class TestLevelsThatAreStoredFarApart:
         for fault in ("shear reversed", "motion × 1.03", "node × 10, slip", "node × 10, shear"):
             assert judge(right, faults[fault]).verdict == "differs", fault
 
-    @pytest.mark.slow
-    @pytest.mark.parametrize("every", [3, 5, 10, 30])
-    @pytest.mark.parametrize("name", ["pressure-drop", "remote-shock", "auxetic", "antiplane"])
-    def test_nothing_differs_where_slip_passes_in_less_than_a_step(self, name, every):
-        scene = find_scene(name)
-        run = with_companions(simulate(scene, resolution=32, every=every))
-        assert differing(judge(solved(scene), run)) == []
-
     def test_a_front_that_no_level_shows_is_unresolved(self):
         """At the first level that is stored the P wave has left the record."""
         scene = find_scene("pressure-drop")
@@ -318,14 +294,6 @@ class TestSimulationsAtFault:
             node = int(np.argmin(np.abs(coarse.interface.x - place)))
             at = 2 * len(coarse.interface.t) // 3, node
             assert judge(solution, spoilt(coarse, field, 1.1, at)).verdict == "differs", place
-
-    @pytest.mark.slow
-    @pytest.mark.parametrize("factor", [0.9, 1.1])
-    @pytest.mark.parametrize("field", ["slip", "slip_rate", "shear_traction", "pressure"])
-    def test_fields_of_the_finest_run_alone_do_not_hide_behind_their_own_bars(
-        self, solution, coarse, factor, field
-    ):
-        assert judge(solution, spoilt(coarse, field, factor)).verdict == "differs"
 
 
 class TestMeshesThatDoNotTellTheirErrors:

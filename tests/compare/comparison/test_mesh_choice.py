@@ -25,15 +25,7 @@ from compare.comparison.mesh_choice import (
 from fem import cost, simulate
 from fem.budget import machine_pace as measured_pace
 from fem.resolution import WEAKENING_ELEMENTS, weakening_caution
-from semianalytic import (
-    Harmonic,
-    Material,
-    Pulse,
-    Scene,
-    SceneError,
-    SlipWeakening,
-    Tractions,
-)
+from semianalytic import Harmonic, Material, Pulse, Scene, SceneError, SlipWeakening, Tractions
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.overriding import override_scene
@@ -95,19 +87,6 @@ def test_named_scenes_get_the_mesh_that_their_narrowest_part_asks_for(name):
     else:
         assert (choice.resolution, choice.needed) == (USUAL, USUAL)
         assert choice.reason == "nothing asks for a finer one"
-
-
-def test_a_smaller_budget_leaves_the_second_zone_of_the_remote_shock_unresolved():
-    scene = find_scene("remote-shock")
-    finest = choose_mesh(solved(scene), scene, snapshots=True, budget=10 * DEFAULT_BUDGET)
-    assert finest.unresolved == ()
-    choice = choose_mesh(solved(scene), scene, snapshots=True, budget=0.8 * finest.seconds)
-    (zone,) = choice.unresolved
-    part, width = NARROWEST["remote-shock"]
-    assert zone.name == part
-    assert zone.resolution == choice.needed == math.ceil(NARROW / width)
-    assert choice.resolution < choice.needed
-    assert choice.reason in ("the finest within budget and memory", "the usual one")
 
 
 def gap_name(solution):

@@ -5,7 +5,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from catalogue import solved
+from catalogue import UNIT_FILE, solved
 from compare_cases import Spoilt, differing, named, sampled_run, simulated
 from hypothesis import given
 from hypothesis import strategies as st
@@ -25,8 +25,6 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.overriding import override_scene
-from semianalytic.scene.units import unit
-from slipfront.cli.commands import main
 
 PRELOADED = find_scene("preloaded")
 FIELDS = {
@@ -73,25 +71,6 @@ def test_an_unresolved_row_says_in_the_document_why_and_what_would_do(thin_gap):
     assert all(row["remedy"] == "" for row in rows.values() if row["verdict"] != "unresolved")
 
 
-@pytest.mark.slow
-def test_no_value_is_null_where_there_is_none(thin_gap):
-    """No bar without companions, no value where a zone is missing: null and not NaN."""
-    run = sampled_run(solved(PRELOADED), resolution=14, companions=0)
-    document = strict(json_text(report_document(judge(solved(PRELOADED), run), "")))
-    assert document["verdict"] == "unresolved"
-    bars = {row["kind"] == "law": set() for row in document["rows"]}
-    for row in document["rows"]:
-        bars[row["kind"] == "law"].add(row["bar"])
-    assert bars[False] == {None}
-    assert None not in bars[True]  # what a run has to hold by itself needs no companions
-    assert document["finite_elements"]["companions"] == []
-    stuck = replace(run, interface=replace(run.interface, slip_rate=0 * run.interface.slip_rate))
-    rows = strict(json_text(report_document(judge(solved(PRELOADED), stuck), "")))["rows"]
-    edges = [row for row in rows if row["kind"] == "zone edge"]
-    assert edges
-    assert {row["simulated"] for row in edges} == {row["difference"] for row in edges} == {None}
-
-
 def test_predictions_that_are_no_solution_are_described_by_their_class(solution):
     """What is judged is asked for its zones, not of its class."""
     run, zone = sampled_run(solution), SlipInterval(0.0, 0.5, 1)
@@ -102,15 +81,6 @@ def test_predictions_that_are_no_solution_are_described_by_their_class(solution)
     other = judge(Spoilt(solution, zones_at=lambda t: (zone,)), run)
     assert named(other)["zone 1, outer edge"].exact == 0.5
     assert any(name.startswith("unpredicted slip") for name in differing(other))
-
-
-@pytest.mark.slow
-def test_whole_interface_slipping_is_compared_too():
-    solution = solved(override_scene(find_scene("remote-shock"), friction=0.5))
-    assert judge(solution, sampled_run(solution)).verdict == "agrees"
-    document = solution_document(solution)
-    assert document["zones"][-1]["outer"] is None
-    assert document["far_slip_rate"] == pytest.approx(1.0)
 
 
 def test_edge_state_and_intensities(solution):
@@ -204,13 +174,6 @@ def test_wear_is_the_answers_own_where_it_has_any_and_else_summed_over_the_times
 STEEL = Scene(
     Material(80e9, 7800.0, 0.3), 0.3, Tractions(1e6, 0.0), Tractions(0.0, 1e6), units="SI"
 )
-STEEL_FILE = """
-units = "SI"
-friction = 0.3
-material = {shear_modulus = 80e9, density = 7800.0, poisson_ratio = 0.3}
-base = {pressure = 1e6, shear = 0.0}
-load = {pressure = 0.0, shear = 1e6}
-"""
 
 
 def without_unit(document, units, path=""):
@@ -288,13 +251,6 @@ def test_values_of_rows_are_what_their_units_say():
     assert references["V₀"][0] == pytest.approx(rate)
 
 
-def test_si_names_what_dimensions_are():
-    assert unit("length / time") == "length/time"
-    assert unit("length / time", "SI") == "m/s"
-    assert unit("stress length^2", "SI") == "J/m"
-    assert unit("c_t", "SI") == "c_t"
-
-
 def test_units_are_carried_by_documents_and_make_no_other_scene():
     assert scene_from_document(scene_document(STEEL)).units == "SI"
     assert replace(STEEL, units="") == STEEL
@@ -303,29 +259,14 @@ def test_units_are_carried_by_documents_and_make_no_other_scene():
         replace(STEEL, units="cgs")
 
 
-@pytest.mark.parametrize(
-    ("line", "sentence"),
-    [
-        ('units = "imperial"', "units must be \"SI\" or left out, got 'imperial'"),
-        ('unit = "SI"', "unknown key unit; did you mean units?"),
-    ],
-)
-def test_other_units_in_a_file_are_refused(line, sentence, tmp_path, refused):
-    path = tmp_path / "scene.toml"
-    path.write_text(STEEL_FILE.replace('units = "SI"', line))
-    assert sentence in refused(["solve", path])
-
-
-def test_tables_say_units(tmp_path, capsys, monkeypatch):
+def test_tables_say_units(tmp_path, shown, monkeypatch):
     monkeypatch.setenv("COLUMNS", "120")
-    path = tmp_path / "steel.toml"
-    path.write_text(STEEL_FILE)
-    assert main(["solve", str(path), "--end-time", "1e-4"]) == 0
-    shown = capsys.readouterr().out
+    path = tmp_path / "scene.toml"
+    path.write_text('units = "SI"\n' + UNIT_FILE)
+    said = shown(["solve", path, "--end-time", "1e-4"]).out
     for words in ("[m/s]", "Pa sqrt(m)", "m^2", "J/m", "t = 0.0001 s"):
-        assert words in shown
-    path.write_text(STEEL_FILE.replace('units = "SI"', ""))
-    assert main(["solve", str(path)]) == 0
-    shown = capsys.readouterr().out
-    assert "[length/time]" in shown
-    assert "m/s" not in shown
+        assert words in said
+    path.write_text(UNIT_FILE)
+    said = shown(["solve", path]).out
+    assert "[length/time]" in said
+    assert "m/s" not in said

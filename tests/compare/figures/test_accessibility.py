@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from colour_vision import VISIONS, contrast, least_difference, lightness_is_ordered, seen
+from colour_vision import VISIONS, contrast, least_difference, lightness_is_ordered
 from figure_catalogue import CATALOGUE
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import ListedColormap, to_hex, to_rgba
@@ -200,15 +200,3 @@ def test_rainbows_and_faint_curves_are_found():
     rainbow = colormaps["hsv"](np.linspace(0, 1, 101))
     assert not any(lightness_is_ordered(rainbow, vision) for vision in VISIONS)
     assert len(list(faint(two_lines(style.BLACK, style.YELLOW)))) == 1
-
-
-def test_simulated_vision_keeps_greys_and_merges_what_it_should():
-    for vision in VISIONS:
-        lightness, a, b = seen(["black", "0.5", "white"], vision).T
-        assert lightness == pytest.approx([0, 53.4, 100], abs=0.5)
-        assert np.hypot(a, b).max() < 1.0
-    assert (
-        least_difference("#B03030", "#507000")
-        < 15
-        < np.linalg.norm(np.diff(seen(["#B03030", "#507000"], "normal"), axis=0))
-    )

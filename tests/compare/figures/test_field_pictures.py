@@ -1,15 +1,12 @@
 """Pictures of fields: fronts are where the fields change, names and colours say what is shown."""
 
 import itertools
-from io import BytesIO
 
 import numpy as np
 import pytest
 from catalogue import solved
 from matplotlib import rcParams
-from matplotlib.colors import to_rgb
 from matplotlib.image import imread
-from PIL import Image
 
 from compare.figures import animation
 from compare.figures.animation import check_format, write_animation
@@ -17,8 +14,6 @@ from compare.figures.fields import FieldPicture
 from compare.figures.fronts import fronts, moving_parts, reach
 from compare.figures.quantities import ALONG_Z, QUANTITIES, find_quantity
 from compare.figures.saving import save_figure
-from compare.figures.style import SENSE_COLOURS
-from docs.studies.accuracy.scenes import figure_png
 from semianalytic import (
     ComputationError,
     IncidentWave,
@@ -172,22 +167,6 @@ def test_picture_of_a_window_has_square_cells(tmp_path):
 
 
 @pytest.mark.slow
-def test_animation_has_a_frame_for_each_time(tmp_path):
-    path, shown = tmp_path / "film.gif", []
-    speed = picture(solved(find("preloaded")), "speed")
-    write_animation(path, speed, [0.3, 0.6, 1.0], lambda *done: shown.append(done))
-    assert shown == [(1, 3), (2, 3), (3, 3)]
-    film = Image.open(path)
-    assert film.n_frames == 3
-    frames = []
-    for number in range(3):
-        film.seek(number)
-        frames.append(np.asarray(film.convert("L"), dtype=float))
-    assert np.abs(frames[2] - frames[0]).max() > 50
-    assert [one.name for one in tmp_path.iterdir()] == ["film.gif"]
-
-
-@pytest.mark.slow
 def test_frames_of_a_film_lie_on_one_another():
     film = picture(solved(find("tap")), "pressure")
     place, colours = film.panel.get_position(), film.panel.get_images()[0].get_clim()
@@ -252,15 +231,3 @@ def test_a_missing_ffmpeg_is_one_sentence(monkeypatch):
     check_format("gif")
     with pytest.raises(MissingLibraryError, match=r"ffmpeg, which is not installed.*gif\.$"):
         check_format("mp4")
-
-
-@pytest.mark.slow
-def test_few_colours_keep_those_of_the_senses():
-    """A line on a picture of many colours is rare, and says which way it slips."""
-    scene = find("auxetic")
-    drawn = picture(solved(scene), "max-shear", 60).figure
-    with Image.open(BytesIO(figure_png(drawn, 80, 256))) as packed:
-        pixels = np.asarray(packed.convert("RGB"), dtype=float).reshape(-1, 3)
-    for sense in ("slip", "reverse slip"):
-        colour = 255 * np.array(to_rgb(SENSE_COLOURS[sense]))
-        assert np.linalg.norm(pixels - colour, axis=1).min() < 15

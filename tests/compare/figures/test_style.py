@@ -77,15 +77,6 @@ def test_a_style_sheet_of_the_user_wins_and_the_dark_one_can_be_read():
     assert dark["shade"] < "#808080"
 
 
-def test_a_matplotlibrc_wins(tmp_path, monkeypatch):
-    (tmp_path / "matplotlibrc").write_text("font.size: 17\nsavefig.dpi: 50\n")
-    rcParams.update(matplotlib.rc_params_from_file(tmp_path / "matplotlibrc"))
-    assert facts()["label"] == 17
-    figure = new_figure(2, 1)
-    save_figure(figure, tmp_path / "small.png")
-    assert matplotlib.image.imread(tmp_path / "small.png").shape[:2] == (50, 100)
-
-
 def test_our_style_is_one_of_matplotlib():
     with matplotlib.style.context("compare.figures.slipfront"):
         assert rcParams["axes.prop_cycle"] == style_sheet()["axes.prop_cycle"]

@@ -248,9 +248,7 @@ def test_options_without_effect_are_refused(options, said, refused):
 def test_a_difference_ends_with_1(monkeypatch, capsys):
     honest = judging.line_of
     monkeypatch.setattr(
-        judging,
-        "line_of",
-        lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid),
+        judging, "line_of", lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid)
     )
     assert main([*COMMON, "--compare", "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())

@@ -8,7 +8,6 @@ import pytest
 from fault_tasks import history
 from faults import (
     FULL,
-    ROOT,
     all_kinds,
     as_nobody,
     flip_bits,
@@ -19,7 +18,6 @@ from faults import (
     start,
 )
 
-from compare.chart.points import read_points
 from compare.figures.saving import save_figure
 from compare.output.files import append_text, write_text
 from compare.output.places import LOCK, check_file, save_somewhere, working_folder
@@ -29,16 +27,7 @@ from semianalytic.results.files import check_seal, new_file, whole_hdf5
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene
 
-NAMES = (
-    "history",
-    "march",
-    "simulation",
-    "checkpoint",
-    "mesh",
-    "snapshot",
-    "index",
-    "chart",
-)
+NAMES = ("history", "march", "simulation", "checkpoint", "mesh", "snapshot", "index", "chart")
 
 
 @pytest.fixture(scope="module")
@@ -118,14 +107,21 @@ def flip_and_read(kind, folder, count, seed):
     return refused
 
 
-@pytest.mark.parametrize(
-    ("count", "seed"), [(16, 1), pytest.param(1000, 2, marks=pytest.mark.slow)]
-)
 @pytest.mark.parametrize("name", NAMES)
-def test_flipped_bits_are_refused_or_change_nothing(name, count, seed, kinds, tmp_path):
-    refused = flip_and_read(kinds[name], tmp_path, count, seed)
-    least = 12 if count == 16 else 900
-    assert refused == 0 if name == "mesh" else refused > least  # a mesh is built again
+def test_flipped_bits_are_refused_or_change_nothing(name, kinds, tmp_path):
+    """All files that are not refused read as if nothing was; a mesh is built again."""
+    kind, rng, refused = kinds[name], randomness(1), 0
+    kind.write(tmp_path)
+    path = tmp_path / kind.path
+    intact, sound = path.read_bytes(), identity_of(kind.read(path))
+    for trial in range(16):
+        cut = intact[: rng.randrange(len(intact))] if trial % 8 == 7 else flip_bits(intact, 3, rng)
+        path.write_bytes(cut)
+        try:
+            assert identity_of(kind.read(path)) == sound
+        except DataFileError:
+            refused += 1
+    assert refused == 0 if name == "mesh" else refused > 12
 
 
 @pytest.mark.parametrize("name", ["history", "march", "simulation", "checkpoint"])
@@ -320,9 +316,3 @@ def test_links_stay_links(tmp_path):
     write_text(tmp_path / "link", "new")
     assert (tmp_path / "link").is_symlink()
     assert (tmp_path / "there" / "text").read_text() == "new"
-
-
-def test_stored_chart_of_the_documentation_is_sealed():
-    _, heading, *rows = (ROOT / "docs" / "data" / "chart.csv").read_text().splitlines()
-    assert heading.endswith(f",checksum of {len(rows)} rows")
-    assert len(rows) == len(read_points(ROOT / "docs" / "data" / "chart.csv"))

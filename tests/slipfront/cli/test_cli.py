@@ -75,19 +75,6 @@ def test_solve_imports_only_what_it_uses():
     assert run.returncode == 0, run.stderr
 
 
-def test_a_scene_file_is_as_good_as_a_name(tmp_path, printed):
-    (tmp_path / "mine.toml").write_text(UNIT_FILE)
-    assert printed("solve mine.toml")["scene"]["material"]["poisson_ratio"] == 0.3
-
-
-@pytest.mark.slow
-def test_entry_point_as_a_process():
-    run = packages.run("", "solve", "nowhere")
-    assert run.returncode == 2
-    assert run.stdout == ""
-    assert run.stderr.startswith("There is no scene called 'nowhere'")
-
-
 @pytest.mark.parametrize(
     ("error", "code"), [(ComputationError("It diverged."), 4), (MissingLibraryError("No GLU."), 5)]
 )
@@ -181,11 +168,3 @@ def test_huge_numbers_are_refused_in_one_sentence(tmp_path, refused):
         "compare ramp --end-time 1e300",
     ):
         assert len(refused(arguments)) < 400
-
-
-def test_interrupt_is_a_short_sentence_and_130(monkeypatch, refused):
-    def interrupt(scene, **_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(slipfront.cli.solve_command, "solve", interrupt)
-    assert "Interrupted" in refused("solve preloaded", 130)

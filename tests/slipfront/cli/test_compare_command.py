@@ -12,7 +12,6 @@ import pytest
 import compare.comparison.prediction
 from compare.comparison.judgement import Judgement
 from compare.comparison.rows import Row
-from semianalytic import solve
 from slipfront.cli.commands import main
 from slipfront.cli.terminal import verdict_text
 from tests.slipfront.cli.test_cli import unconverged
@@ -54,23 +53,6 @@ def test_simulate_quietly_and_without_snapshots(tmp_path, shown):
     assert not (tmp_path / "short" / "snapshots").exists()
 
 
-def test_an_output_folder_that_is_a_file_exits_with_three(tmp_path, refused):
-    (tmp_path / "taken").write_text("")
-    for line in ("simulate stuck --resolution 20 --quiet", "field preloaded"):
-        assert "taken" in refused(f"{line} --output taken", 3)
-
-
-@pytest.mark.slow
-def test_compare_with_an_earlier_simulation(simulated, tmp_path, shown):
-    out = shown(f"compare preloaded --from {simulated} --output compared").out
-    document = reported("compared")
-    names = {path.name for path in (tmp_path / "compared").iterdir()}
-    assert names == COMPARISON_FIGURES | COMPARED_FIELDS | {"report.json"}
-    for row in document["rows"]:
-        assert row["name"] in out
-    assert f"Verdict: {document['verdict']} (" in out
-
-
 def test_agreement_is_told_with_its_largest_difference_and_widest_bar():
     """In bars and per cent; rows that differ by more, or do not agree, are none of it."""
     rows = (
@@ -97,34 +79,21 @@ def test_agreement_is_told_with_its_largest_difference_and_widest_bar():
 def test_compare_judges_whole_fields(simulated, tmp_path, capsys):
     command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
     main(command)
-    document, out = reported(), capsys.readouterr().out
+    document = reported()
     frames = document["fields"]["frames"]
     assert len(frames) == 7 * len(list((simulated / "snapshots").glob("*.vtu")))
     assert document["units"]["fields"]["frames"]["time"] == "time"
-    rows = {row["name"]: row for row in document["rows"] if row["kind"] == "field"}
-    for error in frames[-7:]:
-        assert 0 < error["outside"] < error["whole"] < 0.2
-        whole = rows[f"{error['component']}, whole"]
-        assert whole["difference"] == pytest.approx(error["whole"])
-        assert whole["bar"] > 0
-        assert whole["verdict"] != "differs"
-        assert f"{error['component']}, whole" in out
-    assert len(rows) == 14
-    assert sum(row["verdict"] == "agrees" for row in rows.values()) >= 10
+    verdicts = [row["verdict"] for row in document["rows"] if row["kind"] == "field"]
+    assert (len(verdicts), "differs" in verdicts) == (14, False)
+    assert verdicts.count("agrees") >= 10
     with (tmp_path / "fields.csv").open() as stream:
         rows = list(csv.DictReader(stream))
     assert [float(row["whole"]) for row in rows] == [error["whole"] for error in frames]
+    capsys.readouterr()
     main([*command, "--no-snapshots"])
     assert reported()["fields"] is None
     assert not COMPARED_FIELDS & {path.name for path in tmp_path.iterdir()}
     assert ", whole" not in capsys.readouterr().out
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
-def test_compare_without_output_writes_beside_the_simulation(simulated):
-    main(["compare", "--from", str(simulated)])
-    assert reported(simulated)["scene"] == simulated.name
 
 
 def test_compare_refuses_a_simulation_of_another_scene(simulated, refused):
@@ -163,38 +132,6 @@ def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_fou
     document = reported()
     assert document["semianalytic"]["error_estimate"] is None
     assert "the prediction has not converged" in {row["obstacle"] for row in document["rows"]}
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
-def test_a_prediction_that_differs_exits_with_one(simulated, monkeypatch, shown):
-    """With the answer for more friction in place of the right one."""
-
-    def spoilt(scene, **_):
-        return solve(replace(scene, friction=0.6))
-
-    line = f"compare --from {simulated} --output out"
-    with monkeypatch.context() as patch:
-        patch.setattr(compare.comparison.prediction, "solve", spoilt)
-        assert "Verdict: differs (" in shown(line, 1).out
-    document = reported("out")
-    assert document["verdict"] == "differs"
-    assert document["counts"]["differs"] >= 3
-    shown(line)
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
-def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(shown):
-    options = "--resolution 20 --no-snapshots --quiet --output out"
-    out = shown(f"compare preloaded --friction 0.15 {options}").out
-    table, unresolved = out.split("Unresolved:\n")
-    assert "unresolved" in table
-    told = " ".join(unresolved.split())
-    assert (
-        "· zone 1, outer edge; zone 2, inner edge: the gap to the next zone is 0.00053 c_t" in told
-    )
-    assert "(resolution 14995, h = 6.7e-05: " in told
 
 
 @pytest.mark.slow

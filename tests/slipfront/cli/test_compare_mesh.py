@@ -78,14 +78,6 @@ def test_compare_says_its_mesh_and_what_stays_unresolved_before_it_starts(shown)
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-def test_quiet_says_nothing_of_the_mesh(shown):
-    said = shown(f"{GAP} --budget {budget_for(48)} --quiet")
-    assert said.err == ""
-    assert "stays unresolved" not in said.out
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
 def test_a_resolution_is_taken_and_what_it_leaves_is_said(shown, unrepeatable):
     told = shown(f"compare preloaded {COARSE}").err
     assert "preloaded: resolution 32 (as given): about" in told
@@ -93,14 +85,6 @@ def test_a_resolution_is_taken_and_what_it_leaves_is_said(shown, unrepeatable):
     assert companions() == [32, 16, 8]
     unrepeatable(AssertionError("it was run again"))
     assert shown("compare --from out").err == ""
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
-def test_a_march_gets_its_mesh_by_its_loads(shown):
-    line = f"compare pulse --budget {budget_for(48)} --no-snapshots --output out"
-    assert "stays unresolved" not in shown(line).err
-    assert companions() == [48, 24, 12]
 
 
 @pytest.mark.parametrize(

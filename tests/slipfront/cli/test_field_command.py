@@ -7,7 +7,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.figures import animation
 from semianalytic import find, solve
 from semianalytic.dissimilar.described import pair_of
 
@@ -83,12 +82,6 @@ def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, shown):
 def test_a_marched_scene_is_drawn(tmp_path, shown):
     shown("field ramp --nodes 60 --points 6 --time 0.5 --output . --quiet")
     assert [path.name for path in tmp_path.iterdir()] == ["ramp_speed.png"]
-
-
-def test_mp4_without_ffmpeg_is_one_sentence(tmp_path, monkeypatch, refused):
-    monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
-    assert "ffmpeg" in refused("field preloaded --animate 2 --format mp4", code=5)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_interruption_leaves_what_is_whole(tmp_path, undrawn, monkeypatch, shown):

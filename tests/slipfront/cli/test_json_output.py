@@ -8,9 +8,7 @@ import pytest
 from json_checks import VALIDATOR, checked
 
 import docs.studies.schema
-from compare.chart.figure import chart_document
-from compare.chart.points import read_points
-from compare.comparison.documents import envelope, json_text
+from compare.comparison.documents import envelope
 from compare.output.places import working_folder
 from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find
@@ -55,27 +53,7 @@ def test_a_document_with_another_key_or_without_one_does_not_fit():
     assert not VALIDATOR.is_valid({**good, "scene": {**scene, "friction": "0.3"}})
 
 
-def test_the_envelope_keeps_what_a_document_says_itself():
-    whole = envelope("solve", {"status": "converged", "zones": []}, files=[Path("a")])
-    assert list(whole) == ["command", "version", "status", "zones", "units", "files"]
-    assert (whole["status"], whole["files"]) == ("converged", ["a"])
-
-
 # --- commands that are quick ----------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "preloaded",
-        "preloaded --end-time 2",
-        "tap",
-        "ramp --nodes 60",
-        "harmonic --nodes 200 --end-time 0.5",
-    ],
-)
-def test_solve_fits_its_schema(line, printed):
-    assert printed(f"solve {line}")["status"] in ("converged", "resolved", "unresolved")
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -159,11 +137,3 @@ def test_files_are_what_is_new_or_changed(tmp_path):
         (tmp_path / ".hidden").write_text("")
         assert files == []
     assert files == [tmp_path / "changed", tmp_path / "new"]
-
-
-# --- studies --------------------------------------------------------------------------------------
-
-
-def test_documents_of_studies_fit_their_schema():
-    document = chart_document(read_points(ROOT / "docs" / "data" / "chart.csv"))
-    checked(json_text(envelope("chart", document)))

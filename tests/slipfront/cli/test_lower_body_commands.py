@@ -8,7 +8,6 @@ import pytest
 
 import slipfront as sf
 from fem import load_simulation
-from semianalytic.scene.given.files import read_scene
 from semianalytic.scene.given.finding import find_blocks, find_scene
 from slipfront.cli.commands import main
 from slipfront.cli.scenes import pairs
@@ -130,20 +129,6 @@ def test_a_survey_varies_the_lower_body(printed):
     assert json.loads(found.attrs["scene"])["lower_material"]["shear_modulus"] == 4.0
 
 
-@pytest.mark.slow
-def test_a_pair_is_surveyed_in_python():
-    """Friction without an answer is nan, with the reason; other points are as solved alone."""
-    pytest.importorskip("xarray")
-    found = sf.survey(PAIR, together=True, friction=[0.2, 0.9], base_shear=[0.1, 0.0], workers=1)
-    base = sf.Tractions(1.0, 0.1)
-    known = sf.solve(sf.Pair(UPPER, LOWER, 0.2, base, PAIR.load), rtol=1e-6)
-    assert found.status.values[0] == "converged"
-    assert float(found.edges[0].sel(zone=0, edge="outer")) == known.zones[0].outer
-    assert "waves that run ahead grow" in found.status.values[1]
-    assert np.isnan(found.edges[1]).all()
-    assert "mode" not in found.coords
-
-
 def test_a_file_of_two_bodies_is_written_from_another(printed):
     for units, scale in (("", 1.0), (" --units SI", 1e9)):
         document = printed(f"init new.toml --force --from two.toml{units}")
@@ -203,35 +188,17 @@ def simulated(line):
     return load_simulation("out")
 
 
-def test_file_says_what_the_lower_block_is_made_of():
-    assert find_blocks("two.toml")[1] == LOWER
-    sim = simulated("two.toml --quiet")
-    assert (sim.scene.material, sim.lower_material) == (UPPER, LOWER)
-    assert sim.model == "two blocks of different materials"
-
-
 def test_options_replace_single_parameters():
     sim = simulated("two.toml --lower-shear-modulus 9 --poisson-ratio 0.3 --quiet")
     assert sim.scene.material == sf.Material(1.0, 1.0, 0.3)
     assert sim.lower_material == sf.Material(9.0, 2.0, 0.4)
+    assert sim.model == "two blocks of different materials"
 
 
 def test_folder_says_what_the_lower_block_was(shown):
     shown("simulate preloaded --lower-density 0.5 --resolution 8 --no-snapshots --quiet")
     sim = load_simulation("results/preloaded-lower-density-0.5")
     assert sim.lower_material == sf.Material(1.0, 0.5, 1 / 3)
-
-
-def test_readers_of_one_material_refuse_it():
-    for read in (find_scene, read_scene):
-        with pytest.raises(sf.SceneError, match="identical bodies only"):
-            read("two.toml")
-
-
-def test_equal_lower_material_is_an_ordinary_scene(folder):
-    equal = FILE.replace("4.0", "1.0").replace("2.0", "1.0").replace("0.4", "0.25")
-    (folder / "two.toml").write_text(equal)
-    assert sf.find("two.toml").material == UPPER
 
 
 @pytest.mark.parametrize(

@@ -71,8 +71,6 @@ def test_the_address_holds_the_scene_its_units_and_the_moment():
         assert sliders[name]["unit"] == unit(dimension, "SI")
     assert sliders["base_pressure"]["high"] == 1e7
     assert sliders["base_pressure"]["step"] == 1e4
-    for slider in controls.sliders(STEEL):  # those of no part of the scene too
-        assert slider.low <= values[slider.name] <= slider.high
     session._answer_to({"query": controls.query_of(controls.defaults(find_scene("tap")))})
     told = told_by(session)
     assert {one["unit"] for one in told["sliders"]} >= {"stress", "time"}

@@ -191,18 +191,6 @@ def test_what_is_refused_is_said_and_the_last_picture_greyed(page):
     assert "c_t" in page.value(TEXT % "readings")
 
 
-def test_a_bad_address_is_a_message_and_the_default_scene(browser, address):
-    opened(browser, f"{address}?friction=-1")
-    assert "must not be negative" in browser.value(TEXT % "message")
-    assert browser.value("document.getElementById('friction').value") == "0.3"
-
-
-def test_a_scene_in_the_address_is_shown(browser, address):
-    opened(browser, f"{address}?friction=0.6&law=viscous&viscosity=0.2")
-    assert browser.value("document.getElementById('law').value") == "viscous"
-    assert "ViscousFriction(viscosity=0.2)" in browser.value(TEXT % "program")
-
-
 CONTROLS = """
 box = document.getElementById('friction-value');
 box.value = '2.5'; box.dispatchEvent(new Event('input', {bubbles: true}));

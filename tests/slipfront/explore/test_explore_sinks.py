@@ -222,18 +222,3 @@ def test_a_session_is_for_the_page_it_was_given_to(ask, front):
     assert not connected(server, own, token.partition(".")[0])  # its signature is missing
     assert not connected(server, own, "A" + token[1:])
     assert connected(server, own, token)
-
-
-def test_pages_of_html_are_known():
-    """Each has a test of what is filled into it: above."""
-    written = {
-        str(path.relative_to(ROOT))
-        for folder in ("compare", "fem", "meshes", "semianalytic", "slipfront")
-        for path in (ROOT / folder).rglob("*.html")
-    }
-    assert written == {
-        "slipfront/explore/help.html",
-        "slipfront/explore/page.html",
-    }
-    for path in (ROOT / "compare").rglob("*.py"):
-        assert "<!doctype html" not in path.read_text().lower(), path

@@ -14,7 +14,6 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document
 from slipfront.surveys import survey
 from slipfront.surveys.parameters import parameters_of, scene_at
-from slipfront.surveys.plan import MARCHED, SOLVED, SWEPT, Question, planned
 
 SOLID = sf.Material(80e9, 7800.0, 0.29)
 STEEL = sf.Scene(SOLID, 0.25, sf.Tractions(5e6, 0.0), sf.Tractions(0.0, 5e6), units="SI")
@@ -93,17 +92,6 @@ def test_fields_and_totals_are_those_of_solutions():
     assert "pressure" not in data
     assert float(there.largest_slip) == pytest.approx(float(solution.max_slip(1e-4)), rel=1e-6)
     assert float(there.end_time) == 1e-4
-
-
-def test_a_point_of_a_march_that_is_too_coarse_says_what_would_resolve_it():
-    scene = sf.Scene(
-        PRELOADED.material, 8.0, sf.Tractions(1, 0), sf.Tractions(0, 1), shear_history=sf.Ramp(0.2)
-    )
-    data = survey(scene, friction=[8.0], end_time=1.0, nodes=64)
-    assert (
-        data.status.item() == sf.solve(scene, method="space-time", end_time=1.0, nodes=64).caution
-    )
-    assert "raise `nodes`" in data.status.item()
 
 
 def test_refused_points_say_why_and_lose_nothing_else():
@@ -243,25 +231,6 @@ def test_what_cannot_be_surveyed_is_refused_in_one_sentence(values, options, sai
     with pytest.raises(SceneError, match=re.escape(said)) as raised:
         survey(PRELOADED, workers=1, **values, **options)
     assert "\n" not in str(raised.value)
-
-
-def test_chunks_cover_all_points_once():
-    values = {
-        "base_shear": np.arange(3.0),
-        "friction": np.linspace(0, 1, 101),
-        "poisson_ratio": np.linspace(0, 0.4, 203),
-    }
-    plan = planned(PRELOADED, values, Question())
-    seen = np.zeros(plan.shape, dtype=int)
-    for region in plan.regions:
-        assert seen[region].size <= SWEPT
-        seen[region] += 1
-    assert (seen == 1).all()
-    assert len(plan.regions) < 1.5 * seen.size / SWEPT
-    rows = plan.region_values(plan.regions[-1])
-    assert rows["friction"][-1] == 1.0
-    assert planned(PRELOADED, {"base_shear": np.arange(9)}, Question()).chunk == SOLVED
-    assert planned(WEAKENING, {"friction": np.arange(9)}, Question()).chunk == MARCHED
 
 
 def test_every_number_of_a_scene_is_a_parameter():

@@ -123,11 +123,6 @@ def test_flipped_bits_of_a_finished_survey_are_refused(tmp_path, shown, refused)
     shown(line)
 
 
-@pytest.mark.slow
-def test_processes_make_no_difference(tmp_path, known):
-    assert asked(tmp_path / "a.nc", workers=2).identical(known)
-
-
 KILLED = """
 import sys
 import slipfront as sf
@@ -192,9 +187,3 @@ def test_one_run_at_a_time(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         asked(path, progress=again)
-
-
-def test_what_is_done_is_told_in_points(tmp_path):
-    told = []
-    asked(tmp_path / "a.nc", progress=lambda *two: told.append(two))
-    assert told == [(4, 12), (8, 12), (10, 12), (12, 12)]

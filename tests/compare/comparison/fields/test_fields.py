@@ -21,7 +21,6 @@ from semianalytic.results.answer import BodyFields
 from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.overriding import override_scene
 
 SCENE = find_scene("preloaded")
 EXACT = solved(SCENE)
@@ -88,14 +87,6 @@ def test_frames_of_other_scenes_come_closer_with_time(name, tmp_path):
     assert all(late.whole < 0.08 for late in whole)
     for early, late in zip(half, whole, strict=True):
         assert late.whole < 0.75 * early.whole or late.whole == early.whole == 0
-
-
-@pytest.mark.slow
-def test_friction_off_by_three_percent_is_seen(runs, right):
-    spoilt = last(solved(override_scene(SCENE, friction=1.03 * SCENE.friction)), *runs(40))
-    assert spoilt["u_y"].whole > 1.5 * right(40)["u_y"].whole
-    assert spoilt["u_y"].outside > 2 * right(40)["u_y"].outside
-    assert all(spoilt[name].outside > error.outside for name, error in right(40).items())
 
 
 def test_a_sign_of_one_component_is_seen(runs, right):
@@ -344,14 +335,6 @@ def test_a_damaged_or_missing_frame_is_named(folder, content):
     if content is not None:
         write_bytes(frame, content, Seal.XML)
     with pytest.raises(DataFileError, match=r"last\.vtu cannot be read"):
-        last_frame(folder)
-
-
-def test_values_that_are_not_finite_are_refused(folder):
-    frame = meshio.read(folder / "last.vtu")
-    frame.point_data["velocity"][:] = np.nan
-    write_sealed(folder / "last.vtu", frame)
-    with pytest.raises(DataFileError, match="not finite"):
         last_frame(folder)
 
 

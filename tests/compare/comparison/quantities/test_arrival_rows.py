@@ -123,10 +123,7 @@ def test_units_of_speed_do_not_matter():
     record = kink(VELOCITY / 0.98)
     unit = 3200.0
     scaled = aligned_speed(
-        unit * VELOCITY,
-        record,
-        lambda v: kink(v / unit),
-        Window(0.8 * unit, unit, 1.2 * unit),
+        unit * VELOCITY, record, lambda v: kink(v / unit), Window(0.8 * unit, unit, 1.2 * unit)
     )
     assert scaled == pytest.approx(unit * aligned_speed(VELOCITY, record, kink, WINDOW), rel=1e-6)
 

@@ -2,16 +2,14 @@
 
 import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from compare_cases import sampled_run
 
 from compare import judge
-from compare.comparison.case import worn_by
 from compare.comparison.judgement import side_by_side
-from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.prediction import predict_like
 from compare.comparison.quantities.history_rows import (
     beside_edges,
     event_rows,
@@ -20,10 +18,7 @@ from compare.comparison.quantities.history_rows import (
 )
 from compare.comparison.rows import ALARM
 from fem import simulate
-from semianalytic import (
-    RateWeakening,
-    SlipWeakening,
-)
+from semianalytic import RateWeakening, SlipWeakening
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
 
@@ -57,22 +52,10 @@ def test_both_methods_agree_within_the_bars(name, tmp_path, capsys, request):
     assert "Verdict: agrees (" in capsys.readouterr().out
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
-def test_space_time_can_be_forced_where_the_exact_solver_applies(tmp_path):
-    folder = tmp_path / "forced"
-    command = ["compare", "preloaded", "--method", "space-time", "--resolution", "40", "-q"]
-    assert main([*command, "--no-snapshots", "--output", str(folder)]) == 0
-    assert json.loads((folder / "report.json").read_text())["method"] == "space-time"
-
-
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("law", "slip_rate_error", "verdict"),
-    [
-        (SlipWeakening(0.5, 0.2), 0.02, "agrees"),
-        (RateWeakening(0.5, 0.5), 0.5, "unresolved"),
-    ],
+    [(SlipWeakening(0.5, 0.2), 0.02, "agrees"), (RateWeakening(0.5, 0.5), 0.5, "unresolved")],
     ids=["slip", "rate"],
 )
 def test_both_methods_agree_on_friction_laws(law, slip_rate_error, verdict):
@@ -89,23 +72,6 @@ def test_both_methods_agree_on_friction_laws(law, slip_rate_error, verdict):
     assert rows["slip rate over (x, t), L1"].difference < slip_rate_error
     assert judgement.verdict == verdict
     assert judgement.having("differs") == ()
-
-
-def test_two_predictions_of_one_scene_agree():
-    x, t = np.linspace(0, 1.5, 61)[1:], np.linspace(0, 1, 51)
-    run = SimpleNamespace(
-        scene=find_scene("auxetic"),
-        lower_material=None,
-        element_size=0.025,
-        resolution=40,
-        interface=SimpleNamespace(x=x, t=t),
-    )
-    exact, marched = predict_like(run), predict_like(run, "space-time")
-    assert (method_of(exact), method_of(marched)) == ("self-similar", "space-time")
-    expected, other = exact.slip(x, 1.0), marched.slip(x, 1.0)
-    assert np.abs(other - expected).sum() < 0.01 * np.abs(expected).sum()
-    path, marched_path = (worn_by(one, one.history(x, t))[0] for one in (exact, marched))
-    assert np.abs(marched_path - path).sum() < 0.03 * path.sum()
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 import pytest
 from catalogue import UNIT_FILE, unit_scene
-from faults import ROOT
 
 from semianalytic import Ramp, TensionError, solve
 from semianalytic.scene.given.finding import find_scene
@@ -34,13 +33,8 @@ def test_nodes_follow_from_the_resolution():
     assert in_options("raise `nodes` 3 times.", {"resolution"}) == "raise --resolution 3 times."
 
 
-KNOWS_ONE = (
-    "two.toml: this knows identical bodies only, and there are two; solve a step on the slot "
-    "exactly, slipfront solve or survey, or simulate the scene"
-)
 A_TIME = "--budget must be a time such as 60s, 5min or 1h, got '"
 OTHERWISE = "slipfront solve, compare, explore, field, survey and simulate take others"
-PMMA = ROOT / "docs" / "data" / "pmma"
 REFUSED = {
     "": [
         ("solve absent.toml", "Cannot read the scene file"),
@@ -78,21 +72,12 @@ REFUSED = {
         # waves at an angle and moving loads
         ("solve moving-load --load-speed 1e-9", "slower than 0.0001 of the shear wave"),
         ("solve incident-sv --angle=-10 --wave-stress 2", "exceeds friction"),
-        (
-            "solve incident-sv --angle=-10 --wave-stress 2 --method space-time",
-            "the wave alone exceeds friction",
-        ),
-        ("solve incident-sv --method space-time --entry 1", "comes along the slot"),
         ("solve incident-p --method space-time --nodes 40", "would turn tensile"),
         # whole lines: commands of scenes with a slot name those that solve them
-        ("solve whole-line-patch --friction 0.1", "a second zone of slip starts"),
-        ("solve whole-line-patch --friction 1.1", "nothing slips"),
-        ("solve whole-line-patch --friction -1", "must not be negative"),
         ("solve whole-line-patch --load-on remote", "scenes with a slot alone"),
         ("solve whole-line-patch --method magic", "--method must be one of auto"),
         ("solve whole-line-patch --nodes 100", "is for scenes with a slot"),
         ("solve whole-line-patch --figure interface --plot a.png", "leave it out"),
-        ("solve growing-load --base-pressure 1", "with a base the edge of slip accelerates"),
         ("solve whole-line-patch --end-time -1", "end-time must be positive"),
         ("simulate whole-line-patch", "slipfront solve"),
         # two different bodies: what knows identical bodies only says what can
@@ -101,11 +86,7 @@ REFUSED = {
             "compare ramp --lower-density 2",
             "shear_history: between different bodies the exact solver",
         ),
-        ("explore ramp --lower-density 2 --no-browser", "shear_history: between different bodies"),
-        ("validate slip.csv --scene two.toml", KNOWS_ONE),
-        ("fit slip.csv --scene two.toml --parameters friction", KNOWS_ONE),
         ("field two.toml --method space-time", "is for a Scene or Interface"),
-        ("field ramp --lower-density 2", "shear_history: between different bodies"),
         ("fit slip.csv --scene preloaded --lower-density 2", OTHERWISE),
         ("solve two.toml --nodes 64", "march them with slipfront run"),
         ("solve two.toml --plot a.png", "ask for points with --x and --t"),
@@ -116,10 +97,7 @@ REFUSED = {
             "solve whole-line-patch --lower-density 2",
             "march two bodies without a slot with slipfront",
         ),
-        ("solve preloaded --lower-density 0", "density must be positive"),
-        ("solve preloaded --lower-density 1e6", "must not differ by more than a factor of 100000"),
         ("solve two.toml --friction 0.95", "and nothing has an answer"),
-        ("survey ramp --lower-density 1,2", "shear_history: between different bodies"),
         (
             "survey two.toml --lower-density 1,2 --nodes 64",
             "two different bodies are solved exactly",
@@ -140,7 +118,6 @@ REFUSED = {
         ("--of szz", "--of must be one of speed, pressure"),
         ("--time 0", "--time must be positive"),
         ("--window 1,1,0,1", "--window must be four numbers"),
-        ("--window 0,inf,0,1", "--window must be four numbers"),
         ("--points 1", "--points must be a whole number from 2"),
         ("--animate=-1", "--animate must be a whole number"),
         ("--format avi", "--format must be one of gif, mp4"),
@@ -148,7 +125,6 @@ REFUSED = {
         ("--format mp4", "--format is that of --animate; give both"),
         ("--samples 5", "--samples are those of --gauge; give both"),
         ("--vtu --grid 3,x", "--grid must be two whole numbers"),
-        ("--vtu --grid 3.5,3", "--grid must be two whole numbers"),
         ("--gauge 1", "--gauge must be two numbers"),
         ("--samples 1", "--samples must be a whole number"),
         ("--thickness 1", "--of fringes"),
@@ -157,38 +133,24 @@ REFUSED = {
         ("--nodes 100", "--nodes is for the space-time solver"),
     ],
     "survey preloaded --quiet": [
-        ("--friction some", "--friction must be"),
         ("--friction 0.1:0.9:10000000000", "--friction must be at most 1e+07 values"),
         ("--friction 0.1:1e400:3", "--friction must be a finite number, got '1e400'"),
-        ("--friction 0:1:9000000 --poisson-ratio 0:0.4:90", "8.1e+08 points are too"),
         ("--vary friction", "--vary must be a name and values"),
         ("--friction 0.2", "give a row of values"),
     ],
     "survey preloaded --quiet --friction 0.1,0.2": [
-        ("--x 0.1:1:40000 --t 0.1:1:40000", "numbers would take 192 GB"),
         ("--workers 0", "--workers must be"),
         ("--rtol -1", "--rtol must be positive"),
-        ("--rtol nan", "--rtol must be a finite number"),
-        ("--output a.txt", "let its name end in .nc"),
         ("--output file/a.nc", "Cannot write file/a.nc", 3),
         ("--output file.nc", "cannot be read as a survey", 3),
         ("--scheduler there", "--scheduler must be an address"),
     ],
-    "fit rates.csv": [
-        (
-            "--scene preloaded --friction 0.4 --parameters friction,speed --noise 0.1",
-            "parameters must be among friction",
-        ),
-        ("--scene ramp --parameters friction --noise 0.1", "step loads only"),
-    ],
     "fit rates.csv --scene preloaded --friction 0.4 --parameters friction": [
         ("", "does not say how exact its slip_rate is", 3),
         ("--noise 3frob", "m, cm, mm, um or km; "),
-        ("--noise 1e-20", "noise must lie within"),
     ],
     "fit rates.csv --scene preloaded --friction 0.4 --parameters friction --noise 0.1": [
         ("--prior friction=0.3", "--prior must be NAME=KIND(A,B)"),
-        ("--prior t0=normal(0,1)", "prior of 't0', which is not fitted"),
         ("--setup x1=3", "--setup knows t0, x0, gain"),
         ("--plot fit.xyz", "Figures cannot be written as 'fit.xyz'"),
     ],
@@ -201,19 +163,11 @@ REFUSED = {
         ("--spacing 0", "--spacing must be positive, or 0 where noise is given"),
         ("--slip double", "--slip must be one of relative, half, face"),
         ("--spacing 1mm", "--spacing has a unit, but the scene"),
-        ("--noise slip=1um", "--noise has a unit, but the scene"),
-        ("--threshold 1mm/s", "--threshold has a unit, but the scene"),
-        ("--time-shift 1us", "--time-shift has a unit, but the scene"),
     ],
     "sliding --lower 30e9,2700,0.25 --friction 0.4 --upper": [
         ("12e9,2300", "--upper has to be three numbers"),
         ("12GPa,2300,0.25", "nits at all moduli and densities or at none"),
         ("12cm,2300,0.25", "--upper: the shear modulus must be a number alone or in Pa"),
-    ],
-    "sliding --upper 12e9,2300,0.25 --friction 0.4 --lower": [],
-    f"fit {PMMA}_slip.csv --scene {PMMA}.toml --parameters friction": [
-        ("--noise 0.5kg", "or one in a unit for those that have it (m/s"),
-        ("--noise slip=0.5s", "slip: the number must be a number alone or in m, cm"),
     ],
     "fit slip.csv --scene fault.toml --noise slip=0.2 --parameters": [
         ("law.dyn", "must be among length, pressure"),
@@ -244,7 +198,7 @@ CASES = {
 
 
 @pytest.mark.thinned(3)
-@pytest.mark.parametrize("line", CASES, ids=lambda line: line.replace(str(ROOT), "")[:80])
+@pytest.mark.parametrize("line", CASES, ids=lambda line: line[:80])
 def test_what_cannot_be_is_refused_in_a_sentence(line, tmp_path, refused):
     """It names options of the command that was typed, and comes before anything is made."""
     (tmp_path / "two.toml").write_text(TWO_BODIES)

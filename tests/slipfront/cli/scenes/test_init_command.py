@@ -1,7 +1,6 @@
 """``slipfront init``: a scene file to start from, which is read back as the scene it is of."""
 
 import re
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -87,12 +86,6 @@ def test_every_number_has_its_unit_and_meaning():
         for line in text.splitlines():
             if re.match(r"(# )?\w+ = ", line) and "units" not in line:
                 assert re.search(r"= \S.*  # \w", line), line
-
-
-def test_comments_leave_a_file_that_is_toml_and_nothing_unknown():
-    document = tomllib.loads(scene_text(find("viscous"), "viscous"))
-    assert document["friction_law"] == {"kind": "viscous", "viscosity": 0.1}
-    assert "lower_material" not in document
 
 
 def test_a_file_that_is_there_stays_unless_forced(tmp_path, refused):

@@ -9,7 +9,6 @@ from dataclasses import replace
 import pytest
 
 from semianalytic import Marched, find, solve
-from slipfront.cli.commands import main
 
 # --- whole lines and growing loads ----------------------------------------------------------------
 
@@ -114,26 +113,6 @@ def test_what_is_infinite_is_null_and_bodies_may_have_units(printed):
 
 # --- waves at an angle and moving loads -----------------------------------------------------------
 
-PULSE = """
-friction = 0.4
-material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}
-base = {pressure = 1.0, shear = 0.1}
-load = {kind = "incident-wave", wave = "SV", angle = -20.0, stress = 0.4}
-pressure_history = {kind = "pulse", duration = 0.5}
-shear_history = {kind = "pulse", duration = 0.5}
-"""
-
-
-@pytest.mark.slow
-def test_a_pulse_at_an_angle_in_a_file_is_marched(printed, tmp_path):
-    path = tmp_path / "pulse.toml"
-    path.write_text(PULSE)
-    document = printed(f"solve {path} --nodes 100")
-    assert document["method"] == "space-time"
-    assert document["scene"]["load"]["angle"] == -20.0
-    assert document["reach_of_reverse_slip"] > 0.03
-    assert printed(f"solve {path} --nodes 100 --friction 5")["largest_slip"] == 0
-
 
 def test_a_march_knows_the_intensity_of_the_moving_front(printed):
     stuck = printed("solve incident-sv --friction 5 --method space-time --nodes 40")
@@ -151,14 +130,6 @@ def test_sv_beyond_critical_is_marched_if_asked_for(printed):
 
 # --- antiplane shear ------------------------------------------------------------------------------
 
-FILE = """
-friction = 1.0
-mode = "antiplane"
-material = {shear_modulus = 80e9, density = 7800, poisson_ratio = 0.29}
-base = {pressure = 1e6, shear = 1e6}
-load = {pressure = 1e6, shear = 1e6}
-"""
-
 
 @pytest.mark.usefixtures("undrawn")
 def test_compare_agrees_on_the_named_scene(tmp_path, shown):
@@ -168,15 +139,6 @@ def test_compare_agrees_on_the_named_scene(tmp_path, shown):
     rows = {"S front, interface (shear traction)", "zone 1, outer edge", "slip rate, L1"}
     assert {row["name"] for row in document["rows"]} >= rows | {"v_z, whole"}
     assert "Rayleigh front" not in said
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
-def test_compare_takes_a_file_in_which_pressure_changes_too(tmp_path):
-    (tmp_path / "remote.toml").write_text(FILE)
-    line = "compare remote.toml --resolution 60 --output out --quiet --no-snapshots"
-    assert main(line.split()) in (0, 3)
-    assert json.loads((tmp_path / "out" / "report.json").read_text())["verdict"] != "differs"
 
 
 def test_any_scene_can_be_turned(printed):
