@@ -25,6 +25,7 @@ from docs.studies.article.cases import (
 )
 from docs.studies.article.claims import CLAIMS, METHODS
 from docs.studies.pages import read_data
+from semianalytic.halfplane.stuck import stuck_traction
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "article.md"
 
@@ -82,6 +83,13 @@ def test_figures(cases):
         assert all(axes.lines for axes in figure.axes)
     errors = {row["mode"]: row for row in slot_errors(rows)}
     assert all(errors[mode]["free"] < 0.1 < errors[mode]["held"] for mode in ("I", "II"))
+
+
+def test_the_bound_without_a_base_is_negative_ahead():
+    """Friction times the pressure of section 6 is below 0 from 0.59 c_t t to the first wave."""
+    pressure = stuck_traction(1 / 3, "I")
+    assert pressure(1 / 0.58) > 0
+    assert max(float(pressure(1 / v)) for v in (0.6, 0.8, 1.0, 1.5, 1.9)) < 0
 
 
 def test_equation_register_is_complete():

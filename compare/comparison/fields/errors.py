@@ -17,7 +17,6 @@ from compare.comparison.fields.fronts import Fronts, TwoBodies, fronts_between, 
 from compare.comparison.fields.pairs import Pair, alike, area_norm, frame_pairs
 from compare.comparison.measures import NOTHING
 from compare.comparison.snapshots import listed_frames
-from meshes.blocks import causal_margin
 from semianalytic import PairSolution, Scene
 from semianalytic.results.answer import Answer, BodyFields
 
@@ -152,6 +151,8 @@ def _undisturbed(simulation: Simulation, frame: Frame, size: float) -> Frame:
     what plane waves of identical bodies do not move, and between different bodies it disturbs their
     waves from t = 0 on.  It also disturbs those of a load that moves, from when the load arrives.
     """
+    from meshes.blocks import causal_margin  # commands name all that they lack, not meshes alone
+
     scene, lower = simulation.scene, simulation.lower_material
     bodies = scene.material, lower or scene.material
     alike, slowness = bodies[0] == bodies[1], -scene.front_slowness
