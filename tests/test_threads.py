@@ -40,6 +40,7 @@ ELSEWHERE = ("to_xarray", "save", "load", "derivative", "error_of", "seen", "tri
 """Asked below with other arguments, or of other objects; pyplot draws in one thread alone."""
 IN_BODIES = ("velocity", "stress", "displacement")
 RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}}
+FITTED = {"log_density": {"values": np.array([0.31])}}
 SLOT = {"slot_velocity": {"x": -ARGUMENTS["x"]}}
 
 Question = Callable[[Any], Any]
@@ -77,7 +78,7 @@ def questions(answer: Any) -> Iterator[tuple[str, Question]]:
 
 def arguments(name: str, method: Any, step: int) -> dict[str, Any]:
     taken = [one for one in inspect.signature(method).parameters if one != "self"]
-    given = {**ARGUMENTS, **{**RANKED, **SLOT}.get(name, {})}
+    given = {**ARGUMENTS, **{**RANKED, **SLOT, **FITTED}.get(name, {})}
     return {
         one: given[one][::step] if isinstance(given[one], np.ndarray) else given[one]
         for one in taken

@@ -123,8 +123,9 @@ def solve_command(
     if kind == LINE and not isinstance(problem, Scene):
         from slipfront.cli.scenes.lines import line_command  # which needs scipy
 
-        given = {**lower, **march_options, **points, "figure": figure}
-        _check_none(given, f"is for scenes with a slot; leave it out for {label}")
+        reason = f"is for scenes with a slot; leave it out for {label}"
+        _check_none({**march_options, **points, "figure": figure}, reason)
+        _check_none(lower, f"{reason}, or march two bodies without a slot with slipfront run")
         line_command(problem, label, end_time, as_json=as_json, plot=plot)
         return
     asked_for = points_of(problem, x, t)

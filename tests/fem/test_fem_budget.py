@@ -23,10 +23,10 @@ import json, sys
 from pathlib import Path
 from fem import cost, simulate
 from fem.run import peak_memory
-from semianalytic import find_scene
+from semianalytic import find
 
 folder, options = Path(sys.argv[1]), json.loads(sys.argv[2])
-scene = find_scene("preloaded")
+scene = find("preloaded")
 predicted = cost(scene, **options, snapshots=True, frames=2, checkpoint=True)
 before = peak_memory()
 run = simulate(
