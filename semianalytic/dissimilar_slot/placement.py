@@ -169,7 +169,7 @@ def place(
     density, inverse = at(unknowns), np.zeros((len(unknowns), len(unknowns)))
     if not len(unknowns):
         return Placement(coordinates, unknowns, inverse, density, True, 0, 0.0)
-    values, before, renew = mismatch(density), np.inf, True
+    values, before, renew, largest = mismatch(density), np.inf, True, np.inf
     for step in range(1, 15):  # two to five are usual from zones of the grid
         if renew:
             beside = [mismatch(at(unknowns + nudge)) for nudge in _NUDGE * np.eye(len(unknowns))]

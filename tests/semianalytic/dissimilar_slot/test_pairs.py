@@ -337,3 +337,21 @@ def test_the_list_has_both_bodies(printed):
 def test_the_command_solves_it(name, printed):
     document = printed(f"solve {name}")
     assert document["zones"][0]["outer"] == sf.solve(name).zones[0].outer
+
+
+def test_a_singular_jacobian_at_the_first_step_leaves_the_set_of_zones(monkeypatch):
+    """The search goes on with the next grid, and comes to the same answer."""
+    invert, calls = np.linalg.inv, []
+
+    def singular_once(matrix):
+        calls.append(matrix)
+        if len(calls) == 1:
+            raise np.linalg.LinAlgError("Singular matrix")
+        return invert(matrix)
+
+    known = sf.solve("pair-slip", rtol=1e-6)
+    monkeypatch.setattr(np.linalg, "inv", singular_once)
+    found = sf.solve("pair-slip", rtol=1e-6)
+    assert len(calls) > 1
+    assert found.status == "converged"
+    assert found.zones[0].outer == pytest.approx(known.zones[0].outer, rel=1e-6)
