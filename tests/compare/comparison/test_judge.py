@@ -248,7 +248,7 @@ def rescaled(run, scene, time):
         **dict.fromkeys(("end_time", "time_step", "rate_window", "t"), time),
         **dict.fromkeys(("element_size", "x"), length),
         **dict.fromkeys(("slip_rate", "velocity_x", "velocity_y"), rate),
-        **dict.fromkeys(("slip", "final_path"), rate * time),
+        **dict.fromkeys(("slip", "slip_after", "final_path"), rate * time),
         **dict.fromkeys(("shear_traction", "pressure"), stress),
         "final_work_density": stress * rate * time,
     }

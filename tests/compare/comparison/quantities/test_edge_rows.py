@@ -208,7 +208,7 @@ def test_rows_of_openings_agree_most_within_half_their_bars(name):
 def test_an_opening_that_coarser_meshes_hardly_show_is_unresolved():
     """Its gap is about half of the exact one then, and changes little from mesh to mesh: two
     openings of eight elements were said to differ in the trial of docs/judge.md."""
-    for resolution, reason in ((40, "coarser meshes do not show it"), (RESOLUTION, "")):
+    for resolution, reason in ((40, "no coarser mesh shows it"), (RESOLUTION, "")):
         rows = tuple(gap_rows(case_of("lift-off", resolution)))  # the zone is 0.185 c_t T long
         assert [row.name for row in rows] == ["gap, L1", "largest gap"]
         assert all(row.obstacle.startswith(reason) for row in rows)
