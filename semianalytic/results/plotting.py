@@ -18,10 +18,10 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
     """Draw an answer; `Gridded.plot` describes it."""
     with needing("plot"):
         from matplotlib import pyplot
-    material = answer.scene.material
-    end = getattr(answer, "end_time", 1 / material.shear_speed) if t is None else t
+    end = getattr(answer, "end_time", 1 / answer.scene.material.shear_speed) if t is None else t
     nodes = getattr(getattr(answer, "interface", None), "x", None)
-    reach = 1.05 * material.longitudinal_speed * end if nodes is None else nodes[-1]
+    waves = _waves(answer)
+    reach = 1.05 * max(waves.values()) * end if nodes is None else nodes[-1]
     x = np.linspace(0.0, reach, _POINTS + 1)[1:]
     axes = ax if ax is not None else pyplot.subplots(2, sharex=True, layout="constrained")[1]
     si = answer.scene.units == SI
@@ -29,7 +29,7 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
     upper = axes if ax is not None else axes[0]
     upper.plot(x * length[0], answer.slip_rate(x, end), label="slip rate")
     upper.set_ylabel("slip rate" + (" [m/s]" if si else ""))
-    upper.set_title(f"t = {end * time[0]:.4g}" + (f" {time[1]}" if si else ""))
+    upper.set_title(f"t = {end * time[0]:.4g}" + (f" {time[1]}" if si else ""), loc="left")
     if ax is None:
         for name in ("shear_traction", "pressure"):
             values = stress[0] * getattr(answer, name)(x, end)
@@ -37,22 +37,24 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
         axes[1].set_ylabel("traction" + (f" [{stress[1]}]" if si else ""))
         axes[1].legend()
     for one in np.atleast_1d(axes):
-        for name, speed in _waves(answer).items():
+        for name, speed in waves.items():
             if speed * end < reach:
                 place = speed * end * length[0]
                 one.axvline(place, color="0.7", lw=0.8)
-                one.annotate(name, (place, 1), xycoords=("data", "axes fraction"))
+                if one is upper:
+                    at = {"xycoords": ("data", "axes fraction"), "xytext": (0, 3)}
+                    one.annotate(name, (place, 1), **at, textcoords="offset points", ha="center")
     np.atleast_1d(axes)[-1].set_xlabel("x" + (f" [{length[1]}]" if si else ""))
     return axes
 
 
 def _waves(answer: Any) -> dict[str, float]:
-    """Return the speeds of waves by name, those of a lower body that is another one as well."""
+    """Return the speeds of waves by symbol, with a prime those of a lower body of another kind."""
     bodies = {"": answer.scene.material}
     if hasattr(answer, "pair"):
-        bodies |= {" of the lower body": answer.pair.lower}
+        bodies |= {"'": answer.pair.lower}
     return {
-        f"{name}{of}": getattr(body, f"{wave}_speed")
+        f"$c_{name}{of}$": getattr(body, f"{wave}_speed")
         for of, body in bodies.items()
-        for name, wave in (("c_R", "rayleigh"), ("c_t", "shear"), ("c_l", "longitudinal"))
+        for name, wave in (("R", "rayleigh"), ("t", "shear"), ("l", "longitudinal"))
     }

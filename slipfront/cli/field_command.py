@@ -46,7 +46,6 @@ from slipfront.cli.options import (
     with_options,
 )
 from slipfront.cli.scenes.completion import FORMATS, QUANTITIES, one_of
-from slipfront.cli.scenes.pairs import check_pair_options
 from slipfront.cli.scenes.requests import (
     GRID,
     MOST_FRAMES,
@@ -67,7 +66,6 @@ if TYPE_CHECKING:
 MARCHED_OPTIONS = {name: MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")}
 _DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
-    "pair": SCENE_DIMENSIONS,
     "error_estimate": "1",
     "time": "time",
     "window": "length",
@@ -184,11 +182,9 @@ def field_command(
     scene = override_scene(scene, **overrides)
     body = lower_body(scene, other, lower)
     pair = None if body in (None, scene.material) else pair_of(scene, body)
-    if pair is not None:
-        check_pair_options(march_options, None, None)
     marched = chosen(scene if pair is None else pair, method).name == "space-time"
     if not marched:
-        check_no_march_options(march_options)
+        check_no_march_options(march_options, pair or scene)
     time = asked(scene, "time", time, "time")
     thickness = asked(scene, "thickness", thickness, "length")
     stress_optical = asked(scene, "stress_optical", stress_optical, "stress length")
@@ -267,12 +263,10 @@ def _document(
 ) -> dict[str, Any]:
     """Return what was drawn and recorded as plain dictionaries, with units."""
     window = request.window or _reach(answer, request)
-    if isinstance(answer, PairSolution):
-        solved = {"pair": pair_document(answer.pair), "method": "self-similar"}
-    else:
-        solved = {"scene": scene_document(answer.scene), "method": method_of(answer)}
+    pair = getattr(answer, "pair", None)
     document: dict[str, Any] = {
-        **solved,
+        "scene": scene_document(answer.scene) if pair is None else pair_document(pair),
+        "method": method_of(answer),
         "error_estimate": answer.error_estimate,
         "of": of,
         "time": request.time,

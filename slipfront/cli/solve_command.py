@@ -11,7 +11,7 @@ from rich.console import Console
 
 from compare.comparison.documents import solution_document
 from compare.output.places import check_file
-from semianalytic import Scene, find, solve
+from semianalytic import find, solve
 from semianalytic.methods import chosen
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
@@ -39,7 +39,6 @@ from slipfront.cli.scenes.points import Points, points_of, points_table
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
-    from semianalytic import Pair
 
 
 _POINTS = "Points of the contact"
@@ -120,22 +119,12 @@ def solve_command(
         return
     problem = _problem(scene_name, kind, overrides, lower)
     name = chosen(problem, method).name
-    if kind == LINE and not isinstance(problem, Scene):
-        from slipfront.cli.scenes.lines import line_command  # which needs scipy
-
-        reason = f"is for scenes with a slot; leave it out for {label}"
-        _check_none({**march_options, **points, "figure": figure}, reason)
-        _check_none(lower, f"{reason}, or march two bodies without a slot with slipfront run")
-        line_command(problem, label, end_time, as_json=as_json, plot=plot)
-        return
+    if kind == LINE and any(one is not None for one in lower.values()):
+        raise SceneError(
+            f"{option_name(next(iter(lower)))} is for scenes with a slot; leave it out for {label}."
+        )
     asked_for = points_of(problem, x, t)
     end_time = asked(problem, "end_time", end_time, "time")
-    if not isinstance(problem, Scene) and not problem.compliance.is_alike:
-        from slipfront.cli.scenes.pairs import check_pair_options, pair_command
-
-        check_pair_options(march_options, plot, figure)
-        pair_command(problem, label, end_time, asked_for, as_json=as_json)
-        return
     draw = _drawing(plot, figure)
     shown: dict[str, Any] = {"as_json": as_json, "draw": draw, "plot": plot}
     if name == "space-time":
@@ -143,7 +132,7 @@ def solve_command(
 
         march_command(problem, label, end_time, march_options, asked_for, quiet=quiet, **shown)
         return
-    check_no_march_options(march_options)
+    check_no_march_options(march_options, problem)
     _solve_exactly(problem, label, end_time, asked_for, **shown)
 
 
@@ -191,7 +180,7 @@ def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
 
 
 def _solve_exactly(
-    scene: Scene | Pair,
+    problem: Any,
     label: str,
     end_time: float | None,
     points: Points | None,
@@ -200,10 +189,16 @@ def _solve_exactly(
     draw: Draw | None,
     plot: Path | None,
 ) -> None:
-    """Solve a self-similar problem and print the result."""
+    """Solve a self-similar problem and print the result.
+
+    Raises
+    ------
+    ComputationError
+        If the answer has not converged; it is printed before.
+    """
     if end_time is not None:
         checked_size("solve: end_time", end_time)
-    solution = solve(scene, method="self-similar")
+    solution = solve(problem, method="self-similar")
     if draw is not None and plot is not None:
         from compare.figures.saving import save_figure
 

@@ -79,7 +79,7 @@ _FIELD = {
     "frames": Key("number of frames of the animation", WHOLE),
     "gauges": Key("gauges recorded, in the order of the files", list_of(shape("x y"))),
 }
-"""Keys of ``slipfront field`` for bodies alike and different."""
+
 _SHEET = row_of(Sheet, scene=PROBLEM)
 
 DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
@@ -122,21 +122,24 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "points": _POINTS,
         },
         {
-            "line": Key("whole line or growing load, as its TOML file has it", ANYTHING),
+            "scene": Key("whole line or growing load, as its TOML file has it", ANYTHING),
             "wave_speeds": _WAVE_SPEEDS,
-            "edge_speed": Key("speed of the edges of slip or opening of a line", NUMBER),
-            "edge_amplitude": Key("rate over sqrt(1 - x/(edge speed t)) beside an edge", NUMBER),
+            "edge": Key(
+                "speed of the edges of slip or opening, and rate over sqrt(1 - x/(speed t)) there",
+                shape("speed amplitude"),
+            ),
             "zones": _ZONES,
             "openings": _OPENINGS,
             "error_estimate": _ESTIMATE,
             "until_end_time": _UNTIL_END_TIME,
+            "points": _POINTS,
         },
         {
-            "pair": _PAIR_KEY,
+            "scene": _PAIR_KEY,
             "wave_speeds": Key("speeds of the waves of both bodies", named(named(NUMBER))),
             "zones": _ZONES,
             "openings": _OPENINGS,
-            "edge_slip_rate": Key("slip rate of two different bodies at x = 0+", NUMBER),
+            "edge": Key("state of the interface at x = 0+", shape("slip_rate", "state")),
             "error_estimate": _ESTIMATE,
             "statistics": _STATISTICS,
             "until_end_time": _UNTIL_END_TIME,
@@ -251,7 +254,9 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "own_bars": Key("error bars from coarser meshes", list_of(shape("bar", "name unit"))),
         },
     ),
-    "field": ({"scene": _SCENE_KEY, **_FIELD}, {"pair": _PAIR_KEY, **_FIELD}),
+    "field": (
+        {"scene": Key("the scene or both bodies, as their TOML file has them", SCENES)} | _FIELD,
+    ),
     "validate": (
         {
             "format": Key("format of report.json, which has the same contents", TEXT),

@@ -232,7 +232,7 @@ def test_the_first_front_is_that_of_the_faster_body_and_the_report_has_both_bodi
     document = report_document(judgement, "pair-slip")
     assert document["parameters"]["lower_material"]["shear_modulus"] == 2.5
     assert document["method"] == "self-similar"
-    assert document["semianalytic"]["pair"]["lower_material"]["density"] == 1.2
+    assert document["semianalytic"]["scene"]["lower_material"]["density"] == 1.2
     assert document["units"]["parameters"]["lower_material"]["density"] == "mass/length^3"
 
 

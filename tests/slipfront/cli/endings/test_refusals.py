@@ -76,8 +76,7 @@ REFUSED = {
         # whole lines: commands of scenes with a slot name those that solve them
         ("solve whole-line-patch --load-on remote", "scenes with a slot alone"),
         ("solve whole-line-patch --method magic", "--method must be one of auto"),
-        ("solve whole-line-patch --nodes 100", "is for scenes with a slot"),
-        ("solve whole-line-patch --figure interface --plot a.png", "leave it out"),
+        ("solve whole-line-patch --nodes 100", "is for the space-time solver; leave it out"),
         ("solve whole-line-patch --end-time -1", "end-time must be positive"),
         ("simulate whole-line-patch", "slipfront solve"),
         # two different bodies: what knows identical bodies only says what can
@@ -88,15 +87,11 @@ REFUSED = {
         ),
         ("field two.toml --method space-time", "is for a Scene or Interface"),
         ("fit slip.csv --scene preloaded --lower-density 2", OTHERWISE),
-        ("solve two.toml --nodes 64", "march them with slipfront run"),
-        ("solve two.toml --plot a.png", "ask for points with --x and --t"),
+        ("solve two.toml --nodes 64", "is for the space-time solver; leave it out"),
         ("solve antiplane --lower-density 2", 'mode = "antiplane": between different bodies'),
         ("solve remote-shock --lower-density 2", 'load_on = "remote": between different bodies'),
         ("solve incident-p --lower-density 2", "the load is a wave or moves: between different"),
-        (
-            "solve whole-line-patch --lower-density 2",
-            "march two bodies without a slot with slipfront",
-        ),
+        ("solve whole-line-patch --lower-density 2", "leave it out for whole-line-patch"),
         ("solve two.toml --friction 0.95", "and nothing has an answer"),
         (
             "survey two.toml --lower-density 1,2 --nodes 64",
