@@ -65,6 +65,7 @@ def march_command(
             every = options.get("every", 1)
             memory = in_bytes(options.pop("memory", None))
             options |= {"end_time": end_time, "memory": memory, "progress": progress}
+            options["companion"] = not options.pop("no_estimate", False)
             marched = solve(scene, method="space-time", **options)
         else:
             saved = Marched.load(earlier)

@@ -19,7 +19,7 @@ from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import INTERFACE, LINE, find_blocks, kind_of, scene_label
 from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
-from slipfront.cli.endings.refusals import check_converged, check_no_march_options
+from slipfront.cli.endings.refusals import check_converged, check_no_march_options, refuse_given
 from slipfront.cli.options import (
     LOWER_OPTIONS,
     MARCH_OPTIONS,
@@ -31,7 +31,6 @@ from slipfront.cli.options import (
     asked,
     lower_body,
     measured_option,
-    option_name,
     with_options,
 )
 from slipfront.cli.scenes.completion import figure_names
@@ -97,7 +96,8 @@ def solve_command(
     With --x 5cm --t 30us a table says when slip comes to x, and slip, slip rate and tractions at t,
     each with the bar of its error; numbers may have units if the scene is in those of the SI.
 
-    Step loads are self-similar and solved exactly; other load histories are marched in time.  Whole
+    Step loads are self-similar and solved exactly; other load histories are marched in time, and so
+    are interfaces: contacts, fields along x and friction with state.  Whole
     lines without a slot, and loads that grow as a power of time, are solved exactly as well, and so
     are step loads between different bodies: the lower one is lower_material of the file,
     or is like the upper one but for the numbers that are given.  The exit code is 4 if the solution
@@ -107,22 +107,22 @@ def solve_command(
     label, kind = scene_label(scene_name), kind_of(scene_name)
     points = {"x": x, "t": t}
     if kind == INTERFACE:
-        from slipfront.cli.run_command import run_interface  # which takes longer to import
+        from slipfront.cli.interfaces import solve_interface  # which takes longer to import
 
         chosen(find(scene_name), method)
         given = {**overrides, **lower, **points, "plot": plot, "figure": figure}
-        _check_none(given, f"is for scenes with a slot; leave it out for {label}")
+        refuse_given(given, f"is for scenes with a slot; leave it out for {label}")
         end = {} if end_time is None else {"end_time": end_time}
         settings = {**end, **march_options}
+        if settings.pop("no_estimate", False):
+            settings["estimate"] = False
         files = {name: settings.pop(name, None) for name in ("save", "go_on")}
-        run_interface(scene_name, settings, **files, as_json=as_json, quiet=quiet)
+        solve_interface(scene_name, settings, **files, as_json=as_json, quiet=quiet)
         return
     problem = _problem(scene_name, kind, overrides, lower)
     name = chosen(problem, method).name
-    if kind == LINE and any(one is not None for one in lower.values()):
-        raise SceneError(
-            f"{option_name(next(iter(lower)))} is for scenes with a slot; leave it out for {label}."
-        )
+    if kind == LINE:
+        refuse_given(lower, f"is for scenes with a slot; leave it out for {label}")
     asked_for = points_of(problem, x, t)
     end_time = asked(problem, "end_time", end_time, "time")
     draw = _drawing(plot, figure)
@@ -155,13 +155,6 @@ def _problem(
     from semianalytic.dissimilar.described import pair_of
 
     return pair_of(scene, body)
-
-
-def _check_none(given: Mapping[str, Any], reason: str) -> None:
-    """Raise SceneError for the first option that was given."""
-    for name, value in given.items():
-        if value is not None:
-            raise SceneError(f"{option_name(name)} {reason}.")
 
 
 def _drawing(plot: Path | None, figure: str | None) -> Draw | None:

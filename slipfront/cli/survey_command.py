@@ -137,7 +137,7 @@ def survey_command(
 ) -> None:
     """Solve a scene or run an interface at many values of its parameters, into NetCDF.
 
-    SCENE may also be the name or file of an interface, as for slipfront run.  Two different bodies
+    SCENE may also be the name or file of an interface.  Two different bodies
     with a slot are solved exactly: the lower one is lower_material of the file, or is like
     the upper one but for the numbers that are given.
 

@@ -347,8 +347,8 @@ def verdict_text(
     alike: dict[str, list[str]] = {}
     for row in judgement.having(UNRESOLVED):
         remedy = judgement.remedy(row)
-        reason = in_options(row.obstacle, options)
-        alike.setdefault(f"{reason}{f' ({remedy})' if remedy else ''}", []).append(row.name)
+        reason = f"{row.obstacle}{f' ({remedy})' if remedy else ''}"
+        alike.setdefault(in_options(reason, options), []).append(row.name)
     lines += [f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items()]
     return "\n".join(lines)
 

@@ -80,6 +80,26 @@ _FIELD = {
     "gauges": Key("gauges recorded, in the order of the files", list_of(shape("x y"))),
 }
 
+_INTERFACE_RUN = {
+    "interface": Key("name or file of the interface", TEXT),
+    "nodes": Key("nodes of one period", WHOLE),
+    "end_time": Key("time that was reached", NUMBER),
+    "steps": Key("number of steps", WHOLE),
+    "shortest_step": Key("shortest step", NUMBER),
+    "longest_step": Key("longest step", NUMBER),
+    "frames": Key("number of times at which fields were kept", WHOLE),
+    "largest_slip": Key("largest slip of the contact at the end", NUMBER),
+    "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
+    "slipping": Key("share of the contact that slips at the end", NUMBER),
+    "largest_gap": Key("largest gap of the contact at the times that were kept", NUMBER),
+    "error_estimates": Key(
+        "relative L1 errors of slip, slip rate and the change of shear traction, and of "
+        "gap and pressure where loads change the pressure; empty without a second run",
+        named(NUMBER),
+    ),
+    "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
+}
+"""Keys of the run of an interface."""
 _SHEET = row_of(Sheet, scene=PROBLEM)
 
 DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
@@ -145,6 +165,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "until_end_time": _UNTIL_END_TIME,
             "points": _POINTS,
         },
+        _INTERFACE_RUN,
     ),
     "fit": (
         {
@@ -214,35 +235,16 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "errors of snapshots", or_null(shape("band", frames=list_of(row_of(FieldError))))
             ),
         },
-    ),
-    "run": (
-        {
-            "interface": Key("name or file of the interface", TEXT),
-            "nodes": Key("nodes of one period", WHOLE),
-            "end_time": Key("time that was reached", NUMBER),
-            "steps": Key("number of steps", WHOLE),
-            "shortest_step": Key("shortest step", NUMBER),
-            "longest_step": Key("longest step", NUMBER),
-            "frames": Key("number of times at which fields were kept", WHOLE),
-            "largest_slip": Key("largest slip of the contact at the end", NUMBER),
-            "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
-            "slipping": Key("share of the contact that slips at the end", NUMBER),
-            "largest_gap": Key("largest gap of the contact at the times that were kept", NUMBER),
-            "error_estimates": Key(
-                "relative L1 errors of slip, slip rate and the change of shear traction, and of "
-                "gap and pressure where loads change the pressure; empty without a second run",
-                named(NUMBER),
-            ),
-            "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
+        _INTERFACE_RUN
+        | {
             "comparison": Key(
-                "with --compare: verdict, meshes, and the judged quantities",
+                "verdict, meshes, and the judged quantities",
                 shape(
                     texts="verdict",
                     counts=named(WHOLE),
                     meshes=list_of(shape("imbalance", wholes="nodes steps unknowns")),
                     rows=list_of(row_of(Row, verdict=TEXT)),
                 ),
-                always=False,
             ),
         },
     ),

@@ -63,6 +63,13 @@ def check_no_march_options(given: Mapping[str, Any], problem: Any) -> None:
         )
 
 
+def refuse_given(options: Mapping[str, Any], reason: str) -> None:
+    """Raise SceneError for the first option that was given."""
+    for name, value in options.items():
+        if value is not None:
+            raise SceneError(f"{option_name(name)} {reason}.")
+
+
 @contextmanager
 def in_one_sentence() -> Iterator[None]:
     """Raise what click would report in a box, such as an unknown option, as a sentence.

@@ -80,7 +80,7 @@ REFUSED = {
         ("solve whole-line-patch --end-time -1", "end-time must be positive"),
         ("simulate whole-line-patch", "slipfront solve"),
         # two different bodies: what knows identical bodies only says what can
-        ("compare two.toml --method space-time", "march them with slipfront run"),
+        ("compare two.toml --method space-time", "march them as an interface"),
         (
             "compare ramp --lower-density 2",
             "shear_history: between different bodies the exact solver",
