@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 
 from semianalytic.interface.contact import Adhesion, Contact
 from semianalytic.interface.coulomb import Coulomb
+from semianalytic.interface.documents import interface_document
 from semianalytic.interface.fields import RESERVED, Expression, Table
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.law import InterfaceLaw
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
-from semianalytic.interface.parameters import interface_document, interface_parameters
 from semianalytic.interface.rate_and_state import RateAndState
 from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
 from semianalytic.scene.checks import finite, shown
@@ -121,10 +121,17 @@ def parsed(text: str, name: str, folder: Path) -> InterfaceFile:
 
 
 class _Around(NamedTuple):
-    """The folder of a file, and the numbers that it names for its expressions."""
+    """The folder of a file, the numbers for its expressions, and those that stand in one."""
 
     folder: Path
     numbers: Mapping[str, float]
+    named: set[str]
+
+    def expression(self, text: str, *variables: str) -> Expression:
+        """Return an expression that may name the numbers."""
+        made = Expression(text, variables, self.numbers)
+        self.named.update(made.numbers)
+        return made
 
 
 def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
@@ -135,7 +142,7 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
             "solve or march (docs/scenes.md)."
         )
     _known("", document, (*_INTERFACE, *_PARTS), ("length", "material", "law", "run"))
-    around = _Around(folder, _numbers(document.get("numbers", {})))
+    around = _Around(folder, _numbers(document.get("numbers", {})), set())
     given: dict[str, Any] = {
         name: _solid(name, document[name])
         for name in ("material", "lower_material")
@@ -164,10 +171,9 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
         contact=_contact(document.get("contact")),
         **given,
     )
-    named = interface_parameters(interface)
     for key in around.numbers:
         # A number that stands nowhere is most likely a misspelt one of an expression.
-        if key not in named:
+        if key not in around.named:
             raise SceneError(f"numbers.{key} stands in no expression; use it, or leave it out.")
     # The end time is an argument of `run` by itself; a fit or a survey may replace the others.
     others = {key: value for key, value in plan.items() if key != "end_time"}
@@ -243,12 +249,12 @@ def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad | FrontLoad:
         # None was set above, for loads of x and t; without a history at all the default is any
         # other object.
         if values.get("history", table) is None and isinstance(table[name], str):
-            values[name] = Expression(table[name], ("x", "t"), around.numbers)
+            values[name] = around.expression(table[name], "x", "t")
         else:
             values[name] = _field(f"load.{name}", table[name], around)
     history = table.get("history")
     if isinstance(history, str):
-        values["history"] = Expression(history, ("t",), around.numbers)
+        values["history"] = around.expression(history, "t")
     elif history is not None:
         values["history"] = _history(history)
     return InterfaceLoad(**values)
@@ -259,7 +265,7 @@ def _mentions_time(text: Any, around: _Around) -> bool:
     if not isinstance(text, str):
         return False
     try:
-        Expression(text, ("x",), around.numbers)
+        around.expression(text, "x")
     except SceneError:
         return True
     return False
@@ -278,7 +284,7 @@ def _field(name: str, value: Any, around: _Around) -> Any:
     if finite(value) is not None:
         return value
     if isinstance(value, str):
-        return Expression(value, ("x",), around.numbers)
+        return around.expression(value, "x")
     # The keys alone tell a table of numbers from one in a file.
     if isinstance(value, dict) and set(value) == {"x", "values"}:
         return Table(value["x"], value["values"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from semianalytic.scene.checks import finite, shown
@@ -178,28 +178,3 @@ def _check(
     for key in required:
         if key not in table:
             raise SceneError(f"{prefix}{key} is missing.")
-
-
-def override_line(problem: Problem, **values: float | str | None) -> Problem:
-    """Return a problem with every parameter replaced that is not None, as `override_scene` does.
-
-    Raises
-    ------
-    SceneError
-        If the problem has no such parameter, or is not admissible with it.
-    """
-    given = {name: value for name, value in values.items() if value is not None}
-    changes: dict[str, Any] = {}
-    for name, value in given.items():
-        if name in ("friction", "mode"):
-            changes[name] = value
-        elif name in TABLES["material"]:
-            changes["material"] = replace(
-                changes.get("material", problem.material), **{name: value}
-            )
-        elif name.startswith(("base_", "load_")) and name != "load_on":
-            part, _, key = name.partition("_")
-            changes[part] = replace(changes.get(part, getattr(problem, part)), **{key: value})
-        else:
-            raise SceneError(f"{name} is a parameter of scenes with a slot alone; leave it out.")
-    return replace(problem, **changes)

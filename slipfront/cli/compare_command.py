@@ -20,6 +20,7 @@ from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
 from semianalytic import Marched, Material, PairSolution, Scene, Solution
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.finding import (
@@ -30,7 +31,6 @@ from semianalytic.scene.given.finding import (
     scene_label,
 )
 from semianalytic.scene.given.named import DEFAULT_SCENE
-from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
 from slipfront.cli.endings.refusals import check_converged, refuse_given
 from slipfront.cli.options import (

@@ -19,12 +19,12 @@ from compare.output.progress import progress_bar
 from semianalytic import Marched, PairSolution, Scene, Solution, solve
 from semianalytic.dissimilar.described import pair_document, pair_of
 from semianalytic.methods import chosen
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import find_blocks, scene_folder, scene_label
-from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.units import unit
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.marching import check_rtol

@@ -13,11 +13,11 @@ from compare.comparison.documents import solution_document
 from compare.output.places import check_file
 from semianalytic import find, solve
 from semianalytic.methods import chosen
+from semianalytic.parameters.overriding import override_line, override_scene
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import INTERFACE, LINE, find_blocks, kind_of, scene_label
-from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options, refuse_given
 from slipfront.cli.options import (
@@ -143,7 +143,7 @@ def _problem(
     alike."""
     if kind == LINE:
         from semianalytic.whole_line.line import HalfLine
-        from semianalytic.whole_line.named import find_line, override_line
+        from semianalytic.whole_line.named import find_line
 
         line = override_line(find_line(source), **overrides)
         return line.slot_scene if isinstance(line.load, HalfLine) else line

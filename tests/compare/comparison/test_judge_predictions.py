@@ -18,7 +18,7 @@ from docs.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
 from semianalytic import Material, Pair, Scene, SceneError, SlipWeakening, Tractions, find, solve
-from semianalytic.scene.given.overriding import override_scene
+from semianalytic.parameters.overriding import override_scene
 
 PRELOADED = find("preloaded")
 

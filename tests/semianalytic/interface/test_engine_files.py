@@ -8,7 +8,7 @@ import pytest
 import semianalytic as sf
 from semianalytic.interface.fields import Expression
 from semianalytic.interface.named import NAMED_INTERFACES, find_interface
-from semianalytic.interface.parameters import interface_at, interface_parameters
+from semianalytic.parameters.numbers import numbers_of, with_numbers
 from slipfront.cli.commands import main
 
 MATERIAL = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
@@ -109,7 +109,7 @@ pressure = "-2 * exp(-x**2) * min(2 * t, 1)"
 def test_files_and_surveys_know_adhesion(folder):
     (folder / "a.toml").write_text(GLUED)
     face = sf.find("a.toml").interface
-    named = interface_parameters(face)
+    named = numbers_of(face)
     assert named["adhesion_length"].value == 0.5
     assert named["adhesion_strength_factor"].value == 1.0
     done = sf.solve(face, end_time=0.2, nodes=64, estimate=False)
@@ -122,9 +122,9 @@ def test_files_describe_fronts_and_surveys_vary_them(folder):
     (load,) = face.loads
     assert load.front == sf.IncidentWave("SV", angle=-20.0, stress=0.3)
     assert (load.at, load.history) == (4.0, sf.Pulse(0.5, "half-sine"))
-    known = interface_parameters(face)
+    known = numbers_of(face)
     assert {"load_angle", "load_stress", "load_at", "load_history_duration"} <= set(known)
-    other = interface_at(face, {"load_angle": -30.0, "shear_modulus": 4.0})
+    other = with_numbers(face, {"load_angle": -30.0, "shear_modulus": 4.0})
     assert other.loads[0].front.angle == -30.0
     assert other.loads[0].material.shear_modulus == 4.0
     sf.solve(other, end_time=0.5, nodes=32)

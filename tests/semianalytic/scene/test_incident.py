@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.given.template import in_si_units, scene_text
 
 SOLID = sf.Material(2.0, 3.0, 0.29)

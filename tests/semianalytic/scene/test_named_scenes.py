@@ -8,11 +8,11 @@ import pytest
 from pint import UnitRegistry
 
 import slipfront as sf
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.files import read_scene
 from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
-from semianalytic.scene.given.overriding import override_scene
 
 STEEL = """
 friction = 0.4

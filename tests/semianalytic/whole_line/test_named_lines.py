@@ -3,13 +3,13 @@
 import pytest
 
 from semianalytic import GrowingSlot, SceneError, WholeLine, find
+from semianalytic.parameters.overriding import override_line
 from semianalytic.scene.given.finding import BODIES, LINE, find_scene, kind_of
 from semianalytic.scene.given.named import LINES, NAMED_SCENES
 from semianalytic.whole_line.named import (
     NAMED_LINES,
     line_document,
     line_from_document,
-    override_line,
 )
 
 SOLID = """[material]
