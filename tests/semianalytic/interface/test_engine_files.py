@@ -141,7 +141,7 @@ def test_named_interfaces_begin(name):
 @pytest.mark.parametrize(
     ("text", "old", "new", "said"),
     [
-        (GOOD, "dynamic = 0.2\n", "", "takes static, dynamic"),
+        (GOOD, "dynamic = 0.2\n", "", "law.dynamic is missing"),
         (GOOD, "static =", "statik =", "did you mean static"),
         (GOOD, "slip-dependent", "coulombe", "kind must be one of"),
         (GOOD, '"exp(-x**2)"', '"__import__(1)"', "is not known here"),
@@ -161,7 +161,7 @@ def test_named_interfaces_begin(name):
         (GLUED, "load =", "#", "nothing opens without a load"),
         (WAVE, 'wave = "SV"', 'wave = "SH"', "must be of kind P or SV, got SH"),
         (WAVE, "angle = -20.0", "angle = 95.0", "angle must"),
-        (WAVE, "at = 4.0", "on = 4.0", "has no 'on'"),
+        (WAVE, "at = 4.0", "on = 4.0", "unknown key load.on"),
         (WAVE, "length = 8.0", "length = 8.0\neven = true", "not even in x"),
         (WAVE, "material", f"{SOFTER_BELOW}material", "beyond a critical angle"),
     ],

@@ -207,8 +207,8 @@ def test_files_name_what_is_wrong(tmp_path):
     path = tmp_path / "scene.toml"
     for before, after, said in (
         ('kind = "incident-wave"', 'kind = "incoming"', "incident-wave, moving"),
-        ("\nangle = -20.0", "\nangel = -20.0", "no 'angel'"),
-        ("\nangle = -20.0", "\n", "needs wave, angle"),
+        ("\nangle = -20.0", "\nangel = -20.0", "unknown key load.angel; did you mean angle"),
+        ("\nangle = -20.0", "\n", "load.angle is missing"),
         ("\nangle = -20.0", '\nangle = "steep"', "between -89.9 and 89.9"),
     ):
         assert before in text
