@@ -49,7 +49,7 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
             strength = answer.scene.friction * values
             axes[1].plot(x * length[0], strength, ":", color="0.3", label="strength f p")
         axes[1].set_ylabel("traction" + (f" [{stress[1]}]" if si else ""))
-        axes[1].legend()
+        axes[1].legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)
     for name, speed in waves.items():
         place = speed * end * length[0]
         for at in (place, -place) if speed * end < reach else ():
@@ -57,8 +57,10 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
                 continue
             for one in np.atleast_1d(axes):
                 one.axvline(at, color="0.7", lw=0.8)
+        if speed * end < reach:
             above = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
-            upper.annotate(name, (at, 1), xytext=(0, 3), ha="center", **above)
+            side = "right" if "R" in name else "left"  # c_R is close to c_t
+            upper.annotate(name, (place, 1), xytext=(0, 3), ha=side, **above)
     np.atleast_1d(axes)[-1].set_xlabel("x" + (f" [{length[1]}]" if si else ""))
     return axes
 
