@@ -6,7 +6,6 @@ Names are those of modules of compare and their functions, and after a slash wha
 from __future__ import annotations
 
 import contextlib
-import csv
 import importlib
 import io
 import tempfile
@@ -40,6 +39,7 @@ from docs.studies.article import __main__ as article
 from docs.studies.article.cases import run_cases
 from docs.studies.dissimilar import __main__ as dissimilar
 from docs.studies.dissimilar.pairs import SCENES as PAIRS
+from docs.studies.pages import DATA, read_data
 from docs.studies.regimes import figures as regimes
 from docs.studies.regimes.points import map_rows, trace
 from docs.studies.stability import __main__ as stability
@@ -47,9 +47,6 @@ from docs.studies.supershear import rupture_figure
 from fem import simulate
 from semianalytic import Gauge, find, fit, solve
 from slipfront.fits.figures import fit_figure
-
-ROOT = Path(__file__).resolve().parents[1]
-DATA = ROOT / "docs" / "data"
 
 
 @cache
@@ -187,8 +184,7 @@ def _openings():
 
 @cache
 def _rows_of_docs(name):
-    with (DATA / f"{name}.csv").open(encoding="utf-8") as stream:
-        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    _, rows = read_data(name)
     numbers = {"parameter", "value", "error"} & rows[0].keys()
     return [row | {one: float(row[one]) for one in numbers} for row in rows]
 
