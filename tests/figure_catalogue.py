@@ -30,7 +30,6 @@ from compare.figures.fronts import reach
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
-from compare.figures.whole_line import line_figure
 from compare.output.field_files import record_fields
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
@@ -235,12 +234,6 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "compare.figures.interface.prediction_figure": lambda: interface.prediction_figure(
         solved("tap")
     ),
-    **{
-        f"compare.figures.whole_line.line_figure/{name}": lambda name=name: line_figure(
-            solve(find(name))
-        )
-        for name in ("whole-line-patch", "point-load")
-    },
     "compare.figures.histories.march_figure": lambda: histories.march_figure(_marched("unload")),
     "compare.figures.snapshots.snapshot_figure": _snapshots,
     "compare.figures.records.record_figure": _record,

@@ -19,11 +19,11 @@ from compare.validation.conventions import BASIC, Conventions
 from compare.validation.readings import settings_of
 from compare.validation.report import validation_document, write_validation
 from compare.validation.validation import CONVERTED, Validation, validate
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
-from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import DIMENSIONS, EXAMPLES, si_size
 from semianalytic.scene.units import InSI, measure

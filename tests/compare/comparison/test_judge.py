@@ -14,9 +14,9 @@ from compare.comparison.rows import ALARM, BEYOND, Row
 from compare.comparison.scales import slip_rate_scale
 from fem import simulate
 from semianalytic import Material, Scene, Tractions
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED = find_scene("preloaded")
 STEEL = Scene(

@@ -26,9 +26,9 @@ from semianalytic import (
     Tractions,
     ViscousFriction,
 )
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED, SHOCK = find_scene("preloaded"), find_scene("remote-shock")
 

@@ -18,7 +18,7 @@ from docs.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
 from semianalytic import Material, Pair, Scene, SceneError, SlipWeakening, Tractions, find, solve
-from semianalytic.scene.given.overriding import override_scene
+from semianalytic.parameters.overriding import override_scene
 
 PRELOADED = find("preloaded")
 
@@ -232,7 +232,7 @@ def test_the_first_front_is_that_of_the_faster_body_and_the_report_has_both_bodi
     document = report_document(judgement, "pair-slip")
     assert document["parameters"]["lower_material"]["shear_modulus"] == 2.5
     assert document["method"] == "self-similar"
-    assert document["semianalytic"]["pair"]["lower_material"]["density"] == 1.2
+    assert document["semianalytic"]["scene"]["lower_material"]["density"] == 1.2
     assert document["units"]["parameters"]["lower_material"]["density"] == "mass/length^3"
 
 

@@ -17,10 +17,10 @@ from compare.comparison.rows import shown_number
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.figures.histories import comparison_figures
 from fem import simulate
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli.compare_command import write_comparison
 
 STEEL = {"shear_modulus": 80e9, "density": 7800.0}

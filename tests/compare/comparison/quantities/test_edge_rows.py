@@ -22,10 +22,10 @@ from compare.comparison.quantities.profile_rows import gap_rows
 from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
 from semianalytic import Material, Scene, Tractions
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.regimes import opening_threshold
 from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED = find_scene("preloaded")
 EDGES = ["zone 1, outer edge", "zone 2, inner edge", "zone 2, outer edge"]

@@ -8,8 +8,8 @@ from catalogue import PRELOADED, REMOTE, SHOCK, STEEL, UNIT, over, unit_scene
 from laws import random_scenes
 
 from semianalytic import Material, RateWeakening, Scene, SceneError, Tractions, ViscousFriction
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.reference import edge_speed_under_shear_step, slip_rate_under_shear_step
-from semianalytic.scene.given.overriding import override_scene
 from semianalytic.selfsimilar.derivatives.parameters import parameter
 from semianalytic.selfsimilar.solver import solve
 
