@@ -47,6 +47,9 @@ from fem import simulate
 from semianalytic import Gauge, find, fit, solve
 from slipfront.fits.figures import fit_figure
 
+SMALLER = {"survey_map": {"side": 12}}
+"""What keeps an example short in a test and leaves what it prints."""
+
 
 @cache
 def _run(name):
@@ -204,7 +207,7 @@ def _example(name):
         patch.object(Figure, "savefig", keep),
         contextlib.redirect_stdout(io.StringIO()),
     ):
-        main(Path(folder))
+        main(Path(folder), **SMALLER.get(name, {}))
     (figure,) = saved
     return figure
 
