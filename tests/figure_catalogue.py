@@ -6,7 +6,6 @@ Names are those of modules of compare and their functions, and after a slash wha
 from __future__ import annotations
 
 import contextlib
-import csv
 import importlib
 import io
 import tempfile
@@ -39,6 +38,7 @@ from docs.studies.article import __main__ as article
 from docs.studies.article.cases import run_cases
 from docs.studies.dissimilar import __main__ as dissimilar
 from docs.studies.dissimilar.pairs import SCENES as PAIRS
+from docs.studies.pages import DATA, read_data
 from docs.studies.regimes import figures as regimes
 from docs.studies.regimes.points import map_rows, trace
 from docs.studies.stability import __main__ as stability
@@ -47,8 +47,8 @@ from fem import simulate
 from semianalytic import Gauge, find, fit, solve
 from slipfront.fits.figures import fit_figure
 
-ROOT = Path(__file__).resolve().parents[1]
-DATA = ROOT / "docs" / "data"
+SMALLER = {"survey_map": {"side": 12}}
+"""What keeps an example short in a test and leaves what it prints."""
 
 
 @cache
@@ -186,8 +186,7 @@ def _openings():
 
 @cache
 def _rows_of_docs(name):
-    with (DATA / f"{name}.csv").open(encoding="utf-8") as stream:
-        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    _, rows = read_data(name)
     numbers = {"parameter", "value", "error"} & rows[0].keys()
     return [row | {one: float(row[one]) for one in numbers} for row in rows]
 
@@ -208,7 +207,7 @@ def _example(name):
         patch.object(Figure, "savefig", keep),
         contextlib.redirect_stdout(io.StringIO()),
     ):
-        main(Path(folder))
+        main(Path(folder), **SMALLER.get(name, {}))
     (figure,) = saved
     return figure
 

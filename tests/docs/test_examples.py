@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from figure_catalogue import SMALLER
 
 import docs.examples
 from docs.examples import __main__ as gallery
@@ -23,8 +24,6 @@ DOCS = FOLDER.parent
 SECTIONS = dict(
     re.findall(r"^## (\w+)$(.+?)(?=^## |\Z)", (DOCS / "gallery.md").read_text(), re.M | re.S)
 )
-SMALLER = {"survey_map": {"side": 12}}
-"""What keeps an example short in a test and leaves what it prints."""
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from catalogue import solved
 
-from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
+from compare.comparison.rows import DIFFERS
 from docs.studies.trials import judge as trial
-from docs.studies.trials.draws import HISTORIES, KINDS, STEPS, judged_scene
+from docs.studies.trials.draws import KINDS, STEPS, judged_scene
 from docs.studies.trials.wrong_answers import profiled
 from semianalytic.cut.load import contact_opens
 from tests.catalogue import over
@@ -61,41 +61,10 @@ def test_a_profile_is_told_from_its_solution_by_digits_only(problem):
 # --- what it comes to ---------------------------------------------------------------------------
 
 
-def judged(index, bars=0.5, verdict=AGREES, group=STEPS, judgement=None):
-    row = {"group": group, "index": index, "judgement": judgement or verdict, "kind": "slip"}
-    return {**row, "name": "name", "verdict": verdict, "bars": bars}
-
-
-def test_false_alarms_are_counted_by_row_and_scene():
-    rows = [judged(0, judgement=DIFFERS), judged(0, 2.0, DIFFERS), judged(1), judged(2)]
-    rows += [judged(3, math.nan, UNRESOLVED), judged(0, group=HISTORIES)]
-    steps, histories, every = trial.alarms(rows)
-    assert (steps["scenes"], steps["rows"]) == (4, 5)
-    assert (steps["false_rows"], steps["false_scenes"], steps["unresolved_rows"]) == (1, 1, 0.2)
-    assert (steps["agreeing_scenes"], steps["within"], steps["within_half"]) == (0.5, 0.75, 0.75)
-    assert (histories["scenes"], histories["false_rows"]) == (1, 0)
-    assert (every["group"], every["scenes"], every["false_scenes"]) == ("all", 5, 1)
-    assert every["rate"] == trial.upper_limit(1, 5)
-
-
 @pytest.mark.parametrize(("count", "trials", "limit"), [(0, 59, 0.0495), (1, 93, 0.05), (5, 5, 1)])
 def test_the_limit_of_a_rate_is_that_of_tables(count, trials, limit):
     """No alarm in 59 scenes, or one in 93, says that there are less than 5 %."""
     assert trial.upper_limit(count, trials) == pytest.approx(limit, rel=0.02)
-
-
-def test_power_is_that_of_scenes_without_a_false_alarm():
-    def row(scene, bars, verdict, mistake="friction +3 %"):
-        return {"scene": scene, "mistake": mistake, "bars": bars, "verdict": verdict, "by": ""}
-
-    rows = [row(scene, 0.0, AGREES, trial.TRUTH) for scene in "abc"]
-    rows += [row("d", 0.0, DIFFERS, trial.TRUTH), row("d", 9.0, AGREES)]
-    rows += [row("a", 2.0, DIFFERS), row("b", 2.0, AGREES), row("c", 1.4, AGREES)]
-    (friction,) = trial.power(rows)
-    assert (friction["scenes"], friction["caught"]) == (3, pytest.approx(1 / 3))
-    assert (friction["scenes_beyond"], friction["caught_beyond"]) == (2, 0.5)
-    assert friction["scenes_sure"] == 0
-    assert math.isnan(friction["caught_sure"])
 
 
 @pytest.mark.slow
