@@ -1,7 +1,7 @@
 """Answers to the problem sheets: solved or marched when they are asked for; of interfaces, stored.
 
 What is solved is sure to ten digits, between different bodies to nine, and written so; what comes
-of grids is written to seven digits, with a stated error.
+of grids is written to seven digits at most, with a stated error.
 """
 
 from __future__ import annotations
