@@ -23,7 +23,7 @@ from semianalytic.regimes import (
     viscous_nucleation,
 )
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.scene import Material, Tractions
+from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.zones.placement import locate_edges
 from tests.semianalytic.selfsimilar.test_solution import integral, power_density, singular_speeds
 
@@ -131,12 +131,6 @@ def test_slip_below_rounding_is_refused():
         solve(too_thick)
 
 
-def test_work_of_opposite_loads_is_the_same():
-    turned = replace(LOADED, base=Tractions(1.0, -0.1), load=Tractions(0.8, -1.0))
-    one, other = solve(LOADED), solve(turned)
-    assert float(one.frictional_work(1.0)) == float(other.frictional_work(1.0)) > 0
-
-
 # --- any viscosity ------------------------------------------------------------------------------
 
 ANSWERED = ("converged", "the error estimate ", "no set of slip zones ")
@@ -167,19 +161,13 @@ def check_honest(exact, rtol=1e-8):
     return True
 
 
-def drawn(seed, rtol):
-    return solve(viscous_scene(np.random.default_rng(seed)), rtol=rtol)
-
-
-@pytest.mark.thinned(16)
-@pytest.mark.parametrize("seed", range(12))
-def test_films_are_answered_lawfully_and_honestly(seed):
-    assert check_honest(drawn(seed, 1e-10))
-
-
-@pytest.mark.slow
-def test_films_are_answered_or_say_why_not():
-    assert sum(check_honest(drawn(seed, 1e-12)) for seed in range(40)) >= 38
+@pytest.mark.parametrize(
+    ("count", "answered"), [(1, 1), pytest.param(40, 38, marks=pytest.mark.slow)]
+)
+def test_films_are_answered_lawfully_and_honestly(count, answered):
+    """Of the others the status says why not."""
+    scenes = (viscous_scene(np.random.default_rng(seed)) for seed in range(count))
+    assert sum(check_honest(solve(scene, rtol=1e-12)) for scene in scenes) >= answered
 
 
 @pytest.mark.thinned(2)
