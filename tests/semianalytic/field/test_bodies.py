@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 from catalogue import PRELOADED, REMOTE, Problem, problems, unit_scene
-from hypothesis import given, settings
-from laws import scenes
 
 from semianalytic import ViscousFriction, solve
 from semianalytic.field import tuning
@@ -271,24 +269,3 @@ def test_a_zone_far_slower_than_waves_spoils_nothing_elsewhere():
     at = radius * np.cos(angle), radius * np.sin(angle), 1.0
     np.testing.assert_allclose(coarse.stress(*at), fine.stress(*at), atol=1e-8)
     np.testing.assert_allclose(coarse.velocity(*at), fine.velocity(*at), atol=1e-8)
-
-
-@pytest.mark.slow
-@settings(max_examples=10, deadline=None)
-@given(scene=scenes())
-def test_random_scenes_have_their_interface_fields_as_limits(scene):
-    solution = solve(scene)
-    if solution.status != "converged":
-        return
-    time, _ = unit_time(scene)
-    x = interface_positions(solution)
-    stress, velocity, _ = largest(scene)
-    error = solution.field_error
-    slip = solution.velocity(x, 0.0, time)[0] - solution.velocity(x, -0.0, time)[0]
-    np.testing.assert_allclose(
-        slip, solution.slip_rate(x, time), atol=4 * error * velocity, rtol=4 * error
-    )  # of two faces, and one-sided in units of half the load
-    shear = solution.stress(x, 0.0, time)[2]
-    np.testing.assert_allclose(
-        shear, solution.shear_traction(x, time), atol=error * stress, rtol=error
-    )

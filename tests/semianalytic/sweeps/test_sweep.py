@@ -3,7 +3,6 @@ sweep as a sequence with slip rates and a dataset."""
 
 from collections import Counter
 from dataclasses import replace
-from time import process_time
 
 import numpy as np
 import pytest
@@ -207,7 +206,7 @@ def swept():
     return sweep(PRELOADED, [0.9, 0.2, 0.5], 1e-6)
 
 
-def test_a_sweep_is_a_sequence_of_its_solutions(swept):
+def test_a_sweep_is_a_sequence_of_its_solutions_and_a_slice_one_over_some_frictions(swept):
     assert len(swept) == 3
     assert list(swept) == list(swept.solutions)
     assert [one.scene.friction for one in swept] == [0.9, 0.2, 0.5]
@@ -216,9 +215,6 @@ def test_a_sweep_is_a_sequence_of_its_solutions(swept):
     for beyond in (3, -4):
         with pytest.raises(IndexError):
             swept[beyond]
-
-
-def test_a_slice_is_the_sweep_over_some_frictions(swept):
     part = swept[::-2]
     assert isinstance(part, Sweep)
     assert part.friction.tolist() == [0.5, 0.9]
@@ -226,6 +222,11 @@ def test_a_slice_is_the_sweep_over_some_frictions(swept):
     assert part.origin == (swept.origin[2], swept.origin[0])
     assert part.scene == swept.scene
     assert len(swept[3:]) == 0
+    shown = repr(swept)
+    assert "3 friction coefficients from 0.2 to 0.9" in shown
+    assert "3 converged" in shown
+    assert "\n" not in shown
+    assert repr(swept[3:]) == "<Sweep: no friction coefficients>"
 
 
 def test_slip_rates_have_friction_first_and_broadcast(swept):
@@ -264,14 +265,6 @@ def test_the_dataset_has_a_dimension_friction_and_units(swept):
     assert data.origin.values.tolist() == list(swept.origin)
     assert data.status.values.tolist() == ["converged"] * 3
     assert swept[3:].to_xarray(X, T).sizes["friction"] == 0
-
-
-def test_a_sweep_says_in_one_line_what_it_is(swept):
-    shown = repr(swept)
-    assert "3 friction coefficients from 0.2 to 0.9" in shown
-    assert "3 converged" in shown
-    assert "\n" not in shown
-    assert repr(swept[3:]) == "<Sweep: no friction coefficients>"
 
 
 # --- friction and Poisson ratio -------------------------------------------------------------------
@@ -398,17 +391,3 @@ def test_edges_near_the_end_of_their_segment_are_predicted_by_their_shares():
     predictions = predicted(known, places, np.arange(20), to, RTOL)
     np.testing.assert_allclose(predictions.unknowns, unknowns(to), atol=1e-8)
     assert predictions.doubt.max() < 1e-7
-
-
-@pytest.mark.slow
-def test_neighbours_of_other_ratios_save_most_of_the_time():
-    """Over 1,600 points a seventh of what `solve` takes for each is left."""
-    friction, ratio = np.linspace(0.05, 1.0, 40), np.linspace(0.0, 0.45, 40)[:, None]
-    start = process_time()
-    swept = sweep(PRELOADED, friction, RTOL, poisson_ratio=ratio)
-    quick = process_time() - start
-    some = swept[::40]
-    start = process_time()
-    for one in some:
-        solve(one.scene, rtol=RTOL)
-    assert quick < (process_time() - start) * len(swept) / len(some) / 4
