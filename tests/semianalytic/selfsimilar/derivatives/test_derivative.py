@@ -191,6 +191,7 @@ def check_homogeneity(solution, x):
     parts = {name: solution.derivative(name) for name in names}
     if scene.friction and solution.zones:
         parts["friction"] = solution.derivative("friction")
+    assert max(one.error_estimate for one in parts.values()) < 1e-5
     for field in ("slip_rate", "slip", "shear_traction"):
         own = getattr(solution, field)(x, 1.0)
         each = {n: parameter(scene, n) * getattr(one, field)(x, 1.0) for n, one in parts.items()}
