@@ -198,16 +198,11 @@ def test_fields_are_self_similar_and_at_rest_before():
 def test_stuck_fields_superpose():
     rng = np.random.default_rng(7)
     x, y = rng.uniform(-2, 2, (2, 50))
-    pressed, sheared, both = (
-        solve(unit_scene(9.0, (1.0, 0.2), load)) for load in ((0.7, 0.0), (0.0, 0.0), (0.7, 0.0))
+    nothing, half, whole = (
+        solve(unit_scene(9.0, (1.0, 0.2), (pressure, 0.0))).stress(x, y, 1.0)
+        for pressure in (0.0, 0.35, 0.7)
     )
-    half = solve(unit_scene(9.0, (1.0, 0.2), (0.35, 0.0)))
-    np.testing.assert_allclose(
-        pressed.stress(x, y, 1.0) - sheared.stress(x, y, 1.0),
-        2 * (half.stress(x, y, 1.0) - sheared.stress(x, y, 1.0)),
-        atol=1e-8,
-    )
-    np.testing.assert_array_equal(both.velocity(x, y, 1.0), pressed.velocity(x, y, 1.0))
+    np.testing.assert_allclose(whole - nothing, 2 * (half - nothing), atol=1e-8)
 
 
 def energy(solution, time, radius):

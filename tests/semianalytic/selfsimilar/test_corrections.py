@@ -75,6 +75,9 @@ def test_what_newtons_method_fails_on_is_rearranged():
     near = Zone(at(2.0), at(3.8), 1)
     assert ends(rearranged(FACTORS, [near, far], LOAD)) == [(2.0, None, 1)]
     assert rearranged(FACTORS, [near, replace(far, sense=-1)], LOAD) is None
+    factors = rayleigh_factors(1 / 3, "III")  # out of the plane too
+    (crossed,) = rearranged(factors, [Zone(factors.cut([1 - 1e-6]), None, 1)], LOAD)
+    assert crossed.left.v[0] == pytest.approx(1.1)
 
 
 def test_what_slips_behind_an_opening_is_joined_to_it_once_it_vanishes():
@@ -89,13 +92,6 @@ def test_what_slips_behind_an_opening_is_joined_to_it_once_it_vanishes():
     (turned,) = rearranged(FACTORS, [replace(held, left=at(0.599))], load)
     assert (turned.sense, turned.last_sense) == (-1, 1)
     assert rearranged(FACTORS, [replace(held, left=at(0.599))], load, may_turn=False) is None
-
-
-def test_out_of_the_plane_too_edges_cross_the_shear_front():
-    factors = rayleigh_factors(1 / 3, "III")
-    ahead = Zone(factors.cut([1 - 1e-6]), None, 1)
-    (crossed,) = rearranged(factors, [ahead], LOAD)
-    assert crossed.left.v[0] == pytest.approx(1.1)
 
 
 def test_a_narrow_gap_around_the_rayleigh_front_is_joined_where_slip_meets_resistance():

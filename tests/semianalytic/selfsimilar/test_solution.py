@@ -71,13 +71,6 @@ def test_energy_leaves_through_friction_alone():
     assert sliding.frictional_power(1.0) == np.inf
 
 
-def test_far_slot_faces_carry_plane_waves():
-    shock = solved(SHOCK)
-    tangential, normal = shock.slot_velocity(np.array([-2.5, -9.0]), 1.0)
-    np.testing.assert_allclose(tangential, 1.0, rtol=1e-12)  # Q_0 / mu b
-    np.testing.assert_allclose(normal, -0.5, rtol=1e-12)  # -P_0 / rho c_l
-
-
 # --- integrals against independent quadrature, parts of the contact, and balances -----------------
 
 

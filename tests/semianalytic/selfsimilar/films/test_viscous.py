@@ -75,9 +75,7 @@ def test_no_viscosity_is_constant_friction_and_little_is_near_it():
     np.testing.assert_array_equal(none.edge_speeds, constant.edge_speeds)
     np.testing.assert_allclose(little.edge_speeds, constant.edge_speeds, atol=1e-6)
     assert np.abs(little.edge_speeds - constant.edge_speeds).max() > 1e-9
-
-
-def test_little_viscosity_alone_is_lambs_problem():
+    # alone it is nearly Lamb's problem
     x = np.array([0.3, 0.7, 1.2, 1.7])
     solution = solve(unit_scene(0.0, friction_law=ViscousFriction(1e-8)))
     lamb = slip_rate_without_friction(Material(1.0, 1.0, 1 / 3), 1.0, x)
