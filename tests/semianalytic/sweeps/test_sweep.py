@@ -86,13 +86,6 @@ def test_sweeps_of_films_and_of_antiplane_shear_agree_with_single_solutions(name
     check_against_single(sweep(find_scene(name), np.linspace(0.15, 1.0, 6), 1e-8), 1e-8)
 
 
-def start_of(nu, remote, low):
-    """A shear step or a remote load, and where a sweep over friction may start: under the second
-    above 1, its base being at friction there."""
-    start = unit_scene(2.0, **REMOTE if remote else {}, nu=nu)
-    return start, 1.001 + low / 4 if remote else low
-
-
 def test_fields_are_those_of_single_solutions():
     friction = np.linspace(1.15, 1.25, 9)
     swept = sweep(SHOCK, friction)
@@ -158,7 +151,8 @@ def test_changes_of_zones_are_not_smeared(start, low, high):
 )
 def test_error_estimates_hold_for_every_origin(nu, remote, low, width, count, rtol):
     """Also where the rule of a batch is longer than one friction needs: beside narrow gaps."""
-    start, low = start_of(nu, remote, low)
+    start = unit_scene(2.0, **REMOTE if remote else {}, nu=nu)
+    low = 1.001 + low / 4 if remote else low  # the base of a remote load is at friction at 1
     swept = sweep(start, low + width * np.linspace(0, 1, count), rtol)
     assert set(swept.origin) <= {FROM_SCRATCH, COMPUTED, INTERPOLATED}
     for origin in (COMPUTED, INTERPOLATED):

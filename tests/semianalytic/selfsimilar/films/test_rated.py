@@ -74,9 +74,7 @@ def test_weakening_across_the_rayleigh_front_is_refused():
     ):
         with pytest.raises(SceneError, match="cover the Rayleigh front"):
             solve(scene)
-
-
-def test_weakening_that_pressure_makes_steeper_than_radiation_is_refused():
+    # pressure makes it steeper than radiation
     scene = unit_scene(1.0, (1.0, 0.0), (0.5, 1.5), friction_law=RateWeakening(0.45, 1.0))
     with pytest.raises(SceneError, match="makes pressure infinite at the contact edge"):
         solve(scene)
