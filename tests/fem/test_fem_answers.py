@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 from catalogue import solved, unit_scene
 
-from fem import (
-    Settings,
-    cost,
-    load_simulation,
-    opening_sentence,
-    prepare,
-    simulate,
-)
+from fem import Settings, cost, load_simulation, opening_sentence, prepare, simulate
 from fem.resolution import LEAST_CROSSED
 from fem.run import drift, levels
 from semianalytic import solve

@@ -87,10 +87,7 @@ def test_unknowns_of_unstructured_triangles_are_nearly_those_of_the_run():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "resolution",
-    [60, 100, 200],
-)
+@pytest.mark.parametrize("resolution", [60, 100, 200])
 def test_memory_and_size_of_files_are_predicted(resolution, tmp_path, monkeypatch):
     """Measured in a process of its own, which nothing has used memory in before."""
     monkeypatch.setenv("SLIPFRONT_CACHE", str(tmp_path / "cache"))

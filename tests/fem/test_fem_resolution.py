@@ -123,12 +123,7 @@ def test_fast_pressure_is_refused_by_its_name():
 @pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     "history",
-    [
-        Harmonic(24 / 12),
-        Pulse(4.001 / 24),
-        Pulse(8 / 24, "triangle"),
-        Pulse(8 / 24, "haversine"),
-    ],
+    [Harmonic(24 / 12), Pulse(4.001 / 24), Pulse(8 / 24, "triangle"), Pulse(8 / 24, "haversine")],
 )
 def test_what_is_accepted_is_resolved(history):
     """Measured at h = 1/24 against 1/72: friction work 4.4, 5.2, 2.7 and 3.2 % off."""

@@ -102,10 +102,7 @@ def test_two_zones():
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("load", "sense", "slip", "opening"),
-    [
-        ((0.5, 1.0), 1, 0.5570204652, 0.1574862063),
-        ((-0.5, 1.0), -1, 0.5528459861, 0.1245261371),
-    ],
+    [((0.5, 1.0), 1, 0.5570204652, 0.1574862063), ((-0.5, 1.0), -1, 0.5528459861, 0.1245261371)],
 )
 def test_opening_with_slip_ahead(load, sense, slip, opening):
     start = (Zone(1 / 0.556, 1 / 0.14, sense), Zone(1 / 0.14, None, sense, True))

@@ -224,8 +224,7 @@ def test_slots_carry_nothing_whatever_the_contact_does(even):
 
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
-    ("contact", "plate"),
-    [([(-6.0, -1.0), (1.0, 6.0)], 0.0), ([(-3.0, 7.0)], 1e-6)],
+    ("contact", "plate"), [([(-6.0, -1.0), (1.0, 6.0)], 0.0), ([(-3.0, 7.0)], 1e-6)]
 )
 def test_long_steps_beside_slots_give_the_answer_of_short_ones(contact, plate):
     push = sf.InterfaceLoad(lambda x: 3e5 * (abs(x) < 3), history=lambda t: min(t / 0.1, 1.0))
