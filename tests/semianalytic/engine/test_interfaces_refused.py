@@ -126,6 +126,10 @@ def test_bad_interfaces_are_refused(changes, said):
         (lambda: sf.ForcedFront(0.6, 0.2, arrival=1.0, fall=-1.0), "fall must be 0 or more"),
         (lambda: sf.solve(face(), end_time=-1.0), "end_time must be positive"),
         (
+            lambda: sf.solve(face(), end_time=1.0, nodes=64, times=[math.nan]),
+            "times must lie between 0 and the end time",
+        ),
+        (
             lambda: sf.solve(face(), end_time=0.1, nodes=128, longest=0.001),
             "`longest` must be 0.05 or more on this grid, got 0.001",
         ),

@@ -1,6 +1,7 @@
 """Runs that were interrupted go on to the last bit, with their own interface alone."""
 
 import signal
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -42,6 +43,12 @@ def two_bodies():
     contact, lower = sf.Contact([(-4.0, 4.0)]), sf.Material(2.25, 1.0, 0.25)
     given = {"pressure": 1.0, "shear": 0.16, "loads": [load], "lower_material": lower}
     return sf.Interface(UNIT, sf.Coulomb(0.2), 10.0, contact=contact, **given)
+
+
+def moved_grid():
+    """The grid lies where both ends of the contact are as close to their places as can be."""
+    loads, strip = [sf.InterfaceLoad(0.2)], sf.Contact([(-2.03, 1.9)])
+    return sf.Interface(UNIT, sf.Coulomb(0.1), 20.0, contact=strip, loads=loads)
 
 
 def forced_front():
@@ -86,8 +93,9 @@ def test_a_run_goes_on_to_the_last_bit(stop_at, tmp_path):
         (glued_fault(), 1.0, 0.4, lambda part, whole: part.checkpoint["opened"].max() > 0.3),
         (two_bodies(), 1.0, 0.5, lambda part, whole: part.slip.max() > 0),
         (forced_front(), 2.0, 0.6, lambda part, whole: part.slip.max() > 0),
+        (moved_grid(), 1.5, 0.7, lambda part, whole: part.shift != 0 and part.slip.max() > 0),
     ],
-    ids=["open", "parted", "two bodies", "forced front"],
+    ids=["open", "parted", "two bodies", "forced front", "moved grid"],
 )
 def test_what_a_fault_has_gone_through_is_gone_on_with(fault, end, stop, under_way, tmp_path):
     """Gaps, faces that have parted, coupled pressure and a strength that falls: to the last bit."""
@@ -168,6 +176,10 @@ def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
     ):
         with pytest.raises(sf.DataFileError, match="is a run of another interface"):
             sf.Run.load(tmp_path / "own.npz", sf.Interface(UNIT, COULOMB, **other))
+    run(moved_grid(), 0.2, 200, estimate=False).save(tmp_path / "own.npz")
+    other = replace(moved_grid(), contact=sf.Contact([(-2.04, 1.9)]))
+    with pytest.raises(sf.DataFileError, match="is a run of another interface"):
+        sf.Run.load(tmp_path / "own.npz", other)
 
 
 def strengthened(shape="linear", evolution="ageing", since=0.5, law="slip"):
