@@ -10,7 +10,6 @@ from catalogue import PRELOADED as SHEARED
 from catalogue import UNIT, unit_scene
 
 from fem import cost, prepare, simulate
-from fem.budget import Cost
 from fem.stepping import critical_step, highest_frequency
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
@@ -150,11 +149,3 @@ def test_nearly_incompressible_blocks_cost_hours_and_gigabytes():
     assert extreme.seconds > 100 * usual.seconds
     sentence = refusal(scene=NEARLY_INCOMPRESSIBLE, resolution=40, memory=4e9)
     assert 8 <= named_number(sentence, "lower `resolution` to ") < 40
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"), [(61.0, "1 minute"), (600.0, "10 minutes"), (9000.0, "2.5 hours")]
-)
-def test_cost_is_told_in_words(seconds, words):
-    told = str(Cost(10, 20_000, 3000, 2_500_000_000, seconds, 1, 1, 1))
-    assert told == f"20,000 unknowns and 3,000 steps will take about {words} and 2.5 GB"

@@ -133,13 +133,6 @@ def test_what_is_accepted_is_resolved(history):
     assert work[0] == pytest.approx(work[1], rel=0.08)
 
 
-def test_ramp_faster_than_a_step_is_a_step():
-    sudden, step = sheared(Ramp(1e-6), 40), sheared(Step(), 40)
-    np.testing.assert_allclose(
-        sudden.final_path, step.final_path, atol=1e-4 * step.final_path.max()
-    )
-
-
 # --- slip weakening ---------------------------------------------------------------------------
 
 
