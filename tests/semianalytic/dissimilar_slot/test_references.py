@@ -113,32 +113,6 @@ def test_opening_with_slip_ahead(load, sense, slip, opening):
     np.testing.assert_allclose(speeds, [slip, opening], atol=7e-11)
 
 
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize(
-    ("pressure", "load", "edges", "rate", "digits"),
-    [
-        (1.0, (1.0, 0.0), (2 / 3,), 2 * 0.37095364419, 2e-11),
-        (2.0, (1.0, 0.0), (0.375,), 2 * 0.29320313118, 2e-11),
-        (1.6, (1.0, 0.0), (25 / 54,), 0.64079319, 6e-9),
-        (2.0, (1.0, -0.3), (0.346425107747,), 0.50757203, 6e-9),
-        (2.4, (1.0, 0.2), (0.32690877, 0.00443787), None, 6e-9),
-    ],
-)
-def test_like_bodies(pressure, load, edges, rate, digits):
-    """Edges of slip and of the opening behind it, and slip rate at the contact edge, that closed
-    forms have (the first two) and that the solver for identical bodies found, with nu = 1/3."""
-    solid = Material(1.0, 1.0, 1 / 3)
-    known = interface((solid, solid), 0.5, pressure, load)
-    ends = [1.02 / one for one in edges]
-    zones = [Zone(ends[0], None if len(ends) == 1 else ends[1], 1)]
-    zones += [Zone(end, None, 1, True) for end in ends[1:]]
-    result = placed(known, tuple(zones))
-    speeds = 1 / np.array(edges_of(result.zones))
-    np.testing.assert_allclose(speeds, edges, rtol=0, atol=TOLERANCE if load[1] == 0 else 6e-9)
-    if rate is not None:
-        assert result.density.change(0)[0] == pytest.approx(rate, abs=digits)
-
-
 def test_phases_of_like_bodies_are_those_of_their_edges():
     """Phi between a and b, -1/2 to c_R and +1/2 behind: the edges of `solve`, without cases."""
     solid = Material(1.0, 1.0, 1 / 3)
