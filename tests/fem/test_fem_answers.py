@@ -137,15 +137,6 @@ def test_nothing_is_answered_beyond_what_was_recorded():
             getattr(sim, name)(1.01)
 
 
-def test_result_leaves_out_the_edge_node_alone():
-    sim, model = named("preloaded"), prepare(find_scene("preloaded"), resolution=50)
-    assert model.contact_x[0] == 0
-    np.testing.assert_array_equal(sim.interface.x, model.contact_x[1:])
-    nodes = len(sim.interface.x)
-    assert sim.state.shape == sim.interface.gap.shape == sim.interface.slip.shape
-    assert sim.final_path.shape == sim.final_work_density.shape == (nodes,)
-
-
 @pytest.mark.slow
 def test_largest_slip_rate_converges_to_that_of_the_march():
     """At the edge node it does not: it overshoots after jumps of load, to -1.65 against -0.93."""

@@ -9,7 +9,7 @@ from catalogue import PRELOADED, SHOCK, unit_scene
 import semianalytic as sf
 from fem import BACKWARD, FORWARD, OPEN, STICK, simulate
 from fem.elements.families import FAMILIES
-from fem.interface import contact_pressure, coulomb_traction, strength
+from fem.interface import strength
 from semianalytic.scene.given.finding import find_scene
 from tests.fem.runs import FIELDS, LAWS, RISING, SCENES, UNLOADED, mixed, run, sheared
 
@@ -28,22 +28,6 @@ any_run = pytest.mark.parametrize("name", RUNS)
 
 
 # --- the laws of the interface ----------------------------------------------------------------
-
-
-def test_pressure_closes_the_gap_or_vanishes():
-    gap, increment = np.array([0.0, 0.0, 0.3, 0.3]), np.array([-0.2, 4.0, -0.1, -0.7])
-    pressure = contact_pressure(gap, increment, 1.5, np.full(4, 2.0))
-    np.testing.assert_allclose(pressure, [1.6, 0.0, 1.4, 1.7])
-    opened = gap + increment + 2.0 * (pressure - 1.5)
-    np.testing.assert_allclose(opened, [0, 1, 0, 0], atol=1e-15)
-
-
-def test_traction_stops_the_pair_or_reaches_the_strength():
-    increment, bound = np.array([0.2, -0.2, 3.0, -3.0]), np.full(4, 0.6)
-    traction = coulomb_traction(increment, 0.1, bound, np.full(4, 2.0))
-    np.testing.assert_allclose(traction, [0.2, 0.0, 0.6, -0.6])
-    left = increment - 2.0 * (traction - 0.1)
-    np.testing.assert_allclose(left, [0, 0, 2.0, -1.6], atol=1e-15)
 
 
 @pytest.mark.thinned(7)

@@ -190,16 +190,6 @@ def test_history_that_finds_no_room_is_kept_elsewhere(whole, tmp_path, monkeypat
 # --- one folder, several runs -----------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_run_without_snapshots_removes_those_of_the_run_before(tmp_path):
-    assert command(tmp_path) == 0
-    (tmp_path / "snapshots" / "mine.txt").write_text("notes")
-    (tmp_path / "snapshots" / "fields-mine.vtu").write_text("not a frame of slipfront")
-    assert command(tmp_path, "--no-snapshots", "--end-time", "0.8") == 0
-    left = {path.name for path in (tmp_path / "snapshots").iterdir()}
-    assert left == {"mine.txt", "fields-mine.vtu"}
-
-
 def test_fewer_frames_leave_none_of_the_run_before(tmp_path):
     simulate(SCENE, resolution=12, frames=6, snapshots=tmp_path)
     simulate(SCENE, **SMALL, snapshots=tmp_path)
@@ -224,9 +214,13 @@ def test_report_and_figures_go_with_the_simulation_they_belong_to(tmp_path):
     assert command(tmp_path, "--quiet") == 0  # the same run once more
     assert (tmp_path / "report.json").is_file()
     assert (tmp_path / "slip_rate.png").is_file()
-    assert command(tmp_path, "--quiet", "--end-time", "0.9") == 0
+    (tmp_path / "snapshots" / "mine.txt").write_text("notes")
+    (tmp_path / "snapshots" / "fields-mine.vtu").write_text("not a frame of slipfront")
+    assert command(tmp_path, "--quiet", "--no-snapshots", "--end-time", "0.9") == 0
     left = {path.name for path in tmp_path.iterdir()}
     assert left == {"mine.png", "simulation.h5", "snapshots"}
+    left = {path.name for path in (tmp_path / "snapshots").iterdir()}
+    assert left == {"mine.txt", "fields-mine.vtu"}
 
 
 def test_another_run_leaves_a_checkpoint_alone(whole, tmp_path):

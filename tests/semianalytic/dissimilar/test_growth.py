@@ -200,16 +200,6 @@ def test_thresholds(ratio, ahead, behind, below, above):
         assert below < thresholds.growth_threshold(bodies, -1) < above
 
 
-@pytest.mark.parametrize(
-    ("ratio", "friction", "least", "most"),
-    [(1.1, 0.32, 1.7, 1.91), (1.2, 0.3, 1.7, 2.08), (2.2, 0.3, 1.7, 2.2), (3.0, 0.1, 1.7, 1.75)],
-)
-def test_waves_against_the_slower_body_run_near_a_longitudinal_wave(ratio, friction, least, most):
-    """Near c_l of the slower body, sqrt(3) c_t, or c_t to c_l of the faster one."""
-    wave = growing_waves(contrast(ratio), friction)[-1]
-    assert least < -wave.velocity < most
-
-
 def test_thresholds_of_named_pairs():
     gouge = compliance_of(*GOUGE_ON_ROCK)
     assert thresholds.growth_threshold(gouge, 1) == pytest.approx(0.5314169, abs=6e-8)

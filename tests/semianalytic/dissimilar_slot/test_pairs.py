@@ -301,11 +301,6 @@ def test_what_knows_identical_bodies_only_names_what_can(name):
         sf.solve(name, method="space-time", end_time=1.0)
 
 
-def test_a_misspelt_name_is_guessed():
-    with pytest.raises(sf.SceneError, match="did you mean pair-opening"):
-        sf.find("pair-openin")
-
-
 def test_the_list_has_both_bodies(printed):
     rows = {row["name"]: row for row in printed("scenes")["scenes"]}
     for name, named in NAMED_PAIRS.items():

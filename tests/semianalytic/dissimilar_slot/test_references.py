@@ -113,21 +113,6 @@ def test_opening_with_slip_ahead(load, sense, slip, opening):
     np.testing.assert_allclose(speeds, [slip, opening], atol=7e-11)
 
 
-def test_phases_of_like_bodies_are_those_of_their_edges():
-    """Phi between a and b, -1/2 to c_R and +1/2 behind: the edges of `solve`, without cases."""
-    solid = Material(1.0, 1.0, 1 / 3)
-    known = interface((solid, solid), 0.5, 2.0, (1.0, 0.0))
-    for v in (0.55, 0.8, 0.97):
-        # 1/K = mu R / beta: the phase of R, whose imaginary part comes from alpha
-        root = np.sqrt((v * v - 0.25) * (1 - v * v))
-        phase = np.arctan2(4 * v * v * root, (1 - 2 * v * v) ** 2)
-        assert known.slip_turn(1, v) == pytest.approx(phase / np.pi, abs=1e-10)
-    rayleigh = 1 / solid.rayleigh_speed
-    for v, turn in ((1.01, -0.5), (rayleigh - 1e-6, -0.5), (rayleigh + 1e-6, 0.5), (9.0, 0.5)):
-        assert known.slip_turn(1, v) == pytest.approx(turn, abs=1e-10)
-    assert known.edge_decay(1) == 0.5
-
-
 def test_far_apart_edges_do_not_spoil_the_equations():
     """Between slip that starts at 2.7 and an opening at 1e5 the weight has to follow v: with that
     of the ends alone the smallest singular value falls like a power of their ratio."""

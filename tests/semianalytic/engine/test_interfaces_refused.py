@@ -17,6 +17,7 @@ CREEPING = {
     "shear": 3e6,
 }
 PULL = sf.InterfaceLoad(pressure=-3.0)
+LATE = sf.InterfaceLoad(lambda x, t: 0.1 * (x > 1) * (t > 0.3), history=None)
 
 
 def face(**changes):
@@ -58,37 +59,6 @@ def wave_beyond_a_critical_angle(history):
             ({"loads": under_history(text)}, "history must always be finite, got")
             for text in ("1/t", "log(t-1)")
         ),
-        # what is called even has to be
-        (
-            {"loads": [sf.InterfaceLoad(lambda x: 0.5 * (x > 1))], "even": True},
-            "the shear of a load is not even in x",
-        ),
-        ({"contact": sf.Contact([(1, 3)]), "even": True}, "the contact is not even in x"),
-        ({"shear": lambda x: 0.1 * x, "even": True}, "the shear is not even in x"),
-        ({"pressure": lambda x: 1 + (x > 1), "even": True}, "the pressure is not even in x"),
-        (
-            {**CREEPING, "rate": lambda x: 1e-9 * (1 + (x > 1)), "even": True},
-            "the rate is not even in x",
-        ),
-        (
-            {"law": sf.Coulomb(lambda x: 0.8 - 0.3 * (x > 0)), "even": True},
-            "the friction: friction is not even in x",
-        ),
-        (
-            {
-                "loads": [sf.InterfaceLoad(pressure=-3.0)],
-                "adhesion": sf.Adhesion(lambda x: 1 + (x > 0), 0.3),
-                "even": True,
-            },
-            "the adhesion: strength is not even in x",
-        ),
-        (
-            {
-                "loads": [sf.InterfaceLoad(lambda x, t: 0.1 * (x > 1) * (t > 0.3), history=None)],
-                "even": True,
-            },
-            "the shear of a load is not even in x",
-        ),
         # loads of pressure
         ({"mode": "antiplane", "loads": [PULL]}, "antiplane interface have no pressure"),
         (
@@ -110,6 +80,27 @@ def test_bad_interfaces_are_refused(changes, said):
     with pytest.raises(sf.SceneError, match=said) as told:
         sf.solve(face(**changes), end_time=0.5, nodes=128)
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"loads": [sf.InterfaceLoad(lambda x: 0.5 * (x > 1))]}, "shear of a load"),
+        ({"loads": [LATE]}, "shear of a load"),
+        ({"contact": sf.Contact([(1, 3)])}, "contact"),
+        ({"shear": lambda x: 0.1 * x}, "shear"),
+        ({"pressure": lambda x: 1 + (x > 1)}, "pressure"),
+        ({**CREEPING, "rate": lambda x: 1e-9 * (1 + (x > 1))}, "rate"),
+        ({"law": sf.Coulomb(lambda x: 0.8 - 0.3 * (x > 0))}, "friction: friction"),
+        (
+            {"loads": [PULL], "adhesion": sf.Adhesion(lambda x: 1 + (x > 0), 0.3)},
+            "adhesion: strength",
+        ),
+    ],
+)
+def test_what_is_called_even_has_to_be(changes, what):
+    with pytest.raises(sf.SceneError, match=f"the {what} is not even in x"):
+        sf.solve(face(**changes, even=True), end_time=0.5, nodes=128)
 
 
 @pytest.mark.parametrize(

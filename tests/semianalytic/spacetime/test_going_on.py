@@ -7,7 +7,7 @@ import pytest
 from catalogue import unit_scene
 
 import semianalytic as sf
-from semianalytic.memory import cosines, line_memory
+from semianalytic.memory import line_memory
 from semianalytic.spacetime import stepping
 from tests.semianalytic.spacetime.runs import march, preloaded, relative_l1
 
@@ -77,21 +77,6 @@ def test_blocks_of_steps_change_nothing(steps, monkeypatch):
             for name, values in vars(getattr(one, part)).items():
                 wanted = getattr(getattr(other, part), name)
                 np.testing.assert_allclose(values, wanted, rtol=1e-10, atol=1e-12, err_msg=name)
-
-
-def test_march_does_without_the_private_transform(monkeypatch):
-    def missing(name):
-        raise ImportError(name)
-
-    direct = march(preloaded(), nodes=60).interface.slip_rate
-    monkeypatch.setattr(cosines, "import_module", missing)
-    cosines._transform.cache_clear()
-    try:
-        public = march(preloaded(), nodes=60).interface.slip_rate
-        assert "pypocketfft" not in repr(cosines._transform())
-    finally:
-        cosines._transform.cache_clear()
-    np.testing.assert_allclose(public, direct, atol=1e-12)
 
 
 def test_damaged_file_is_refused(tmp_path):
