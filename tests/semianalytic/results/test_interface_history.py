@@ -8,7 +8,7 @@ import pytest
 
 from semianalytic import DataFileError, InterfaceHistory, SceneError
 from semianalytic.results import memory as memory_module
-from semianalytic.results.memory import available_memory, check_memory, gigabytes, memory_limit
+from semianalytic.results.memory import available_memory, check_memory, memory_limit
 
 
 @pytest.fixture
@@ -83,11 +83,3 @@ def test_a_limit_that_was_given(machine):
     for wrong in (0, -1.0, float("nan"), float("inf"), "4 GB", True):
         with pytest.raises(SceneError, match="positive number of bytes"):
             memory_limit(wrong)
-
-
-def test_amounts_in_words():
-    assert [gigabytes(n) for n in (2_500_000_000, 10**7, 10**310)] == [
-        "2.5 GB",
-        "0.01 GB",
-        "1e301 GB",
-    ]
