@@ -18,16 +18,13 @@ def history():
     return InterfaceHistory(x, t, *fields)
 
 
-def test_round_trip(history, tmp_path):
+def test_round_trip_and_shapes_that_must_agree(history, tmp_path):
     path = tmp_path / "history.h5"
     history.save(path)
     loaded = InterfaceHistory.load(path)
     for name in ("x", "t", "slip", "slip_rate", "shear_traction", "pressure", "gap"):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(history, name))
     assert [p.name for p in tmp_path.iterdir()] == ["history.h5"]
-
-
-def test_shapes_must_agree(history):
     with pytest.raises(ValueError, match="slip_rate"):
         replace(history, slip_rate=history.slip_rate.T)
 

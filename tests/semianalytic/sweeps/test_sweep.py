@@ -171,13 +171,10 @@ def test_error_estimates_hold_for_every_origin(nu, remote, low, width, count, rt
             assert abs(one.edge_slip_rate - exact.edge_slip_rate) <= one.error_estimate * scale
 
 
-def test_frictionless_points_and_empty_sweeps():
+def test_frictionless_points_empty_sweeps_and_refusals():
     swept = sweep(PRELOADED, [0.0, 0.3])
     assert len(swept.solutions[0].zones) == 3
     assert sweep(PRELOADED, []).solutions == ()
-
-
-def test_refusals():
     with pytest.raises(SceneError, match="one-dimensional"):
         sweep(PRELOADED, [[0.3]])
     with pytest.raises(SceneError, match="friction"):
