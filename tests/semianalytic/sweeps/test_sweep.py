@@ -16,6 +16,7 @@ from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
+from semianalytic.sweeps.predictions import Followed, Footing, predicted
 from semianalytic.sweeps.sweep import Sweep, sweep
 
 SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}
@@ -170,13 +171,10 @@ def test_error_estimates_hold_for_every_origin(nu, remote, low, width, count, rt
             assert abs(one.edge_slip_rate - exact.edge_slip_rate) <= one.error_estimate * scale
 
 
-def test_frictionless_points_and_empty_sweeps():
+def test_frictionless_points_empty_sweeps_and_refusals():
     swept = sweep(PRELOADED, [0.0, 0.3])
     assert len(swept.solutions[0].zones) == 3
     assert sweep(PRELOADED, []).solutions == ()
-
-
-def test_refusals():
     with pytest.raises(SceneError, match="one-dimensional"):
         sweep(PRELOADED, [[0.3]])
     with pytest.raises(SceneError, match="friction"):
@@ -350,3 +348,23 @@ def test_interpolated_tables_are_exact_to_rounding(low):
             np.testing.assert_allclose(
                 traction_of(one, mode)(k[None])[0], exact, rtol=1e-13, atol=1e-14 * scale
             )
+
+
+def test_edges_near_the_end_of_their_segment_are_predicted_by_their_shares():
+    """A share that is a polynomial is met where it is 1, and its logit infinite, close by; another
+    edge has a logit that is one, over all scales of shares."""
+    random = np.random.default_rng(4)
+    places, to = random.random((200, 2)), 0.05 + 0.9 * random.random((20, 2))
+
+    def unknowns(at):
+        x, y = at.T
+        share = 1 - 0.02 * (1.02 - x) * (1.1 - y)
+        return np.stack([np.log(share / (1 - share)), 30 * x - 20 * y], axis=-1)
+
+    known = [
+        Followed(((), (False, True), (2, 2)), one, 1e-7, 1e-7, Footing(np.eye(2), 0.0))
+        for one in unknowns(places)
+    ]
+    predictions = predicted(known, places, np.arange(20), to, RTOL)
+    np.testing.assert_allclose(predictions.unknowns, unknowns(to), atol=1e-8)
+    assert predictions.doubt.max() < 1e-7
