@@ -8,7 +8,7 @@ from pathlib import Path
 
 from catalogue import PRELOADED
 
-from slipfront.surveys.parameters import parameters_of
+from semianalytic.parameters.numbers import numbers_of
 
 MATERIAL = {
     "shear_modulus": ["1.0", "80e9", "1", "2", "1e-60", "1e60"],
@@ -66,7 +66,7 @@ WRONG_NUMBERS = ["1e61", "1e300", "1e-300", "nan", "inf", "-inf", "abc", "", "0,
 WRONG_NUMBERS += ["ß", "--", " ", "1" * 400, "1" * 5000, "True", "None"]
 COUNTS = ["16", "0", "-3", "1.5", "1e3", "abc", "", "1" * 400, "1" * 5000, "٣", "10000000000000000"]
 
-SCENE_OPTIONS = [name.replace("_", "-") for name in (*parameters_of(PRELOADED), "mode")]
+SCENE_OPTIONS = [name.replace("_", "-") for name in (*numbers_of(PRELOADED), "mode")]
 WRONG_COMMANDS = [
     [],
     ["solve", "--", "--json"],

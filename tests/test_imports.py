@@ -21,18 +21,19 @@ ARROWS = {
         "cut": "scene halfplane",
         "separation": "scene halfplane cut",
         "field": "scene halfplane cut",
-        "selfsimilar": "scene results halfplane cut separation field",
+        "selfsimilar": "scene results halfplane cut separation field parameters",
         "memory": "scene",
         "spacetime": "scene results halfplane field memory",
         "interface": "scene dissimilar",
+        "parameters": "scene interface",
         "engine": "scene results memory spacetime dissimilar interface",
         "dissimilar": "scene halfplane",
-        "dissimilar_slot": "scene results halfplane field selfsimilar dissimilar",
+        "dissimilar_slot": "scene results halfplane field selfsimilar dissimilar parameters",
         "whole_line": "scene results halfplane selfsimilar",
         "reference": "scene halfplane memory dissimilar",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",
-        "inversion": "scene results halfplane field selfsimilar sweeps interface engine",
+        "inversion": "scene results halfplane field selfsimilar sweeps interface engine parameters",
     },
     "compare": {
         "output": "",
@@ -244,7 +245,7 @@ def test_folders_of_tests_and_studies_stay_small(folder):
     assert list(crowded(ROOT / folder)) == []
 
 
-SHOWN = {"scene.py", "sampled.py", "style.py", "whole_line.py"}
+SHOWN = {"scene.py", "sampled.py", "style.py"}
 """Where the base is checked, shown, or what there is before t = 0."""
 SLOT_ALONE = {"dissimilar", "dissimilar_slot", "whole_line"}
 """Folders whose contact carries nothing but the base, and a load that they know themselves."""

@@ -10,7 +10,7 @@ import difflib
 import hashlib
 import json
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib.resources import files
@@ -25,7 +25,7 @@ from semianalytic.interface.files import InterfaceFile, parsed
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.documents import scene_document, toml_text
 from semianalytic.whole_line.named import line_document
 
 STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
@@ -148,22 +148,7 @@ class Sheet:
     @property
     def file(self) -> str:
         """The problem as a TOML file that slipfront reads."""
-        return (
-            self.interface.lstrip()
-            if self.is_interface
-            else "\n".join(_lines(self.document)) + "\n"
-        )
-
-
-def _lines(document: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the lines of a TOML file: numbers and words first, then tables."""
-    tables = {name: one for name, one in document.items() if isinstance(one, Mapping)}
-    for name, value in document.items():
-        if name not in tables and value is not None:
-            yield f"{name} = {json.dumps(value)}"
-    for name, table in tables.items():
-        yield f"[{name}]"
-        yield from _lines(table)
+        return self.interface.lstrip() if self.is_interface else toml_text(self.document)
 
 
 def stored_text(name: str, folder: Path = DATA) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compare.comparison.measures import PROBES, SENSE_THRESHOLD, nearest
-from compare.comparison.scales import reference_values, scene_fronts, speed_regime
+from compare.comparison.scales import reference_values, scene_fronts, speed_regime, wave_speeds
 from semianalytic import Scene
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import front_share
@@ -26,8 +26,7 @@ from semianalytic.scene.given.parameters import EVERY_LOAD, MATERIAL, TRACTIONS,
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
-    from semianalytic import Marched, Material, Measured, Reading, Solution
-    from semianalytic.dissimilar.pair import Pair
+    from semianalytic import Marched, Material, Measured, PairSolution, Reading, Solution
 
 WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
@@ -112,7 +111,7 @@ def bodies_document(scene: Scene, lower: Material | None) -> dict[str, Any]:
     return scene_document(scene) | ({} if lower is None else {"lower_material": asdict(lower)})
 
 
-def units_document(document: Any, dimensions: Any, scene: Scene | Pair) -> Any:
+def units_document(document: Any, dimensions: Any, scene: Any) -> Any:
     """Return the unit of each number of a document, under the same names; counts have none.
 
     Parameters
@@ -120,8 +119,8 @@ def units_document(document: Any, dimensions: Any, scene: Scene | Pair) -> Any:
     document : dict, list or number
     dimensions : Dimensions, str or callable
         A callable returns them for the scene.
-    scene : Scene or Pair
-        Scene or pair whose units are used.
+    scene : Scene, Pair, WholeLine or GrowingSlot
+        Problem whose units are used.
     """
     if callable(dimensions):
         dimensions = dimensions(scene)
@@ -146,58 +145,79 @@ def row_units(scene: Scene, end_time: float) -> dict[str, str]:
     }
 
 
-def solution_document(solution: Solution, end_time: float | None = None) -> dict[str, Any]:
-    """A solution as plain dictionaries, lists, strings and finite numbers, for JSON.
+def solution_document(answer: Any, end_time: float | None = None) -> dict[str, Any]:
+    """An exact answer of any class as plain dictionaries, lists, strings and finite numbers.
 
     An outer edge at infinity (the whole interface slips) is null.  With an end time [time], the
     document includes zones, slip and work until then.
     """
-    scene = solution.scene
-    document = {
-        "scene": scene_document(scene),
-        "wave_speeds": {WAVES[name]: speed for name, speed in scene_fronts(scene).items()},
+    scene = answer.scene
+    fronts = scene_fronts(scene) if isinstance(scene, Scene) else wave_speeds(scene.material)
+    document: dict[str, Any] = {
+        "wave_speeds": _by_wave(fronts),
         "zones": [
-            {
-                "inner": zone.inner,
-                "outer": zone.outer if math.isfinite(zone.outer) else None,
-                "sense": zone.sense,
-                "inner_regime": speed_regime(zone.inner, scene),
-                "outer_regime": speed_regime(zone.outer, scene),
-            }
-            for zone in solution.zones
+            {**asdict(zone), "outer": zone.outer if math.isfinite(zone.outer) else None}
+            for zone in answer.zones
         ],
-        "openings": [asdict(part) for part in solution.openings],
-        "edge": {
-            "state": edge_state(solution),
-            "slip_rate": float(solution.edge_slip_rate),
-            "stress_intensity_at_unit_time": _intensities(scene, solution.stress_intensity(1.0)),
-        },
-        "far_slip_rate": solution.scene.far_slip_rate,
-        "status": solution.status,
-        "error_estimate": float(solution.error_estimate),
-        "statistics": asdict(solution.statistics),
+        "openings": [asdict(part) for part in answer.openings],
+        "status": answer.status,
+        "error_estimate": float(answer.error_estimate),
     }
+    dimensions = SOLUTION_DIMENSIONS
+    if hasattr(answer, "edge_speed"):  # no slot, or a load that grows: what moves has one edge
+        document["edge"] = {"speed": answer.edge_speed, "amplitude": answer.edge_amplitude}
+        document["scene"], dimensions = _line(scene)
+    else:
+        document["edge"] = {"state": edge_state(answer), "slip_rate": float(answer.edge_slip_rate)}
+        document["statistics"] = asdict(answer.statistics)
+        if hasattr(answer, "pair"):
+            from semianalytic.dissimilar.described import pair_document
+
+            document["scene"] = pair_document(answer.pair)
+            bodies = (("upper", answer.pair.upper), ("lower", answer.pair.lower))
+            document["wave_speeds"] = {name: _by_wave(wave_speeds(body)) for name, body in bodies}
+        else:
+            document["scene"] = scene_document(scene)
+            document["far_slip_rate"] = scene.far_slip_rate
+            document["edge"]["stress_intensity_at_unit_time"] = _intensities(answer, 1.0)
+            for shown, zone in zip(document["zones"], answer.zones, strict=True):
+                shown["inner_regime"] = speed_regime(zone.inner, scene)
+                shown["outer_regime"] = speed_regime(zone.outer, scene)
     if end_time is not None:
-        document["until_end_time"] = end_document(solution, end_time)
-    document["units"] = units_document(document, SOLUTION_DIMENSIONS, solution.scene)
+        document["until_end_time"] = end_document(answer, end_time)
+    document["units"] = units_document(document, dimensions, scene)
     return document
 
 
-def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
-    """Zones and openings in positions, slip and work until an end time [time].
+def _by_wave(speeds: Mapping[str, float]) -> dict[str, float]:
+    return {WAVES[name]: speed for name, speed in speeds.items()}
+
+
+def _line(line: Any) -> tuple[dict[str, Any], Dimensions]:
+    """Return a whole line or growing load as its file has it, and the dimensions of its answer."""
+    from semianalytic.whole_line.named import line_document
+
+    described = line_document(line)
+    load, amplitude = "stress", "length / time"
+    if power := described.get("growth", 0):  # loads grow as t^power, and rates with them
+        load = f"stress / time{f'^{power}' if power > 1 else ''}"
+        amplitude = f"length / time^{power + 1}"
+    elif described["load"]["kind"] == "point-force":  # per unit of depth and of time
+        load = "stress length / time"
+    loads = {"speed": "length / time", **dict.fromkeys(("pressure", "shear"), load)}
+    return described, {
+        **SOLUTION_DIMENSIONS,
+        "scene": {**SCENE_DIMENSIONS, "load": loads},
+        "edge": {"speed": "length / time", "amplitude": amplitude},
+    }
+
+
+def end_document(answer: Any, end_time: float) -> dict[str, Any]:
+    """Zones and openings in positions, slip and work of an exact answer until an end time [time].
 
     Slip ahead of all waves ends at infinity, and its totals are infinite.
     """
-    intensity = _intensities(solution.scene, solution.stress_intensity(end_time))
-    return {**motion_document(solution, end_time), "stress_intensity": intensity}
-
-
-def motion_document(answer: Any, end_time: float) -> dict[str, Any]:
-    """Return zones and openings in positions, slip and work of an exact answer until an end time.
-
-    The answer may be that of a scene, of two different bodies, or of a whole line.
-    """
-    return {
+    document: dict[str, Any] = {
         "time": end_time,
         "zones": [asdict(zone) for zone in answer.zones_at(end_time)],
         "openings": [asdict(part) for part in answer.openings_at(end_time)],
@@ -205,6 +225,9 @@ def motion_document(answer: Any, end_time: float) -> dict[str, Any]:
         "accumulated_slip": float(answer.accumulated_slip(end_time)),
         "frictional_work": float(answer.frictional_work(end_time)),
     }
+    if hasattr(answer, "stress_intensity"):
+        document["stress_intensity"] = _intensities(answer, end_time)
+    return document
 
 
 def points_document(reading: Reading, at: bool = True) -> list[dict[str, Any]]:
@@ -238,7 +261,12 @@ def _measured(measured: Measured, place: tuple[int, ...]) -> dict[str, float]:
     return {"value": value, "error": error}
 
 
-def _intensities(scene: Scene, values: Sequence[ArrayLike]) -> dict[str, float]:
+def _intensities(answer: Solution, time: float) -> dict[str, float]:
+    """Stress intensities at a time by name."""
+    return _by_mode(answer.scene, answer.stress_intensity(time))
+
+
+def _by_mode(scene: Scene, values: Sequence[ArrayLike]) -> dict[str, float]:
     """Stress intensities by name; that of shear is named after its mode."""
     names = ("K_I", f"K_{scene.shear_mode}")
     return {name: float(np.asarray(value)) for name, value in zip(names, values, strict=True)}
@@ -281,9 +309,7 @@ def march_document(marched: Marched) -> dict[str, Any]:
         "frictional_work": float(marched.frictional_work(marched.end_time)),
         # a load that comes along the slot slower than its waves has one that depends on its start
         "stress_intensity_of_a_stuck_edge": {
-            name: value
-            for name, value in _intensities(scene, intensities).items()
-            if value == value
+            name: value for name, value in _by_mode(scene, intensities).items() if value == value
         },
         "stored_levels": len(marched.interface.t),
         "statistics": {
@@ -295,7 +321,7 @@ def march_document(marched: Marched) -> dict[str, Any]:
     return document
 
 
-def edge_state(solution: Solution) -> str:
+def edge_state(solution: Solution | PairSolution) -> str:
     """ "open", "slipping" or "stuck": what the interface does at the edge of the slot, x = 0+."""
     if solution.openings and solution.openings[0].inner == 0:
         return "open"

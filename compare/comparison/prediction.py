@@ -97,7 +97,7 @@ def _pair_of(scene: Scene, method: str, lower: Material | None) -> Pair | None:
     if method == "space-time":
         raise SceneError(
             "--method space-time is for identical bodies; leave it out for different ones, or "
-            "march them with slipfront run (docs/engine.md)."
+            "march them as an interface (docs/engine.md)."
         )
     return pair_of(scene, lower)
 

@@ -18,7 +18,6 @@ from compare.comparison.documents import (
 )
 from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement, own_bars, side_by_side
-from compare.comparison.pair_documents import pair_answer_document
 from compare.comparison.prediction import method_of
 from compare.output.files import write_text
 from semianalytic import PairSolution, Solution
@@ -99,9 +98,8 @@ def simulation_document(simulation: Simulation) -> dict[str, Any]:
 
 def _exact(prediction: Answer) -> dict[str, Any] | None:
     """Return an exact answer as a document; None for other predictions."""
-    if isinstance(prediction, PairSolution):
-        return pair_answer_document(prediction)
-    return solution_document(prediction) if isinstance(prediction, Solution) else None
+    exact = isinstance(prediction, Solution | PairSolution)
+    return solution_document(prediction) if exact else None
 
 
 def _run(case: Case) -> dict[str, Any]:

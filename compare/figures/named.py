@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -14,21 +15,25 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.plugins import FIGURES, Plugin, find_plugin, plugin_names
 
-Draw = Callable[[Solution | Marched], Figure]
+Draw = Callable[[Any], Figure]
 
 DEFAULT_FIGURE = "interface"
 
 
-def _interface(answer: Solution | Marched) -> Figure:
-    """Draw slip rate and tractions of a solution or march."""
-    return prediction_figure(answer) if isinstance(answer, Solution) else march_figure(answer)
+def _interface(answer: Any) -> Figure:
+    """Draw slip rate and tractions of an answer."""
+    if isinstance(answer, Solution):
+        return prediction_figure(answer)
+    if isinstance(answer, Marched):
+        return march_figure(answer)
+    return answer.plot()[0].figure
 
 
 OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: _interface}
 
 
 def find_figure(name: str) -> Draw:
-    """Return the function of a name that draws a solution or a march.
+    """Return the function of a name that draws an answer.
 
     Raises
     ------
@@ -52,8 +57,8 @@ def find_figure(name: str) -> Draw:
     return _drawn_by(plugin, draw)
 
 
-def _drawn_by(plugin: Plugin, draw: Callable[[Solution | Marched], object]) -> Draw:
-    def drawn(answer: Solution | Marched) -> Figure:
+def _drawn_by(plugin: Plugin, draw: Callable[[Any], object]) -> Draw:
+    def drawn(answer: Any) -> Figure:
         figure = plugin.guarded("cannot be drawn", lambda: draw(answer))
         if not isinstance(figure, Figure):
             raise plugin.error(f"must return a matplotlib Figure, not {shown(figure)}")

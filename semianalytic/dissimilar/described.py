@@ -26,7 +26,7 @@ def pair_of(scene: Scene, lower: Material) -> Pair:
         raise SceneError(
             f"{wrong}: between different bodies the exact solver knows plane strain, a step of "
             "tractions on the slot faces, and Coulomb or viscous friction; simulate the scene, "
-            "slipfront simulate, or march the interface, slipfront run (docs/dissimilar.md)."
+            "slipfront simulate, or march an interface (docs/dissimilar.md)."
         )
     assert isinstance(scene.load, Tractions)
     return Pair(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.scene.checks import checked_number, shown
@@ -149,31 +149,3 @@ def check_contrast(upper: Material, lower: Material, largest: float) -> None:
                 f"pair: {name} of the two bodies must not differ by more than a factor of "
                 f"{largest:g}, got {max(ratio, 1 / ratio):.3g}."
             )
-
-
-def parameter_of(pair: Pair, name: str) -> float:
-    """Return the value of one of `PARAMETERS`."""
-    if name == "friction":
-        return pair.friction
-    if name == "viscosity":
-        law = pair.friction_law
-        return law.viscosity if isinstance(law, ViscousFriction) else 0.0
-    if name in TRACTIONS:
-        part, kind = name.split("_")
-        return float(getattr(getattr(pair, part), kind))
-    body = pair.lower if name.startswith("lower_") else pair.upper
-    return float(getattr(body, name.removeprefix("lower_")))
-
-
-def changed(pair: Pair, name: str, value: float) -> Pair:
-    """Return a pair with another value of one of `PARAMETERS`."""
-    if name == "friction":
-        return replace(pair, friction=value)
-    if name == "viscosity":
-        return replace(pair, friction_law=ViscousFriction(value))
-    if name in TRACTIONS:
-        part, kind = name.split("_")
-        return replace(pair, **{part: replace(getattr(pair, part), **{kind: value})})
-    side = "lower" if name.startswith("lower_") else "upper"
-    body = replace(getattr(pair, side), **{name.removeprefix("lower_"): value})
-    return replace(pair, **{side: body})

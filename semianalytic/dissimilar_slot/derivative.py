@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS, Pair, parameter_of
+from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS, Pair
 from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
     NORMAL,
@@ -25,6 +25,7 @@ from semianalytic.dissimilar_slot.densities.profile import (
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.neighbours import Member, Varied, border, neighbours
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative, ZoneDerivative
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
@@ -186,7 +187,7 @@ def differentiated(
     """
     if name not in PARAMETERS:
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
-    if name == "viscosity" and not parameter_of(own.pair, name) > 0:
+    if name == "viscosity" and not numbers_of(own.pair)[name].value > 0:
         raise SceneError(
             "derivative: with respect to viscosity the pair needs ViscousFriction of a positive "
             "viscosity."
@@ -219,7 +220,7 @@ def differentiated(
 
 def _size(own: Member, name: str) -> float:
     """Return the size of a parameter over which its step is taken."""
-    value = abs(parameter_of(own.pair, name))
+    value = abs(numbers_of(own.pair)[name].value)
     if name in TRACTIONS:
         return max(value, own.stress)
     if name.endswith("poisson_ratio"):

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from semianalytic.dissimilar.canonical import glued
-from semianalytic.dissimilar.pair import Pair, changed, parameter_of
+from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar_slot.admissible import violations
 from semianalytic.dissimilar_slot.densities.density import Density
@@ -38,6 +38,7 @@ from semianalytic.dissimilar_slot.densities.zones import Coordinates, edges_of
 from semianalytic.dissimilar_slot.placement import Placement, place, polished
 from semianalytic.halfplane.polynomials import FOURTH_ORDER
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.errors import ComputationError, SceneError
 
 _POINTS, _WEIGHTS = FOURTH_ORDER
@@ -158,13 +159,13 @@ class Varied:
 def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
     """Return a solved pair with its neighbours along a parameter, each with its own edges."""
     density, rule = own.profile.density, rule_for(tolerance)
-    value = parameter_of(own.pair, name)
+    value = numbers_of(own.pair)[name].value
     start = place(density.interface, density.glued, density.zones, rule_for(1e-5), 1e-5)
     # The loose rule gives the Jacobian alone: neighbours start from the edges themselves.
     start = replace(start, unknowns=start.coordinates.unknowns(edges_of(density.zones)))
 
     def at(point: float) -> tuple[Member, float]:
-        pair = changed(own.pair, name, value + step * point)
+        pair = with_numbers(own.pair, {name: value + step * point})
         return _neighbour(pair, start, density, rule, tolerance)
 
     for attempt in range(6):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -12,14 +11,14 @@ from typing import Any, NamedTuple
 
 from semianalytic.interface.contact import Adhesion, Contact
 from semianalytic.interface.coulomb import Coulomb
+from semianalytic.interface.documents import interface_document
 from semianalytic.interface.fields import RESERVED, Expression, Table
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.law import InterfaceLaw
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
-from semianalytic.interface.parameters import interface_document, interface_parameters
 from semianalytic.interface.rate_and_state import RateAndState
 from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
-from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.checks import check_keys, checked_kind, checked_table, finite, made, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import INTERFACE_KEY
 from semianalytic.scene.given.text_files import text_of
@@ -121,10 +120,17 @@ def parsed(text: str, name: str, folder: Path) -> InterfaceFile:
 
 
 class _Around(NamedTuple):
-    """The folder of a file, and the numbers that it names for its expressions."""
+    """The folder of a file, the numbers for its expressions, and those that stand in one."""
 
     folder: Path
     numbers: Mapping[str, float]
+    named: set[str]
+
+    def expression(self, text: str, *variables: str) -> Expression:
+        """Return an expression that may name the numbers."""
+        made = Expression(text, variables, self.numbers)
+        self.named.update(made.numbers)
+        return made
 
 
 def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
@@ -134,23 +140,23 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
             "this file describes a scene, not an interface, which has a table [law]: slipfront "
             "solve or march (docs/scenes.md)."
         )
-    _known("", document, (*_INTERFACE, *_PARTS), ("length", "material", "law", "run"))
-    around = _Around(folder, _numbers(document.get("numbers", {})))
+    check_keys("", document, ("length", "material", "law", "run"), (*_INTERFACE, *_PARTS))
+    around = _Around(folder, _numbers(document.get("numbers", {})), set())
     given: dict[str, Any] = {
         name: _solid(name, document[name])
         for name in ("material", "lower_material")
         if name in document
     }
-    plan = _table("run", document["run"])
+    plan = checked_table("run", document["run"])
     options = ("nodes", "step_ratio", "every", "frames", "rtol")
-    _known("run.", plan, ("end_time", *options), ("end_time",))
+    check_keys("run.", plan, ("end_time",), options)
     given |= {key: document[key] for key in _INTERFACE if key in document}
     for key in ("pressure", "shear", "rate"):
         if key in given:
             given[key] = _field(key, given[key], around)
     if "adhesion" in document:
-        table = _table("adhesion", document["adhesion"])
-        _known("adhesion.", table, _ADHESION, _ADHESION)
+        table = checked_table("adhesion", document["adhesion"])
+        check_keys("adhesion.", table, _ADHESION)
         bonds = {key: _field(f"adhesion.{key}", one, around) for key, one in table.items()}
         given["adhesion"] = Adhesion(**bonds)
     loads = document.get("load", [])
@@ -159,15 +165,14 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
     if not isinstance(loads, list):
         raise SceneError("load must be one table, [load], or several, [[load]].")
     interface = Interface(
-        law=_law(_table("law", document["law"]), around),
-        loads=[_load(_table("load", one), around) for one in loads],
+        law=_law(checked_table("law", document["law"]), around),
+        loads=[_load(checked_table("load", one), around) for one in loads],
         contact=_contact(document.get("contact")),
         **given,
     )
-    named = interface_parameters(interface)
     for key in around.numbers:
         # A number that stands nowhere is most likely a misspelt one of an expression.
-        if key not in named:
+        if key not in around.named:
             raise SceneError(f"numbers.{key} stands in no expression; use it, or leave it out.")
     # The end time is an argument of `run` by itself; a fit or a survey may replace the others.
     others = {key: value for key, value in plan.items() if key != "end_time"}
@@ -176,7 +181,7 @@ def _interface(document: dict[str, Any], folder: Path) -> InterfaceFile:
 
 def _numbers(table: Any) -> dict[str, float]:
     """Return the numbers that expressions may name."""
-    for name, value in _table("numbers", table).items():
+    for name, value in checked_table("numbers", table).items():
         if not name.isidentifier() or name in (*RESERVED, *_TAKEN):
             raise SceneError(f"numbers: {shown(name)} has a meaning of its own; take another name.")
         if finite(value) is None:
@@ -185,8 +190,8 @@ def _numbers(table: Any) -> dict[str, float]:
 
 
 def _solid(name: str, value: Any) -> Material:
-    material, known = _table(name, value), tuple(one.name for one in fields(Material))
-    _known(f"{name}.", material, known, known)
+    material = checked_table(name, value)
+    check_keys(f"{name}.", material, [one.name for one in fields(Material)])
     try:
         return Material(**material)
     except SceneError as error:
@@ -195,14 +200,13 @@ def _solid(name: str, value: Any) -> Material:
 
 
 def _law(table: dict[str, Any], around: _Around) -> InterfaceLaw:
-    law = _kind("law", table, LAWS)
-    _known("law.", table, ("kind", *_names(law)))
+    law = LAWS[checked_kind("law", table, LAWS)]
     values = {
         key: value if key in ("shape", "evolution") else _field(f"law.{key}", value, around)
         for key, value in table.items()
         if key != "kind"
     }
-    return _made("law", law, values)
+    return made("law", law, values)
 
 
 def _front_load(table: dict[str, Any]) -> FrontLoad:
@@ -221,16 +225,15 @@ def _front_load(table: dict[str, Any]) -> FrontLoad:
 
 def _history(given: Any) -> Any:
     """Return the history that a table with a `kind` describes."""
-    table = _table("load.history", given)
-    kind = _kind("load.history", table, HISTORY_KINDS)
-    rest = {key: value for key, value in table.items() if key != "kind"}
-    return _made("load.history", kind, rest)
+    table = checked_table("load.history", given)
+    kind = checked_kind("load.history", table, HISTORY_KINDS)
+    return made("load.history", HISTORY_KINDS[kind], table)
 
 
 def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad | FrontLoad:
     if "kind" in table:
         return _front_load(table)
-    _known("load.", table, (*_TRACTIONS, "history", "on"))
+    check_keys("load.", table, (), (*_TRACTIONS, "history", "on"))
     values = dict(table)
     given = [name for name in _TRACTIONS if name in table]
     if not given:
@@ -243,12 +246,12 @@ def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad | FrontLoad:
         # None was set above, for loads of x and t; without a history at all the default is any
         # other object.
         if values.get("history", table) is None and isinstance(table[name], str):
-            values[name] = Expression(table[name], ("x", "t"), around.numbers)
+            values[name] = around.expression(table[name], "x", "t")
         else:
             values[name] = _field(f"load.{name}", table[name], around)
     history = table.get("history")
     if isinstance(history, str):
-        values["history"] = Expression(history, ("t",), around.numbers)
+        values["history"] = around.expression(history, "t")
     elif history is not None:
         values["history"] = _history(history)
     return InterfaceLoad(**values)
@@ -259,7 +262,7 @@ def _mentions_time(text: Any, around: _Around) -> bool:
     if not isinstance(text, str):
         return False
     try:
-        Expression(text, ("x",), around.numbers)
+        around.expression(text, "x")
     except SceneError:
         return True
     return False
@@ -268,8 +271,8 @@ def _mentions_time(text: Any, around: _Around) -> bool:
 def _contact(table: Any) -> Contact:
     if table is None:
         return Contact()
-    table = _table("contact", table)
-    _known("contact.", table, ("intervals",), ("intervals",))
+    table = checked_table("contact", table)
+    check_keys("contact.", table, ("intervals",))
     return Contact(table["intervals"])
 
 
@@ -278,7 +281,7 @@ def _field(name: str, value: Any, around: _Around) -> Any:
     if finite(value) is not None:
         return value
     if isinstance(value, str):
-        return Expression(value, ("x",), around.numbers)
+        return around.expression(value, "x")
     # The keys alone tell a table of numbers from one in a file.
     if isinstance(value, dict) and set(value) == {"x", "values"}:
         return Table(value["x"], value["values"])
@@ -288,44 +291,3 @@ def _field(name: str, value: Any, around: _Around) -> Any:
         f"{name} must be a number, an expression of x, {{x = [...], values = [...]}} or "
         f'{{file = "...", column = "..."}}, got {shown(value)}.'
     )
-
-
-def _table(name: str, value: Any) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise SceneError(f"{name} must be a table, [{name}], got {shown(value)}.")
-    return value
-
-
-def _kind(name: str, table: dict[str, Any], kinds: Mapping[str, Any]) -> Any:
-    kind = table.get("kind")
-    if not isinstance(kind, str) or kind not in kinds:
-        raise SceneError(f"{name}: kind must be one of {', '.join(kinds)}, got {shown(kind)}.")
-    return kinds[kind]
-
-
-def _made(name: str, description: Any, values: dict[str, Any]) -> Any:
-    try:
-        return description(**values)
-    # Names were checked before: what Python still refuses is a parameter without a default.
-    except TypeError as error:
-        known = ", ".join(_names(description))
-        raise SceneError(f"{name} takes {known}, got {', '.join(values) or 'nothing'}.") from error
-
-
-def _names(description: Any) -> list[str]:
-    """Return the names that a description takes, those that are shared by all laws last."""
-    return [one.name for one in sorted(fields(description), key=lambda one: bool(one.kw_only))]
-
-
-def _known(
-    prefix: str, table: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...] = ()
-) -> None:
-    """Raise SceneError unless all keys of a table are known, and all that are needed are there."""
-    for key in table:
-        if key not in known:
-            close = difflib.get_close_matches(key, known, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
-            raise SceneError(f"unknown key {prefix}{key}; {hint}")
-    for key in needed:
-        if key not in table:
-            raise SceneError(f"{prefix}{key} is missing.")

@@ -17,12 +17,6 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
-from semianalytic.interface.parameters import (
-    Parameter,
-    interface_at,
-    interface_parameters,
-    spelled,
-)
 from semianalytic.inversion.gauges import FIELDS, Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
@@ -34,6 +28,7 @@ from semianalytic.inversion.unknowns import (
     check_gains,
     is_of_setup,
 )
+from semianalytic.parameters.numbers import Number, numbers_of, spelled, with_numbers
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 
@@ -57,7 +52,7 @@ class TrialInterface(InterfaceFile):
         # Changes are always applied to the interface of the file, so that the order of trials
         # leaves no rounding behind.
         begun = self.origin or self
-        interface = interface_at(begun.interface, changes)
+        interface = with_numbers(begun.interface, changes)
         kept = tuple(sorted(changes.items()))
         return replace(self, interface=interface, changes=kept, origin=begun)
 
@@ -145,9 +140,9 @@ class InterfaceUnknowns(Unknowns):
     scene: Any
 
     @cached_property
-    def known(self) -> dict[str, Parameter]:
+    def known(self) -> dict[str, Number]:
         """The parameters of the interface."""
-        return interface_parameters(self.scene.interface)
+        return numbers_of(self.scene)
 
     def value(self, name: str) -> float:
         """Return the value at which the search begins."""
@@ -294,7 +289,7 @@ def interface_name(interface: Interface, given: str) -> str:
     SceneError
         If the interface has no such number, and the set-up neither.
     """
-    known, name = interface_parameters(interface), plain_name(given)
+    known, name = numbers_of(interface), plain_name(given)
     if name not in known and not is_of_setup(name):
         raise SceneError(
             f"fit: parameters must be among {', '.join((*known, *SETUP))} and gain:NAME, got "

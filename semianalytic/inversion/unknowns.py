@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 from semianalytic.inversion.gauges import Gauge
+from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import CoulombFriction, ViscousFriction
-from semianalytic.scene.given.overriding import override_scene
+from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.incident import GRAZING, OF_FRONT, IncidentWave, MovingLoad
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS, parameter
@@ -22,20 +22,6 @@ SOLVED = (*PARAMETERS, *MATERIAL)
 SETUP = ("t0", "x0", "gain")
 """Parameters of the set-up; "gain:NAME" is the gain of one gauge."""
 UNKNOWNS = (*SOLVED, *SETUP)
-DIMENSIONS: Mapping[str, str] = {
-    **dict.fromkeys(("base_pressure", "base_shear", "load_pressure", "load_shear"), "stress"),
-    "viscosity": "stress time / length",
-    "angle": "degrees",
-    "wave_velocity": "length / time",
-    "wave_stress": "stress",
-    "load_speed": "length / time",
-    "shear_modulus": "stress",
-    "density": "mass / length^3",
-    "t0": "time",
-    "x0": "length",
-}
-"""Dimensions of parameters; others have none."""
-
 _LONE_GAIN = "gain:"
 
 
@@ -92,30 +78,18 @@ class Unknowns:
 
     def value(self, name: str) -> float:
         """Return the value at which the search begins."""
-        if name in PARAMETERS:
+        if name in SOLVED:
             return parameter(self.scene, name)
-        if name in MATERIAL:
-            return float(getattr(self.scene.material, name))
         if name in SETUP:
             return float(getattr(self.setup, name))
         return self.setup.gains.get(name.removeprefix(_LONE_GAIN), 1.0)
 
     def at(self, values: Sequence[float]) -> tuple[Scene, Setup]:
         """Return scene and set-up with these values; errors are those of `Scene`."""
-        scene, of_setup = self.scene, {}
-        tractions: dict[str, dict[str, float]] = {"base": {}, "load": {}}
-        for name, value in zip(self.names, map(float, values), strict=True):
-            # Tractions are collected and replaced at once: pressure and shear changed one after the
-            # other might pass through a base that slides.
-            part, _, kind = name.partition("_")
-            if part in tractions and name not in OF_FRONT:
-                tractions[part][kind] = value
-            elif name in SOLVED:
-                scene = with_parameter(scene, name, value)
-            else:
-                of_setup[name] = value
-        changed = {part: replace(getattr(scene, part), **new) for part, new in tractions.items()}
-        return replace(scene, **changed), self.setup_with(of_setup)
+        given = dict(zip(self.names, map(float, values), strict=True))
+        of_setup = {name: given.pop(name) for name in self.names if is_of_setup(name)}
+        # all at once, for pressure and shear changed in turn might pass a base that slides
+        return with_numbers(self.scene, given), self.setup_with(of_setup)
 
     def setup_with(self, values: Mapping[str, float]) -> Setup:
         """Return the set-up with other values of some of its parameters."""
@@ -209,21 +183,6 @@ def _with_setup(setup: Setup, name: str, value: float) -> Setup:
     if name == "t0":
         return replace(setup, t0=value)
     return replace(setup, x0=value) if name == "x0" else replace(setup, gain=value)
-
-
-def with_parameter(scene: Scene, name: str, value: float) -> Scene:
-    """Return a scene with another value of one of its parameters."""
-    if name == "friction":
-        return replace(scene, friction=value)
-    if name in ("poisson_ratio", *MATERIAL):
-        return replace(scene, material=replace(scene.material, **{name: value}))
-    if name == "viscosity":
-        return replace(scene, friction_law=ViscousFriction(value))
-    if name in OF_FRONT:
-        changed: Mapping[str, Any] = {name: value}
-        return override_scene(scene, **changed)
-    part, kind = name.split("_")
-    return replace(scene, **{part: replace(getattr(scene, part), **{kind: value})})
 
 
 def _of_front(scene: Scene) -> tuple[str, ...]:

@@ -1,11 +1,14 @@
-"""Checks of numbers that users give, and the sentence with which a wrong one is refused."""
+"""Checks of numbers, keys and tables that users give, and the sentences that refuse wrong ones."""
 
 from __future__ import annotations
 
+import difflib
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import MISSING, fields
 from numbers import Integral, Real
 from reprlib import Repr
+from typing import Any
 
 from semianalytic.scene.errors import SceneError
 
@@ -39,12 +42,19 @@ def shown(value: object) -> str:
     return " ".join(_SHOWN.repr(value).split())
 
 
+def plain(value: Any) -> Any:
+    """Return the number in a zero-dimensional array of numpy or in its scalar; other values as
+    they are."""
+    return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
+
+
 def finite(value: object) -> float | None:
     """Return a finite real number of any type, numpy's scalars included, as float; else None.
 
     Truth values and text do not count as numbers, nor do integers beyond the range of floating
     point.
     """
+    value = plain(value)
     # True is an Integral to Python; as a friction coefficient it is a mistake.
     if isinstance(value, bool) or not isinstance(value, Real):
         return None
@@ -149,9 +159,82 @@ def checked_count(what: str, value: object, least: int, required: str) -> int:
     SceneError
         "{what} must be {required} {least}, got {value}.", or that it is too large.
     """
+    value = plain(value)
     count = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else None
     if count is None or count < least:
         raise SceneError(f"{what} must be {required} {least}, got {shown(value)}.")
     if count > LARGEST_COUNT:
         raise SceneError(f"{what} must be at most {LARGEST_COUNT:g}, got {shown(value)}.")
     return count
+
+
+def check_keys(
+    prefix: str, table: Mapping[str, Any], needed: Collection[str], optional: Collection[str] = ()
+) -> None:
+    """Raise SceneError unless a table has all keys that are needed, and besides only optional ones.
+
+    The prefix is that of the table, such as "material.", or "".
+    """
+    known = (*needed, *optional)
+    for key in table:
+        if key not in known:
+            close = difflib.get_close_matches(key, known, n=1)
+            others = f"known are {', '.join(known) or 'none'} (docs/not_here.md)."
+            hint = f"did you mean {close[0]}?" if close else others
+            raise SceneError(f"unknown key {prefix}{key}; {hint}")
+    for key in needed:
+        if key not in table:
+            raise SceneError(f"{prefix}{key} is missing.")
+
+
+def check_numbers(prefix: str, table: Mapping[str, Any], words: Collection[str] = ()) -> None:
+    """Raise SceneError unless all values of a table are finite numbers, but for those of words."""
+    for key, value in table.items():
+        if key not in words and finite(value) is None:
+            raise SceneError(f"{prefix}{key} must be a number, got {shown(value)}.")
+
+
+def checked_table(name: str, value: Any) -> dict[str, Any]:
+    """Return a table; raise SceneError if it is something else."""
+    if not isinstance(value, Mapping):
+        raise SceneError(f"{name} must be a table, [{name}], got {shown(value)}.")
+    return dict(value)
+
+
+def checked_kind(
+    name: str, table: Mapping[str, Any], kinds: Collection[str], more: str = ""
+) -> str:
+    """Return the kind that a table names; raise SceneError if it is none of those known."""
+    kind = table.get("kind")
+    if not isinstance(kind, str) or kind not in kinds:
+        known = ", ".join(kinds)
+        raise SceneError(f"{name}: kind must be one of {known}{more}, got {shown(kind)}.")
+    return kind
+
+
+def made(
+    name: str, described: type, given: Mapping[str, Any], spelled: Mapping[str, str] | None = None
+) -> Any:
+    """Return the part of a class that a table describes; its key "kind" names the class.
+
+    Parameters
+    ----------
+    name : str
+        Name of the table.
+    described : type
+        A dataclass.
+    given : mapping
+    spelled : mapping, optional
+        Keys of fields that go by another name in files.
+
+    Raises
+    ------
+    SceneError
+        If a key is unknown or missing, or a value is out of range.
+    """
+    parts = sorted(fields(described), key=lambda one: bool(one.kw_only))  # those of all laws last
+    keys = {(spelled or {}).get(one.name, one.name): one for one in parts}
+    needed = [key for key, one in keys.items() if one.default is one.default_factory is MISSING]
+    values = {key: value for key, value in given.items() if key != "kind"}
+    check_keys(f"{name}.", values, needed, [key for key in keys if key not in needed])
+    return described(**{keys[key].name: value for key, value in values.items()})

@@ -13,7 +13,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from semianalytic.scene.checks import LARGEST, check_fields, checked_number, shown
+from semianalytic.scene.checks import (
+    LARGEST,
+    check_fields,
+    checked_kind,
+    checked_number,
+    made,
+    shown,
+)
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
@@ -287,24 +294,8 @@ def load_from_document(table: Any) -> Load:
     """
     if "kind" not in table:
         return Tractions(**table)
-    kind = table["kind"]
-    if not isinstance(kind, str) or kind not in LOAD_KINDS:
-        known = ", ".join(LOAD_KINDS)
-        raise SceneError(
-            f"load: kind must be one of {known}, or left out for tractions, got {shown(kind)}."
-        )
-    fields = {_IN_FILES.get(name, name): name for name in LOAD_KINDS[kind].__dataclass_fields__}
-    given = {key: value for key, value in table.items() if key != "kind"}
-    for key in given:
-        if key not in fields:
-            raise SceneError(
-                f"load: kind {kind} has no {shown(key)}; it takes {', '.join(fields)}."
-            )
-    try:
-        # A missing key is a missing argument, which Python reports as TypeError.
-        return LOAD_KINDS[kind](**{fields[key]: value for key, value in given.items()})
-    except TypeError as error:
-        raise SceneError(f"load: kind {kind} needs {', '.join(fields)}.") from error
+    kind = checked_kind("load", table, LOAD_KINDS, ", or left out for tractions")
+    return made("load", LOAD_KINDS[kind], table, _IN_FILES)
 
 
 def overridden_load(

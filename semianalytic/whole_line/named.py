@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.checks import checked_kind, made, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.files import TABLES, read_document
+from semianalytic.scene.given.documents import toml_text
+from semianalytic.scene.given.files import check_tables, read_document
 from semianalytic.scene.scene import IN_PLANE, Material, Tractions
 from semianalytic.whole_line.growing import GrowingSlot
 from semianalytic.whole_line.line import LOADS, Patch, PointForce, WholeLine
@@ -97,16 +97,7 @@ def line_document(problem: Problem) -> dict[str, Any]:
 
 def line_text(problem: Problem) -> str:
     """Return a problem as a TOML file."""
-    document = line_document(problem)
-    tables = {key: value for key, value in document.items() if isinstance(value, dict)}
-    lines = [_row(key, value) for key, value in document.items() if key not in tables]
-    for name, table in tables.items():
-        lines += ["", f"[{name}]", *(_row(key, value) for key, value in table.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _row(key: str, value: float | str) -> str:
-    return f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value}"
+    return toml_text(line_document(problem))
 
 
 def line_from_document(document: Mapping[str, Any]) -> Problem:
@@ -127,14 +118,7 @@ def line_from_document(document: Mapping[str, Any]) -> Problem:
         )
     required = ("friction", "material", *(("base",) if whole else ()), "load")
     optional = ("contact" if whole else "growth", "mode", "units", *(() if whole else ("base",)))
-    _check(document, "", required, optional)
-    tables = {name: document[name] for name in ("material", "base", "load") if name in document}
-    for name, table in tables.items():
-        if not isinstance(table, Mapping):
-            raise SceneError(f"{name} must be a table, [{name}], got {shown(table)}.")
-        # The load of a whole line has a kind, whose keys are checked below.
-        if name != "load" or not whole:
-            _check(table, f"{name}.", TABLES[name], ())
+    check_tables(document, required, optional)
     common = {
         "material": Material(**document["material"]),
         "friction": document["friction"],
@@ -149,57 +133,8 @@ def line_from_document(document: Mapping[str, Any]) -> Problem:
             # A base is accepted in a file so that `GrowingSlot` can say why it has to be zero.
             base=Tractions(**document.get("base", {"pressure": 0.0, "shear": 0.0})),
         )
-    given = dict(document["load"])
-    kind = given.pop("kind", None)
-    if kind not in LOADS:
-        hint = ""
-        if kind is None:
-            hint = " (tractions on the faces of a slot belong to a scene, without contact)"
-        raise SceneError(f"load: kind must be one of {', '.join(LOADS)}, got {shown(kind)}{hint}.")
-    known = ("speed",) if LOADS[kind] is Patch else ()
-    _check(given, "load.", known, ("pressure", "shear"))
-    return WholeLine(**common, base=Tractions(**document["base"]), load=LOADS[kind](**given))
-
-
-def _check(
-    table: Mapping[str, Any], prefix: str, required: tuple[str, ...], optional: tuple[str, ...]
-) -> None:
-    """Raise SceneError for a key that is missing or unknown, or a value that is no number."""
-    known = (*required, *optional)
-    for key, value in table.items():
-        if key not in known:
-            close = difflib.get_close_matches(key, known, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
-            raise SceneError(f"unknown key {prefix}{key}; {hint}")
-        # All other keys are numbers; tables and words are checked where they are used.
-        words = ("contact", "mode", "units", *TABLES)
-        if key not in words and finite(value) is None:
-            raise SceneError(f"{prefix}{key} must be a number, got {shown(value)}.")
-    for key in required:
-        if key not in table:
-            raise SceneError(f"{prefix}{key} is missing.")
-
-
-def override_line(problem: Problem, **values: float | str | None) -> Problem:
-    """Return a problem with every parameter replaced that is not None, as `override_scene` does.
-
-    Raises
-    ------
-    SceneError
-        If the problem has no such parameter, or is not admissible with it.
-    """
-    given = {name: value for name, value in values.items() if value is not None}
-    changes: dict[str, Any] = {}
-    for name, value in given.items():
-        if name in ("friction", "mode"):
-            changes[name] = value
-        elif name in TABLES["material"]:
-            changes["material"] = replace(
-                changes.get("material", problem.material), **{name: value}
-            )
-        elif name.startswith(("base_", "load_")) and name != "load_on":
-            part, _, key = name.partition("_")
-            changes[part] = replace(changes.get(part, getattr(problem, part)), **{key: value})
-        else:
-            raise SceneError(f"{name} is a parameter of scenes with a slot alone; leave it out.")
-    return replace(problem, **changes)
+    hint = " (tractions on the faces of a slot belong to a scene, without contact)"
+    load = document["load"]
+    kind = checked_kind("load", load, LOADS, "" if "kind" in load else hint)
+    base = Tractions(**document["base"])
+    return WholeLine(**common, base=base, load=made("load", LOADS[kind], load))

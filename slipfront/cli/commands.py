@@ -114,7 +114,6 @@ def slipfront(
 COMMANDS: Mapping[str, tuple[str, str]] = {
     "compare": ("compare_command", "compare_command"),
     "solve": ("solve_command", "solve_command"),
-    "run": ("run_command", "run_command"),
     "simulate": ("simulate_command", "simulate_command"),
     "field": ("field_command", "field_command"),
     "explore": ("explore_command", "explore_command"),

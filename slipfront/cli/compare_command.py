@@ -20,13 +20,19 @@ from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
 from semianalytic import Marched, Material, PairSolution, Scene, Solution
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
-from semianalytic.scene.given.finding import find_blocks, scene_folder, scene_label
+from semianalytic.scene.given.finding import (
+    INTERFACE,
+    find_blocks,
+    kind_of,
+    scene_folder,
+    scene_label,
+)
 from semianalytic.scene.given.named import DEFAULT_SCENE
-from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
-from slipfront.cli.endings.refusals import check_converged
+from slipfront.cli.endings.refusals import check_converged, refuse_given
 from slipfront.cli.options import (
     LOWER_OPTIONS,
     MESH_OPTIONS,
@@ -76,22 +82,40 @@ def compare_command(
     output: Output = None,
     figures: FiguresForm = "png",
     no_snapshots: NoSnapshots = False,
+    nodes: Annotated[
+        int | None, typer.Option(help="Nodes of one period of an interface, a multiple of 4.")
+    ] = None,
+    mesh_nodes: Annotated[
+        int | None, typer.Option(help="Nodes of the finest mesh along an interface.")
+    ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Solve and simulate a scene; write figures and a judgement on whether the two agree.
 
     The lower body is that of the file's [lower_material], or is like the upper one but for the
-    numbers that are given.  Interfaces are judged by slipfront run --compare.
+    numbers that are given.  An interface is marched and simulated on three meshes.
 
     The exit code is 0 if no quantity differs by more than the error bars allow, 1 if one does, and
     4 if the prediction has not converged.  Quantities that this mesh cannot resolve are listed.
     """
+    along = {name: n for name, n in (("nodes", nodes), ("mesh_nodes", mesh_nodes)) if n is not None}
+    if scene_name is not None and kind_of(scene_name) == INTERFACE:
+        from slipfront.cli.interfaces import compare_interfaces
+
+        scenes = {**overrides, **lower, "from": from_, "budget": budget, "output": output}
+        reason = f"is for scenes; leave it out for {scene_name}"
+        refuse_given({**scenes, **settings, "end_time": None}, reason)
+        given = {name: n for name, n in settings.items() if name == "end_time"}
+        given |= {name: n for name, n in along.items() if name == "nodes"}
+        compare_interfaces(scene_name, given, mesh_nodes, as_json=as_json, quiet=quiet)
+        return
+    refuse_given(along, "is for interfaces; scenes take --resolution")
     require("slipfront compare", *FEM, *PLOT)
     seconds, snapshots = in_seconds(budget), not no_snapshots
     if from_ is not None:
-        given = settings if budget is None else {"budget": budget}
-        simulation = _earlier_simulation(from_, scene_name, overrides, lower, given)
+        kept = settings if budget is None else {"budget": budget}
+        simulation = _earlier_simulation(from_, scene_name, overrides, lower, kept)
         label = scene_label(scene_name) if scene_name else from_.resolve().name
         directory = output or from_
     else:

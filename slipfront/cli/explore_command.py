@@ -9,10 +9,10 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.extras import EXPLORE, PLOT, require
 from semianalytic.scene.given.finding import find_blocks
 from semianalytic.scene.given.named import DEFAULT_SCENE
-from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli.options import LOWER_OPTIONS, SCENE_OPTIONS, AsJson, lower_body, with_options
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.terminal import print_json

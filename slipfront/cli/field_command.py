@@ -19,15 +19,15 @@ from compare.output.progress import progress_bar
 from semianalytic import Marched, PairSolution, Scene, Solution, solve
 from semianalytic.dissimilar.described import pair_document, pair_of
 from semianalytic.methods import chosen
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import find_blocks, scene_folder, scene_label
-from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.units import unit
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
-from slipfront.cli.marching import check_rtol
+from slipfront.cli.marching import check_resolved
 from slipfront.cli.options import (
     LOWER_OPTIONS,
     MARCH_OPTIONS,
@@ -46,7 +46,6 @@ from slipfront.cli.options import (
     with_options,
 )
 from slipfront.cli.scenes.completion import FORMATS, QUANTITIES, one_of
-from slipfront.cli.scenes.pairs import check_pair_options
 from slipfront.cli.scenes.requests import (
     GRID,
     MOST_FRAMES,
@@ -67,7 +66,6 @@ if TYPE_CHECKING:
 MARCHED_OPTIONS = {name: MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")}
 _DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
-    "pair": SCENE_DIMENSIONS,
     "error_estimate": "1",
     "time": "time",
     "window": "length",
@@ -184,11 +182,9 @@ def field_command(
     scene = override_scene(scene, **overrides)
     body = lower_body(scene, other, lower)
     pair = None if body in (None, scene.material) else pair_of(scene, body)
-    if pair is not None:
-        check_pair_options(march_options, None, None)
     marched = chosen(scene if pair is None else pair, method).name == "space-time"
     if not marched:
-        check_no_march_options(march_options)
+        check_no_march_options(march_options, pair or scene)
     time = asked(scene, "time", time, "time")
     thickness = asked(scene, "thickness", thickness, "length")
     stress_optical = asked(scene, "stress_optical", stress_optical, "stress length")
@@ -238,7 +234,7 @@ def field_command(
         lines = [f"Written to {directory}/:", *_contents(label, of, request, scene)]
         Console(soft_wrap=True).print("\n".join(lines), highlight=False, markup=False)
     if isinstance(answer, Marched):
-        check_rtol(answer, label)
+        check_resolved(answer, label)
     else:
         check_converged(answer, label)
 
@@ -267,12 +263,10 @@ def _document(
 ) -> dict[str, Any]:
     """Return what was drawn and recorded as plain dictionaries, with units."""
     window = request.window or _reach(answer, request)
-    if isinstance(answer, PairSolution):
-        solved = {"pair": pair_document(answer.pair), "method": "self-similar"}
-    else:
-        solved = {"scene": scene_document(answer.scene), "method": method_of(answer)}
+    pair = getattr(answer, "pair", None)
     document: dict[str, Any] = {
-        **solved,
+        "scene": scene_document(answer.scene) if pair is None else pair_document(pair),
+        "method": method_of(answer),
         "error_estimate": answer.error_estimate,
         "of": of,
         "time": request.time,

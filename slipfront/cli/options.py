@@ -187,7 +187,8 @@ def _option(type_: type, panel: str, text: str, *names: str, dimension: str = ""
         return Annotated[float | None, measured_option(dimension, text, panel)]
     # rich would take units in brackets for markup
     named = one_of(*names) if names else None
-    option = typer.Option(help=escape(text), rich_help_panel=panel, autocompletion=named)
+    flag = ("--no-estimate",) if type_ is bool else ()
+    option = typer.Option(*flag, help=escape(text), rich_help_panel=panel, autocompletion=named)
     return Annotated[type_ | None, option]
 
 
@@ -292,7 +293,8 @@ MARCH_OPTIONS: Mapping[str, Any] = {
         "latest": (float, "Time to which a saved march can be continued [time]; T by default."),
         "entry": (float, "Where a load that comes along the slot begins [length before the tip]."),
         "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
-        "save": (Path, "File to save the march to (.h5)."),
+        "no_estimate": (bool, "Skip the second march, on half the nodes, that gives the error."),
+        "save": (Path, "File to save the march to: .h5; of an interface .npz, or .nc for NetCDF."),
         "go_on": (Path, "File of a saved march to continue."),
     }.items()
 }

@@ -17,10 +17,10 @@ from compare.output.leftovers import SNAPSHOTS, forget_other_runs
 from compare.output.places import save_somewhere, working_folder
 from compare.output.progress import progress_bar
 from semianalytic import Scene
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.extras import FEM, require
 from semianalytic.scene.given.finding import find_blocks, scene_folder, scene_label
-from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     CHECKPOINT_OPTIONS,

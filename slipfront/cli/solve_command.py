@@ -11,15 +11,15 @@ from rich.console import Console
 
 from compare.comparison.documents import solution_document
 from compare.output.places import check_file
-from semianalytic import Scene, find, solve
+from semianalytic import find, solve
 from semianalytic.methods import chosen
+from semianalytic.parameters.overriding import override_line, override_scene
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import INTERFACE, LINE, find_blocks, kind_of, scene_label
-from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli import terminal
-from slipfront.cli.endings.refusals import check_converged, check_no_march_options
+from slipfront.cli.endings.refusals import check_converged, check_no_march_options, refuse_given
 from slipfront.cli.options import (
     LOWER_OPTIONS,
     MARCH_OPTIONS,
@@ -31,7 +31,6 @@ from slipfront.cli.options import (
     asked,
     lower_body,
     measured_option,
-    option_name,
     with_options,
 )
 from slipfront.cli.scenes.completion import figure_names
@@ -39,7 +38,6 @@ from slipfront.cli.scenes.points import Points, points_of, points_table
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
-    from semianalytic import Pair
 
 
 _POINTS = "Points of the contact"
@@ -98,44 +96,34 @@ def solve_command(
     With --x 5cm --t 30us a table says when slip comes to x, and slip, slip rate and tractions at t,
     each with the bar of its error; numbers may have units if the scene is in those of the SI.
 
-    Step loads are self-similar and solved exactly; other load histories are marched in time.  Whole
-    lines without a slot, and loads that grow as a power of time, are solved exactly as well, and so
-    are step loads between different bodies: the lower one is lower_material of the file,
-    or is like the upper one but for the numbers that are given.  The exit code is 4 if the solution
-    has not converged, or if the error estimate of a march exceeds --rtol; the best answer is
-    printed all the same.
+    Step loads are self-similar and solved exactly; other load histories are marched in time, and so
+    are interfaces: contacts, fields along x and friction with state.  Whole lines without a slot,
+    and loads that grow as a power of time, are solved exactly as well, and so are step loads
+    between different bodies: the lower one is lower_material of the file, or is like the upper one
+    but for the numbers that are given.  The exit code is 4 if the solution has not converged, or a
+    march is unresolved or misses --rtol; the best answer is printed all the same.
     """
     label, kind = scene_label(scene_name), kind_of(scene_name)
     points = {"x": x, "t": t}
     if kind == INTERFACE:
-        from slipfront.cli.run_command import run_interface  # which takes longer to import
+        from slipfront.cli.interfaces import solve_interface  # which takes longer to import
 
         chosen(find(scene_name), method)
         given = {**overrides, **lower, **points, "plot": plot, "figure": figure}
-        _check_none(given, f"is for scenes with a slot; leave it out for {label}")
+        refuse_given(given, f"is for scenes with a slot; leave it out for {label}")
         end = {} if end_time is None else {"end_time": end_time}
         settings = {**end, **march_options}
+        if settings.pop("no_estimate", False):
+            settings["estimate"] = False
         files = {name: settings.pop(name, None) for name in ("save", "go_on")}
-        run_interface(scene_name, settings, **files, as_json=as_json, quiet=quiet)
+        solve_interface(scene_name, settings, **files, as_json=as_json, quiet=quiet)
         return
     problem = _problem(scene_name, kind, overrides, lower)
     name = chosen(problem, method).name
-    if kind == LINE and not isinstance(problem, Scene):
-        from slipfront.cli.scenes.lines import line_command  # which needs scipy
-
-        reason = f"is for scenes with a slot; leave it out for {label}"
-        _check_none({**march_options, **points, "figure": figure}, reason)
-        _check_none(lower, f"{reason}, or march two bodies without a slot with slipfront run")
-        line_command(problem, label, end_time, as_json=as_json, plot=plot)
-        return
+    if kind == LINE:
+        refuse_given(lower, f"is for scenes with a slot; leave it out for {label}")
     asked_for = points_of(problem, x, t)
     end_time = asked(problem, "end_time", end_time, "time")
-    if not isinstance(problem, Scene) and not problem.compliance.is_alike:
-        from slipfront.cli.scenes.pairs import check_pair_options, pair_command
-
-        check_pair_options(march_options, plot, figure)
-        pair_command(problem, label, end_time, asked_for, as_json=as_json)
-        return
     draw = _drawing(plot, figure)
     shown: dict[str, Any] = {"as_json": as_json, "draw": draw, "plot": plot}
     if name == "space-time":
@@ -143,7 +131,7 @@ def solve_command(
 
         march_command(problem, label, end_time, march_options, asked_for, quiet=quiet, **shown)
         return
-    check_no_march_options(march_options)
+    check_no_march_options(march_options, problem)
     _solve_exactly(problem, label, end_time, asked_for, **shown)
 
 
@@ -154,7 +142,7 @@ def _problem(
     alike."""
     if kind == LINE:
         from semianalytic.whole_line.line import HalfLine
-        from semianalytic.whole_line.named import find_line, override_line
+        from semianalytic.whole_line.named import find_line
 
         line = override_line(find_line(source), **overrides)
         return line.slot_scene if isinstance(line.load, HalfLine) else line
@@ -166,13 +154,6 @@ def _problem(
     from semianalytic.dissimilar.described import pair_of
 
     return pair_of(scene, body)
-
-
-def _check_none(given: Mapping[str, Any], reason: str) -> None:
-    """Raise SceneError for the first option that was given."""
-    for name, value in given.items():
-        if value is not None:
-            raise SceneError(f"{option_name(name)} {reason}.")
 
 
 def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
@@ -191,7 +172,7 @@ def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
 
 
 def _solve_exactly(
-    scene: Scene | Pair,
+    problem: Any,
     label: str,
     end_time: float | None,
     points: Points | None,
@@ -200,10 +181,16 @@ def _solve_exactly(
     draw: Draw | None,
     plot: Path | None,
 ) -> None:
-    """Solve a self-similar problem and print the result."""
+    """Solve a self-similar problem and print the result.
+
+    Raises
+    ------
+    ComputationError
+        If the answer has not converged; it is printed before.
+    """
     if end_time is not None:
         checked_size("solve: end_time", end_time)
-    solution = solve(scene, method="self-similar")
+    solution = solve(problem, method="self-similar")
     if draw is not None and plot is not None:
         from compare.figures.saving import save_figure
 

@@ -19,11 +19,11 @@ from rich.markup import escape
 from compare.output.printed import Table
 from compare.output.progress import progress_bar
 from semianalytic.interface.named import described_interface
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import CLUSTER, require
 from semianalytic.scene.given.finding import find_blocks, scene_label
-from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.units import ARGUMENTS, InSI, unit
 from slipfront.cli.options import (
     LOWER_OPTIONS,
@@ -137,7 +137,7 @@ def survey_command(
 ) -> None:
     """Solve a scene or run an interface at many values of its parameters, into NetCDF.
 
-    SCENE may also be the name or file of an interface, as for slipfront run.  Two different bodies
+    SCENE may also be the name or file of an interface.  Two different bodies
     with a slot are solved exactly: the lower one is lower_material of the file, or is like
     the upper one but for the numbers that are given.
 
@@ -254,7 +254,8 @@ def _no_values(name: str, text: str) -> SceneError:
 
 def _others(scene: Subject, vary: Sequence[str]) -> dict[str, Any]:
     """Return the values of parameters that have no option of their own."""
-    from slipfront.surveys.parameters import dimension_of, parameter_name
+    from semianalytic.parameters.numbers import numbers_of
+    from slipfront.surveys.parameters import parameter_name
 
     result: dict[str, Any] = {}
     for text in vary:
@@ -265,7 +266,7 @@ def _others(scene: Subject, vary: Sequence[str]) -> dict[str, Any]:
             )
         if name in result:
             raise SceneError(f"--vary {name} is given twice; give all its values in one row.")
-        dimension = dimension_of(scene, parameter_name(scene, name))
+        dimension = numbers_of(scene)[parameter_name(scene, name)].dimension
         result[name] = typed_values(scene, "vary", values, dimension)
     return result
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
+import math
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,16 +12,14 @@ from rich.box import SIMPLE_HEAD
 from rich.markup import escape
 
 from compare.comparison.documents import (
-    END_DIMENSIONS,
-    edge_state,
-    end_document,
+    WAVES,
     envelope,
     json_text,
     march_document,
-    units_document,
+    solution_document,
 )
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
-from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
+from compare.comparison.scales import WAVE_SYMBOLS, reference_values
 from compare.output.printed import Table
 from semianalytic import Scene
 from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
@@ -39,7 +37,7 @@ if TYPE_CHECKING:  # most commands print an answer, and judge none
     from compare.interfaces.judging import InterfaceJudgement
     from compare.validation.validation import Validation
     from fem import Simulation
-    from semianalytic import Marched, Solution
+    from semianalytic import Marched
 
 TOTALS = ("accumulated_slip", "frictional_work")
 DIGITS = 4
@@ -52,66 +50,81 @@ def print_json(
     sys.stdout.write(json_text(envelope(command, document, status, files)))
 
 
-def zones_table(solution: Solution, title: str) -> Table:
+def zones_table(answer: Any, title: str) -> Table:
     """Return a table of slip zones and openings with their edge velocities.
 
-    Velocities are given in units of the scene and relative to c_t.
+    Velocities are given in units of the scene and relative to c_t, between different bodies that of
+    the upper one.
     """
-    scene, material = solution.scene, solution.scene.material
+    scene, known = answer.scene, solution_document(answer)
     table = Table("zone", "edge", title=title)
-    for name in (f"[{unit('length / time', solution.scene.units)}]", "/ c_t"):
+    for name in (f"[{unit('length / time', scene.units)}]", "/ c_t"):
         table.add_column(f"velocity\n{escape(name)}", justify="right")
     table.add_column("regime")
     table.add_column("sense")
     parts = [
-        (str(number), zone.inner, zone.outer, kind_of_slip(zone.sense))
-        for number, zone in enumerate(solution.zones, start=1)
+        (str(number), zone, kind_of_slip(zone["sense"]))
+        for number, zone in enumerate(known["zones"], start=1)
     ]
-    parts += [("open", part.inner, part.outer, "") for part in solution.openings]
-    edges = [end for _, inner, outer, _ in parts for end in (inner, outer)]
-    over_c_t = [speed / material.shear_speed for speed in edges]
-    places, places_over_c_t = (digits_apart(column, 6, "f") for column in (edges, over_c_t))
-    for name, inner, outer, sense in sorted(parts, key=lambda part: part[1]):
-        for end, speed in (("inner", inner), ("outer", outer)):
-            table.add_row(
-                name if end == "inner" else "",
-                end,
-                number_or_infinity(speed, places, "f"),
-                number_or_infinity(speed / material.shear_speed, places_over_c_t, "f"),
-                speed_regime(speed, scene),
-                sense if end == "inner" else "",
-            )
+    parts += [("open", opening, "") for opening in known["openings"]]
+    parts.sort(key=lambda part: part[1]["inner"])
+    edges = [
+        math.inf if speed is None else speed
+        for _, part, _ in parts
+        for speed in (part["inner"], part["outer"])
+    ]
+    over_c_t = [speed / scene.material.shear_speed for speed in edges]
+    columns = (
+        [number_or_infinity(speed, digits_apart(column, 6, "f"), "f") for speed in column]
+        for column in (edges, over_c_t)
+    )
+    shown = zip(*columns, strict=True)
+    for name, part, sense in parts:
+        table.add_row(name, "inner", *next(shown), part.get("inner_regime", ""), sense)
+        table.add_row("", "outer", *next(shown), part.get("outer_regime", ""), "")
     if not parts:
         table.add_row("none", "", "", "", "stuck everywhere", "")
     return table
 
 
-def facts_table(solution: Solution) -> Table:
-    """Return a table of wave speeds, edge state, status, error estimate and statistics."""
-    mode_one, sheared = solution.stress_intensity(1.0)
-    fronts = scene_fronts(solution.scene)
-    when = _measure(1.0, "time", solution.scene)
+def facts_table(answer: Any) -> Table:
+    """Return a table of loads, wave speeds, edges, status, error estimate and statistics."""
+    scene, known = answer.scene, solution_document(answer)
+    units, edge = known["units"], known["edge"]
     table = Table("quantity", "value", "unit", show_header=False)
-    for name, value, dimension in (
-        *_tractions(solution.scene),
-        (
-            ", ".join(WAVE_SYMBOLS[name] for name in fronts),
-            ", ".join(f"{speed:.6g}" for speed in fronts.values()),
-            "length / time",
-        ),
-        ("edge", edge_state(solution), ""),
-        ("slip rate at the edge", f"{solution.edge_slip_rate:.6g}", "length / time"),
-        ("slip rate far ahead", f"{solution.scene.far_slip_rate:.6g}", "length / time"),
-        (
-            f"K_I, K_{solution.scene.shear_mode} at t = {when}",
-            f"{mode_one:.6g}, {sheared:.6g}",
-            "stress sqrt(length)",
-        ),
-        ("status", solution.status, ""),
-        ("error estimate", f"{solution.error_estimate:.1e}", "relative"),
-    ):
-        table.add_row(name, value, unit(dimension, solution.scene.units))
-    for name, value in dataclasses.asdict(solution.statistics).items():
+    for name, value, dimension in _tractions(scene) if isinstance(scene, Scene) else ():
+        table.add_row(name, value, unit(dimension, scene.units))
+    for name, part in known["scene"].items() if not isinstance(scene, Scene) else ():
+        if name in ("base", "load"):
+            for key, value in part.items():
+                shown = value if isinstance(value, str) else f"{value:.6g}"
+                table.add_row(f"{name}: {key}", shown, units["scene"][name].get(key, ""))
+    speeds = known["wave_speeds"]
+    for body, own in speeds.items() if "upper" in speeds else (("", speeds),):
+        names = ", ".join(WAVE_SYMBOLS[name] for name in WAVES if WAVES[name] in own)
+        values = ", ".join(f"{speed:.6g}" for speed in own.values())
+        table.add_row(f"{names}{body and f', {body} body'}", values, units["wave_speeds"])
+    for name, value in edge.items():
+        if name == "state":
+            table.add_row("edge", value, "")
+        elif isinstance(value, float):
+            table.add_row(f"{_label(name)} at the edge", f"{value:.6g}", units["edge"][name])
+    if "far_slip_rate" in known:
+        table.add_row(
+            "slip rate far ahead", f"{known['far_slip_rate']:.6g}", units["far_slip_rate"]
+        )
+    for name, values in edge.items():
+        if isinstance(values, dict):
+            shown = ", ".join(f"{value:.6g}" for value in values.values())
+            when = _measure(1.0, "time", scene)
+            table.add_row(f"{', '.join(values)} at t = {when}", shown, units["edge"][name])
+    for wave in getattr(answer, "growing", ()):
+        towards = "a march of these bodies lets waves towards the edge grow"
+        growth = f"by {100 * math.expm1(wave.per_wavelength):.3g} % per wavelength"
+        table.add_row(towards, growth, "")
+    table.add_row("status", answer.status, "")
+    table.add_row("error estimate", f"{answer.error_estimate:.1e}", "relative")
+    for name, value in known.get("statistics", {}).items():
         table.add_row(name.replace("_", " "), _plain(value), "s" if name == "seconds" else "")
     return table
 
@@ -137,26 +150,25 @@ def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
         yield "velocity of its front along x", f"{1 / scene.front_slowness:.6g}", "length / time"
 
 
-def end_table(solution: Solution, end_time: float) -> Table:
+def end_table(answer: Any, end_time: float) -> Table:
     """Return a table of everything until an end time: positions of zones, slip, work."""
-    scene, end = solution.scene, end_document(solution, end_time)
-    units = units_document(end, END_DIMENSIONS, scene)
-    table = Table("quantity", "value", "unit", title=f"t = {_measure(end['time'], 'time', scene)}")
-    ends = [part[name] for part in (*end["zones"], *end["openings"]) for name in ("start", "end")]
-    digits = digits_apart(ends, 6)
-    for number, zone in enumerate(end["zones"], start=1):
-        place = f"{zone['start']:.{digits}g} < x < {number_or_infinity(zone['end'], digits)}"
-        table.add_row(
-            f"zone {number}, {kind_of_slip(zone['sense'])}", place, units["zones"]["start"]
-        )
-    for part in end["openings"]:
-        place = f"{part['start']:.{digits}g} < x < {part['end']:.{digits}g}"
-        table.add_row("open", place, units["openings"]["start"])
+    known = solution_document(answer, end_time)
+    end, units = known["until_end_time"], known["units"]["until_end_time"]
+    when = _measure(end_time, "time", answer.scene)
+    table = Table("quantity", "value", "unit", title=f"t = {when}")
+    zones = [
+        (f"zone {n}, {kind_of_slip(zone['sense'])}", zone) for n, zone in enumerate(end["zones"], 1)
+    ]
+    zones += [("open", part) for part in end["openings"]]
+    digits = digits_apart([part[name] for _, part in zones for name in ("start", "end")], 6)
+    for name, part in zones:
+        place = f"{part['start']:.{digits}g} < x < {number_or_infinity(part['end'], digits)}"
+        table.add_row(name, place, unit("length", answer.scene.units))
     for name in ("largest_slip", "accumulated_slip", "frictional_work"):
         table.add_row(_label(name), number_or_infinity(end[name]), units[name])
-    intensities = end["stress_intensity"]
-    modes = ", ".join(number_or_infinity(value) for value in intensities.values())
-    table.add_row(", ".join(intensities), modes, units["stress_intensity"])
+    if intensities := end.get("stress_intensity"):
+        modes = ", ".join(number_or_infinity(value) for value in intensities.values())
+        table.add_row(", ".join(intensities), modes, units["stress_intensity"])
     return table
 
 
@@ -335,8 +347,8 @@ def verdict_text(
     alike: dict[str, list[str]] = {}
     for row in judgement.having(UNRESOLVED):
         remedy = judgement.remedy(row)
-        reason = in_options(row.obstacle, options)
-        alike.setdefault(f"{reason}{f' ({remedy})' if remedy else ''}", []).append(row.name)
+        reason = f"{row.obstacle}{f' ({remedy})' if remedy else ''}"
+        alike.setdefault(in_options(reason, options), []).append(row.name)
     lines += [f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items()]
     return "\n".join(lines)
 
@@ -367,7 +379,7 @@ def _label(name: str) -> str:
     return f"{words} over the contact" if name in TOTALS else words
 
 
-def _measure(value: float, dimension: str, scene: Scene) -> str:
+def _measure(value: float, dimension: str, scene: Any) -> str:
     """Return a value with its unit, if the scene has units."""
     return f"{value:.4g} {unit(dimension, scene.units)}" if scene.units else f"{value:.4g}"
 

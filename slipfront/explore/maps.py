@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from compare.comparison.scales import stress_scale
 from semianalytic import CoulombFriction, Scene, Solution, TensionError, Tractions, solve
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.regimes import regime
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.overriding import override_scene
 from semianalytic.sweeps.sweep import sweep
 
 REGIMES = {

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
-from semianalytic.interface.parameters import interface_parameters
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.priors import Normal
-from semianalytic.inversion.unknowns import DIMENSIONS, is_of_setup
+from semianalytic.inversion.unknowns import is_of_setup
+from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.scene import Scene
 
@@ -21,13 +21,12 @@ BY_PRIOR = 0.9
 """Ratio of the standard error to that of the prior above which the data add nothing."""
 
 
-def dimension(name: str, scene: object = None) -> str:
-    """Return the physical dimension of an unknown, of an interface if one is given."""
-    interface = getattr(scene, "interface", None)
-    if interface is not None and not is_of_setup(name):
-        known = interface_parameters(interface)
-        return known[name].dimension if name in known else "1"
-    return DIMENSIONS.get(name.partition(":")[0], "1")
+def dimension(name: str, scene: object) -> str:
+    """Return the physical dimension of an unknown of a scene or interface."""
+    if is_of_setup(name):
+        return {"t0": "time", "x0": "length"}.get(name, "1")
+    known = numbers_of(scene)
+    return known[name].dimension if name in known else "1"
 
 
 def fit_document(fit: Fit) -> dict[str, Any]:

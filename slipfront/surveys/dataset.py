@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.interface.files import InterfaceFile
+from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
-from slipfront.surveys.parameters import MATERIAL, Array, dimension_of, parameters_of
+from slipfront.surveys.parameters import MATERIAL, Array
 from slipfront.surveys.plan import Plan
 from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
 from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
@@ -150,12 +151,8 @@ def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], di
 
 def _parameter_attrs(plan: Plan, name: str) -> dict[str, str]:
     """Return the unit and meaning of a parameter as attributes of its coordinate."""
-    part, field = "", name
-    if not isinstance(plan.scene, InterfaceFile):
-        part, field = parameters_of(plan.scene)[name]
-    words = field if part in ("", "material", "upper") else f"{part} {field}"
-    units = unit(dimension_of(plan.scene, name), plan.scene.units)
-    return {"units": units, "long_name": words.replace("_", " ")}
+    units = unit(numbers_of(plan.scene)[name].dimension, plan.scene.units)
+    return {"units": units, "long_name": name.replace("_", " ")}
 
 
 def attributes(plan: Plan, command: str) -> dict[str, Any]:

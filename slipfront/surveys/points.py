@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.methods import chosen, solve
+from semianalytic.parameters.numbers import with_numbers
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.scene import Scene
@@ -20,7 +21,7 @@ from semianalytic.selfsimilar.solution import Solution
 from semianalytic.spacetime.marched import Marched
 from semianalytic.sweeps.contact_edge import at_contact_edge
 from semianalytic.sweeps.sweep import sweep
-from slipfront.surveys.parameters import Array, Subject, interface_with, scene_at
+from slipfront.surveys.parameters import Array, Subject
 from slipfront.surveys.plan import Question
 from slipfront.surveys.quantities import QUANTITIES, TEXT
 from slipfront.surveys.runs import interface_row
@@ -56,12 +57,13 @@ def solved_chunk(
         given = {**fixed, **dict(zip(values, numbers, strict=True))}
         start = process_time()
         try:
-            if isinstance(scene, Scene):
-                scenes[i] = scene_at(scene, given)
-            elif isinstance(scene, Pair):
-                pairs[i] = scene_at(scene, given)
+            problem = with_numbers(scene, given)
+            if isinstance(problem, Scene):
+                scenes[i] = problem
+            elif isinstance(problem, Pair):
+                pairs[i] = problem
             else:
-                rows[i] = interface_row(interface_with(scene, given), question)
+                rows[i] = interface_row(problem, question)
                 rows[i]["seconds"] = process_time() - start
         except SlipfrontError as error:
             rows[i] = _refused(error)

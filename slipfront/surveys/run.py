@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 
 from compare.output.places import check_file
 from compare.tasks.workers import Progress, Task, run_tasks
+from semianalytic.interface.documents import can_travel
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
-from semianalytic.interface.parameters import can_travel
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError

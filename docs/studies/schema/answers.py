@@ -79,7 +79,27 @@ _FIELD = {
     "frames": Key("number of frames of the animation", WHOLE),
     "gauges": Key("gauges recorded, in the order of the files", list_of(shape("x y"))),
 }
-"""Keys of ``slipfront field`` for bodies alike and different."""
+
+_INTERFACE_RUN = {
+    "interface": Key("name or file of the interface", TEXT),
+    "nodes": Key("nodes of one period", WHOLE),
+    "end_time": Key("time that was reached", NUMBER),
+    "steps": Key("number of steps", WHOLE),
+    "shortest_step": Key("shortest step", NUMBER),
+    "longest_step": Key("longest step", NUMBER),
+    "frames": Key("number of times at which fields were kept", WHOLE),
+    "largest_slip": Key("largest slip of the contact at the end", NUMBER),
+    "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
+    "slipping": Key("share of the contact that slips at the end", NUMBER),
+    "largest_gap": Key("largest gap of the contact at the times that were kept", NUMBER),
+    "error_estimates": Key(
+        "relative L1 errors of slip, slip rate and the change of shear traction, and of "
+        "gap and pressure where loads change the pressure; empty without a second run",
+        named(NUMBER),
+    ),
+    "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
+}
+"""Keys of the run of an interface."""
 _SHEET = row_of(Sheet, scene=PROBLEM)
 
 DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
@@ -122,26 +142,30 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "points": _POINTS,
         },
         {
-            "line": Key("whole line or growing load, as its TOML file has it", ANYTHING),
+            "scene": Key("whole line or growing load, as its TOML file has it", ANYTHING),
             "wave_speeds": _WAVE_SPEEDS,
-            "edge_speed": Key("speed of the edges of slip or opening of a line", NUMBER),
-            "edge_amplitude": Key("rate over sqrt(1 - x/(edge speed t)) beside an edge", NUMBER),
+            "edge": Key(
+                "speed of the edges of slip or opening, and rate over sqrt(1 - x/(speed t)) there",
+                shape("speed amplitude"),
+            ),
             "zones": _ZONES,
             "openings": _OPENINGS,
             "error_estimate": _ESTIMATE,
             "until_end_time": _UNTIL_END_TIME,
+            "points": _POINTS,
         },
         {
-            "pair": _PAIR_KEY,
+            "scene": _PAIR_KEY,
             "wave_speeds": Key("speeds of the waves of both bodies", named(named(NUMBER))),
             "zones": _ZONES,
             "openings": _OPENINGS,
-            "edge_slip_rate": Key("slip rate of two different bodies at x = 0+", NUMBER),
+            "edge": Key("state of the interface at x = 0+", shape("slip_rate", "state")),
             "error_estimate": _ESTIMATE,
             "statistics": _STATISTICS,
             "until_end_time": _UNTIL_END_TIME,
             "points": _POINTS,
         },
+        _INTERFACE_RUN,
     ),
     "fit": (
         {
@@ -211,35 +235,16 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "errors of snapshots", or_null(shape("band", frames=list_of(row_of(FieldError))))
             ),
         },
-    ),
-    "run": (
-        {
-            "interface": Key("name or file of the interface", TEXT),
-            "nodes": Key("nodes of one period", WHOLE),
-            "end_time": Key("time that was reached", NUMBER),
-            "steps": Key("number of steps", WHOLE),
-            "shortest_step": Key("shortest step", NUMBER),
-            "longest_step": Key("longest step", NUMBER),
-            "frames": Key("number of times at which fields were kept", WHOLE),
-            "largest_slip": Key("largest slip of the contact at the end", NUMBER),
-            "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
-            "slipping": Key("share of the contact that slips at the end", NUMBER),
-            "largest_gap": Key("largest gap of the contact at the times that were kept", NUMBER),
-            "error_estimates": Key(
-                "relative L1 errors of slip, slip rate and the change of shear traction, and of "
-                "gap and pressure where loads change the pressure; empty without a second run",
-                named(NUMBER),
-            ),
-            "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
+        _INTERFACE_RUN
+        | {
             "comparison": Key(
-                "with --compare: verdict, meshes, and the judged quantities",
+                "verdict, meshes, and the judged quantities",
                 shape(
                     texts="verdict",
                     counts=named(WHOLE),
                     meshes=list_of(shape("imbalance", wholes="nodes steps unknowns")),
                     rows=list_of(row_of(Row, verdict=TEXT)),
                 ),
-                always=False,
             ),
         },
     ),
@@ -251,7 +256,9 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "own_bars": Key("error bars from coarser meshes", list_of(shape("bar", "name unit"))),
         },
     ),
-    "field": ({"scene": _SCENE_KEY, **_FIELD}, {"pair": _PAIR_KEY, **_FIELD}),
+    "field": (
+        {"scene": Key("the scene or both bodies, as their TOML file has them", SCENES)} | _FIELD,
+    ),
     "validate": (
         {
             "format": Key("format of report.json, which has the same contents", TEXT),
@@ -265,7 +272,6 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "it, factors and offsets, and the largest error that is left, and as given",
                 shape(
                     "left as_given",
-                    "runner_up",
                     inferred=list_of(TEXT),
                     stated_by=list_of(list_of(TEXT)),
                     factors=named(NUMBER),

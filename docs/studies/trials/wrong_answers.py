@@ -24,7 +24,7 @@ from semianalytic import (
     Tractions,
     solve,
 )
-from semianalytic.scene.given.overriding import override_scene
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.loading import SLOT
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 

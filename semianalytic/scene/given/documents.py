@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from typing import Any
 
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import checked_table, made, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.incident import load_document, load_from_document
@@ -75,24 +76,23 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
 
 def _named(name: str, part: Part, table: Any) -> Any:
     """Make the history or friction law that a table with a kind and parameters describes."""
-    kind = table.get("kind") if isinstance(table, Mapping) else None
-    description: Any = None
-    if isinstance(kind, str):
-        description = known_class(part.group, part.base, part.own, kind)
-    if description is None:
+    kind = checked_table(name, table).get("kind")
+    described = known_class(*part[:3], kind) if isinstance(kind, str) else None
+    if described is None:
         kinds = ", ".join((*part.own, *plugin_names(part.group, part.own)))
         raise SceneError(
             f"{name}: kind must be one of {kinds}, got {shown(kind)} (docs/not_here.md)."
         )
-    given = {key: value for key, value in table.items() if key != "kind"}
-    known = [part.name for part in fields(description)]
-    unknown = [key for key in given if key not in known]
-    if unknown:
-        raise SceneError(
-            f"{name}: kind {kind} has no {shown(unknown[0])}; "
-            f"it takes {', '.join(known) or 'nothing'} (docs/not_here.md)."
-        )
-    try:
-        return description(**given)
-    except TypeError as error:
-        raise SceneError(f"{name}: kind {kind} needs {', '.join(known)}.") from error
+    return made(name, described, table)
+
+
+def toml_text(document: Mapping[str, Any], heading: str = "") -> str:
+    """Return a document as a TOML file: numbers, words and lists first, then tables."""
+    tables = {name: one for name, one in document.items() if isinstance(one, Mapping)}
+    rows = (
+        f"{name} = {json.dumps(one)}"
+        for name, one in document.items()
+        if one is not None and name not in tables
+    )
+    text = "\n".join([heading, *rows] if heading else rows) + "\n"
+    return "\n".join([text, *(toml_text(one, f"[{name}]") for name, one in tables.items())])

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.checks import check_keys, check_numbers, checked_table
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.load_tables import with_tables
@@ -36,7 +35,7 @@ INTERFACE_HINT = (
     "has contacts or fields along x, which the engine alone knows: slipfront solve, or `solve` in "
     "Python (docs/engine.md)."
 )
-WORDS = ("mode", "load_on", "units")
+WORDS = ("mode", "load_on", "units", "contact")
 """Optional keys whose values are words; the scene checks them."""
 
 
@@ -86,19 +85,31 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
     # Before keys are checked, which would call those of a line unknown one by one.
     if any(key in document for key in LINE_KEYS):
         raise SceneError(f"{path} {LINE_HINT}")
-    _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
-    for table, keys in TABLES.items():
-        if table != "load" or "kind" not in document[table]:  # else `load_from_document` checks it
-            _check_keys(path, f"{table}.", document[table], keys)
-    lower = document.get(LOWER_MATERIAL)
-    if lower is not None:
-        _check_keys(path, f"{LOWER_MATERIAL}.", lower, TABLES["material"])
     try:
-        # Whatever is out of range raises here, and gets the name of the file in front.
+        # Whatever is unknown or out of range raises here, and gets the name of the file in front.
+        check_tables(document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
+        lower = document.get(LOWER_MATERIAL)
         scene = scene_from_document(with_tables(path, document))
         return scene, None if lower is None else Material(**lower)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
+
+
+def check_tables(
+    document: Mapping[str, Any], needed: Collection[str], optional: Collection[str]
+) -> None:
+    """Raise SceneError for keys of a document and its tables that are unknown, missing or no
+    numbers; parts with a kind are checked where they are made."""
+    check_keys("", document, needed, optional)
+    tables = {*TABLES, *OPTIONAL_TABLES}
+    check_numbers("", document, (*WORDS, *tables))
+    for name in (one for one in document if one in tables):
+        table = checked_table(name, document[name])
+        keys = TABLES.get("material" if name == LOWER_MATERIAL else name)
+        whole_line = name == "load" and "contact" in document
+        if keys and "kind" not in table and not whole_line:
+            check_keys(f"{name}.", table, keys)
+            check_numbers(f"{name}.", table)
 
 
 def read_document(path: str | Path) -> dict[str, Any]:
@@ -127,28 +138,3 @@ def _headings(text: str) -> list[str]:
     """Return the headings of a TOML text that may stand once: [name], not [[name]] or values."""
     lines = (line.partition("#")[0].strip() for line in text.splitlines())
     return [line for line in lines if re.fullmatch(r"\[[A-Za-z_][\w.-]*\]", line)]
-
-
-def _check_keys(
-    path: str | Path,
-    prefix: str,
-    table: Mapping[str, object],
-    expected: tuple[str, ...],
-    optional: tuple[str, ...] = (),
-) -> None:
-    """Raise SceneError unless a table has all expected keys, and besides only optional ones."""
-    known = (*expected, *optional)
-    for key, value in table.items():
-        if key not in known:
-            close = difflib.get_close_matches(key, known, n=1)
-            others = f"known are {', '.join(known)} (docs/not_here.md)."
-            hint = f"did you mean {close[0]}?" if close else others
-            raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
-        if key in (*TABLES, *OPTIONAL_TABLES):
-            if not isinstance(value, dict):
-                raise SceneError(f"{path}: {key} must be a table, [{key}], got {shown(value)}.")
-        elif key not in WORDS and finite(value) is None:
-            raise SceneError(f"{path}: {prefix}{key} must be a number, got {shown(value)}.")
-    for key in expected:
-        if key not in table:
-            raise SceneError(f"{path}: {prefix}{key} is missing.")

@@ -13,9 +13,9 @@ import numpy as np
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.rates import Rates
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.contact import superposed_by
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.incident import OF_FRONT, IncidentWave, MovingLoad
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.zones import tuning
@@ -35,24 +35,14 @@ PARAMETERS = (
 
 
 def parameter(scene: Scene, name: str) -> float:
-    """Return the value of one of `PARAMETERS` in a scene."""
-    if name == "friction":
-        return scene.friction
-    if name == "poisson_ratio":
-        return scene.material.poisson_ratio
-    if name == "viscosity":
-        law = scene.friction_law
-        return law.viscosity if isinstance(law, ViscousFriction) else 0.0
-    load = scene.load
-    if isinstance(load, IncidentWave) and name in OF_FRONT:
-        return float(getattr(load, name.removeprefix("wave_"), None) or 0.0)
-    if isinstance(load, MovingLoad) and name == "load_speed":
-        return load.speed
-    if name in OF_FRONT:  # as the viscosity of friction that has none
-        return 0.0
-    part, kind = name.split("_")
-    held = scene.base if part == "base" else load.tractions(scene.material)
-    return float(getattr(held, kind))
+    """Return the value of a number of a scene; 0 for one that it does not have, as viscosity."""
+    known = numbers_of(scene)
+    if name in known:
+        return known[name].value
+    if name in ("load_pressure", "load_shear"):  # tractions that a wave brings
+        brought = scene.load.tractions(scene.material)
+        return float(getattr(brought, name.removeprefix("load_")))
+    return 0.0
 
 
 def changes(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:

@@ -8,15 +8,13 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
+from semianalytic import Scene
 from semianalytic.scene.errors import ComputationError, SceneError
 from slipfront.cli.options import option_name
-
-if TYPE_CHECKING:  # the command line starts without the solvers
-    from semianalytic import PairSolution, Solution
 
 ALIKE = {"nodes": "resolution"}
 """Options that replace arguments a command does not have: the nodes of a march follow from them."""
@@ -47,7 +45,7 @@ def in_options(sentence: str, options: Collection[str]) -> str:
     return _NAMED.sub(replaced, _SUBJECT.sub(replaced, sentence))
 
 
-def check_converged(solution: Solution | PairSolution, label: str) -> None:
+def check_converged(solution: Any, label: str) -> None:
     """Raise ComputationError unless a solution has converged; call after printing."""
     if solution.status != "converged":
         raise ComputationError(
@@ -56,13 +54,20 @@ def check_converged(solution: Solution | PairSolution, label: str) -> None:
         )
 
 
-def check_no_march_options(given: Mapping[str, Any]) -> None:
+def check_no_march_options(given: Mapping[str, Any], problem: Any) -> None:
     """Raise SceneError if an exact solution is asked for with options of marches."""
     if given:
+        remedy = "add --method space-time" if isinstance(problem, Scene) else "leave it out"
         raise SceneError(
-            f"{option_name(next(iter(given)))} is for the space-time solver; "
-            "add --method space-time."
+            f"{option_name(next(iter(given)))} is for the space-time solver; {remedy}."
         )
+
+
+def refuse_given(options: Mapping[str, Any], reason: str) -> None:
+    """Raise SceneError for the first option that was given."""
+    for name, value in options.items():
+        if value is not None:
+            raise SceneError(f"{option_name(name)} {reason}.")
 
 
 @contextmanager

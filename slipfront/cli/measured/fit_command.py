@@ -26,11 +26,11 @@ from semianalytic.inversion.gauges import QUANTITIES
 from semianalytic.inversion.interfaces import interface_name
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.unknowns import SETUP, Setup, check_known
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown

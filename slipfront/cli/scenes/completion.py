@@ -37,14 +37,6 @@ def scene_names(incomplete: str) -> list[str]:
     return _starting([*names(), *_toml_files(incomplete)], incomplete)
 
 
-def interface_names(incomplete: str) -> list[str]:
-    """Complete names of interfaces, and TOML files."""
-    from semianalytic.interface.named import NAMED_INTERFACES
-
-    names = _starting(NAMED_INTERFACES, incomplete)
-    return names + _starting(_toml_files(incomplete), incomplete)
-
-
 def figure_names(incomplete: str) -> list[str]:
     """Complete names of figures, of slipfront and of installed packages."""
     from semianalytic.scene.plugins import FIGURES as GROUP

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich.markup import escape
@@ -16,16 +16,11 @@ from compare.comparison.documents import (
     units_document,
 )
 from compare.output.printed import Table
-from semianalytic import Scene, SceneError
+from semianalytic import SceneError
 from semianalytic.results.answer import FIELDS
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import InSI, unit
 from slipfront.cli.options import option_name, read_number
-
-if TYPE_CHECKING:  # printing one answer takes none of the others
-    from semianalytic import Marched, Pair, PairSolution, Solution
-
-    Answered = Solution | PairSolution | Marched
 
 MOST = 1000
 """Largest number of pairs of a position and a time; more are a typing error."""
@@ -37,11 +32,6 @@ _ARRIVALS: Mapping[str, str] = {
 }
 _DIGITS = 12
 """Most significant digits of a value: float64 has 16, and some go into rounding."""
-
-
-def problem_of(answer: Answered) -> Scene | Pair:
-    """Return the scene or the pair that an answer is of."""
-    return answer.pair if hasattr(answer, "pair") else answer.scene
 
 
 @dataclass(frozen=True)
@@ -58,32 +48,30 @@ class Points:
     x: tuple[float, ...]
     t: tuple[float, ...]
 
-    def end_time(self, scene: Scene) -> float:
+    def end_time(self, scene: Any) -> float:
         """Return the time a march needs: the last one, or twice that of a shear wave to x."""
         return max(self.t, default=2 * max(self.x) / scene.material.shear_speed)
 
-    def document(self, answer: Answered) -> list[dict[str, Any]]:
+    def document(self, answer: Any) -> list[dict[str, Any]]:
         """Return what happens at the points as dictionaries, one for each pair."""
         x, t = np.meshgrid(self.x, self.t or (0.0,), indexing="ij")
         return points_document(answer.reading(x, t), at=bool(self.t))
 
-    def shown_time(self, scene: Scene | Pair) -> tuple[str, float]:
+    def shown_time(self, scene: Any) -> tuple[str, float]:
         """Return the unit in which times are shown, and its size: that of the first time given."""
         first = next(iter(self.t), None)
         if isinstance(first, InSI):
             return first.name, first.size
         return unit("time", scene.units), 1.0
 
-    def with_units(self, document: dict[str, Any], answer: Answered) -> dict[str, Any]:
+    def with_units(self, document: dict[str, Any], answer: Any) -> dict[str, Any]:
         """Return the document of an answer with the points, and their units, added."""
         points = self.document(answer)
-        units = units_document(points, POINT_DIMENSIONS, problem_of(answer))
+        units = units_document(points, POINT_DIMENSIONS, answer.scene)
         return {**document, "points": points, "units": {**document["units"], "points": units}}
 
 
-def points_of(
-    scene: Scene | Pair, x: Sequence[str] | None, t: Sequence[str] | None
-) -> Points | None:
+def points_of(scene: Any, x: Sequence[str] | None, t: Sequence[str] | None) -> Points | None:
     """Return the points that --x and --t ask for, each text one or several numbers with units.
 
     Raises
@@ -110,7 +98,7 @@ def points_of(
     return points
 
 
-def _numbers(scene: Scene | Pair, name: str, texts: Sequence[str]) -> Iterator[float]:
+def _numbers(scene: Any, name: str, texts: Sequence[str]) -> Iterator[float]:
     dimension = "length" if name == "x" else "time"
     for text in (part for one in texts for part in one.split(",")):
         number = read_number(scene, name, text, dimension)
@@ -122,9 +110,9 @@ def _numbers(scene: Scene | Pair, name: str, texts: Sequence[str]) -> Iterator[f
         yield number
 
 
-def points_table(answer: Answered, points: Points) -> Table:
+def points_table(answer: Any, points: Points) -> Table:
     """Return a table of arrivals and fields at points, each with the bar of its error."""
-    scene, table = problem_of(answer), Table("at", "quantity", title="At points of the contact")
+    scene, table = answer.scene, Table("at", "quantity", title="At points of the contact")
     for name in ("value", "± error", "unit"):
         table.add_column(name, justify="left" if name == "unit" else "right")
     rows = points.document(answer)
@@ -180,7 +168,7 @@ def written(value: float, error: float, never: str = "∞") -> tuple[str, str]:
     return f"{value:.{min(max(digits, 2), _DIGITS)}g}", bar
 
 
-def _given(value: float, dimension: str, scene: Scene | Pair) -> str:
+def _given(value: float, dimension: str, scene: Any) -> str:
     """Write a number in the unit that it was given in."""
     if isinstance(value, InSI):
         return f"{value / value.size:.6g} {value.name}"

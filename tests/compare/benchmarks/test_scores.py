@@ -14,8 +14,8 @@ from compare.records.record import AFTER, QUANTITIES, Record, Records, Stated
 from compare.validation import validate
 from docs.studies.benchmarks import run_of, simulated
 from semianalytic import solve
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.overriding import override_scene
 
 SHEETS = sheets()
 PRELOADED = SHEETS["preloaded"]

@@ -14,9 +14,9 @@ from compare.comparison.rows import ALARM, BEYOND, Row
 from compare.comparison.scales import slip_rate_scale
 from fem import simulate
 from semianalytic import Material, Scene, Tractions
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED = find_scene("preloaded")
 STEEL = Scene(
@@ -27,7 +27,7 @@ ORDINARY = {
     **{f"ν = {nu}": override_scene(PRELOADED, poisson_ratio=nu) for nu in (0.29, 0, 0.45, -0.9)},
     "steel": STEEL,
 }
-"""The scenes of issue 14 that were judged wrongly."""
+"""Scenes that were once judged wrongly."""
 THIN = {"f = 0.1", "f = 0.15", "ν = 0.45", "steel"}
 """Ordinary scenes with a gap far narrower than four elements of any mesh."""
 

@@ -18,7 +18,7 @@ from docs.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
 from semianalytic import Material, Pair, Scene, SceneError, SlipWeakening, Tractions, find, solve
-from semianalytic.scene.given.overriding import override_scene
+from semianalytic.parameters.overriding import override_scene
 
 PRELOADED = find("preloaded")
 
@@ -28,7 +28,7 @@ PRELOADED = find("preloaded")
 
 @pytest.mark.slow
 def test_friction_of_a_third_is_told_from_that_of_three_tenths():
-    """The example of issue 14, at the default resolution."""
+    """Friction 0.31 against 0.30, at the default resolution."""
     run = simulated(PRELOADED, 100)
     assert judge(solved(PRELOADED), run).verdict == "agrees"
     other = judge(solved(override_scene(PRELOADED, friction=0.31)), run)
@@ -170,7 +170,7 @@ def test_two_materials_are_refused(solution):
 
 @pytest.mark.slow
 def test_a_weakening_front_agrees_or_is_unresolved():
-    """The slip-weakening scene of issue 14: f from 0.6 to 0.2 within 0.05."""
+    """Friction falls from 0.6 to 0.2 within a slip of 0.05."""
     scene = Scene(
         Material(1.0, 1.0, 0.25),
         0.6,
@@ -232,7 +232,7 @@ def test_the_first_front_is_that_of_the_faster_body_and_the_report_has_both_bodi
     document = report_document(judgement, "pair-slip")
     assert document["parameters"]["lower_material"]["shear_modulus"] == 2.5
     assert document["method"] == "self-similar"
-    assert document["semianalytic"]["pair"]["lower_material"]["density"] == 1.2
+    assert document["semianalytic"]["scene"]["lower_material"]["density"] == 1.2
     assert document["units"]["parameters"]["lower_material"]["density"] == "mass/length^3"
 
 

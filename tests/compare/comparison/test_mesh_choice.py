@@ -26,9 +26,9 @@ from fem import cost, simulate
 from fem.budget import machine_pace as measured_pace
 from fem.resolution import WEAKENING_ELEMENTS, weakening_caution
 from semianalytic import Harmonic, Material, Pulse, Scene, SceneError, SlipWeakening, Tractions
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.overriding import override_scene
 
 WEAKENING = Scene(
     Material(1.0, 1.0, 0.25),

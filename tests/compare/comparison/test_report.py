@@ -20,11 +20,11 @@ from compare.comparison.prediction import predict_like
 from compare.comparison.report import report_document, write_report
 from compare.comparison.scales import reference_values
 from semianalytic import Material, Scene, SlipWeakening, Tractions, solve
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.overriding import override_scene
 
 PRELOADED = find_scene("preloaded")
 FIELDS = {

@@ -213,7 +213,7 @@ def test_what_cannot_be_compared_is_refused(change, options, words):
         compare_interface(face, 2.0, 256, **options)
 
 
-COMMON = ["run", "rock-on-gouge", "--nodes", "256", "--end-time", "1e-3", "--quiet"]
+COMMON = ["compare", "rock-on-gouge", "--nodes", "256", "--end-time", "1e-3", "--quiet"]
 
 
 def test_the_command_compares(judged, capsys, printed, monkeypatch):
@@ -223,11 +223,11 @@ def test_the_command_compares(judged, capsys, printed, monkeypatch):
         return judged
 
     monkeypatch.setattr(judging, "compare_interface", compared)
-    assert main([*COMMON, "--compare", "--mesh-nodes", "256"]) == 0
+    assert main([*COMMON, "--mesh-nodes", "256"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "Verdict: agrees" in shown
     assert "finite elements, 256 along the interface" in shown
-    document = printed([*COMMON, "--compare", "--mesh-nodes", "256"])
+    document = printed([*COMMON, "--mesh-nodes", "256"])
     assert document["status"] == "agrees"
     assert [one["nodes"] for one in document["comparison"]["meshes"]] == [256, 128, 64]
     assert {row["kind"] for row in document["comparison"]["rows"]} >= {"slip", "pressure"}
@@ -236,9 +236,9 @@ def test_the_command_compares(judged, capsys, printed, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--mesh-nodes", "128"], "no effect without --compare"),
-        (["--compare", "--rtol", "0.1"], "no effect with --go-on"),
-        (["--compare", "--mesh-nodes", "100"], "--mesh-nodes must be a multiple of 4"),
+        (["--resolution", "128"], "is for scenes; leave it out"),
+        (["--from", "a"], "is for scenes; leave it out"),
+        (["--mesh-nodes", "100"], "--mesh-nodes must be a multiple of 4"),
     ],
 )
 def test_options_without_effect_are_refused(options, said, refused):
@@ -250,7 +250,7 @@ def test_a_difference_ends_with_1(monkeypatch, capsys):
     monkeypatch.setattr(
         judging, "line_of", lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid)
     )
-    assert main([*COMMON, "--compare", "--mesh-nodes", "128"]) == 1
+    assert main([*COMMON, "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())
 
 
@@ -261,7 +261,7 @@ def test_an_interface_on_which_nothing_happens_says_why_nothing_is_decided(tmp_p
         "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
         "[law]\nkind = 'coulomb'\nfriction = 0.3\n[run]\nend_time = 0.5\nnodes = 64\n"
     )
-    main(["run", str(path), "--compare", "--mesh-nodes", "64", "--quiet"])
+    main(["compare", str(path), "--mesh-nodes", "64", "--quiet"])
     shown = " ".join(capsys.readouterr().out.split())
     assert "Verdict: unresolved (2 agrees)." in shown
     assert "Nothing slips or opens in either answer, so that no row decides." in shown

@@ -7,8 +7,9 @@ import pytest
 
 from docs.studies.dissimilar.pairs import SCENES, random_pair
 from semianalytic import Material, Pair, Scene, SceneError, Tractions, solve
-from semianalytic.dissimilar.pair import PARAMETERS, changed, parameter_of
+from semianalytic.dissimilar.pair import PARAMETERS
 from semianalytic.dissimilar_slot.solver import coupled
+from semianalytic.parameters.numbers import numbers_of, with_numbers
 from tests.semianalytic.field.body_fields import (
     check_faces,
     departures_from_laws,
@@ -227,10 +228,12 @@ def positions(answer, count=60):
 def test_differences_of_solutions_agree(name, parameter):
     answer, derivative = answer_of(name, 1e-9), derivative_of(name, parameter)
     pair, x = answer.pair, positions(answer)
-    value = parameter_of(pair, parameter)
+    value = numbers_of(pair)[parameter].value
     step = 2e-4 * max(abs(value), 1.0)
     points, weights = (-2, -1, 1, 2), np.array([1.0, -8.0, 8.0, -1.0]) / (12 * step)
-    beside = [solve(changed(pair, parameter, value + step * point), rtol=1e-10) for point in points]
+    beside = [
+        solve(with_numbers(pair, {parameter: value + step * point}), rtol=1e-10) for point in points
+    ]
     assert derivative.status == "converged"
     for end in ("inner", "outer"):
         found = [getattr(zone, end) for zone in derivative.zones]
@@ -263,7 +266,7 @@ def test_answers_are_homogeneous(name, parameters, degrees):
     """Euler: the sum of parameters times derivatives is the field times its degree."""
     answer = answer_of(name, 1e-9)
     x, pair = positions(answer), answer.pair
-    parts = [(parameter_of(pair, one), derivative_of(name, one)) for one in parameters]
+    parts = [(numbers_of(pair)[one].value, derivative_of(name, one)) for one in parameters]
     for field, degree in zip(INTERFACE_FIELDS, degrees, strict=True):
         total = sum(value * getattr(derivative, field)(x, 1.0) for value, derivative in parts)
         values = getattr(answer, field)(x, 1.0)

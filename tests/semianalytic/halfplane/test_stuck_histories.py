@@ -34,7 +34,7 @@ HISTORIES = [
 STUCK = {"I": stuck_pressure, "II": stuck_shear, "III": partial(stuck_shear, shear_mode="III")}
 
 
-@pytest.mark.parametrize("mode", ["I", "II"])
+@pytest.mark.parametrize("mode", ["I", "II", "III"])
 @pytest.mark.parametrize("nu", [-0.4, 1 / 3, 0.45])
 def test_primitive(nu, mode):
     primitive, stuck = stuck_primitive(nu, mode), stuck_traction(nu, mode)
@@ -48,6 +48,7 @@ def test_primitive(nu, mode):
 
     assert primitive(a) == 0
     assert primitive(1.0) == pytest.approx(integral(a, 1.0), rel=1e-11)
+    assert primitive(1.03) - primitive(1.0) == pytest.approx(integral(1.0, 1.03), rel=1e-10)
     assert primitive(1.6) - primitive(1.0) == pytest.approx(integral(1.0, 1.6), rel=1e-10)
     assert primitive(30.0) - primitive(1.6) == pytest.approx(integral(1.6, 30.0), rel=1e-10)
 

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.given.overriding import override_scene
 from semianalytic.scene.given.template import in_si_units, scene_text
 
 SOLID = sf.Material(2.0, 3.0, 0.29)
@@ -207,8 +207,8 @@ def test_files_name_what_is_wrong(tmp_path):
     path = tmp_path / "scene.toml"
     for before, after, said in (
         ('kind = "incident-wave"', 'kind = "incoming"', "incident-wave, moving"),
-        ("\nangle = -20.0", "\nangel = -20.0", "no 'angel'"),
-        ("\nangle = -20.0", "\n", "needs wave, angle"),
+        ("\nangle = -20.0", "\nangel = -20.0", "unknown key load.angel; did you mean angle"),
+        ("\nangle = -20.0", "\n", "load.angle is missing"),
         ("\nangle = -20.0", '\nangle = "steep"', "between -89.9 and 89.9"),
     ):
         assert before in text

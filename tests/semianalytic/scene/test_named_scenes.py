@@ -8,11 +8,11 @@ import pytest
 from pint import UnitRegistry
 
 import slipfront as sf
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.files import read_scene
 from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
-from semianalytic.scene.given.overriding import override_scene
 
 STEEL = """
 friction = 0.4
@@ -93,8 +93,11 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
             ("friction = 0.4", f"friction = 0.4\n{line}", named)
             for line, named in (
                 ('shear_history = {kind = "sawtooth"}', "kind must be one of step, ramp"),
-                ('shear_history = {kind = "ramp"}', "kind ramp needs rise_time"),
-                ('shear_history = {kind = "ramp", rise = 1.0}', "kind ramp has no 'rise'"),
+                ('shear_history = {kind = "ramp"}', "shear_history.rise_time is missing"),
+                (
+                    'shear_history = {kind = "ramp", rise = 1.0}',
+                    "unknown key shear_history.rise; did you mean rise_time",
+                ),
                 (
                     'shear_history = {kind = "tabulated", t = [1, 0], value_at_t = [0, 1]}',
                     "must start at 0 or later and not decrease",

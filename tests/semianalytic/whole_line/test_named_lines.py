@@ -3,13 +3,13 @@
 import pytest
 
 from semianalytic import GrowingSlot, SceneError, WholeLine, find
+from semianalytic.parameters.overriding import override_line
 from semianalytic.scene.given.finding import BODIES, LINE, find_scene, kind_of
 from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
 from semianalytic.whole_line.named import (
     NAMED_LINES,
     line_document,
     line_from_document,
-    override_line,
 )
 
 SOLID = """[material]
@@ -71,7 +71,7 @@ def test_files_describe_the_named_ones(tmp_path):
         ('kind = "patch"\n', "", "belong to a scene, without contact"),
         ("patch", "path", "kind must be one of patch, point-force, half-line"),
         ("speed = 0.3\n", "", "load.speed is missing"),
-        ("speed = 0.3", 'speed = "fast"', "load.speed must be a number"),
+        ("speed = 0.3", 'speed = "fast"', "speed must be positive and finite, got 'fast'"),
         ("shear = 1.0", "sheer = 1.0", "unknown key load.sheer; did you mean shear"),
         ("friction = 0.5", "", "friction is missing"),
         ("friction = 0.5", "friction = 0.5\ngrowth = 1", "not both"),

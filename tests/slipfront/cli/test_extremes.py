@@ -17,10 +17,10 @@ from compare.comparison.rows import shown_number
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.figures.histories import comparison_figures
 from fem import simulate
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli.compare_command import write_comparison
 
 STEEL = {"shear_modulus": 80e9, "density": 7800.0}
@@ -141,25 +141,6 @@ def test_what_is_less_than_nothing_agrees_with_nothing(share, verdict):
     (row,) = (row for row in rows if row.name == "slip rate, largest")
     assert (row.at_nodes, row.verdict) == (0.0, verdict)
     assert row.simulated == row.difference == pytest.approx(share)
-
-
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("name", ["more friction", "frictionless"])
-def test_edges_that_the_mesh_cannot_show_are_unresolved(name):
-    """A zone of a third of an element, and reverse slip beside c_R without friction."""
-    solution = solved(scene_of(name))
-    assert solution.zones
-    rows = edges_of(solution)
-    assert rows
-    for row in rows:
-        assert row.verdict == "unresolved"
-        assert "elements" in row.obstacle
-        assert row.resolution is None or row.resolution > 60
-
-
-def edges_of(solution, resolution=60):
-    rows = judge(solution, faultless(solution, resolution)).rows
-    return [row for row in rows if row.kind == "zone edge"]
 
 
 def test_numbers_of_a_table_keep_their_digits_whatever_their_size():

@@ -56,9 +56,9 @@ def test_a_lower_body_of_another_kind_is_solved_and_recorded(
     monkeypatch.setattr("slipfront.cli.field_command.solve", solved)
     gauges = "--gauge=0.5,0 --gauge=0.5,-0.2 --points 4 --samples 3 --output ."
     document = printed(f"field preloaded --lower-shear-modulus 2.25 {gauges}")
-    pair = document["pair"]
+    pair = document["scene"]
     assert (pair["material"]["shear_modulus"], pair["lower_material"]["shear_modulus"]) == (1, 2.25)
-    assert document["units"]["pair"]["lower_material"]["shear_modulus"] == "stress"
+    assert document["units"]["scene"]["lower_material"]["shear_modulus"] == "stress"
     scene = find("preloaded")
     lower = replace(scene.material, shear_modulus=2.25)
     answer = solved(pair_of(scene, lower))

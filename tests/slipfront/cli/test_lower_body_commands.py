@@ -9,8 +9,8 @@ import pytest
 import slipfront as sf
 from fem import load_simulation
 from semianalytic.scene.given.finding import find_blocks, find_scene
+from slipfront.cli import solve_command
 from slipfront.cli.commands import main
-from slipfront.cli.scenes import pairs
 
 FILE = """friction = 0.3
 [material]
@@ -76,12 +76,12 @@ def test_functions_of_a_scene_say_what_can(name):
 def test_a_file_of_two_bodies_is_solved(shown, printed, monkeypatch):
     known, line = solved(), "solve two.toml --x 0.5 --t 1 --end-time 2"
     document = printed(line)
-    assert document["pair"]["lower_material"]["density"] == 2.0
+    assert document["scene"]["lower_material"]["density"] == 2.0
     assert document["zones"][0]["outer"] == known.zones[0].outer
     assert document["points"][0]["slip_rate"]["value"] == float(known.slip_rate(0.5, 1.0))
     assert document["until_end_time"]["largest_slip"] == pytest.approx(float(known.max_slip(2.0)))
-    assert document["units"]["wave_speeds"]["lower"]["shear"] == "length/time"
-    monkeypatch.setattr(pairs, "solve", lambda pair, **_: known)
+    assert document["units"]["wave_speeds"] == "length/time"
+    monkeypatch.setattr(solve_command, "solve", lambda pair, **_: known)
     said = shown(line).out
     for words in ("open", "c_R, c_t, c_l, lower body", "forward slip comes", "converged"):
         assert words in said
@@ -89,21 +89,21 @@ def test_a_file_of_two_bodies_is_solved(shown, printed, monkeypatch):
 
 
 def test_options_describe_the_lower_body_in_units(tmp_path, printed, monkeypatch):
-    monkeypatch.setattr(pairs, "solve", lambda pair, **_: sf.solve(pair, rtol=1e-4))
+    monkeypatch.setattr(solve_command, "solve", lambda pair, **_: sf.solve(pair, rtol=1e-4))
     text = 'units = "SI"\n' + FILE.replace("shear_modulus = 1.0", "shear_modulus = 1e9")
     upper, _, rest = text.partition("[lower_material]")
     (tmp_path / "si.toml").write_text(upper + "[base]" + rest.partition("[base]")[2])
     line = "solve si.toml --lower-shear-modulus 4GPa --lower-density 2g/cm3 --density 1000"
     document = printed(line)
     lower = {"shear_modulus": 4e9, "density": 2000.0, "poisson_ratio": 0.25}
-    assert document["pair"]["lower_material"] == lower
-    assert document["units"]["wave_speeds"]["upper"]["rayleigh"] == "m/s"
+    assert document["scene"]["lower_material"] == lower
+    assert document["units"]["wave_speeds"] == "m/s"
 
 
 def test_numbers_that_make_both_bodies_alike_are_an_ordinary_scene(printed):
     alike = "--lower-density 1 --lower-shear-modulus 1 --lower-poisson-ratio 0.25"
     document = printed(f"solve two.toml {alike}")
-    assert "pair" not in document
+    assert "lower_material" not in document["scene"]
     scene = sf.Scene(UPPER, 0.3, PAIR.base, PAIR.load)
     assert document["zones"][0]["outer"] == sf.solve(scene).zones[0].outer
 

@@ -5,9 +5,9 @@ import shlex
 import pytest
 import xarray
 
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.overriding import override_scene
 from slipfront.cli.survey_command import typed_values
 
 GRID = "survey preloaded --friction 0.2,0.9 --poisson-ratio 0.1:0.7:3 --quiet --output a.nc"

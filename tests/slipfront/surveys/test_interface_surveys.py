@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.interface.parameters import interface_at, interface_parameters
+from semianalytic.parameters.numbers import numbers_of, with_numbers
 from slipfront.surveys.run import survey
 
 FAULT = """
@@ -43,19 +43,19 @@ def fault(tmp_path, monkeypatch):
 
 
 def test_every_number_can_be_changed_alone(fault):
-    known = interface_parameters(fault.interface)
+    known = numbers_of(fault.interface)
     assert {"law_static", "radius", "load_1_shear_factor", "load_1_history_rise_time"} <= set(known)
     assert {"contact_1_end", "contact_2_begin", "shear_factor", "load_2_shear"} <= set(known)
     for name, parameter in known.items():
         value = parameter.value * 1.1 + 0.01 * (parameter.value == 0)
-        changed = interface_parameters(interface_at(fault.interface, {name: value}))
+        changed = numbers_of(with_numbers(fault.interface, {name: value}))
         others = {key for key in known if changed[key].value != known[key].value}
         assert others == {name}
         assert changed[name].value == value
-    moved = interface_at(fault.interface, {"contact_1_end": 2.5, "contact_2_begin": 4.5})
+    moved = with_numbers(fault.interface, {"contact_1_end": 2.5, "contact_2_begin": 4.5})
     assert moved.contact.intervals[1:] == ((-2.5, 2.5), (4.5, np.inf))
     assert moved.contact.intervals[0][1] == -4.5
-    wide = interface_at(fault.interface, {"radius": 2.0, "shear_factor": 3.0})
+    wide = with_numbers(fault.interface, {"radius": 2.0, "shear_factor": 3.0})
     assert wide.loads[0].traction([1.5], 1.0).tolist() == [0.6]
     assert wide.shear(np.array([0.0])) == pytest.approx(0.9)
 
@@ -65,7 +65,7 @@ def test_points_are_those_of_single_runs(fault):
     found = survey("fault.toml", law_distance=[0.8, 1.2], radius=[1.5, 0.5], **places, workers=1)
     for distance, radius in ((0.8, 1.5), (1.2, 0.5)):
         point = found.sel(law_distance=distance, radius=radius)
-        own = interface_at(fault.interface, {"law_distance": distance, "radius": radius})
+        own = with_numbers(fault.interface, {"law_distance": distance, "radius": radius})
         done = sf.solve(own, end_time=2.0, nodes=32, times=[1.0])
         assert point.status == done.status
         assert point.error_estimate == done.error_estimates["slip"]

@@ -10,10 +10,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import slipfront as sf
+from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document
 from slipfront.surveys import survey
-from slipfront.surveys.parameters import parameters_of, scene_at
 
 SOLID = sf.Material(80e9, 7800.0, 0.29)
 STEEL = sf.Scene(SOLID, 0.25, sf.Tractions(5e6, 0.0), sf.Tractions(0.0, 5e6), units="SI")
@@ -51,11 +51,11 @@ def test_a_grid_holds_what_single_solutions_say():
     assert dict(data.sizes) == {"friction": 3, "poisson_ratio": 2, "zone": 2, "edge": 2, "mode": 2}
     for friction in (0.1, 0.2, 0.9):
         for ratio in (0.1, 0.4):
-            scene = scene_at(STEEL, {"friction": friction, "poisson_ratio": ratio})
+            scene = with_numbers(STEEL, {"friction": friction, "poisson_ratio": ratio})
             assert_holds(data.sel(friction=friction, poisson_ratio=ratio), sf.solve(scene))
     counts = (data.sense != 0).sum("zone").values
     assert {1, 2} <= set(counts.ravel().tolist())
-    solids = [scene_at(STEEL, {"poisson_ratio": one}).material for one in (0.1, 0.4)]
+    solids = [with_numbers(STEEL, {"poisson_ratio": one}).material for one in (0.1, 0.4)]
     for name in ("rayleigh", "shear", "longitudinal"):
         speeds = [getattr(solid, f"{name}_speed") for solid in solids]
         assert data[f"{name}_speed"].dims == ("poisson_ratio",)
@@ -83,7 +83,7 @@ def test_every_variable_has_unit_and_meaning():
 def test_fields_and_totals_are_those_of_solutions():
     x, t = [0.1, 0.25], [5e-5, 1e-4]
     data = survey(STEEL, friction=[0.2, 0.3], x=x, t=t, fields=["slip_rate", "slip"], rtol=1e-9)
-    solution = sf.solve(scene_at(STEEL, {"friction": 0.3}))
+    solution = sf.solve(with_numbers(STEEL, {"friction": 0.3}))
     there = data.sel(friction=0.3)
     for name in ("slip_rate", "slip"):
         known = getattr(solution, name)(np.array(x), np.array(t)[:, None])
@@ -107,7 +107,7 @@ def test_refused_points_say_why_and_lose_nothing_else():
     statuses = tension.sel(base_pressure=0.0).status.values
     assert all(status.startswith("scene: under a base pressure of 0") for status in statuses)
     for friction in (0.2, 0.3):
-        scene = scene_at(sf.find("tap"), {"friction": friction, "base_pressure": 0.02})
+        scene = with_numbers(sf.find("tap"), {"friction": friction, "base_pressure": 0.02})
         where = tension.sel(friction=friction, base_pressure=0.02)
         assert_holds(where, sf.solve(scene, rtol=1e-6))
 
@@ -136,7 +136,7 @@ def test_marches_hold_their_numbers():
     data = survey(WEAKENING, **values, end_time=0.8, nodes=60)
     assert data.friction_law_reduction.dims == ("friction_law_reduction",)
     assert float(data.shear_history_rise_time) == 0.4
-    scene = scene_at(WEAKENING, {"friction_law_reduction": 0.3, "shear_history_rise_time": 0.4})
+    scene = with_numbers(WEAKENING, {"friction_law_reduction": 0.3, "shear_history_rise_time": 0.4})
     march = sf.solve(scene, end_time=0.8, nodes=60)
     there = data.sel(friction_law_reduction=0.3)
     assert float(there.largest_slip) == march.seen.slip.max()
@@ -151,7 +151,7 @@ def test_marches_hold_their_numbers():
 def test_a_viscosity_turns_friction_viscous_and_back():
     data = survey(PRELOADED, viscosity=[0.0, 0.2], friction=[0.2, 0.4])
     for viscosity in (0.0, 0.2):
-        scene = scene_at(PRELOADED, {"viscosity": viscosity, "friction": 0.4})
+        scene = with_numbers(PRELOADED, {"viscosity": viscosity, "friction": 0.4})
         assert isinstance(scene.friction_law, sf.ViscousFriction) == bool(viscosity)
         assert_holds(data.sel(viscosity=viscosity, friction=0.4), sf.solve(scene, rtol=1e-6))
 
@@ -172,7 +172,7 @@ def test_lists_of_points_are_single_solutions_within_estimates(points):
     data = survey(PRELOADED, together=True, workers=1, **values)
     assert data.sizes["point"] == len(points)
     for i, numbers in enumerate(zip(*values.values(), strict=True)):
-        scene = scene_at(PRELOADED, dict(zip(values, numbers, strict=True)))
+        scene = with_numbers(PRELOADED, dict(zip(values, numbers, strict=True)))
         assert_holds(data.isel(point=i), sf.solve(scene, rtol=1e-6))
 
 
@@ -184,7 +184,7 @@ def test_many_points_of_a_plane_are_single_solutions():
     assert (data.origin == "interpolated").sum() > 50
     for i, j in np.random.default_rng(1).integers(0, 20, (12, 2)):
         values = {"friction": friction[i], "poisson_ratio": ratio[j]}
-        assert_holds(data.sel(**values), sf.solve(scene_at(PRELOADED, values), rtol=1e-6))
+        assert_holds(data.sel(**values), sf.solve(with_numbers(PRELOADED, values), rtol=1e-6))
 
 
 @pytest.mark.parametrize(
@@ -234,13 +234,13 @@ def test_what_cannot_be_surveyed_is_refused_in_one_sentence(values, options, sai
 
 
 def test_every_number_of_a_scene_is_a_parameter():
-    assert set(parameters_of(WEAKENING)) == {
+    assert set(numbers_of(WEAKENING)) == {
         *("friction", "shear_modulus", "density", "poisson_ratio"),
         *("base_pressure", "base_shear", "load_pressure", "load_shear"),
         *("shear_history_rise_time", "friction_law_reduction", "friction_law_distance"),
     }
-    assert {"viscosity"} == set(parameters_of(PRELOADED)) - set(parameters_of(WEAKENING))
-    changed = scene_at(WEAKENING, {"base_pressure": 2.0, "friction_law_distance": 0.1})
+    assert {"viscosity"} == set(numbers_of(PRELOADED)) - set(numbers_of(WEAKENING))
+    changed = with_numbers(WEAKENING, {"base_pressure": 2.0, "friction_law_distance": 0.1})
     assert changed.base.pressure == 2.0
     assert changed.friction_law == sf.SlipWeakening(0.2, 0.1)
 

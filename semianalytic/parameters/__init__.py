@@ -1,0 +1,1 @@
+"""Numbers of problems by name, and problems with other numbers."""

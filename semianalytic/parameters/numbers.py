@@ -1,0 +1,251 @@
+"""The numbers of a problem by name: those that surveys, fits, derivatives and options change.
+
+Names are those of files with underscores for dots, as base_pressure or friction_law_distance; the
+numbers of the upper body have no prefix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any, TypeVar
+
+from semianalytic.scene.checks import finite
+from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.incident import IncidentWave
+from semianalytic.scene.units import PARAMETERS
+
+_OWN: Mapping[str, str] = {
+    "length": "length",
+    "held": "length",
+    "pressure": "stress",
+    "shear": "stress",
+    "rate": "length / time",
+    "plate_rate": "length / time",
+}
+"""Dimensions of the numbers of an interface itself."""
+_LAW: Mapping[str, str] = {
+    **dict.fromkeys(("friction", "static", "dynamic", "a", "b", "f0", "weakened"), "1"),
+    **{"cohesion": "stress", "viscosity": "stress time / length"},
+    **dict.fromkeys(("delay", "theta", "arrival", "fall"), "time"),
+    **dict.fromkeys(("distance", "delay_slip"), "length"),
+    **dict.fromkeys(("rate", "v0", "weakening_rate"), "length / time"),
+}
+"""Dimensions of the parameters of laws by name; those of other laws may go by the same names."""
+_ADHESION: Mapping[str, str] = {"strength": "stress", "length": "length"}
+"""Dimensions of the numbers of adhesion."""
+_PARTS: Mapping[str, str] = {
+    **{"material": "", "upper": "", "lower": "lower_", "base": "base_", "load": "load_"},
+    **{f"{name}_history": f"{name}_history_" for name in ("pressure", "shear")},
+    "friction_law": "friction_law_",
+}
+"""Prefixes of the numbers of the parts of a scene or pair."""
+
+Problem = TypeVar("Problem")
+Path = tuple[Any, ...]
+"""Names of fields, and places in tuples, from the problem to one of its numbers."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of a problem.
+
+    Attributes
+    ----------
+    value : float
+        Its value.
+    dimension : str
+        Its dimension, such as "length / time".
+    targets : tuple of (path, sign)
+        Where it stands: several places if ends of contacts mirror one another.
+    """
+
+    value: float
+    dimension: str
+    targets: tuple[tuple[Path, float], ...]
+
+
+def spelled(given: str) -> str:
+    """Return a name that is spelled as in TOML, dotted, or with underscores, with underscores."""
+    name = given.replace(".", "_").replace("-", "_").removeprefix("material_")
+    return name.replace("lower_material_", "lower_")
+
+
+def numbers_of(problem: Any) -> dict[str, Number]:
+    """Return all numbers of a scene, a pair or an interface by name.
+
+    A field that is a function, an expression or a table has the number NAME_factor, by which it is
+    multiplied; numbers that an expression names are numbers of their own.  Constant friction has a
+    viscosity of 0.
+
+    Examples
+    --------
+    >>> from semianalytic import find
+    >>> from semianalytic.parameters.numbers import numbers_of, with_numbers
+    >>> scene = with_numbers(find("preloaded"), {"friction": 0.2, "base_pressure": 2.0})
+    >>> scene.friction, scene.base.pressure, numbers_of(scene)["base_pressure"].dimension
+    (0.2, 2.0, 'stress')
+    """
+    problem = getattr(problem, "interface", problem)
+    found: dict[str, Number] = {}
+    if not hasattr(problem, "contact"):
+        _add_scene(found, problem)
+        return found
+    for name in _OWN:
+        _add_field(found, name, _OWN[name], getattr(problem, name), (name,))
+    for solid, prefix in (("material", ""), ("lower_material", "lower_")):
+        if getattr(problem, solid) is not None:
+            _add_numbers(found, prefix, getattr(problem, solid), (solid,), PARAMETERS)
+    _add_numbers(found, "law_", problem.law, ("law",), _LAW)
+    _add_numbers(found, "adhesion_", problem.adhesion, ("adhesion",), _ADHESION)
+    for number, load in enumerate(problem.loads):
+        prefix = "load_" if len(problem.loads) == 1 else f"load_{number + 1}_"
+        _add_load(found, prefix, load, ("loads", number))
+    for name, parameter in _ends(problem.contact, problem.even):
+        found[name] = parameter
+    return found
+
+
+def _add_scene(found: dict[str, Number], scene: Any) -> None:
+    """Add the numbers of a scene, a pair, or a whole line."""
+    _add_field(found, "friction", "1", scene.friction, ("friction",))
+    for part, prefix in _PARTS.items():
+        held = getattr(scene, part, None)  # pairs have no histories, and scenes no second body
+        prefix = "wave_" if isinstance(held, IncidentWave) else prefix
+        _add_numbers(found, prefix, held, (part,), PARAMETERS)
+    if "wave_angle" in found:
+        found["angle"] = found.pop("wave_angle")
+    law = getattr(scene, "friction_law", None)  # whole lines have none
+    if isinstance(law, CoulombFriction | ViscousFriction):
+        found.pop("friction_law_viscosity", None)
+        viscosity = getattr(law, "viscosity", 0.0)
+        path: Path = ("friction_law", "viscosity")
+        found["viscosity"] = Number(viscosity, PARAMETERS["viscosity"], ((path, 1.0),))
+
+
+def _add_field(found: dict[str, Number], name: str, dimension: str, value: Any, path: Path) -> None:
+    """Add the number of a field, or the factor of one that varies, and the numbers it names."""
+    number = finite(value)
+    if number is not None:
+        found[name] = Number(number, dimension, ((path, 1.0),))
+        return
+    if not callable(value):
+        return
+    factor = getattr(value, "factor", 1.0)
+    found[f"{name}_factor"] = Number(factor, "1", (((*path, "factor"), 1.0),))
+    inside = getattr(value, "field", value)
+    for key, number in getattr(inside, "numbers", {}).items():
+        # One named number may stand in several expressions, and changes in all of them.
+        before = found[key].targets if key in found else ()
+        found[key] = Number(number, "1", (*before, ((*path, key), 1.0)))
+
+
+def _add_numbers(
+    found: dict[str, Number], prefix: str, part: Any, path: Path, known: Mapping[str, str]
+) -> None:
+    """Add all numbers of a part that is a dataclass."""
+    for one in fields(part) if is_dataclass(part) else ():
+        # laws and histories of other packages declare dimensions themselves
+        dimension = one.metadata.get("dimension", known.get(one.name, "1"))
+        value = getattr(part, one.name)
+        _add_field(found, f"{prefix}{one.name}", dimension, value, (*path, one.name))
+
+
+def _add_load(found: dict[str, Number], prefix: str, load: Any, path: Path) -> None:
+    """Add the numbers of a load, and of its front and history."""
+    for one in fields(load):
+        value, name = getattr(load, one.name), f"{prefix}{one.name}"
+        if one.name in ("front", "history"):
+            inner = prefix if one.name == "front" else f"{name}_"
+            if is_dataclass(value):
+                _add_numbers(found, inner, value, (*path, one.name), PARAMETERS)
+            elif callable(value):
+                _add_field(found, name, "1", value, (*path, one.name))
+        # Without a history the load is one expression of x and t, which has no number beside it.
+        elif callable(value) or getattr(load, "history", load) is not None:
+            _add_field(found, name, _LOAD.get(one.name, "1"), value, (*path, one.name))
+
+
+_LOAD: Mapping[str, str] = {"shear": "stress", "pressure": "stress", "at": "length"}
+
+
+def _ends(contact: Any, even: bool) -> Iterator[tuple[str, Number]]:
+    """Yield the finite ends of contacts; of an even interface those at x > 0, with their images."""
+    places = [
+        (number, side, end)
+        for number, interval in enumerate(contact.intervals)
+        for side, end in enumerate(interval)
+        if finite(end) is not None
+    ]
+    counted: dict[int, int] = {}
+    for number, side, end in places:
+        # The image of an end on an even line is no parameter of its own, or fits would break
+        # symmetry.
+        if even and end <= 0:
+            continue
+        own = counted.setdefault(number, len(counted) + 1)
+        mirrored = [(n, s) for n, s, other in places if even and other == -end]
+        targets = [(("contact", number, side), 1.0)]
+        targets += [(("contact", n, s), -1.0) for n, s in mirrored]
+        alone = len({n for n, _, one in places if not even or one > 0}) == 1
+        name = f"contact_{'' if alone else f'{own}_'}{('begin', 'end')[side]}"
+        yield name, Number(end, "length", tuple(targets))
+
+
+def with_numbers(problem: Problem, values: Mapping[str, float], **parts: Any) -> Problem:
+    """Return a scene, a pair or an interface with other values of some of `numbers_of`.
+
+    All are replaced at once, and with them whole `parts` by name, for one change after the other
+    might pass through a scene that does not exist.  A viscosity turns constant friction into
+    viscous friction, and 0 turns it back.
+
+    Raises
+    ------
+    SceneError
+        If a value is out of range.
+    """
+    known = numbers_of(problem)
+    changes = {
+        path: sign * value for name, value in values.items() for path, sign in known[name].targets
+    }
+    if hasattr(problem, "interface"):
+        changes = {("interface", *path): value for path, value in changes.items()}
+    changes |= {(name,): part for name, part in parts.items()}
+    changed: Problem = _changed(problem, changes) if changes else problem
+    return changed
+
+
+def _changed(part: Any, changes: Mapping[Path, float]) -> Any:
+    """Return a part with other numbers, by their paths."""
+    # The path ends here: this is the number itself.
+    if () in changes:
+        return changes[()]
+    # Fields are functions: their numbers are a common factor and those that an expression names.
+    if callable(part) and not isinstance(part, type):
+        from semianalytic.interface.fields import Scaled  # scenes have numbers alone
+
+        factor = {path[0]: value for path, value in changes.items()}.pop("factor", None)
+        named = {path[0]: value for path, value in changes.items() if path[0] != "factor"}
+        if isinstance(part, Scaled):
+            inner = part.field.with_numbers(named) if named else part.field
+            return Scaled(inner, part.factor if factor is None else factor)
+        inner = part.with_numbers(named) if named else part
+        return inner if factor is None else Scaled(inner, factor)
+    heads = dict.fromkeys(path[0] for path in changes)
+    below = {
+        head: {path[1:]: value for path, value in changes.items() if path[0] == head}
+        for head in heads
+    }
+    if hasattr(part, "intervals"):
+        return replace(part, intervals=_changed(part.intervals, changes))
+    if isinstance(part, CoulombFriction):
+        viscosity = changes[("viscosity",)]
+        return ViscousFriction(viscosity) if viscosity else part
+    if isinstance(part, ViscousFriction) and not changes[("viscosity",)]:
+        return CoulombFriction()
+    if isinstance(part, tuple):
+        return tuple(
+            _changed(one, below[number]) if number in below else one
+            for number, one in enumerate(part)
+        )
+    return replace(part, **{head: _changed(getattr(part, head), below[head]) for head in heads})

@@ -1,0 +1,73 @@
+"""Override single parameters of a scene, as the options of commands do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from semianalytic.parameters.numbers import Problem, numbers_of, with_numbers
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import overridden_load
+from semianalytic.scene.quantities import in_units_of
+from semianalytic.scene.scene import Scene
+from semianalytic.scene.units import PARAMETERS
+
+_LOADS = ("load_pressure", "load_shear", "load_speed")
+_WAVES = {"angle": "angle", "wave_velocity": "velocity", "wave_stress": "stress"}
+
+
+def override_scene(
+    scene: Scene,
+    *,
+    units: str | None = None,
+    mode: str | None = None,
+    load_on: str | None = None,
+    wave: str | None = None,
+    wave_from: str | None = None,
+    **numbers: float | None,
+) -> Scene:
+    """Return a scene with every parameter replaced that is not None.
+
+    Numbers go by their names in `parameters.numbers`, and dimensions are those of `Scene`,
+    `Material` and `Tractions`.  A viscosity turns constant friction into viscous friction, and 0
+    turns it back.  `wave`, `angle`, `wave_velocity` or `wave_stress` and `wave_from` are those of
+    an `IncidentWave`, in place of whatever the scene's load is; `load_speed` is that of a
+    `MovingLoad`, which takes the scene's tractions.  Numbers with units, as quantities of pint,
+    need a scene in SI units.
+
+    Raises
+    ------
+    SceneError
+        If the resulting scene is not admissible, or a viscosity is given for friction that weakens.
+    """
+    # First, since quantities with units are allowed in a scene in SI units alone.
+    scene = scene if units is None else replace(scene, units=units)
+    given = {name: value for name, value in numbers.items() if value is not None}
+    for name, value in given.items():
+        parameter = name.removeprefix("base_").removeprefix("load_")
+        in_units_of(scene.units, name.replace("_", " "), value, PARAMETERS[parameter])
+    loads = {name.removeprefix("load_"): given.pop(name, None) for name in _LOADS}
+    waves = {field: given.pop(name, None) for name, field in _WAVES.items()}
+    if "viscosity" in given.keys() - numbers_of(scene).keys():
+        raise SceneError(
+            "viscosity goes with constant or viscous friction only, and this scene's weakens; "
+            "leave viscosity out, or take out the scene's friction law."
+        )
+    words = {name: one for name, one in (("mode", mode), ("load_on", load_on)) if one is not None}
+    load = overridden_load(scene.load, loads, {**waves, "kind": wave, "from_": wave_from})
+    return with_numbers(scene, given, load=load, **words)
+
+
+def override_line(problem: Problem, mode: str | None = None, **values: Any) -> Problem:
+    """Return a whole line or growing load with every parameter replaced that is not None.
+
+    Raises
+    ------
+    SceneError
+        If the problem has no such parameter, or is not admissible with it.
+    """
+    given = {name: value for name, value in values.items() if value is not None}
+    for name in given:
+        if name not in numbers_of(problem):
+            raise SceneError(f"{name} is a parameter of scenes with a slot alone; leave it out.")
+    return with_numbers(problem, given, **({} if mode is None else {"mode": mode}))

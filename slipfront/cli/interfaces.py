@@ -1,0 +1,187 @@
+"""``slipfront solve`` and ``slipfront compare`` of interfaces."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+
+from compare.comparison.rows import DIFFERS
+from compare.output.places import check_file, save_somewhere
+from compare.output.printed import Table
+from compare.output.progress import progress_bar
+from semianalytic import InterfaceFile, Run, find, solve
+from semianalytic.results.files import write_bytes
+from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.extras import FEM, XARRAY, require
+from semianalytic.scene.units import InSI
+from slipfront.cli.endings.interruption import INTERRUPTED
+from slipfront.cli.terminal import interface_table, print_json, verdict_text
+
+if TYPE_CHECKING:
+    from compare.interfaces.judging import InterfaceJudgement
+
+_SHARES = 1000
+"""Parts of the end time that the progress bar counts."""
+
+
+def solve_interface(
+    source: str,
+    settings: dict[str, Any],
+    save: Path | None = None,
+    go_on: Path | None = None,
+    *,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """March an interface with settings of `solve`, save the run, and print it.
+
+    Raises
+    ------
+    ComputationError
+        If the run is unresolved; it is printed before.
+    """
+    found = _found(source, settings)
+    if save is not None:
+        check_file(save)
+        if save.suffix == ".nc":
+            require("a NetCDF file", *XARRAY)
+    if go_on is not None:
+        settings["go_on"] = Run.load(go_on, found.interface)
+    with progress_bar(Console(stderr=True), quiet or as_json, "marching") as show:
+
+        def progress(time: float, last: float) -> None:
+            show(int(_SHARES * time / last), _SHARES)
+
+        done = solve(found, **settings, progress=progress)
+    if save is not None and save.suffix == ".nc":
+        # In memory first, for HDF5 files are spoiled if the disk becomes full.
+        content = done.to_xarray().to_netcdf(engine="h5netcdf")
+        save_somewhere(lambda path: write_bytes(path, content), save, save.name)
+    elif save is not None:
+        save_somewhere(done.save, save, save.name)
+    if as_json:
+        document = _document(done, source)
+        files = [] if save is None else [save]
+        print_json("solve", document, status=done.status, files=files)
+    else:
+        Console().print(_table(done, source))
+        if save is not None:
+            Console().print(f"Saved in {save}", highlight=False)
+    _end(done, source)
+
+
+def compare_interfaces(
+    source: str, settings: dict[str, Any], mesh_nodes: int | None, *, as_json: bool, quiet: bool
+) -> None:
+    """March and simulate an interface with settings of `compare_interface`, and print both.
+
+    Raises
+    ------
+    ComputationError
+        If the run is unresolved; it is printed before.
+    """
+    found = _found(source, settings)
+    require("slipfront compare", *FEM)
+    from compare.interfaces.judging import compare_interface
+
+    settings = {"end_time": found.end_time, **found.options, **settings}
+    with progress_bar(Console(stderr=True), quiet or as_json, "simulating") as show:
+        judgement = compare_interface(
+            found.interface, **settings, mesh_nodes=mesh_nodes, progress=show
+        )
+    if as_json:
+        document = _document(judgement.run, source) | {"comparison": _comparison(judgement)}
+        print_json("compare", document, status=judgement.verdict)
+    else:
+        Console().print(_table(judgement.run, source))
+        Console().print(interface_table(judgement, source))
+        Console().print(verdict_text(judgement, ("nodes", "mesh_nodes")), highlight=False)
+    if judgement.verdict == DIFFERS:
+        raise typer.Exit(1)
+    _end(judgement.run, source)
+
+
+def _found(source: str, settings: dict[str, Any]) -> InterfaceFile:
+    if isinstance(settings.get("end_time"), InSI):
+        raise SceneError(
+            "--end-time has a unit, but interfaces do not say which units their numbers have; "
+            "give a number alone."
+        )
+    found: InterfaceFile = find(source)
+    return found
+
+
+def _end(done: Run, source: str) -> None:
+    if done.is_interrupted:
+        raise typer.Exit(INTERRUPTED)
+    if done.status != "done":
+        raise ComputationError(f"{source} is {done.status}")
+
+
+def _document(done: Run, name: str) -> dict[str, Any]:
+    """Return what --json prints of a run."""
+    on = np.abs(done.slip[-1][done.touching])
+    steps = np.diff(done.step_times)
+    return {
+        "interface": name,
+        "nodes": done.nodes,
+        "end_time": done.end_time,
+        "steps": done.steps,
+        "shortest_step": float(steps.min()),
+        "longest_step": float(steps.max()),
+        "frames": len(done.t),
+        "largest_slip": float(on.max()),
+        "largest_slip_rate": float(done.peak_rates.max()),
+        "slipping": float(np.mean(np.abs(done.slip_rate[-1][done.touching]) > 0)),
+        "largest_gap": float(done.gap[:, done.touching].max()),
+        "error_estimates": dict(done.error_estimates),
+        "caution": done.caution,
+        "units": {
+            **dict.fromkeys(("end_time", "shortest_step", "longest_step"), "time"),
+            **dict.fromkeys(("largest_slip", "largest_gap"), "length"),
+            "largest_slip_rate": "length / time",
+            "slipping": "1",
+        },
+    }
+
+
+def _comparison(judgement: InterfaceJudgement) -> dict[str, Any]:
+    """Return what --json prints of a comparison."""
+    return {
+        "verdict": judgement.verdict,
+        "counts": judgement.counts,
+        "meshes": [
+            {name: getattr(one, name) for name in ("nodes", "steps", "unknowns", "imbalance")}
+            for one in judgement.simulations
+        ],
+        "rows": [{**asdict(row), "verdict": row.verdict} for row in judgement.rows],
+    }
+
+
+def _table(done: Run, name: str) -> Table:
+    """Return a run as a table."""
+    shown = _document(done, name)
+    table = Table("quantity", "value", "unit", title=name)
+    table.add_row("until", f"t = {done.end_time:.6g}", "time")
+    table.add_row("nodes, frames", f"{done.nodes}, {len(done.t)}")
+    table.add_row(
+        "steps",
+        f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}",
+        "time",
+    )
+    table.add_row("largest slip", f"{shown['largest_slip']:.6g}", "length")
+    table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}", "length/time")
+    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} %", "of the contact")
+    if done.interface.may_open:
+        table.add_row("largest gap", f"{shown['largest_gap']:.6g}", "length")
+    for quantity, error in done.error_estimates.items():
+        table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}", "relative")
+    table.add_row("status", done.status)
+    if done.caution:
+        table.add_row("caution", done.caution)
+    return table
