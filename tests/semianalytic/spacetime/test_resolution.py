@@ -327,7 +327,7 @@ def test_stored_history_is_thinned_to_fit(capsys, tmp_path):
 
 
 def test_json_says_what_is_unresolved(capsys):
-    assert main(["solve", "ramp", "--friction", "30", "--nodes", "50", "--json"]) == 0
+    assert main(["solve", "ramp", "--friction", "30", "--nodes", "50", "--json"]) == 4
     assert json.loads(capsys.readouterr().out)["status"] == "unresolved"
-    assert main(["solve", "ramp", "--friction", "30", "--nodes", "50"]) == 0
+    assert main(["solve", "ramp", "--friction", "30", "--nodes", "50"]) == 4
     assert "unresolved" in capsys.readouterr().out
