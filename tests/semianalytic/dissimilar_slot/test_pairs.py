@@ -12,7 +12,7 @@ from docs.studies.dissimilar.errors import error_of
 from docs.studies.dissimilar.pairs import SCENES, random_pair
 from semianalytic.dissimilar_slot.solver import coupled
 from semianalytic.scene.given.finding import find_blocks, find_scene, scene_label
-from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_PAIRS
 from slipfront.cli.scenes.completion import scene_names
 
 X = np.linspace(0.02, 1.95, 160)
@@ -264,11 +264,6 @@ def test_nothing_moves_without_a_load_or_before_it():
     assert "slip at 0 < x/t < 0.40" in repr(answer)
     with pytest.raises(sf.SceneError, match="x > 0"):
         answer.slip(-1.0, 1.0)
-
-
-def test_no_name_is_taken_twice():
-    assert not set(NAMED_PAIRS) & {*NAMED_SCENES, *LINES}
-    assert all(one.lower is None for one in NAMED_SCENES.values())
 
 
 @every_name

@@ -261,10 +261,7 @@ def test_direction_of_the_load_is_that_of_the_slip():
 
 
 def test_ramp_without_rise_is_a_step():
-    step, ramp = (
-        march(preloaded(), nodes=50),
-        march(preloaded(shear_history=sf.Ramp(0.0)), nodes=50),
-    )
+    step, ramp = (march(preloaded(shear_history=one), nodes=50) for one in (sf.Step(), sf.Ramp(0)))
     np.testing.assert_array_equal(step.interface.slip, ramp.interface.slip)
 
 

@@ -91,10 +91,7 @@ def test_error_of_any_reading():
 
 def test_error_does_not_depend_on_what_is_stored():
     scene = find_scene("pulse")
-    whole, thin = (
-        march(scene, end_time=1.0, nodes=101),
-        march(scene, end_time=1.0, nodes=101, every=10**6),
-    )
+    whole, thin = (march(scene, end_time=1.0, nodes=101, every=one) for one in (1, 10**6))
     assert whole.error_estimate == thin.error_estimate > 0
     assert len(thin.companion.interface.t) <= 3
 
