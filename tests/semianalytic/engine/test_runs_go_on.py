@@ -45,9 +45,9 @@ def two_bodies():
     return sf.Interface(UNIT, sf.Coulomb(0.2), 10.0, contact=contact, **given)
 
 
-def moved_grid():
+def moved_grid(begin=-2.03):
     """The grid lies where both ends of the contact are as close to their places as can be."""
-    loads, strip = [sf.InterfaceLoad(0.2)], sf.Contact([(-2.03, 1.9)])
+    loads, strip = [sf.InterfaceLoad(0.2)], sf.Contact([(begin, 1.9)])
     return sf.Interface(UNIT, sf.Coulomb(0.1), 20.0, contact=strip, loads=loads)
 
 
@@ -141,8 +141,9 @@ def test_a_run_continues_at_a_jump_and_says_how_far_its_memory_reaches():
         (struck(), struck(shape="exponential")),
         (struck(), struck(since=2.0)),
         (under_state("ageing"), under_state("slip")),
+        (moved_grid(), moved_grid(-2.04)),  # within a cell
     ],
-    ids=["fault", "load", "strength", "shape", "past", "evolution"],
+    ids=["fault", "load", "strength", "shape", "past", "evolution", "contact"],
 )
 def test_another_interface_is_not_gone_on_with(own, other):
     part = run(own, 1.0, 32, estimate=False, latest=3.0)
