@@ -311,3 +311,14 @@ def test_rate_and_state_between_two_bodies_needs_no_short_steps():
     size = (fine.slip - 6e-3).max()
     np.testing.assert_allclose(done.slip, fine.slip, rtol=0, atol=5e-3 * size)
     assert np.abs(done.pressure - 1.0).max() > 1e-4
+
+
+@pytest.mark.slow
+def test_steel_on_rubber_is_resolved_under_its_delay_and_refused_without():
+    found = sf.find("steel-on-rubber")
+    done = sf.solve(found.interface, end_time=found.end_time, nodes=256)
+    assert done.status == "done"
+    assert done.error_estimates["slip"] < 0.2
+    sudden = replace(found.interface, law=sf.Coulomb(0.5))
+    with pytest.raises(sf.SceneError, match="no friction is too low"):
+        sf.solve(sudden, end_time=found.end_time, nodes=256)

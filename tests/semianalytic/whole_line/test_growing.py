@@ -210,6 +210,21 @@ def test_an_independent_march_agrees(mode, power):
     assert np.abs(seen.traction[contact] - held).max() < 1e-2
 
 
+@pytest.mark.slow
+def test_under_a_base_the_edge_accelerates_as_the_refusal_says():
+    """x_s = (4/9) c_t t / ((1 - nu) (1 + f P_b / Q_0 t)^2), t^3 at first, in a march."""
+    rate = 0.5
+    scene = sf.Scene(
+        SOLID, 1.0, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, rate), shear_history=sf.Ramp(1.0)
+    )
+    marched = sf.solve(scene, method="space-time", end_time=1.0, nodes=2000, companion=False)
+    for t in (0.6, 0.8, 1.0):
+        (zone,) = marched.zones_at(t)
+        chi = 1 / (rate * t)
+        slow = 4 / 9 * t / ((1 - SOLID.poisson_ratio) * (1 + chi) ** 2)
+        assert zone.end == pytest.approx(slow, rel=0.05)
+
+
 # --- what is refused ------------------------------------------------------------------------------
 
 
