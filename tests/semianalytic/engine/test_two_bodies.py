@@ -1,5 +1,6 @@
 """Two different bodies: kernels, growing waves, exact half-lines and slots, delayed friction."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
