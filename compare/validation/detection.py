@@ -1,61 +1,49 @@
-"""The reading of a file: one for all of its numbers, weighed against others.
+"""How the numbers of a file are read.
 
-Numbers are read as the file and the conventions say; what neither says is taken as given where that
-leaves less than `LITTLE` of every quantity unexplained.  Elsewhere all systems of units and
-conventions are tried on all quantities together: the one that leaves least is inferred, if that is
-less than `LITTLE`, if no other one does nearly as well, and if the records make sense by
-themselves (`checks.nonsense`).  Factors of readings are at least `systems.APART` from one another,
-so that no answer that is off by some per cent is mended.
+Units are those that the file or the conventions state, else those of the scene.  Conventions that
+neither states are as given where that leaves less than `LITTLE` of every quantity unexplained.
+Elsewhere another sense, half of the slip and changes of tractions are weighed on all quantities
+together, and are taken if exactly one combination explains them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from typing import Any
 
 import numpy as np
-import scipy
 
-from compare.records.record import AFTER, BEFORE, QUANTITIES, Record, Records
-from compare.validation.checks import nonsense
-from compare.validation.conventions import Conventions
+from compare.records.record import AFTER, BEFORE, Record, Records
+from compare.validation.conventions import WORDS, Conventions
 from compare.validation.exact import POINT, Exact, Sampling, exact_answer
 from compare.validation.norms import quantity_norm
-from compare.validation.readings import MOTION, Reading, given_reading, stated_by
-from compare.validation.weighing import LITTLE, Left, Ranking, Residuals, Weighed, differ
+from compare.validation.readings import (
+    TRACTIONS,
+    TURNS,
+    Reading,
+    base_of,
+    given_reading,
+    turn_words,
+)
+from compare.validation.weighing import LITTLE, Columns, columns_of, left_by
 from semianalytic import Scene
-from semianalytic.scene.errors import DataFileError, SceneError, TensionError
+from semianalytic.scene.errors import DataFileError
 
-CLOSE = 2.0
-"""Ratio of what two readings leave, below which the better one is doubtful: 1.1 and 4
-leave the trial (docs/validate.md) as it is, in which the next one leaves 20 times as much."""
 SHARP = 0.02
 """Error of slip rates above which means over steps are not told from values at their times."""
 CLEARLY = 5.0
 """Factor by which they have to be nearer to a mean: the exact record on 41 steps is 9 times, and
 noise of 1 % makes no difference between them."""
-MOST_UNEXPLAINED = 0.5
-"""Part of the quantities that may stay unexplained for units to be inferred from the others."""
-NOTHING_LEFT = Left(np.inf, len(QUANTITIES) + 1, np.inf)
-"""Stands for what is left of records that cannot be compared at all as they are given."""
-ANY_SCALE = (
-    "units: this scene has no length or time of its own, so that positions, times and slip all "
-    "multiplied by one number fit as well"
-)
+FAR_OFF = 1.9
+"""Factor by which a quantity has to be off for another unit to be mentioned as a cause."""
+NEAREST = 0.01
+"""Least position of the outermost station, over c_l T, at which no unit is mentioned."""
 LOOKED_AT = 6
-"""Number of stations on which readings are tried."""
+"""Number of stations on which conventions are weighed."""
 SAMPLES = 300
-"""Samples of a record that are enough to tell readings apart."""
-SHIFTS = 41
-FEW = 60
-"""Samples of a record, enough for the time origin."""
-FITS = 1e-5
-"""Relative error of slip rates that have no better time origin: one that is 1e-5 T off, to which
-the search is exact, leaves 2e-5 on the scene `preloaded`.  No run on a grid comes near it, so that
-half and twice of it change nothing."""
-LARGEST_SHIFT = 0.2
-"""Largest shift of the time origin that is tried, over T."""
+"""Samples of a record that are enough to tell conventions apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,48 +54,46 @@ class Detection:
     ----------
     exact : Exact
     reading : Reading
+    stating : mapping from str to str
+        Conventions that neither the file nor the caller states, as `Conventions` takes them; none
+        if all is as given.
     inferred : tuple of str
-        What neither the file nor conventions say, in words; none if all is as given.
-    stating : Conventions
-        What would state it.
+        The same in words.
     left, as_given : float
         Largest relative error of a quantity that the reading leaves, and the one as given; nan
         where nothing was weighed.
-    runner_up : str
-        The next best reading and what it leaves, in words; "" where none was weighed.
     notes : tuple of str
     """
 
     exact: Exact
     reading: Reading
+    stating: Mapping[str, str] = field(default_factory=dict)
     inferred: tuple[str, ...] = ()
-    stating: Conventions = field(default_factory=Conventions)
     left: float = np.nan
     as_given: float = np.nan
-    runner_up: str = ""
     notes: tuple[str, ...] = ()
 
 
 def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
-    """How a run is to be read; what is told is obeyed, whatever else is inferred is said.
+    """How a run is to be read; what is stated holds, and what is inferred is said.
 
     Raises
     ------
     DataFileError
-        If no station lies where anything happens.
+        If nothing was recorded after t = 0.
     SceneError
         If a scale is given for a column whose unit the file names.
     """
     given = given_reading(conventions, run.stated, scene)
-    sample = replace(run, stations=tuple(map(_thinned, _some(run.stations))))
-    found = _weighed(sample, run, scene, given, conventions)
-    exact, end = found.exact, last_time(found.reading.apply(run))
-    if end != exact.end_time:  # else the records that it has computed stay known
-        exact = replace(exact, end_time=end)
-    found = replace(found, exact=exact, notes=(*_given_notes(conventions), *found.notes))
+    read, looked_at = given.apply(run), replace(run, stations=_some(run.stations))
+    end = last_time(read)
+    exact = exact_answer(scene, end, _reach(read, scene, end))
+    sample = replace(looked_at, stations=tuple(map(_thinned, looked_at.stations)))
+    found = _weighed(columns_of(sample, exact, given), Detection(exact, given), run, conventions)
+    found = replace(found, notes=(*_given_notes(conventions), *found.notes))
     if conventions.rate is None and not run.stated.mean:
-        found = _with_means(found, replace(run, stations=_some(run.stations)))
-    return replace(found, notes=(*found.notes, *_shift(found.reading.apply(sample), exact)))
+        found = _with_means(found, looked_at)
+    return found
 
 
 def last_time(run: Records) -> float:
@@ -145,96 +131,101 @@ def _some(stations: Sequence[Record]) -> tuple[Record, ...]:
     return tuple(right[place] for place in chosen) if right else ()
 
 
-def _thinned(record: Record, most: int = SAMPLES) -> Record:
-    every = max(len(record.t) // most, 1)
+def _thinned(record: Record) -> Record:
+    every = max(len(record.t) // SAMPLES, 1)
     values = {name: column[::every] for name, column in record.values.items()}
     return Record(record.x, record.t[::every], values)
 
 
-def _answer(scene: Scene, read: Records) -> Exact:
-    """The answer for a run in units of the scene."""
-    end = last_time(read)
-    return exact_answer(scene, end, _reach(read, scene, end))
-
-
 def _weighed(
-    sample: Records, run: Records, scene: Scene, given: Reading, conventions: Conventions
+    columns: Columns, given: Detection, run: Records, conventions: Conventions
 ) -> Detection:
-    """The reading that explains all quantities together, if the one as given does not."""
-    names = tuple(name for name in QUANTITIES if any(name in r.values for r in sample.stations))
-    ranking = Ranking(run, sample, scene, given, conventions, partial(_answer, scene))
-    try:
-        exact = _answer(scene, given.apply(run))
-    except TensionError:
-        raise
-    except SceneError as refusal:  # a march in the units as given that does not follow the loads
-        found = _inferred(ranking, names, NOTHING_LEFT) if names else ""
-        if isinstance(found, str):
-            raise SceneError(f"{refusal} {found}".strip()) from refusal
+    """The conventions that alone explain all quantities, if those as given do not."""
+    if not columns:
+        return given
+    as_given = left_by(given.reading, columns)
+    largest = max(as_given.values())
+    found = replace(given, left=largest, as_given=largest)
+    if largest < LITTLE:
         return found
-    if not names:
-        return Detection(exact, given)
-    left = Residuals(sample, exact, given).of(given)
-    found = "" if left.largest < LITTLE else _inferred(ranking, names, left)
-    if isinstance(found, str):
-        notes = (found,) if found else ()
-        return Detection(exact, given, left=left.largest, as_given=left.largest, notes=notes)
-    return found
+    fitting: list[tuple[dict[str, Any], Reading]] = []
+    for words in _combinations(run, conventions):
+        reading = given_reading(replace(conventions, **words), run.stated, given.exact.scene)
+        known = any(_alike(reading, other, columns) for _, other in fitting)
+        if not known and _explains(reading, words, columns, given.exact.scene):
+            fitting.append((words, reading))
+    if len(fitting) == 1:
+        ((words, reading),) = fitting
+        said = tuple(turn_words(words, columns))
+        left = max(left_by(reading, columns).values())
+        return replace(found, reading=reading, stating=words, inferred=said, left=left)
+    if fitting:
+        both = ", or ".join("; ".join(turn_words(words, columns)) for words, _ in fitting)
+        return replace(
+            found, notes=(f"conventions: as given; several fit, {both}: state one of them",)
+        )
+    return replace(found, notes=tuple(_hint(given, as_given, columns, run)))
 
 
-def _inferred(ranking: Ranking, names: tuple[str, ...], as_given: Left) -> Detection | str:
-    """The reading that is inferred, or why none is; "" if none explains more than as given.
+def _combinations(run: Records, conventions: Conventions) -> Iterator[dict[str, Any]]:
+    """Conventions that neither the file nor the caller rules out; those with fewest turns first."""
+    stated = run.stated
+    by_file = {"slip": bool(stated.faces), "tractions": bool(stated.changes)}
+    free = [n for n in TURNS if getattr(conventions, n) is None and not by_file.get(n, False)]
+    for count in range(1, len(free) + 1):
+        for names in itertools.combinations(free, count):
+            yield {name: WORDS[name][1] for name in names}
 
-    Where none explains all quantities the units that explain most of them are taken, and the
-    verdict is that they differ: which sense or half is meant cannot be told of what is wrong.
+
+def _explains(reading: Reading, words: Mapping[str, str], columns: Columns, scene: Scene) -> bool:
+    """Whether a reading leaves little of every quantity.
+
+    Tractions are changes only if one with a base changes, and its numbers alone do not explain it.
     """
-    ranked = ranking.ranked()
-    best = ranked[0] if ranked else None
-    if best is not None and best.left.unexplained:
-        ranked = [one for one in ranked if not one.choice.turns]
-        best = ranked[0] if ranked else None
-        if best is None or best.left.unexplained > MOST_UNEXPLAINED * len(names):
-            return ""
-    if best is None or best.left.unexplained >= max(as_given.unexplained, 1):
-        return ""
-    residuals = ranking.residuals(best.reading)
-    assert residuals is not None
-    words = best.choice.words(names)
-    others = (one for one in ranked if differ(best.reading, one.reading, names, residuals))
-    second = next(others, None)
-    if second is not None and _is_close(second.left, best.left):
-        both = f"{words}, or {second.choice.words(names) or 'as given'}"
-        return f"units and conventions: as given; two readings fit, {both}: give one of them"
-    wrong = (
-        () if best.left.unexplained else nonsense(best.reading.apply(ranking.sample), ranking.scene)
-    )
-    if wrong:
-        return f"units and conventions: as given; with {words} {wrong[0]}"
-    system = best.choice.system
-    scaled = system.words and {system.length, system.time, system.motion} != {1.0}
-    return Detection(
-        residuals.exact,
-        best.reading,
-        (words,),
-        stated_by(best.choice, ranking.conventions, ranking.run.stated),
-        best.left.largest,
-        as_given.largest,
-        "" if second is None else _left(second, names),
-        (ANY_SCALE,) if scaled and ranking.scene.is_self_similar else (),
+    if max(left_by(reading, columns).values()) >= LITTLE:
+        return False
+    return "tractions" not in words or any(
+        columns[name].tells(base) and columns[name].left(reading.factor(name)) > LITTLE
+        for name in TRACTIONS
+        if name in columns and (base := base_of(scene, name))
     )
 
 
-def _is_close(second: Left, best: Left) -> bool:
-    """Whether a reading explains as many quantities as the best, and about as well."""
-    alike = second.unexplained == best.unexplained
-    missed = LITTLE * best.unexplained
-    return alike and second.together - missed < CLOSE * (best.together - missed)
+def _alike(one: Reading, other: Reading, columns: Columns) -> bool:
+    """Whether two readings are the same in all that the answer has something to say of."""
+    return all(
+        (one.factor(name), one.offset(name)) == (other.factor(name), other.offset(name))
+        or not column.tells(other.offset(name))
+        for name, column in columns.items()
+    )
 
 
-def _left(weighed: Weighed, names: tuple[str, ...]) -> str:
-    """A reading and what it leaves, in words."""
-    words = weighed.choice.words(names) or "as given"
-    return f"{words} (leaves {100 * weighed.left.largest:.2g} %)"
+def _hint(
+    given: Detection, as_given: Mapping[str, float], columns: Columns, run: Records
+) -> Iterator[str]:
+    """One sentence on positions, times or quantities that are off by a factor, if any are."""
+    reading, exact = given.reading, given.exact
+    farthest = exact.scene.material.longitudinal_speed * exact.end_time
+    nearness = max(map(reading.place, run.stations), default=0.0) / farthest
+    if 0 < nearness < NEAREST:
+        yield (
+            f"the outermost station lies at {nearness:.2g} of the distance that waves travel until "
+            "the last time; if positions or times are in another unit, state it (scale x=, t=)"
+        )
+        return
+    ratios = {
+        name: column.ratio(reading.factor(name), reading.offset(name))
+        for name, column in columns.items()
+        if as_given[name] >= LITTLE and column.tells()
+    }
+    off = {n: r for n, r in ratios.items() if r > FAR_OFF or 0 < r < 1 / FAR_OFF}
+    if off:
+        sizes = ", ".join(f"{name.replace('_', ' ')} {ratio:.3g}" for name, ratio in off.items())
+        scales = ", ".join(f"{name}={1 / ratio:.3g}" for name, ratio in off.items())
+        yield (
+            f"size over that of the exact answer: {sizes}; if another unit is the cause, state it "
+            f"(scale {scales})"
+        )
 
 
 def _with_means(found: Detection, run: Records) -> Detection:
@@ -248,55 +239,12 @@ def _with_means(found: Detection, run: Records) -> Detection:
     best = min(errors, key=errors.__getitem__)
     if best == POINT or errors[best] > min(SHARP, errors[POINT] / CLEARLY):
         return found
-    words = f"slip rate: the mean over the step {best} its time"
     return replace(
         found,
         reading=replace(found.reading, sampling=kinds[best]),
-        inferred=(*found.inferred, words),
-        stating=replace(found.stating, rate=best),
+        stating={**found.stating, "rate": best},
+        inferred=(*found.inferred, f"slip rate: the mean over the step {best} its time"),
     )
-
-
-def _shift(run: Records, exact: Exact) -> tuple[str, ...]:
-    """Report a time origin that is not that of the load, without correcting it."""
-    name = next(
-        (name for name in MOTION if any(name in record.values for record in run.stations)), None
-    )
-    if name is None or (norm := quantity_norm(run, name, exact)) is None:
-        return ()
-    if norm.exact == 0 or norm.L1 < FITS:
-        return ()
-    few = replace(run, stations=tuple(_thinned(record, FEW) for record in run.stations))
-    end = exact.end_time
-
-    def error(part: float) -> float:
-        return _shifted_error(few, exact, name, part * end)
-
-    parts = np.linspace(-LARGEST_SHIFT, LARGEST_SHIFT, SHIFTS)
-    for record in few.stations:
-        if name in record.values:
-            exact.know(name, record.x, record.t + parts[:, None] * end)
-    nearest = float(parts[np.argmin([error(float(part)) for part in parts])])
-    room = 2 * LARGEST_SHIFT / (SHIFTS - 1)
-    # Over parts of T, as the tolerance of the search is a number without a unit.
-    best = scipy.optimize.minimize_scalar(
-        error, bounds=(nearest - room, nearest + room), method="bounded"
-    )
-    if best.fun > min(LITTLE, norm.L1 / CLEARLY):
-        return ()
-    shift = f"{best.x * end:.3g}"
-    return (
-        f"times: the records fit best if {shift} is added to them; they are left as they are "
-        f"(time_shift {shift} would move them)",
-    )
-
-
-def _shifted_error(run: Records, exact: Exact, name: str, shift: float) -> float:
-    moved = replace(
-        run, stations=tuple(replace(record, t=record.t + shift) for record in run.stations)
-    )
-    norm = quantity_norm(moved, name, exact)
-    return np.inf if norm is None else norm.L1
 
 
 def _given_notes(conventions: Conventions) -> Iterator[str]:
@@ -304,7 +252,7 @@ def _given_notes(conventions: Conventions) -> Iterator[str]:
     if conventions.scale:
         sizes = ", ".join(f"{name} times {size:.6g}" for name, size in conventions.scale.items())
         yield f"units, as given: {sizes}"
-    for name in ("sign", "slip", "pressure", "tractions", "rate"):
+    for name in WORDS:
         if getattr(conventions, name) is not None:
             yield f"{name}, as given: {getattr(conventions, name)}"
     if conventions.time_shift:
