@@ -272,7 +272,9 @@ def _show(validation: Validation, label: str, directory: Path) -> None:
         console.print(line, highlight=False, markup=False)
     for note in validation.notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
-    console.print(terminal.validation_table(validation, label))
+    title = f"{label}: {validation.source or 'records'} against the exact answer"
+    headings = {"exact": "exact", "simulated": "recorded"}
+    console.print(terminal.judged_table(title, validation.rows, **headings))
     console.print(terminal.references_line(validation), highlight=False)
     console.print(terminal.norms_table(validation))
     text = terminal.verdict_text(validation, ("spacing",))
