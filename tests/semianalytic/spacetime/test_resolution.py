@@ -9,7 +9,7 @@ from catalogue import UNIT, unit_scene
 
 import semianalytic as sf
 from compare.comparison.documents import march_document
-from semianalytic.halfplane.stuck_histories import stuck_shear
+from docs.studies.article.stuck import stuck_shear
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.spacetime.grid import grid_loads as grid_loads_module
 from semianalytic.spacetime.grid.grid_loads import GridPressure
