@@ -60,10 +60,9 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
 
     Raises
     ------
-    SceneError
-        If there is no such problem, method or setting, or no method takes the problem.
-    TensionError, ComputationError
-        If the contact would open without end, or a march fails.
+    SceneError, TensionError, ComputationError
+        If there is no such problem, method or setting, or no method takes the problem; if the
+        contact would open without end, or a march fails.
 
     Examples
     --------
