@@ -125,15 +125,20 @@ def written(study: Study, rows: list[Row], output: Path, command: str) -> None:
         save_figure(draw(rows), output / "figures" / f"{name}.png")
     if not table:
         return
-    stream = io.StringIO()
-    writer = csv.DictWriter(stream, list(table[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(table)
-    write_text(output / "data" / f"{study.name}.csv", f"# {command}\n{stream.getvalue()}")
+    write_table(output / "data" / f"{study.name}.csv", table, command)
     shown = Table(*(name.replace("_", " ") for name in table[0]), title=study.name)
     for row in table[:60]:  # a map of ten thousand points is for the file
         shown.add_row(*(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values()))
     Console(width=140).print(shown, f"{len(table)} rows written to {output}", highlight=False)
+
+
+def write_table(path: Path, rows: Sequence[Row], command: str) -> None:
+    """Write rows as CSV behind a line with the command that makes them."""
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_text(path, f"# {command}\n{stream.getvalue()}")
 
 
 @styled

@@ -10,14 +10,13 @@ in the larger mesh that the example has commented out.
 from __future__ import annotations
 
 import re
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, places, record, seconds_of, timed_run
-from docs.studies.peers.sem2dpack import Fields, plain_input, read_fault
+from docs.studies.peers.rows import Array, GridRun, places, record, timed_run
+from docs.studies.peers.sem2dpack import Fields, plain_input, their_run
 
 COMMAND = "python -m docs.studies.peers.bimaterial PROGRAM FOLDER"
 GRIDS = ((256, 1024), (512, 2048), (1024, 3072))
@@ -44,15 +43,6 @@ def their_input(folder: Path, count: int) -> str:
         text = re.sub(rf"(tag={tag} *,[^/]*ez=)[\d, ]+", rf"\g<1>{begin},{end} ", text)
     text = re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={END + 0.002}d0", text)
     return re.sub(r"TtH='PWCONR' */", "TtH='PWCONR', otd=0.0005d0 /", text)
-
-
-def their_run(program: Path, folder: Path, count: int) -> tuple[Fields, float]:
-    """Run the example on one grid; return its fields and the seconds of the processor."""
-    with tempfile.TemporaryDirectory() as scratch:
-        here = Path(scratch)
-        (here / "Par.inp").write_text(their_input(folder, count))
-        seconds = seconds_of([program.resolve()], here)
-        return read_fault(next(here.glob("Flt*_sem2d.hdr")), depth=False), seconds
 
 
 def our_run(nodes: int) -> tuple[Fields, float]:
@@ -85,7 +75,7 @@ def main() -> None:
     program, folder = places(__doc__, "PROGRAM", "FOLDER")
     pairs = []
     for count, nodes in GRIDS:
-        theirs = at_points(*their_run(program, folder, count), 2 * count)
+        theirs = at_points(*their_run(program, their_input(folder, count)), 2 * count)
         pairs.append((theirs, at_points(*our_run(nodes), nodes)))
     record("SEM2DPACK", "Bimaterial_fault, mended", COMMAND, pairs)
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -86,22 +86,22 @@ def plain_input(folder: Path) -> str:
 
 def their_input(folder: Path, problem: Problem, count: int) -> str:
     """Return the input of an example on one grid."""
-    text = plain_input(folder)
-    text = problem.edit(text, count)
+    text = problem.edit(plain_input(folder), count)
     text = re.sub(r"(TtH='PWCONR' *),[^/]*/", r"\1, otd=0.02d0 /", text)
     return re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={END}d0", text)
 
 
-def their_run(program: Path, folder: Path, problem: Problem, count: int) -> tuple[Fields, float]:
-    """Run an example on one grid; return its fields and the seconds of the processor."""
-    source = folder / "EXAMPLES" / f"TestFlt2D_SCEC_TPV3_{problem.example}"
+def their_run(
+    program: Path, text: str, depth: bool = False, meshes: Iterable[Path] = ()
+) -> tuple[Fields, float]:
+    """Run an input beside its meshes; return its fields and the seconds of the processor."""
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
-        for mesh in source.glob("*.mesh2d"):
+        for mesh in meshes:
             shutil.copy(mesh, here)
-        (here / "Par.inp").write_text(their_input(source, problem, count))
+        (here / "Par.inp").write_text(text)
         seconds = seconds_of([program.resolve()], here)
-        return read_fault(next(here.glob("Flt*_sem2d.hdr")), problem.depth), seconds
+        return read_fault(next(here.glob("Flt*_sem2d.hdr")), depth), seconds
 
 
 def read_fault(header: Path, depth: bool) -> Fields:
@@ -155,9 +155,11 @@ def main() -> None:
     """Run both codes in turn on three grids, and write the rows."""
     program, folder = places(__doc__, "PROGRAM", "FOLDER")
     for problem in PROBLEMS:
+        source = folder / "EXAMPLES" / f"TestFlt2D_SCEC_TPV3_{problem.example}"
         times, pairs = np.arange(0.0, END, 0.02), []
         for (count, spacing), nodes in zip(problem.grids.items(), NODES, strict=True):
-            theirs, their_seconds = their_run(program, folder, problem, count)
+            text, meshes = their_input(source, problem, count), source.glob("*.mesh2d")
+            theirs, their_seconds = their_run(program, text, problem.depth, meshes)
             ours, our_seconds = our_run(problem, nodes, times)
             one = at_points(problem, theirs, spacing, their_seconds)
             pairs.append((one, at_points(problem, ours, f"{96e3 / nodes:g} m", our_seconds)))
