@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -26,30 +25,6 @@ AVERAGED = 0.6
 """Self-similar profiles are averaged over times from this fraction of T to T."""
 
 
-@dataclass(frozen=True)
-class Errors:
-    """Errors of a simulated slip-rate profile V(x/t) of a self-similar scene.
-
-    Attributes
-    ----------
-    last : float
-        Relative L1 error at the final time.
-    averaged : float
-        Relative L1 error of the profile averaged over x/t in the last 40 % of the time.
-    first_peak, second_peak : float
-        Error of the averaged profile where the exact slip rate of the first and the second zone
-        is largest, over the exact value there; nan where there is no such zone.
-    second_over_largest : float
-        Error at the second peak over the largest exact slip rate of all.
-    """
-
-    last: float
-    averaged: float
-    first_peak: float
-    second_peak: float
-    second_over_largest: float
-
-
 def last_profile(simulation: Simulation) -> Array:
     """Return the final slip rate at the velocities `PROFILE`, interpolated between nodes."""
     return _sampled(simulation, -1)
@@ -62,8 +37,13 @@ def averaged_profile(simulation: Simulation) -> Array:
     return np.mean([_sampled(simulation, row) for row in rows], axis=0)
 
 
-def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
-    """Return the errors of two profiles at the velocities `PROFILE`."""
+def profile_errors(solution: Solution, last: Array, averaged: Array) -> dict[str, float]:
+    """Return the errors of two profiles at the velocities `PROFILE`: relative L1 errors, and those
+    of the averaged one where the exact slip rate of the first and the second zone is largest.
+
+    These are over the exact value there, the last one over the largest of all; nan if there is no
+    such zone.
+    """
     speed = solution.scene.material.shear_speed
     exact = solution.slip_rate(PROFILE * speed, 1.0)
     peaks = []
@@ -72,13 +52,13 @@ def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
         peaks.append(int(np.argmax(np.where(inside, np.abs(exact), 0.0))))
     at_peak = [float(averaged[peak] - exact[peak]) for peak in peaks]
     relative = [error / exact[peak] for error, peak in zip(at_peak, peaks, strict=True)]
-    return Errors(
-        last=norm(last - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
-        averaged=norm(averaged - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
-        first_peak=relative[0] if peaks else math.nan,
-        second_peak=relative[1] if len(peaks) > 1 else math.nan,
-        second_over_largest=at_peak[1] / np.abs(exact).max() if len(peaks) > 1 else math.nan,
-    )
+    return {
+        "last": norm(last - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
+        "averaged": norm(averaged - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
+        "first_peak": relative[0] if peaks else math.nan,
+        "second_peak": relative[1] if len(peaks) > 1 else math.nan,
+        "second_over_largest": at_peak[1] / np.abs(exact).max() if len(peaks) > 1 else math.nan,
+    }
 
 
 def _sampled(simulation: Simulation, row: int) -> Array:

@@ -189,10 +189,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         unpacked(options.against, Path(folder))
         rows = compared(options.jobs, Path(folder), ROOT)
     if options.output is not None:
-        from docs.studies.runner import Study, written
+        from docs.studies.runner import write_table
 
         made = f"python -m docs.studies.ratios --against {options.against} --output docs"
-        written(Study("speed-ratios", lambda quick: [], dict), rows, options.output, made)
+        write_table(options.output / "data" / "speed-ratios.csv", rows, made)
     return int(any(row["ratio"] > options.most for row in rows))
 
 

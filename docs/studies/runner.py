@@ -116,6 +116,14 @@ def as_row(found: Any) -> Row:
     return {k: v.item() if isinstance(v, np.generic) else v for k, v in row.items()}
 
 
+def grouped(rows: Sequence[Row], *names: str) -> list[tuple[Point, list[Row]]]:
+    """Return rows by their values in some columns, in the order of the first row of each group."""
+    groups: dict[Point, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(tuple(row[name] for name in names), []).append(row)
+    return list(groups.items())
+
+
 def written(study: Study, rows: list[Row], output: Path, command: str) -> None:
     """Print and write the table of a study, and write its figures."""
     table = [as_row(row) for row in study.table(rows)]
@@ -142,8 +150,10 @@ def write_table(path: Path, rows: Sequence[Row], command: str) -> None:
 
 
 @styled
-def drawn(rows: Sequence[Row], panels: Sequence[Mapping[str, Any]], words: str) -> Figure:
-    """Draw panels, given by arguments of `draw`, "where" (values of columns), settings of axes."""
+def drawn(rows: Sequence[Row], panels: Sequence[Row], words: str, **common: Any) -> Figure:
+    """Draw panels, given by arguments of `draw`, "where" (values of columns), settings of axes, and
+    by what they have in common."""
+    panels = [common | panel for panel in panels]
     lines, columns = -(-len(panels) // 2), min(2, len(panels))
     figure = describe(new_figure(4.8 * columns, 3.6 * lines + 0.4), words)
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
@@ -191,8 +201,7 @@ def draw(
             panel.figure.colorbar(mesh, ax=panel, label=label or value)
         return
     colour = cycle()
-    for index, key in enumerate(dict.fromkeys(tuple(row[name] for name in by) for row in rows)):
-        own = [row for row in rows if tuple(row[name] for name in by) == key]
+    for index, (key, own) in enumerate(grouped(rows, *by)):
         good = [row for row in own if not failed(row)]
         look: dict[str, Any] = {"color": colour[index % len(colour)], **(style or {})}
         line = [row[x] for row in good], [row[y] for row in good]

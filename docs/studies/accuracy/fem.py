@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -20,7 +19,7 @@ from compare.comparison.quantities.edge_rows import opening_rows
 from compare.comparison.quantities.profile_rows import gap_rows
 from compare.comparison.rows import Row as JudgedRow
 from compare.figures.snapshots import snapshot_figure
-from docs.studies.profiles import Errors, averaged_profile, last_profile, profile_errors
+from docs.studies.profiles import averaged_profile, last_profile, profile_errors
 from docs.studies.runner import Point, Row, Study, main
 from fem import Simulation, simulate
 from semianalytic import find, solve
@@ -32,7 +31,7 @@ AFAR = 0.1
 
 
 def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
-    """Return the errors of the slip rate on meshes, each twice as fine as the last, by `Errors`.
+    """Return the errors of the slip rate on meshes, each twice as fine as the last.
 
     The last row extrapolates from the two finest, 2 V(h/2) - V(h), which removes errors of first
     order in h.  Orders are those observed since the mesh before; `seconds` is the time of stepping.
@@ -49,9 +48,9 @@ def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
     return [*rows, {**limit, "seconds": math.nan}]
 
 
-def _error_row(scene: str, h: str, errors: Errors, before: Row) -> Row:
+def _error_row(scene: str, h: str, errors: Row, before: Row) -> Row:
     row: Row = {"scene": scene, "h": h}
-    for name, error in asdict(errors).items():
+    for name, error in errors.items():
         row[name] = error
         if name in ("last", "averaged"):
             row[f"{name}_order"] = math.log2(before[name] / error) if before else math.nan

@@ -14,13 +14,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from compare.figures.style import BLACK, SMALL, STICK_SHADE, outline
-from docs.studies.dissimilar.errors import (
-    FIELDS_RESOLUTION,
-    STATED,
-    fields_rows,
-    honesty,
-    stated_rows,
-)
+from docs.studies.dissimilar import errors
 from docs.studies.dissimilar.pairs import NAMED, SCENES, of_contrast
 from docs.studies.runner import Point, Row, Study, drawn, main
 from semianalytic import PairSolution, SceneError, sliding_stability, solve
@@ -191,14 +185,14 @@ STUDIES = [
     Study("dissimilar-slots", _each(list(SCENES)), slot_row),
     Study(
         "dissimilar-honesty",
-        lambda quick: [(number,) for number in range(5 if quick else STATED)],
-        stated_rows,
-        honesty,
+        lambda quick: [(number,) for number in range(5 if quick else errors.STATED)],
+        errors.stated_rows,
+        errors.honesty,
     ),
     Study(
         "dissimilar-witness",
-        lambda quick: [(name, 24 if quick else FIELDS_RESOLUTION) for name in FIELDS],
-        fields_rows,
+        lambda quick: [(name, 24 if quick else errors.FIELDS_RESOLUTION) for name in FIELDS],
+        errors.fields_rows,
     ),
 ]
 

@@ -46,13 +46,9 @@ def fem_points(quick: bool) -> list[Point]:
     resolution, nu = (40 if quick else 100), _SOLID.poisson_ratio
     points: list[Point] = []
 
-    def add(
-        study: str, scene: str = "preloaded", poisson_ratio: float = nu, **options: Any
-    ) -> None:
-        options = {"resolution": resolution, "element": "Q1", "mesh": "squares"} | options
-        points.append(
-            (study, scene, poisson_ratio, {"step_ratio": 0.95, "damping": 0.02} | options)
-        )
+    def add(study: str, scene: str = "preloaded", ratio: float = nu, **options: Any) -> None:
+        given: Row = {"step_ratio": 0.95, "damping": 0.02, "resolution": resolution}
+        points.append((study, scene, ratio, given | {"element": "Q1", "mesh": "squares"} | options))
 
     for element in ELEMENTS[1:2] if quick else ELEMENTS:
         for damping in DAMPINGS[1:2] if quick else DAMPINGS:
@@ -63,7 +59,7 @@ def fem_points(quick: bool) -> list[Point]:
             add("aspect", resolution=finer, mesh=mesh)
     for element in ELEMENTS:
         for ratio in POISSON_RATIOS[:2] if quick else POISSON_RATIOS:
-            add("locking", poisson_ratio=ratio, resolution=20 if quick else 40, element=element)
+            add("locking", ratio=ratio, resolution=20 if quick else 40, element=element)
     for scene in ("unloaded", "reclosing"):
         for damping in DAMPINGS[:2]:
             for element in ELEMENTS:
@@ -101,9 +97,7 @@ def fem_row(study: str, scene_name: str, poisson_ratio: float, options: Mapping[
         "steps": reached[1],
         "error": _error(run) if run else math.nan,
         "energy_residual": run.energy.residual if run else math.nan,
-        "switches": int(np.abs(np.diff(run.is_open.astype(int), axis=0)).sum(0).max())
-        if run
-        else 0,
+        "switches": int(np.diff(run.is_open, axis=0).sum(0).max()) if run else 0,
         "energy_gained": _energy_gained(run) if run else math.nan,
         "message": message,
     }
