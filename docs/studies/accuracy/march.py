@@ -11,12 +11,13 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 import semianalytic as sf
-from docs.studies.profiles import last_march, step_error
+from compare.comparison.measures import in_profile, relative_error
 from docs.studies.runner import Point, Row, Study, grouped, main
 from docs.studies.trials.draws import drawn, random_history_scene, random_step_scene
 from semianalytic.scene.contact import process_zone
@@ -68,6 +69,25 @@ def accuracy(name: str, grids: Sequence[int]) -> list[Row]:
         rows.append({**row, "order": math.log2(before / error), "seconds": seconds})
         before = error
     return rows
+
+
+def step_error(scene: sf.Scene, marched: sf.Marched) -> float:
+    """Return the relative L1 error of the final slip rate on 0.02 < x/(c_t t) < 1.9."""
+    x, end = marched.grid.x, marched.end_time
+    seen = in_profile(x / (end * scene.material.shear_speed))
+    exact = _exact(scene).slip_rate(x[seen], end)
+    return relative_error(marched.interface.slip_rate[-1, seen], exact, x[seen], 1)
+
+
+@lru_cache(maxsize=4)
+def _exact(scene: sf.Scene) -> sf.Solution:
+    return sf.solve(scene, rtol=1e-9)
+
+
+def last_march(scene: sf.Scene, nodes: int, **options: float) -> sf.Marched:
+    """March a scene and keep only the last level; like all marches here, it has no companion."""
+    given: Row = {"length": 2.0, "every": 10**9, "companion": False, **options}
+    return sf.solve(scene, method="space-time", nodes=nodes, **given)
 
 
 def fields(name: str, grids: Sequence[int]) -> list[Row]:

@@ -16,7 +16,7 @@ import numpy as np
 
 import semianalytic as sf
 from docs.studies.peers.rows import Array, GridRun, places, record, timed_run
-from docs.studies.peers.sem2dpack import Fields, plain_input, their_run
+from docs.studies.peers.sem2dpack import Fields, patch, plain_input, their_run
 
 COMMAND = "python -m docs.studies.peers.bimaterial PROGRAM FOLDER"
 GRIDS = ((256, 1024), (512, 2048), (1024, 3072))
@@ -54,9 +54,7 @@ def our_run(nodes: int) -> tuple[Fields, float]:
     law = sf.SlipDependent(0.7, 0.6, 0.744e-3, delay=0.35e-3)
 
     def shear(x: Array) -> Array:
-        # a node at the end of the patch has the mean of both sides
-        away = np.abs(x)
-        return 82.81e6 + 4.0955e6 * ((away < 4 - 1e-6) + 1.0 * (away < 4 + 1e-6))
+        return 82.81e6 + 4.0955e6 * patch(x, 4.0)
 
     fault = sf.Interface(upper, law, LENGTH, pressure=130e6, shear=shear, lower_material=lower)
     done, seconds = timed_run(fault, END, nodes, TIMES)

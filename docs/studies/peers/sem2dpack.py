@@ -120,15 +120,19 @@ def read_fault(header: Path, depth: bool) -> Fields:
     return Fields(step * np.arange(float(len(data))), x[order], fields)
 
 
+def patch(x: Array, half: float) -> Array:
+    """Return 2 within a patch |x| < half [m], 0 beyond it, and the mean at its ends."""
+    away = np.abs(x)
+    return np.asarray((away < half - 1e-6) + 1.0 * (away < half + 1e-6))
+
+
 def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     """Run the same problem; return its fields and the seconds of the processor."""
     given = sf.find("tpv205").interface
     centre = 7.5e3 if problem.depth else 0.0
 
     def shear(x: Array) -> Array:
-        # a node at the end of the patch has the mean of both sides
-        away = np.abs(np.abs(x) - centre)
-        return 70e6 + 5.8e6 * ((away < 1.5e3 - 1e-6) + 1.0 * (away < 1.5e3 + 1e-6))
+        return 70e6 + 5.8e6 * patch(np.abs(x) - centre, 1.5e3)
 
     mode = "antiplane" if problem.depth else "in-plane"
     fault = replace(given, shear=shear, even=True, mode=mode)

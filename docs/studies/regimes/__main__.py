@@ -36,32 +36,31 @@ def middles(low: float, high: float, count: int) -> NDArray[np.float64]:
     return low + (high - low) * (np.arange(count) + 0.5) / count
 
 
-def frictions(loading: Loading, poisson_ratio: float, count: int) -> list[float]:
-    """Return the frictions chi of a map's column, ascending.
+def frictions(part: str, loading: Loading, poisson_ratio: float, count: int) -> list[float]:
+    """Return the frictions chi of a map's column, or of a panel of front speeds, ascending.
 
-    For a preload they have equal steps of log chi from 1e-3 to 1.  For a remote load they have
-    equal steps from slightly below 1, where the whole contact slips, to slightly above the friction
-    at which nothing slips.
+    For a preload they have equal steps of log chi, in a map from 1e-3 to 1.  For a remote load they
+    have equal steps from slightly below 1, where the whole contact slips, to slightly above the
+    friction at which nothing slips.
     """
+    mapped, stuck = part == "map", stuck_threshold(poisson_ratio)
     if loading == "preload":
-        return list((10.0 ** middles(-3.0, 0.0, count)).tolist())
-    stuck = stuck_threshold(poisson_ratio)
-    return list((1 + middles(-0.1, 1.1, count) * (stuck - 1)).tolist())
-
-
-def front_frictions(loading: Loading, poisson_ratio: float, count: int) -> list[float]:
-    """Return the frictions chi of one panel of the figure of front speeds."""
-    if loading == "preload":
-        return list((10.0 ** np.linspace(-3, 0.5, count)).tolist())
-    return list(np.linspace(0.98, 1.02 * stuck_threshold(poisson_ratio), count).tolist())
+        chi = 10.0 ** (middles(-3.0, 0.0, count) if mapped else np.linspace(-3, 0.5, count))
+    elif mapped:
+        chi = 1 + middles(-0.1, 1.1, count) * (stuck - 1)
+    else:
+        chi = np.linspace(0.98, 1.02 * stuck, count)
+    return list(chi.tolist())
 
 
 def map_rows(part: str, loading: Loading, poisson_ratio: float, chi: Sequence[float]) -> list[Row]:
-    """Solve points of given frictions in one sweep, or one by one if the sweep fails."""
+    """Solve points of given frictions in one sweep, or one by one if the sweep fails; of curves
+    return those at a Poisson ratio."""
+    if part == "curves":
+        return [trace(loading, poisson_ratio)]
+    found: list[Solution | None]
     try:
-        found: list[Solution | None] = [
-            *sweep(scene_of(loading, poisson_ratio, chi[0]), chi, RTOL).solutions
-        ]
+        found = [*sweep(scene_of(loading, poisson_ratio, chi[0]), chi, RTOL).solutions]
     except ComputationError:
         found = [_solved(loading, poisson_ratio, one) for one in chi]
     rows: list[Row] = []
@@ -71,9 +70,7 @@ def map_rows(part: str, loading: Loading, poisson_ratio: float, chi: Sequence[fl
         if solution is not None:
             speed = solution.scene.material.shear_speed
             name = regime(solution) if solution.status == "converged" else "failed"
-            zones = [
-                [zone.inner / speed, zone.outer / speed, zone.sense] for zone in solution.zones
-            ]
+            zones = [[z.inner / speed, z.outer / speed, z.sense] for z in solution.zones]
             row |= {"regime": name, "zones": zones, "error_estimate": solution.error_estimate}
         rows.append(row)
     return rows
@@ -169,20 +166,15 @@ def map_points(quick: bool) -> list[Point]:
     points: list[Point] = []
     for loading in LOADINGS:
         for nu in middles(*figures.POISSON_RATIOS, size).tolist():
-            points.append(("map", loading, nu, frictions(loading, nu, size)))
+            points.append(("map", loading, nu, frictions("map", loading, nu, size)))
         for nu in SHOWN:
-            chi = front_frictions(loading, nu, fronts)
+            chi = frictions("fronts", loading, nu, fronts)
             points += [("fronts", loading, nu, chi[i::6]) for i in range(6)]
         # denser where the gap of a preload narrows
         dense = np.linspace(0.47, figures.POISSON_RATIOS[1], traced // 6 + 1)
         ratios = np.union1d(np.linspace(*figures.POISSON_RATIOS, traced), dense)
         points += [("curves", loading, nu, []) for nu in ratios.tolist()]
     return points
-
-
-def regime_rows(part: str, loading: Loading, nu: float, chi: list[float]) -> list[Row]:
-    """Return the points of a column or panel, or those of the curves at a Poisson ratio."""
-    return [trace(loading, nu)] if part == "curves" else map_rows(part, loading, nu, chi)
 
 
 def opening_points(quick: bool) -> list[Point]:
@@ -236,7 +228,7 @@ def opening_table_row(nu: float) -> Row:
 
 
 STUDIES = [
-    Study("regimes-map", map_points, regime_rows, lambda rows: [], figures.MAPS),
+    Study("regimes-map", map_points, map_rows, lambda rows: [], figures.MAPS),
     Study("regimes-thresholds", lambda quick: [(nu,) for nu in TABLED], threshold_row),
     Study("regimes-reverse", lambda quick: [(nu,) for nu in REVERSED], reverse_row),
     Study("regimes-opening", lambda quick: [(nu,) for nu in TABLED], opening_table_row),

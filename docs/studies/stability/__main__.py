@@ -22,12 +22,8 @@ SCENES = r"$f = \chi\,Q_0/P_b$ (preload), $\chi\,Q_0/P_0$ (remote)"
 _FLOOR = 1e-17
 
 
-def unconverged(row: Row) -> bool:
-    """Return whether a row of the solver is none of a converged solution."""
-    return row["status"] not in ("converged", "solved")
-
-
-CURVES: Row = {"x": "parameter", "y": "value", "failed": unconverged}
+CURVES: Row = {"x": "parameter", "y": "value"}
+CURVES["failed"] = lambda row: row["status"] not in ("converged", "solved")
 LOGARITHMIC = {"xscale": "log", "yscale": "log"}
 
 

@@ -76,10 +76,8 @@ def drawn(
     """The first admissible scene of a draw."""
     random = np.random.default_rng([seed, index])
     while True:
-        try:
+        with suppress(sf.SceneError):
             return draw(random), random
-        except sf.SceneError:
-            continue
 
 
 def random_wide_scene(random: np.random.Generator) -> sf.Scene:

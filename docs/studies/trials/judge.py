@@ -58,18 +58,15 @@ def right_rows(group: str, index: int, resolution: int | None) -> list[Row]:
             break
         except sf.SceneError:
             continue
-    head = {"group": group, "index": index, "judgement": judgement.verdict}
-    return [
-        {**head, "kind": row.kind, "name": row.name, "verdict": row.verdict}
-        | {"bars": row.over_bar if tells(row) else math.nan}
-        for row in judgement.rows
-    ]
-
-
-def tells(row: JudgedRow) -> bool:
-    """Return whether a row is held against its bar: it has one, and no obstacle."""
-    barred = row.difference is not None and row.bar is not None
-    return barred and (row.verdict != UNRESOLVED or 1 < row.over_bar <= ALARM)
+    rows: list[Row] = []
+    for row in judgement.rows:
+        # a row is held against its bar if it has one, and no obstacle
+        barred = row.difference is not None and row.bar is not None
+        held = barred and (row.verdict != UNRESOLVED or 1 < row.over_bar <= ALARM)
+        line: Row = {"group": group, "index": index, "judgement": judgement.verdict}
+        line |= {"kind": row.kind, "name": row.name, "verdict": row.verdict}
+        rows.append(line | {"bars": row.over_bar if held else math.nan})
+    return rows
 
 
 def alarms(rows: list[Row]) -> list[Row]:
@@ -102,16 +99,12 @@ def upper_limit(count: int, trials: int) -> float:
     return float(scipy.stats.beta.ppf(CONFIDENCE, count + 1, trials - count))
 
 
-def power_scene(name: str) -> sf.Scene:
-    """Return a scene whose answer is spoilt: a named one, or a drawn one."""
-    if name.startswith("drawn "):
-        return judged_scene(STEPS, np.random.default_rng([POWER_SEED, int(name[6:])]))
-    return sf.find(name)
-
-
 def wrong_rows(name: str, resolution: int | None) -> list[Row]:
     """Judge the right answer to a scene, all that is made wrong of it, and simulations at fault."""
-    run, right = simulated(power_scene(name), resolution)
+    kind, _, number = name.partition(" ")
+    random = np.random.default_rng([POWER_SEED, int(number or 0)])
+    scene = judged_scene(STEPS, random) if kind == "drawn" else sf.find(name)
+    run, right = simulated(scene, resolution)
     truth = judge(right, run)
     exact = _flawless(truth)
     bars = {row.name: row.bar for row in truth.rows if row.verdict != UNRESOLVED}
@@ -130,8 +123,7 @@ def wrong_rows(name: str, resolution: int | None) -> list[Row]:
         try:
             judgement = judge(right, broken)
         except sf.DataFileError:
-            refused = {"mistake": fault, "bars": math.inf, "verdict": "refused"}
-            rows.append(rows[0] | refused)
+            rows.append(rows[0] | {"mistake": fault, "bars": math.inf, "verdict": "refused"})
             continue
         effect = _effect(judge(right, make(exact) or exact).rows, bars)
         laws = [row.over_bar for row in judgement.rows if row.kind == LAW]

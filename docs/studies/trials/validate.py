@@ -9,7 +9,7 @@ random ones: the bars were set on those of one seed, and are tried on those of a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from statistics import median
 from typing import Any
@@ -61,21 +61,15 @@ def _marched(scene: sf.Scene, cells: int) -> Arrays:
 CODES: Mapping[str, Callable[[sf.Scene, int], Arrays]] = {"fem": _simulated, "march": _marched}
 
 
-def _scene(use: str, kind: str, index: int) -> sf.Scene:
-    return judged_scene(kind, np.random.default_rng([USES[use], index]))
-
-
-def _judged(data: Sequence[Arrays], scene: sf.Scene, cells: Sequence[int]) -> Validation:
-    return validate(list(data), scene, spacing=[1 / one for one in cells])
-
-
 def right_rows(use: str, kind: str, index: int, code: str) -> list[Row]:
     """Judge right records of one resolution and of both; none if a code refuses the scene."""
-    scene = _scene(use, kind, index)
+    scene = judged_scene(kind, np.random.default_rng([USES[use], index]))
     try:
         data = [CODES[code](scene, cells) for cells in CELLS]
-        ways = [(data[:1], CELLS[:1]), (data[1:], CELLS[1:]), (data, CELLS)]
-        found = [(cells, _judged(part, scene, cells)) for part, cells in ways]
+        found = [
+            (cells, validate(part, scene, spacing=[1 / one for one in cells]))
+            for part, cells in ((data[:1], CELLS[:1]), (data[1:], CELLS[1:]), (data, CELLS))
+        ]
     except (sf.SceneError, sf.ComputationError):
         return []
     rows: list[Row] = []
@@ -148,7 +142,7 @@ SPOILS: Mapping[str, Spoil] = {
 
 def wrong_rows(kind: str, index: int) -> list[Row]:
     """Judge records of finite elements on the finer mesh, with every mistake."""
-    scene, rows = _scene("tried", kind, index), []
+    scene, rows = judged_scene(kind, np.random.default_rng([USES["tried"], index])), []
     try:
         data = _simulated(scene, CELLS[-1])
     except (sf.SceneError, sf.ComputationError):
@@ -157,7 +151,7 @@ def wrong_rows(kind: str, index: int) -> list[Row]:
         try:
             changed = spoil(data, scene)
             if changed is not None:
-                found = _judged(changed[:1], changed[1], CELLS[-1:])
+                found = validate([changed[0]], changed[1], spacing=[1 / CELLS[-1]])
                 rows.append({"mistake": mistake, "verdict": found.verdict})
         except sf.SceneError:  # the scene that it is held against is none
             continue
