@@ -59,6 +59,10 @@ from semianalytic.scene.friction import ViscousFriction as ViscousFriction
 from semianalytic.scene.given.solids import find_material as find_material
 from semianalytic.scene.incident import IncidentWave as IncidentWave
 from semianalytic.scene.incident import MovingLoad as MovingLoad
+from semianalytic.scene.loading import GrowingLoad as GrowingLoad
+from semianalytic.scene.loading import HalfLine as HalfLine
+from semianalytic.scene.loading import Patch as Patch
+from semianalytic.scene.loading import PointForce as PointForce
 from semianalytic.scene.loads import Harmonic as Harmonic
 from semianalytic.scene.loads import LoadHistory as LoadHistory
 from semianalytic.scene.loads import Pulse as Pulse
@@ -79,10 +83,5 @@ from semianalytic.spacetime.march import march_on as march_on
 from semianalytic.spacetime.marched import Marched as Marched
 from semianalytic.sweeps.sweep import Sweep as Sweep
 from semianalytic.sweeps.sweep import sweep as sweep
-from semianalytic.whole_line.growing import GrowingSlot as GrowingSlot
 from semianalytic.whole_line.growing import GrowingSolution as GrowingSolution
-from semianalytic.whole_line.line import HalfLine as HalfLine
-from semianalytic.whole_line.line import Patch as Patch
-from semianalytic.whole_line.line import PointForce as PointForce
-from semianalytic.whole_line.line import WholeLine as WholeLine
 from semianalytic.whole_line.solution import LineSolution as LineSolution

@@ -89,17 +89,17 @@ def test_a_table_keeps_its_own_numbers():
     ("problem", "settings", "said"),
     [
         ("preloaded", {"nodes": 9}, "nodes is no setting of self-similar for a Scene, which knows"),
-        ("growing-load", {"rtol": 1.0}, "for a GrowingSlot, which knows none"),
+        ("growing-load", {"rtol": 1.0}, "for a Scene, which knows none"),
         ("ramp", {"tol": 1e-3}, "which knows end_time, nodes, rtol, length"),
         ("punch", {"node": 9}, "which knows end_time, nodes, rtol, step_ratio, .*longest"),
         (sf.find("punch").interface, {}, "give end_time"),
         ("preloaded", {"method": "fem"}, "method must be one of auto, self-similar, space-time"),
-        ("pair-slip", {"method": "space-time"}, "space-time is for a Scene or Interface of equal"),
+        ("pair-slip", {"method": "space-time"}, "got a Scene of two solids"),
         ("ramp", {"method": "self-similar"}, "takes step loads only"),
         (
             SOLID,
             {},
-            "a Scene or WholeLine or GrowingSlot",
+            "problem must be a Scene or Interface, or",
         ),
     ],
 )
