@@ -9,8 +9,8 @@ from fem.interface import OPEN as OPEN
 from fem.interface import STICK as STICK
 from fem.model import Model as Model
 from fem.model import prepare as prepare
+from fem.results import ContactOpening as ContactOpening
 from fem.results import EnergyHistory as EnergyHistory
-from fem.results import Opening as Opening
 from fem.results import Simulation as Simulation
 from fem.results import SlotHistory as SlotHistory
 from fem.results import load_simulation as load_simulation

@@ -34,7 +34,7 @@ from slipfront.cli.options import (
     with_options,
 )
 from slipfront.cli.scenes.completion import figure_names
-from slipfront.cli.scenes.points import Points, points_of, points_table
+from slipfront.cli.scenes.points import AskedPoints, points_of, points_table
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
@@ -156,7 +156,7 @@ def _solve_exactly(
     problem: Any,
     label: str,
     end_time: float | None,
-    points: Points | None,
+    points: AskedPoints | None,
     *,
     as_json: bool,
     draw: Draw | None,

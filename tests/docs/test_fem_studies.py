@@ -70,9 +70,9 @@ def test_progress_bar_is_silent_when_quiet_or_without_a_terminal(quiet, terminal
 
 
 def stop_at_level(level):
-    from fem.record import Record
+    from fem.record import MeshRecord
 
-    original = Record.level
+    original = MeshRecord.level
 
     def stop(self, step):
         if step == level:

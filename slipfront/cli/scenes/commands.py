@@ -14,7 +14,7 @@ from rich.markup import escape
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
 from compare.output.files import write_text
 from compare.output.places import check_file
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from semianalytic import Scene, find
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.scene.checks import shown
@@ -74,12 +74,12 @@ def scenes(as_json: AsJson = False) -> None:
         units = {"scenes": _units(find_scene(DEFAULT_SCENE))}
         print_json("scenes", {"scenes": rows, "brought": others, "units": units})
         return
-    table = Table("scene", "what it shows", title="Scenes")
+    table = PrintedTable("scene", "what it shows", title="Scenes")
     for row in rows:
         table.add_row(*map(escape, (row["name"], row["problem"] or row["summary"])))
     Console().print(table)
     if brought := [row for row in (*rows, *others) if row["package"]]:
-        table = Table("package", "brings", "called", title="From other packages")
+        table = PrintedTable("package", "brings", "called", title="From other packages")
         for row in brought:
             table.add_row(*map(escape, (row["package"], row["what"], row["name"])))
         Console().print(table)
