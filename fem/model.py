@@ -123,7 +123,7 @@ class Model:
 
     Examples
     --------
-    >>> from fem import prepare
+    >>> from fem.model import prepare
     >>> from semianalytic import find
     >>> model = prepare(find("preloaded"), resolution=8)
     >>> model.unknowns, model.copies, bool(model.time_step < model.critical_step)
@@ -187,7 +187,7 @@ def prepare(
 
     Examples
     --------
-    >>> from fem import prepare
+    >>> from fem.model import prepare
     >>> prepare("antiplane", resolution=8).plan.name
     'antiplane half'
     """

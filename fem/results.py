@@ -407,7 +407,8 @@ def opening_sentence(simulation: Simulation) -> str:
 
     Examples
     --------
-    >>> from fem import opening_sentence, simulate
+    >>> from fem import simulate
+    >>> from fem.results import opening_sentence
     >>> from semianalytic import find
     >>> opening_sentence(simulate(find("preloaded"), resolution=8))
     'the contact stayed closed'

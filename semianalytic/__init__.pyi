@@ -2,13 +2,7 @@
 
 from semianalytic import reference as reference
 from semianalytic import regimes as regimes
-from semianalytic.dissimilar.grid_edge import EdgeReading as EdgeReading
-from semianalytic.dissimilar.stability import SlidingStability as SlidingStability
-from semianalytic.dissimilar.stability import SlidingWave as SlidingWave
 from semianalytic.dissimilar.stability import sliding_stability as sliding_stability
-from semianalytic.dissimilar_slot.derivative import PairDerivative as PairDerivative
-from semianalytic.dissimilar_slot.solution import PairSolution as PairSolution
-from semianalytic.dissimilar_slot.solution import PairStatistics as PairStatistics
 from semianalytic.engine.result import Run as Run
 from semianalytic.field.derived import fringe_order as fringe_order
 from semianalytic.field.derived import fringes as fringes
@@ -35,13 +29,6 @@ from semianalytic.inversion.priors import Normal as Normal
 from semianalytic.inversion.priors import Uniform as Uniform
 from semianalytic.inversion.unknowns import Setup as Setup
 from semianalytic.methods import solve as solve
-from semianalytic.reference.ruptures import critical_wavelength as critical_wavelength
-from semianalytic.reference.ruptures import supershear_strength as supershear_strength
-from semianalytic.results.answer import Answer as Answer
-from semianalytic.results.answer import OpenInterval as OpenInterval
-from semianalytic.results.answer import SlipInterval as SlipInterval
-from semianalytic.results.interface_history import InterfaceHistory as InterfaceHistory
-from semianalytic.results.reading import Measured as Measured
 from semianalytic.results.reading import Reading as Reading
 from semianalytic.scene.errors import ComputationError as ComputationError
 from semianalytic.scene.errors import DataFileError as DataFileError
@@ -72,16 +59,8 @@ from semianalytic.scene.scene import Material as Material
 from semianalytic.scene.scene import Scene as Scene
 from semianalytic.scene.scene import Tractions as Tractions
 from semianalytic.scene.tabulated import Tabulated as Tabulated
-from semianalytic.selfsimilar.derivatives.derivative import Derivative as Derivative
-from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative as OpenDerivative
-from semianalytic.selfsimilar.derivatives.derivative import ZoneDerivative as ZoneDerivative
 from semianalytic.selfsimilar.solution import Solution as Solution
-from semianalytic.selfsimilar.statistics import Statistics as Statistics
-from semianalytic.selfsimilar.zones.motion import OpenZone as OpenZone
-from semianalytic.selfsimilar.zones.motion import SlipZone as SlipZone
 from semianalytic.spacetime.march import march_on as march_on
 from semianalytic.spacetime.marched import Marched as Marched
 from semianalytic.sweeps.sweep import Sweep as Sweep
 from semianalytic.sweeps.sweep import sweep as sweep
-from semianalytic.whole_line.growing import GrowingSolution as GrowingSolution
-from semianalytic.whole_line.solution import LineSolution as LineSolution

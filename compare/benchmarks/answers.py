@@ -23,16 +23,11 @@ from compare.benchmarks.sheets import OPENING, Sheet, stored_text
 from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES
-from semianalytic import (
-    LineSolution,
-    Marched,
-    PairSolution,
-    Scene,
-    Solution,
-    solve,
-)
+from semianalytic import Marched, Scene, Solution, solve
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import TOTALS
 from semianalytic.whole_line.drive import Drive
+from semianalytic.whole_line.solution import LineSolution
 
 Array = NDArray[np.float64]
 

@@ -16,14 +16,10 @@ from numpy.typing import NDArray
 from compare.comparison.measures import NOTHING, is_nothing, norm, within, worn
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
-from semianalytic import (
-    InterfaceHistory,
-    Marched,
-    PairSolution,
-    Scene,
-    Solution,
-)
+from semianalytic import Marched, Scene, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 from semianalytic.spacetime.grid.resolution import Shortfall
 

@@ -31,7 +31,9 @@ from semianalytic.scene.given.parameters import (
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
-    from semianalytic import Marched, Measured, PairSolution, Reading, Solution
+    from semianalytic import Marched, Reading, Solution
+    from semianalytic.dissimilar_slot.solution import PairSolution
+    from semianalytic.results.reading import Measured
 
 WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 

@@ -11,19 +11,22 @@ import numpy as np
 import pytest
 
 import slipfront as sf
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.methods import METHODS, chosen
 from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.given.finding import names
+from semianalytic.whole_line.growing import GrowingSolution
+from semianalytic.whole_line.solution import LineSolution
 
 PAGE = (Path(__file__).parents[2] / "docs" / "methods.md").read_text()
 SOLID, PRESSED, SHEARED = sf.Material(1.0, 1.0, 1 / 3), sf.Tractions(1.0, 0.0), sf.Tractions(0, 1)
 SCENE = sf.Scene(SOLID, 0.3, PRESSED, SHEARED)
 KINDS = {
     "preloaded": ("self-similar", sf.Solution),
-    "pair-slip": ("self-similar", sf.PairSolution),
-    "whole-line-patch": ("self-similar", sf.LineSolution),
-    "growing-load": ("self-similar", sf.GrowingSolution),
+    "pair-slip": ("self-similar", PairSolution),
+    "whole-line-patch": ("self-similar", LineSolution),
+    "growing-load": ("self-similar", GrowingSolution),
     "ramp": ("space-time", sf.Marched),
     "punch": ("space-time", sf.Run),
 }

@@ -8,6 +8,7 @@ import pytest
 from pint import UnitRegistry
 
 import slipfront as sf
+from fem.model import prepare
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.files import read_scene
@@ -206,7 +207,7 @@ def test_functions_of_a_scene_take_its_name_or_file(steel):
         ).scene,  # in the units of the file
         sf.sweep(given, [0.3]).scene,
         sf.fit([record], given, "gain").scene,  # which leaves the scene as it is
-        sf.prepare(given, end, resolution=8).plan.scene,
+        prepare(given, end, resolution=8).plan.scene,
         sf.simulate(given, end * units.s, resolution=8).scene,
     ]
     assert scenes == [read_scene(path)] * len(scenes)
