@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fem.stepping import MarchedBody
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import FrictionLaw
+from semianalytic.scene.laws.law import Law
 from semianalytic.scene.scene import Scene
 
 
@@ -146,8 +146,8 @@ def coulomb_traction(
 
 
 def strength(
-    law: FrictionLaw,
-    frictional: NDArray[np.float64],
+    law: Law,
+    pressure: NDArray[np.float64],
     path: NDArray[np.float64],
     stopping: NDArray[np.float64],
     impedance: NDArray[np.float64],
@@ -159,9 +159,9 @@ def strength(
 
     Parameters
     ----------
-    law : FrictionLaw
-    frictional : (n,) array
-        The scene's friction times pressure [stress].
+    law : Law
+    pressure : (n,) array
+        Contact pressure [stress].
     path : (n,) array
         Accumulated |slip| [length].
     stopping : (n,) array
@@ -175,17 +175,17 @@ def strength(
         If friction falls with slip rate faster than a pair of nodes can radiate.
     """
     # steeper than that, a pair has several slip rates, or none, for one stopping traction
-    slope = frictional * law.fall_with_rate
+    slope = pressure * law.fall_with_rate
     worst = int(np.argmax(slope / impedance))
     if slope[worst] >= impedance[worst]:
         raise SceneError(
             "simulate: friction falls with slip rate faster than a node of the interface can "
             f"radiate (by {slope[worst]:.4g} per slip rate under the pressure it has reached, its "
-            f"impedance is {impedance[worst]:.4g}); raise the rate or lower the reduction of the "
-            "friction law, or lower `step_ratio` (docs/limits.md)."
+            f"impedance is {impedance[worst]:.4g}); raise the rate or the dynamic friction of the "
+            "law, or lower `step_ratio` (docs/limits.md)."
         )
-    speed = law.slip_speed(np.abs(stopping), frictional, impedance, path)
-    return law.strength(frictional, speed, path)
+    speed = law.slip_speed(np.abs(stopping), pressure, impedance, path)
+    return law.strength(pressure, speed, path)
 
 
 STICK = 0
@@ -276,7 +276,7 @@ class MeshContact:
         self.held = Carried(in_place.pressure, in_place.shear)
         self.pressure = np.full(len(length), self.held.pressure)
         self.shear = np.full(len(length), self.held.shear)
-        self.strength = scene.friction * self.pressure
+        self.strength = scene.strength(self.pressure)
         self.path = np.zeros(len(length))
         self.offset = np.zeros(len(length))
         self.work = InterfaceWork(0.0, 0.0, 0.0)
@@ -346,12 +346,13 @@ class MeshContact:
 
     def _slide(self, faces: FacePair, part: float) -> None:
         """Find the shear traction of this kick, apply it and add up its work."""
-        held, law = self.held.shear, self.scene.friction_law
+        held = self.held.shear
         increment, compliance = faces.increment(), part * faces.compliance
         self.path += np.abs(faces.past_increment())
-        frictional = self.scene.friction * self.pressure
         stopping = held + increment / compliance
-        self.strength = strength(law, frictional, self.path, stopping, faces.step / compliance)
+        self.strength = strength(
+            self.scene.law, self.pressure, self.path, stopping, faces.step / compliance
+        )
         if self.pressing is not None:
             self.strength[self.pressure == 0] = 0.0  # open: nothing rubs, whatever the law
         self.shear = coulomb_traction(increment, held, self.strength, compliance)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.lines.line import Friction
+from semianalytic.scene.laws.law import Law
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ MOST = 200
 
 
 def slip_speed(
-    friction: Friction,
+    friction: Law,
     stopping: Array,
     pressure: Array,
     impedance: Array,
@@ -31,7 +31,7 @@ def slip_speed(
 
     Parameters
     ----------
-    friction : Friction
+    friction : Law
     stopping : (n,) array
         |traction| that would stop the pair of nodes at this step [stress].
     pressure : (n,) array

@@ -191,8 +191,7 @@ def differentiated(
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
     if name == "viscosity" and not numbers_of(own.scene)[name].value > 0:
         raise SceneError(
-            "derivative: with respect to viscosity the pair needs ViscousFriction of a positive "
-            "viscosity."
+            "derivative: with respect to viscosity the pair needs friction of a positive viscosity."
         )
     # Half and twice the step change derivatives by less than their estimates.
     varied = neighbours(own, name, _TOLERANCE, 2e-3 * _size(own, name))

@@ -22,11 +22,12 @@ from semianalytic.engine.tuning import (
 from semianalytic.engine.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.window import check_window
 from semianalytic.interface.contact import Adhesion
-from semianalytic.interface.fields import required, sampled
+from semianalytic.interface.fields import required
 from semianalytic.interface.interface import Interface
-from semianalytic.interface.law import check_law, check_rate
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.laws.law import check_law, check_rate
+from semianalytic.scene.laws.sampling import sampled
 from semianalytic.spacetime.grid.line import check_feedback
 
 Array = NDArray[np.float64]

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from semianalytic.scene.extras import needing
-from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.units import SI
 
 _POINTS = 800
@@ -45,7 +44,7 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
         for name in ("shear_traction", "pressure"):
             values = stress[0] * getattr(answer, name)(x, end)
             axes[1].plot(x * length[0], values, label=name.replace("_", " "))
-        if type(getattr(answer.scene, "friction_law", CoulombFriction())) is CoulombFriction:
+        if isinstance(answer.scene.friction, float):
             strength = answer.scene.friction * values
             axes[1].plot(x * length[0], strength, ":", color="0.3", label="strength f p")
         axes[1].set_ylabel("traction" + (f" [{stress[1]}]" if si else ""))

@@ -39,7 +39,7 @@ def test_parameters_are_the_articles():
     assert material.shear_speed == pytest.approx(5)
     assert material.longitudinal_speed == pytest.approx(10)
     assert material.rayleigh_speed == pytest.approx(4.662, abs=1e-3)
-    assert scene.friction * scene.load.pressure / scene.load.shear == 0.5
+    assert scene.coefficient * scene.load.pressure / scene.load.shear == 0.5
 
 
 def test_the_two_honest_methods_agree(cases):

@@ -35,7 +35,8 @@ from semianalytic.scene.given.named import (
 )
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
-from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS
+from semianalytic.scene.kinds import HISTORY_KINDS
+from semianalytic.scene.laws.kinds import LAW_KINDS
 from semianalytic.scene.plugins import (
     FIGURES,
     HISTORIES,
@@ -58,7 +59,7 @@ STDOUT = Path("-")
 
 _OWN: Mapping[str, Collection[str]] = {
     SCENES: (*NAMED_SCENES, *NAMED_INTERFACES),
-    LAWS: FRICTION_LAWS,
+    LAWS: LAW_KINDS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
     METHODS: OWN_METHODS,

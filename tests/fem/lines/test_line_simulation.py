@@ -62,7 +62,7 @@ def test_a_far_side_lets_plane_waves_out(monkeypatch):
 LAWS = {
     "coulomb": (sf.Coulomb(0.3), 0.0),
     "delayed": (sf.Coulomb(0.3, cohesion=0.1, viscosity=0.2, delay=0.2), 0.0),
-    "weakening": (sf.SlipDependent(0.5, 0.2, 0.3, delay_slip=0.1), 0.0),
+    "weakening": (sf.SlipWeakening(0.5, 0.2, 0.3, delay_slip=0.1), 0.0),
     "rate-and-state": (sf.RateAndState(0.02, 0.03, 0.5, 1e-3, 0.2), 50.0),
 }
 
