@@ -191,7 +191,7 @@ def _in_unit(
     scene: Scene, friction: float | Array, far_slip_rate: float | Array, unit: float
 ) -> Load:
     (base, load), impedance = scene.superposition, scene.material.shear_impedance
-    viscosity = scene.law.viscosity if isinstance(scene.law, Coulomb) else 0.0
+    viscosity = scene.law.viscosity if type(scene.law) is Coulomb else 0.0
     parts = base.pressure / unit, base.shear / unit
     return Load(
         friction,

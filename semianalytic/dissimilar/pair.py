@@ -69,7 +69,7 @@ def _wrong(scene: Scene) -> Iterator[str]:
     for name in ("pressure_history", "shear_history"):
         if getattr(scene, name) != Step():
             yield name
-    if not (isinstance(scene.law, Coulomb) and scene.law.keeps_similarity):
+    if not (type(scene.law) is Coulomb and scene.law.keeps_similarity):
         yield f"friction is {scene.friction}"
 
 

@@ -14,14 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS
-from semianalytic.dissimilar_slot.densities.profile import (
-    GAP,
-    NORMAL,
-    OPENING,
-    RATE,
-    SHEAR,
-    SLIP,
-)
+from semianalytic.dissimilar_slot.densities.profile import GAP, NORMAL, OPENING, RATE, SHEAR, SLIP
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.neighbours import Member, Varied, border, neighbours
 from semianalytic.halfplane.rayleigh import Array

@@ -16,9 +16,7 @@ from semianalytic.engine.line import grid_of
 from semianalytic.engine.memories import memories
 from semianalytic.engine.pace import LoadPace, in_fours
 from semianalytic.engine.state import State
-from semianalytic.engine.tuning import (
-    BOUND_SHARE,
-)
+from semianalytic.engine.tuning import BOUND_SHARE
 from semianalytic.engine.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.window import check_window
 from semianalytic.interface.contact import Adhesion

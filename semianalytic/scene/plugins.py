@@ -15,8 +15,8 @@ from dataclasses import dataclass, is_dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from semianalytic.scene.checks import shown
-from semianalytic.scene.errors import PluginError, SceneError
+from semianalytic.scene.checks import checked_kind, shown
+from semianalytic.scene.errors import PluginError
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -174,17 +174,12 @@ def known_class(name: str, group: str, base: type, own: Mapping[str, type], kind
     PluginError
         If the class of a plugin lacks something that solvers need.
     """
-    kinds = (*own, *plugin_names(group, own))
     if isinstance(kind, str) and "." in kind:  # of the program that runs; nothing is imported
         module, _, attribute = kind.rpartition(".")
         found = getattr(sys.modules.get(module), attribute, None)
         if isinstance(found, type) and issubclass(found, base):
             return found
-    if not isinstance(kind, str) or kind not in kinds:
-        known = ", ".join(kinds)
-        raise SceneError(
-            f"{name}: kind must be one of {known}, got {shown(kind)} (docs/not_here.md)."
-        )
+    kind = checked_kind(name, kind, (*own, *plugin_names(group, own)))
     plugin = None if kind in own else find_plugin(group, kind)
     if plugin is None:
         return own[kind]

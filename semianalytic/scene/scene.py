@@ -20,11 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.incident import (
-    IncidentWave,
-    Load,
-    MovingLoad,
-)
+from semianalytic.scene.incident import IncidentWave, Load, MovingLoad
 from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
 from semianalytic.scene.laws.alike import expression
 from semianalytic.scene.laws.coulomb import Coulomb

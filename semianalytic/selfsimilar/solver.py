@@ -41,9 +41,7 @@ from semianalytic.selfsimilar.search import (
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones import tuning
-from semianalytic.selfsimilar.zones.estimate import (
-    loose_tolerance,
-)
+from semianalytic.selfsimilar.zones.estimate import loose_tolerance
 from semianalytic.selfsimilar.zones.motion import slip_zones
 from semianalytic.separation.normal import with_opening
 
@@ -113,7 +111,7 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     )
     check_pressure(scene)
     # strength that depends on slip rate other than linearly, as that of a viscous film does
-    rated = not isinstance(scene.law, Coulomb)
+    rated = type(scene.law) is not Coulomb
     if rated and contact_opens(scene):
         raise SceneError(
             "solve: where the contact opens friction that falls with slip rate is not known; make "

@@ -14,11 +14,7 @@ from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.documents import (
-    history_document,
-    scene_document,
-    scene_from_document,
-)
+from semianalytic.scene.given.documents import history_document, scene_document, scene_from_document
 from semianalytic.scene.given.finding import check_slot
 from semianalytic.scene.incident import SIDES, WAVES, IncidentWave, MovingLoad
 from semianalytic.scene.laws.kinds import law_table

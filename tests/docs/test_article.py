@@ -7,20 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from docs.studies.article.__main__ import (
-    claims_table,
-    figure_2,
-    figure_5,
-    figure_6,
-    slot_figure,
-)
-from docs.studies.article.cases import (
-    Cases,
-    article_scene,
-    run_cases,
-    slot_errors,
-    slot_rows,
-)
+from docs.studies.article.__main__ import claims_table, figure_2, figure_5, figure_6, slot_figure
+from docs.studies.article.cases import Cases, article_scene, run_cases, slot_errors, slot_rows
 from docs.studies.article.claims import CLAIMS, METHODS
 from docs.studies.pages import read_data
 from semianalytic.halfplane.stuck import stuck_traction

@@ -104,7 +104,7 @@ def rayleigh_slowness(body: Body) -> float:
 def interface_of(scene: Scene) -> tuple[LoadedBodies, float]:
     """Return a scene of two bodies in its own units, and the unit of stress."""
     assert isinstance(scene.load, Tractions)
-    assert isinstance(scene.law, Coulomb)
+    assert type(scene.law) is Coulomb
     base, load = scene.base, scene.load
     # Without a load nothing moves; the base then serves for a unit that is not 0.
     unit = max(abs(load.pressure), abs(load.shear)) or scene.base.pressure

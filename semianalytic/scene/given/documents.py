@@ -29,13 +29,9 @@ def scene_document(scene: Scene) -> dict[str, Any]:
     Histories and friction laws are named by `kind`; the coefficient at rest of a law stands outside
     its table.  Defaults are left out, so that files stay short.
     """
-    law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
-    own = coefficient_field(type(scene.law))
-    if own is not None:
-        law.pop(own, None)
     document: dict[str, Any] = {} if scene.has_slot else {"contact": WHOLE_LINE}
     document |= {
-        **({} if own is None else {"friction": scene.coefficient}),
+        **({"friction": scene.coefficient} if coefficient_field(type(scene.law)) else {}),
         "material": asdict(scene.material),
         "base": asdict(scene.base),
         "load": load_document(scene.load),
@@ -43,8 +39,8 @@ def scene_document(scene: Scene) -> dict[str, Any]:
     for name in HISTORY_FIELDS:
         if (history := getattr(scene, name)) != Step():
             document[name] = history_document(history)
-    if law:
-        document["friction_law"] = law
+    if isinstance(scene.friction, Law):
+        document["friction_law"] = law_table(scene.friction)
     if scene.antiplane:
         document["mode"] = scene.mode
     if scene.load_on != SLOT:

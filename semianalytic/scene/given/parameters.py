@@ -56,8 +56,6 @@ _ON_LINE: Mapping[type, Mapping[str, Parameter]] = {
     PointForce: _FORCE,
     HalfLine: {"kind": Parameter("", "on all of x < 0 from t = 0 on; no slot"), **TRACTIONS},
 }
-EVERY_LOAD: Mapping[str, Parameter] = {**_WAVE, **_MOVING}
-"""Parameters of all loads, tractions among them."""
 _OF_PARTS: Mapping[str, Parameter] = {
     "rise_time": Parameter(PARAMETERS["rise_time"], "in which it rises evenly from 0 to 1"),
     "duration": Parameter(PARAMETERS["duration"], "after which it is over"),

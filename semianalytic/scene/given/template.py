@@ -29,7 +29,7 @@ from semianalytic.scene.incident import (
 )
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.laws.kinds import law_table
-from semianalytic.scene.laws.law import Law, coefficient_field
+from semianalytic.scene.laws.law import Law
 from semianalytic.scene.laws.weakening import RateWeakening, SlipWeakening
 from semianalytic.scene.loading import LineLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
@@ -228,12 +228,7 @@ def _part(scene: Scene, own: Any, examples: Sequence[Any]) -> Iterator[str]:
 
 def _kind(part: LoadHistory | Law, units: str) -> Iterator[str]:
     saying = Parameter("", _SAYINGS.get(type(part), ""))
-    if isinstance(part, Law):
-        # the coefficient at rest stands at the top of the file
-        own = coefficient_field(type(part))
-        document = {name: one for name, one in law_table(part).items() if name != own}
-    else:
-        document = history_document(part)
+    document = law_table(part) if isinstance(part, Law) else history_document(part)
     yield from _values(document, {"kind": saying, **part_parameters(type(part))}, units)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.scene.laws.delay import DelayedLaw
+from semianalytic.scene.laws.delay import LinearLaw
 from semianalytic.scene.laws.law import not_negative
 from semianalytic.scene.quantities import with_quantities
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @with_quantities
 @dataclass(frozen=True, eq=False, repr=False)
-class Coulomb(DelayedLaw):
+class Coulomb(LinearLaw):
     """Strength f p + cohesion + viscosity |V|, whatever the slip so far.
 
     Parameters
@@ -50,8 +50,6 @@ class Coulomb(DelayedLaw):
     cohesion: Any = 0.0
     viscosity: Any = 0.0
 
-    fall_with_rate = 0.0
-
     def __post_init__(self) -> None:
         super().__post_init__()
         not_negative(
@@ -64,15 +62,6 @@ class Coulomb(DelayedLaw):
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
         """Return f p + cohesion + viscosity |V|; see `Law.strength`."""
         return self.friction * pressure + self.cohesion + self.viscosity * speed
-
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
-        """Return the speed of balance; see `Law.slip_speed`."""
-        dry = self.strength(pressure, np.zeros(np.shape(pressure)), state)
-        return np.maximum(stopping - dry, 0.0) / (impedance + self.viscosity)
-
-    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the viscosity; see `Law.rate_slope`."""
-        return np.broadcast_to(np.asarray(self.viscosity, dtype=float), pressure.shape)
 
     def rate_slopes(self, pressure: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
         """Return the derivatives of strength; see `Law.rate_slopes`."""

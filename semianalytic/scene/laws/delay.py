@@ -53,3 +53,19 @@ class DelayedLaw(Law):
         with np.errstate(divide="ignore", invalid="ignore"):
             own = np.where(delay > 0, 1 / delay, np.where(slip > 0, 0.0, np.inf))
             return 1 / (own + np.where(slip > 0, speed / slip, 0.0))
+
+
+class LinearLaw(DelayedLaw):
+    """A law whose strength rises linearly with slip rate, by a viscosity, or not at all."""
+
+    viscosity: Any = 0.0
+    fall_with_rate = 0.0
+
+    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
+        """Return the speed of balance; see `Law.slip_speed`."""
+        dry = self.strength(pressure, np.zeros(np.shape(pressure)), state)
+        return np.asarray(np.maximum(stopping - dry, 0.0) / (impedance + self.viscosity))
+
+    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
+        """Return the viscosity; see `Law.rate_slope`."""
+        return np.broadcast_to(np.asarray(self.viscosity, dtype=float), pressure.shape)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import MISSING, fields
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -84,22 +84,20 @@ def law_from_table(name: str, table: Any, coefficient: Any = None, *, scene: boo
 
 
 def law_table(law: Law) -> dict[str, Any]:
-    """Return the kind of a law of numbers and its parameters, without those at their default.
+    """Return the kind of a law of numbers and its parameters that are not at their default.
 
-    The kind of a class that no installed package brings is its name with that of its module, by
-    which it is found again where that module is loaded.
+    The coefficient at rest is left out, which stands outside the table.  The kind of a class that
+    no installed package brings is its name with that of its module, by which it is found again
+    where that module is loaded.
     """
     described = type(law)
     kind = kind_of(LAWS, Law, LAW_KINDS, described)
     kind = kind or f"{described.__module__}.{described.__qualname__}"
-    values = {one.name: getattr(law, one.name) for one in fields(law)}  # type: ignore[arg-type]
-    defaults = {one.name: one.default for one in fields(law)}  # type: ignore[arg-type]
-    own = coefficient_field(type(law))
-    given = {own: values.pop(own), **values} if own else values
+    own, parts = coefficient_field(described), fields(law)  # type: ignore[arg-type]
     return {"kind": kind} | {
-        name: value
-        for name, value in given.items()
-        if defaults[name] is MISSING or value != defaults[name]
+        one.name: getattr(law, one.name)
+        for one in parts
+        if one.name != own and getattr(law, one.name) != one.default
     }
 
 

@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 SLOWEST = 1e-300
 """Slip rate below which a law counts as one that sticks."""
+_FOLLOWING = ("slip_speed", "rate_slope", "rate_slopes", "fall_with_rate", "weakening")
+"""What follows from the strength of a law."""
 
 
 class Law(Alike, ABC):
@@ -48,6 +50,15 @@ class Law(Alike, ABC):
     >>> law.strength(1.0, 0.0, 0.0).tolist()
     [1.5, 2.5]
     """
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Let no class that defines its strength inherit what follows from another one."""
+        super().__init_subclass__(**options)
+        laws = [one for one in cls.__mro__[1:] if issubclass(one, Law)]
+        derived = any("strength" not in one.__abstractmethods__ for one in laws)
+        if derived and "strength" in vars(cls):
+            for name in set(_FOLLOWING) - vars(cls).keys():
+                setattr(cls, name, vars(Law)[name])
 
     def __repr__(self) -> str:
         return expression(self) if is_dataclass(self) else object.__repr__(self)

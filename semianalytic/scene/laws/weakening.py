@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -11,31 +11,16 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.laws.delay import DelayedLaw
+from semianalytic.scene.laws.delay import DelayedLaw, LinearLaw
 from semianalytic.scene.laws.law import not_negative, positive
 from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
 
-class RateIndependentLaw(DelayedLaw):
-    """A law whose strength does not depend on slip rate, so that its balance is linear."""
-
-    fall_with_rate = 0.0
-
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
-        """Return the speed of balance; see `Law.slip_speed`."""
-        strength = self.strength(pressure, np.zeros(len(pressure)), state)
-        return np.asarray(np.maximum(stopping - strength, 0.0) / impedance)
-
-    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return 0; see `Law.rate_slope`."""
-        return np.zeros(len(pressure))
-
-
 @with_quantities
 @dataclass(frozen=True, eq=False, repr=False)
-class SlipWeakening(RateIndependentLaw):
+class SlipWeakening(LinearLaw):
     """Friction that falls with accumulated slip from static to dynamic, linearly or exponentially.
 
     Strength is (f_d + (f_s - f_d) w) p + cohesion w, with w = max(1 - slip / distance, 0), or
@@ -72,7 +57,9 @@ class SlipWeakening(RateIndependentLaw):
     dynamic: Any
     distance: Any
     cohesion: Any = 0.0
-    shape: str = "linear"
+    shape: str = field(
+        default="linear", metadata={"dimension": "", "meaning": "linear or exponential"}
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -103,7 +90,7 @@ class SlipWeakening(RateIndependentLaw):
 
 @with_quantities
 @dataclass(frozen=True, eq=False, repr=False)
-class ForcedFront(RateIndependentLaw):
+class ForcedFront(LinearLaw):
     """Friction that falls from static to dynamic when a front arrives, whatever the slip.
 
     The state is the time since t = 0.  With a static friction that is never reached the front is

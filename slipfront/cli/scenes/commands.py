@@ -28,11 +28,7 @@ from semianalytic.scene.given.finding import (
     find_scene,
     kind_of,
 )
-from semianalytic.scene.given.named import (
-    DEFAULT_SCENE,
-    INTERFACES,
-    NAMED_SCENES,
-)
+from semianalytic.scene.given.named import DEFAULT_SCENE, INTERFACES, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
 from semianalytic.scene.kinds import HISTORY_KINDS

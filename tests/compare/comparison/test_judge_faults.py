@@ -17,14 +17,7 @@ from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.own_rows import own_rows
 from docs.studies.trials.wrong_answers import FAULTS
 from fem import simulate, with_companions
-from semianalytic import (
-    Coulomb,
-    Material,
-    RateWeakening,
-    Scene,
-    Tabulated,
-    Tractions,
-)
+from semianalytic import Coulomb, Material, RateWeakening, Scene, Tabulated, Tractions
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene

@@ -44,6 +44,18 @@ def test_falls_follow_from_the_strength_alone(law):
     assert own.coefficient == pytest.approx(float(free[0])) == law.coefficient
 
 
+def test_a_strength_of_its_own_inherits_nothing_that_follows_from_another():
+    @dataclass(frozen=True)
+    class Half(sf.Coulomb):
+        def strength(self, pressure, speed, state):
+            return super().strength(pressure, speed, state) / 2
+
+    half, one = Half(0.3, viscosity=0.2), np.ones(1)
+    assert half.slip_speed(one, one, 0.4, one) == pytest.approx(0.85 / 0.5, rel=1e-12)
+    assert half.rate_slope(one, one, one) == pytest.approx(0.1, rel=1e-6)
+    assert not half.is_rated
+
+
 @pytest.mark.parametrize("law", LAWS[:2])
 def test_slopes_are_derivatives_of_the_strength(law):
     pressure, speed, step = np.array([0.5, 2.0]), np.array([0.3, 1.0]), 1e-4
@@ -144,9 +156,7 @@ def test_a_table_gives_dynamic_friction_or_the_part_that_is_lost():
     for fall in ({"dynamic": 0.15}, {"reduction": 0.75}):
         law = law_from_table("law", whole | fall)
         assert law == sf.SlipWeakening(0.6, 0.15, 1.0)
-    assert law_table(law) == {
-        **{"kind": "slip-weakening", "static": 0.6, "dynamic": 0.15, "distance": 1.0}
-    }
+    assert law_table(law) == {"kind": "slip-weakening", "dynamic": 0.15, "distance": 1.0}
 
 
 @pytest.mark.parametrize(

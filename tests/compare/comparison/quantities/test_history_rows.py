@@ -10,11 +10,7 @@ from compare_cases import sampled_run
 from compare import judge
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
-from compare.comparison.quantities.history_rows import (
-    beside_edges,
-    event_rows,
-    slip_sense,
-)
+from compare.comparison.quantities.history_rows import beside_edges, event_rows, slip_sense
 from compare.comparison.rows import ALARM
 from fem import simulate
 from semianalytic import RateWeakening, SlipWeakening
