@@ -192,7 +192,7 @@ class Continuation:
                 step = NUDGE * self.friction[chosen]
                 scenes = [self.scenes[i] for i in chosen]
                 beside = [
-                    replace(scene, friction=float(scene.coefficient + h))
+                    replace(scene, friction=scene.law.with_coefficient(scene.coefficient + h))
                     for scene, h in zip(scenes, step, strict=True)
                 ]
                 sets = ZoneSets(edges, common_load(scenes, self.unit))

@@ -242,7 +242,7 @@ def check_differences(scene, name, most=1e-8):
         (ALONG_Z, "friction"),
         (replace(ALONG_Z, base=Tractions(1.0, 0.1), load=Tractions(0.4, 1.0)), "load_pressure"),
         (FILM, "poisson_ratio"),
-        (replace(FILM, friction=0.4, mode="antiplane"), "viscosity"),
+        (replace(FILM, friction=Coulomb(0.4, viscosity=0.2), mode="antiplane"), "viscosity"),
         (FILM, "viscosity"),
         # stick behind a longitudinal zone, whose slope bends slowly all the way from the edge
         (
@@ -393,7 +393,7 @@ def test_what_has_no_derivative_is_refused():
         solve(unit_scene(0.0)).derivative("friction")
     with pytest.raises(SceneError, match="small positive base pressure"):
         solve(unit_scene(0.2, (0.0, 0.0), (0.0, 0.5))).derivative("base_pressure")
-    with pytest.raises(SceneError, match="needs Coulomb"):
+    with pytest.raises(SceneError, match="needs friction with"):
         solve(PRELOADED).derivative("viscosity")
     law = RateWeakening(1.0, 0.5, 1.24)
     weakening = unit_scene(0.607, (1, 0), (0, -0.504), law=law)
