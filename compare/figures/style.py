@@ -23,6 +23,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS, slip_rate_scale, stress_scale
 from semianalytic import Scene
 from semianalytic.scene.incident import IncidentWave, MovingLoad
+from semianalytic.scene.laws.kinds import law_table
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
@@ -155,7 +156,9 @@ def scene_words(scene: Scene) -> str:
     It gives bodies, friction, pressure and shear before the load, and the units of the axes,
     with their sizes in SI scenes.
     """
-    kind = "" if isinstance(scene.friction, float) else f" ({type(scene.law).__name__})"
+    law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
+    numbers = [f"{name} {one:.3g}" for name, one in law.items() if isinstance(one, float)]
+    kind = f" ({', '.join([law['kind'], *numbers])})" if law else ""
     mode = "antiplane shear,  " if scene.antiplane else ""
     pascal = f" {unit('stress', scene.units)}" if scene.units else ""
     base = f"base ({scene.base.pressure:.3g}, {scene.base.shear:.3g}){pascal},  "
