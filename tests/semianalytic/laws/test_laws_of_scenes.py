@@ -151,10 +151,12 @@ def test_a_new_law_is_refused_where_it_is_ill_posed_or_too_sharp():
 # --- laws in files and parameters by name ---------------------------------------------------------
 
 
+WEAKENING = {"kind": "slip-weakening", "distance": 1}
+
+
 def test_a_table_gives_dynamic_friction_or_the_part_that_is_lost():
-    whole = {"kind": "slip-weakening", "static": 0.6, "distance": 1}
     for fall in ({"dynamic": 0.15}, {"reduction": 0.75}):
-        law = law_from_table("law", whole | fall)
+        law = law_from_table("law", WEAKENING | {"static": 0.6} | fall)
         assert law == sf.SlipWeakening(0.6, 0.15, 1.0)
     assert law_table(law) == {"kind": "slip-weakening", "dynamic": 0.15, "distance": 1.0}
 
@@ -166,11 +168,8 @@ def test_a_table_gives_dynamic_friction_or_the_part_that_is_lost():
         ({"kind": "slip-dependent"}, "slip-dependent is called slip-weakening"),
         ({"kind": "rate-dependent"}, "rate-dependent is called rate-weakening"),
         ({"kind": "coulomb", "friction": 0.2}, "friction is friction_law.friction; leave"),
-        ({"kind": "slip-weakening", "reduction": 2, "distance": 1}, "between 0 and 1, got 2"),
-        (
-            {"kind": "slip-weakening", "reduction": 0, "dynamic": 0, "distance": 1},
-            "without dynamic",
-        ),
+        (WEAKENING | {"reduction": 2}, "between 0 and 1, got 2"),
+        (WEAKENING | {"reduction": 0, "dynamic": 0}, "without dynamic"),
         ({"kind": "forced-front"}, "a state other than the path"),
     ],
 )

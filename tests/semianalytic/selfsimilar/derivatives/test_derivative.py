@@ -129,7 +129,7 @@ def test_edge_of_the_only_zone_moves_as_its_closed_form(nu, strength):
 def test_differences_of_solutions_agree(problem):
     solution = solve(problem.scene, rtol=1e-11)
     name = NAMES[len(problem.name) % len(NAMES)]
-    if problem.scene.friction == 0:
+    if problem.scene.coefficient == 0:
         name = "poisson_ratio"
     found = errors(solution, name)
     assert found is None or max(found.values()) < 1e-8, (name, found)
@@ -180,7 +180,7 @@ def check_homogeneity(solution, x):
     within what the error estimates of the derivatives allow."""
     scene, names = solution.scene, [n for n in TRACTIONS if parameter(solution.scene, n)]
     parts = {name: solution.derivative(name) for name in names}
-    if scene.friction and solution.zones:
+    if scene.coefficient and solution.zones:
         parts["friction"] = solution.derivative("friction")
     assert max(one.error_estimate for one in parts.values()) < 1e-5
     for field in ("slip_rate", "slip", "shear_traction"):
