@@ -1,7 +1,6 @@
 """Laws of friction: the local balance, states, and refusals."""
 
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -94,30 +93,6 @@ def test_start_carries_the_base_shear_at_the_slip_rate():
     theta = law.start(pressure, shear, speed)
     assert theta == pytest.approx(1.606239e9, rel=1e-6)  # as UGUCA's input has it
     assert law.strength(pressure, speed, theta) == pytest.approx(shear)
-
-
-def test_a_law_of_the_user_is_a_small_class():
-    @dataclass(frozen=True)
-    class Healing(sf.Law):
-        friction: object
-
-        def strength(self, pressure, speed, state):
-            return self.friction * pressure / (1 + state)
-
-    law = Healing(lambda x: 0.3 + 0.1 * (np.abs(x) < 1))
-    fault = sf.Interface(
-        sf.Material(1.0, 1.0, 0.25), law, 8.0, loads=[sf.InterfaceLoad(lambda x: np.exp(-(x**2)))]
-    )
-    same = sf.Interface(
-        fault.material,
-        sf.SlipWeakening(lambda x: 0.3 + 0.1 * (np.abs(x) < 1), 0.0, 1e9),
-        8.0,
-        loads=fault.loads,
-    )
-    done, other = (sf.solve(one, end_time=0.5, nodes=64, estimate=False) for one in (fault, same))
-    assert 0 < done.slip.max() < 1
-    # slip weakens the one and not the other
-    assert done.slip.max() > 1.005 * other.slip.max()
 
 
 @pytest.mark.parametrize(

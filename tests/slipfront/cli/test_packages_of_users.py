@@ -130,6 +130,19 @@ def test_finite_elements_take_a_law_of_a_package_too(granite):
     np.testing.assert_allclose(traction[slips][:-1], strength[slips][:-1], rtol=1e-9)
 
 
+def test_a_file_of_an_interface_takes_a_law_of_a_package_along_x(granite, tmp_path):
+    law = {"kind": '"hyperbolic-weakening"', "friction": '"0.3 + 0.1 * x**2"', "reduction": 0.5}
+    solid = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}"
+    text = f"length = 8.0\nshear = 0.35\n{solid}\nrun = {{end_time = 0.5, nodes = 64}}\n[law]\n"
+    rows = [f"{name} = {value}" for name, value in (law | {"distance": 0.1}).items()]
+    (tmp_path / "face.toml").write_text(text + "\n".join(rows))
+    done = sf.solve(tmp_path / "face.toml")
+    slip = done.slip[-1]
+    strength = (0.3 + 0.1 * done.x**2) * (1 - 0.5 * slip / (slip + 0.1))
+    np.testing.assert_allclose(done.shear_traction[-1][slip > 0.01], strength[slip > 0.01], 1e-3)
+    assert 0 < np.count_nonzero(slip > 0.01) < 16
+
+
 def test_a_method_of_a_package_is_asked_after_ours(installed, printed):
     installed(
         packages.brought("blocks", "blocks", methods=["rigid = Rigid"]), {"blocks.py": METHOD}
