@@ -26,7 +26,7 @@ from compare.benchmarks.answers import (
 )
 from compare.benchmarks.sheets import SI, Sheet, find_sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
-from compare.records.read import ARRAYS, HDF5, MESHES, read_records
+from compare.records.read import MESHES, binary_reader, read_records
 from compare.records.record import QUANTITIES, Record, Records
 from compare.validation import Conventions, validate
 from semianalytic import Scene
@@ -119,7 +119,7 @@ def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Scor
 def _named(path: Path) -> str | None:
     """Name of the sheet that a file, or the first one of a folder that does, says it is of."""
     for file in sorted(path.iterdir()) if path.is_dir() else [path]:
-        if file.suffix.lower() in (*MESHES, *ARRAYS, *HDF5) or file.is_dir():
+        if file.is_dir() or file.suffix.lower() in MESHES or binary_reader(file):
             continue
         said = (line.removeprefix("#").partition(":") for line in lines_of(file) if line[:1] == "#")
         for label, _, name in said:

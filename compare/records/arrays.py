@@ -1,4 +1,7 @@
-"""Arrays over times and positions as records: NPZ and HDF5, those of this package included."""
+"""Arrays over times and positions as records: NPZ, HDF5 and NetCDF, those of this package included.
+
+NetCDF, as xarray writes it by way of h5netcdf, is HDF5 with units and scales of dimensions.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,6 @@ from compare.records.names import known_columns, no_columns
 from compare.records.options import ReadingOptions
 from compare.records.record import QUANTITIES, Array, Records
 from compare.records.stations import (
-    contact_stations,
     joined_faces,
     stations_of_grid,
     stations_of_rows,
@@ -55,17 +57,20 @@ def read_npz(path: Path, options: ReadingOptions) -> Records:
             _check_head(path, name, heads[name], members[name].file_size)
         check_numbers(path, sum(math.prod(heads[name][0]) for name in wanted))
         arrays: dict[str, np.ndarray] = {}
-        for name in members:
+        for name, (shape, _) in heads.items():
             if name in wanted:
                 with file.open(members[name]) as stream:
                     arrays[name] = np.lib.format.read_array(stream, allow_pickle=False)
             else:
-                arrays[name] = NOT_READ
+                arrays[name] = _not_read(shape)
     return records_of_arrays(path, arrays, options)
 
 
-NOT_READ = np.zeros(0)
-"""Stands for arrays that hold nothing of the interface."""
+def _not_read(shape: tuple[int, ...]) -> np.ndarray:
+    """Stands for an array that holds nothing of the interface, and takes no memory."""
+    return np.broadcast_to(np.nan, shape)
+
+
 Head = tuple[tuple[int, ...], np.dtype[Any]]
 """Shape and type of an array, as a file says them."""
 
@@ -130,7 +135,8 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
         wanted = _wanted(path, list(sets), options) if not kind.startswith("slipfront") else set()
         check_numbers(path, sum(map(_size, (sets[name] for name in wanted))) or _all_sizes(file))
         arrays = {
-            name: np.asarray(one) if name in wanted else NOT_READ for name, one in sets.items()
+            name: np.asarray(one) if name in wanted else _not_read(one.shape or ())
+            for name, one in sets.items()
         }
         units = {
             name: _text(one.attrs["units"]) for name, one in sets.items() if "units" in one.attrs
@@ -172,8 +178,9 @@ def read_simulation(folder: Path) -> Records:
 
 def of_history(path: Path, history: InterfaceHistory, spacing: float | None = None) -> Records:
     """Records at all positions of a history but that of the contact edge."""
-    values = {name: getattr(history, name) for name in QUANTITIES}
-    stations, notes = contact_stations(path, history.x, history.t, values)
+    ahead = history.x > 0
+    values = {name: getattr(history, name)[:, ahead] for name in QUANTITIES}
+    stations, notes = stations_of_grid(path, history.x[ahead], history.t, values)
     return Records(stations, None, str(path), tuple(notes), spacing)
 
 
@@ -217,7 +224,10 @@ def records_of_arrays(
     stations_of = stations_of_rows if in_rows else stations_of_grid
     stations, mended = stations_of(path, x, t, fitted)
     notes = (*known.notes, *more, *mended)
-    return Records(stations, None, str(path), notes, stated=stated, unread=known.unread)
+    # arrays of other shapes hold no quantity of these times and positions
+    shapes = {columns[name].shape for name in columns}
+    unread = tuple(name for name in known.unread if np.shape(arrays[name]) in shapes)
+    return Records(stations, None, str(path), notes, stated=stated, unread=unread)
 
 
 def _fitted(path: Path, name: str, value: Array, t: Array, x: Array) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 from compare.records.names import Columns, known_columns, named_unit
 from compare.records.options import ReadingOptions
 from compare.records.record import Array, Records, Stated, Unit
-from compare.records.stations import contact_stations, joined_faces
+from compare.records.stations import joined_faces, stations_of_grid
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, content_of
 
@@ -48,9 +48,10 @@ def read_bodies(path: Path, options: ReadingOptions) -> Records:
     times, rows = [], []
     notes: list[str] = []
     stated = Stated()
+    unread: tuple[str, ...] = ()
     x: Array | None = None
     for time, mesh in frames:
-        here, values, stated, notes = _interface(path, mesh, options)
+        here, values, stated, notes, unread = _interface(path, mesh, options)
         if x is not None and not np.array_equal(x, here):
             raise DataFileError(f"{path}: frames are on different meshes; give them on one.")
         x = here
@@ -60,11 +61,10 @@ def read_bodies(path: Path, options: ReadingOptions) -> Records:
     names = set.intersection(*(set(row) for row in rows))
     values = {name: np.array([row[name] for row in rows]) for name in sorted(names)}
     x = x - options.origin
-    if not (x > 0).any():
-        raise DataFileError(f"{path} has no node of the interface at x > {options.origin:g}.")
-    stations, mended = contact_stations(path, x, np.array(times), values)
-    spacing = float(np.median(np.diff(x[x > 0]))) if len(stations) > 1 else None
-    return Records(stations, None, str(path), (*notes, *mended), spacing, stated)
+    stations, mended = stations_of_grid(path, x, np.array(times), values)
+    spacing = float(np.median(np.diff(x))) if len(stations) > 1 else None
+    notes = [*notes, *mended]
+    return Records(stations, None, str(path), tuple(notes), spacing, stated, unread=unread)
 
 
 def _frames(path: Path) -> Iterator[Frame]:
@@ -140,8 +140,8 @@ def _parsing(path: Path) -> Iterator[None]:
 
 def _interface(
     path: Path, mesh: Any, options: ReadingOptions
-) -> tuple[Array, dict[str, Array], Stated, list[str]]:
-    """Positions along the interface, quantities there, and what they are."""
+) -> tuple[Array, dict[str, Array], Stated, list[str], tuple[str, ...]]:
+    """Positions along the interface, quantities there, what they are, and fields not read."""
     points = np.asarray(mesh.points, dtype=float)
     scalars = {
         name: np.asarray(value, dtype=float)
@@ -160,11 +160,12 @@ def _interface(
         values, stated, more = joined_faces(columns, known)
         order = np.argsort(points[:, 0], kind="stable")
         ordered = {name: value[order] for name, value in values.items()}
-        return points[order, 0], ordered, stated, [*known.notes, *more]
+        unread = tuple(name for name in mesh.point_data if name not in scalars) + known.unread
+        return points[order, 0], ordered, stated, [*known.notes, *more], unread
     upper, lower = _faces(path, mesh, points, on)
     motion: dict[str, Array] = {}
     units: dict[str, Unit] = {}
-    guesses = []
+    guesses: dict[str, str] = {}
     for kind, aliases in VECTORS.items():
         name = options.columns.get(kind) or _called(aliases, mesh.point_data)
         if name is None:
@@ -179,14 +180,16 @@ def _interface(
             if len(face):
                 motion[f"{kind}_{side}"] = along[face] * (unit.size if unit else 1.0)
                 units |= {f"{kind}_{side}": unit} if unit else {}
-        guesses.append(f"{kind} is the field {name!r}")
+        guesses[name] = f"{kind} is the field {name!r}"
     if not motion:
         fields = ", ".join(mesh.point_data) or "none"
         raise DataFileError(
             f"{path} has no field of velocity or displacement among {fields}; say velocity=NAME."
         )
     values, stated, more = joined_faces(motion, Columns({}, units))
-    return points[upper if len(upper) else lower, 0], values, stated, [*guesses, *more]
+    unread = tuple(name for name in mesh.point_data if name not in guesses)
+    notes = [*guesses.values(), *more]
+    return points[upper if len(upper) else lower, 0], values, stated, notes, unread
 
 
 def _called(aliases: str, fields: Mapping[str, Any]) -> str | None:

@@ -10,7 +10,7 @@ import numpy as np
 from compare.records.names import Columns
 from compare.records.options import ReadingOptions
 from compare.records.record import AFTER, Array, Records
-from compare.records.stations import contact_stations, joined_faces
+from compare.records.stations import joined_faces, stations_of_grid
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import check_file_size
 from semianalytic.scene.tables.text import text_of
@@ -58,8 +58,9 @@ def read_uguca(path: Path, options: ReadingOptions) -> Records:
     count = times[-1, 0] if times.shape[1] > 1 else 0.0
     stated = replace(stated, mean=AFTER, step=float(t[-1] / count) if count > 0 else None)
     _check_shapes(path, values, (len(t), len(x)))
-    stations, mended = contact_stations(path, x, t, values)
-    return Records(stations, None, str(path), (*notes, *mended), stated=stated)
+    stations, mended = stations_of_grid(path, x, t, values)
+    unread = tuple(name for name, _ in listed if name not in UGUCA_FIELDS)
+    return Records(stations, None, str(path), (*notes, *mended), stated=stated, unread=unread)
 
 
 def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
@@ -84,9 +85,10 @@ def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
         if name in columns:
             columns[name] = columns[name] + initial[:, place]
     t = step * np.arange(float(len(data)))
-    stations, notes = contact_stations(path, x - options.origin, t, columns)
+    stations, notes = stations_of_grid(path, x - options.origin, t, columns)
     notes.append("Normal_Stress is read as pressure")
-    return Records(stations, None, str(path), tuple(notes))
+    unread = tuple(name for name in names if name not in SEM_FIELDS)
+    return Records(stations, None, str(path), tuple(notes), unread=unread)
 
 
 def _words(path: Path, least: int) -> list[list[str]]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import gzip
 import stat
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from semianalytic.scene.errors import DataFileError
@@ -35,14 +37,27 @@ def size_of(path: Path) -> int:
     DataFileError
         If it is none, or cannot be looked at.
     """
-    try:
+    with _readable(path):
         status = path.stat()
-    except OSError as error:
-        reason = error.strerror or error
-        raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
     if not stat.S_ISREG(status.st_mode):
         raise DataFileError(f"{path} is not an ordinary file; save what it gives in one.")
     return status.st_size
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or error
+        raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
+
+
+def beginning_of(path: Path, count: int) -> bytes:
+    """The first bytes of an ordinary file; raises as `size_of`."""
+    size_of(path)
+    with _readable(path), path.open("rb") as stream:
+        return stream.read(count)
 
 
 def check_file_size(path: Path, most: int = LARGEST_FILE) -> None:
@@ -74,19 +89,15 @@ def content_of(path: Path) -> bytes:
         If it is not an ordinary file, a damaged archive, or too large.
     """
     check_file_size(path, LARGEST_TEXT)
-    try:
-        with path.open("rb") as stream:
-            packed = stream.read(2) == b"\x1f\x8b"
-        with gzip.open(path, "rb") if packed else path.open("rb") as stream:
-            parts, size = [], 0
+    packed = beginning_of(path, 2) == b"\x1f\x8b"
+    parts, size = [], 0
+    with _readable(path), gzip.open(path, "rb") if packed else path.open("rb") as stream:
+        try:
             while part := stream.read(_CHUNK):
                 parts.append(part)
                 size += len(part)
                 if size > LARGEST_TEXT:
                     raise too_large(path, "more", f"{LARGEST_TEXT / 2**20:.0f} MB of text")
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise DataFileError(f"{path} cannot be unpacked ({error}); pack it anew.") from error
-    except OSError as error:
-        reason = error.strerror or error
-        raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
+        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+            raise DataFileError(f"{path} cannot be unpacked ({error}); pack it anew.") from error
     return b"".join(parts)

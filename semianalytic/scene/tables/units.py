@@ -56,9 +56,9 @@ _RAISED = str.maketrans("⁻¹²³", "-123")
 def names_no_unit(text: str, dimension: str) -> bool:
     """Tell whether the place of a unit says that there is none, or holds the dimension itself.
 
-    Commands write "t [time]" and "slip [length]" where a scene has no units.
+    Commands write "t [time]" and "slip_rate [length/time]" where a scene has no units.
     """
-    return text.strip().lower() in NO_UNIT or text.strip() == unit(dimension)
+    return text.strip().lower() in NO_UNIT or text.strip() in (dimension, unit(dimension))
 
 
 def si_size(name: str, dimension: str) -> float | None:
