@@ -172,7 +172,7 @@ def known_columns(
         if kind in places:
             raise DataFileError(
                 f"{path}{_at(line)}: columns {names[places[kind]]!r} and {names[place]!r} are both "
-                f"{kind}; rename one, or tell slipfront validate --column {kind}=NAME."
+                f"{kind}; rename one, or say slipfront validate --column {kind}=NAME."
             )
         places[kind] = place
         if kinds.get(pure) == "pressure" and pure not in _COMPRESSION:
@@ -254,5 +254,6 @@ def no_columns(path: Path, names: Sequence[str], line: int = 0) -> DataFileError
     shown = ", ".join(repr(name[:LONGEST]) for name in names[:8]) or "nothing"
     return DataFileError(
         f"{path}{_at(line)} names {shown}: none of it is {', '.join(QUANTITIES)} of the interface; "
-        "rename what is, or tell slipfront validate --column slip_rate=NAME."
+        "rename what is, or say slipfront validate --column slip_rate=NAME, or slipfront fit "
+        "--gauge NAME=exx@X,Y of the column of a gauge."
     )

@@ -85,6 +85,8 @@ def _read_kind(path: Path, options: ReadingOptions, at: float | None) -> tuple[R
     if not path.exists():
         raise DataFileError(f"{path} does not exist; give a file that does.")
     binary = binary_reader(path)
+    if options.gauges and (binary or suffix in MESHES):
+        raise DataFileError(f"{path}: gauges are columns of a table of text; leave them out.")
     if suffix in MESHES:
         return read_bodies(path, options), False
     if binary:

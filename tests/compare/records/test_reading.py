@@ -12,7 +12,7 @@ import pytest
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
 from fem import simulate
-from semianalytic import InterfaceHistory, find
+from semianalytic import InterfaceHistory, find, solve
 from semianalytic.scene import extras
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
 from semianalytic.scene.tables.units import si_size
@@ -223,6 +223,23 @@ def test_what_this_package_writes(tmp_path):
     for one in both:
         # frames are in single precision
         assert one.values["slip"][-1] == pytest.approx(last[round(one.x, 9)], rel=2e-7)
+
+
+def test_answers_that_this_package_saves_are_read_whatever_they_are_called(tmp_path):
+    march = solve("ramp", nodes=32, end_time=0.5, companion=False)
+    run = solve("two-slots", nodes=64, end_time=0.5, estimate=False)
+    exact = solve("preloaded").to_xarray(X, T)
+    for name, save in {"a.h5": march.save, "b.nc": march.save, "c.npz": run.save,
+                       "d.h5": run.save, "e.nc": run.to_xarray().to_netcdf,
+                       "f.nc": exact.to_netcdf}.items():  # fmt: skip
+        save(tmp_path / name)
+        (records,) = read_records([tmp_path / name])
+        saved = march.interface if name < "c" else run if name < "f" else exact
+        last, *_ = np.nonzero(np.asarray(saved.x) == records.stations[-1].x)[0]
+        for quantity, values in records.stations[-1].values.items():
+            np.testing.assert_array_equal(values, np.asarray(getattr(saved, quantity))[:, last])
+        assert len(records.stations) == np.sum(np.asarray(saved.x) > (0 if name < "c" else -9))
+        assert "touching" not in records.unread
 
 
 def test_what_uguca_writes():
