@@ -26,6 +26,7 @@ from compare.benchmarks.answers import (
 )
 from compare.benchmarks.sheets import SI, Sheet, find_sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
+from compare.records.names import not_read
 from compare.records.read import MESHES, binary_reader, read_records
 from compare.records.record import QUANTITIES, Record, Records
 from compare.validation import Conventions, validate
@@ -66,6 +67,8 @@ class Score:
         As by `class_of`; "" where the run holds less than `ENOUGH`.
     held : float
         Part of the time, at all stations together, that the run holds without gaps.
+    notes : tuple of str
+        What was made of the run in reading it, and what was not read, a sentence each.
     """
 
     file: str
@@ -75,6 +78,7 @@ class Score:
     error: float
     grade: str
     held: float
+    notes: tuple[str, ...]
 
 
 def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Score, ...]:
@@ -112,6 +116,11 @@ def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Scor
                         f"{records.source}: {column} is in {unit.name}; hand it in where "
                         f"{of.units}, without a unit."
                     )
+            if records.stated.faces or records.stated.changes:
+                raise DataFileError(
+                    f"{records.source} holds motion of one face, or changes of tractions; hand in "
+                    "slip of one face relative to the other, and tractions."
+                )
             scores += score(of, records)
     return tuple(scores)
 
@@ -137,8 +146,8 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
         If the run has no station of the sheet between 0 and T.
     """
     answer, end = answer_to(sheet), sheet.end_time
-    near = (_until(one, end) for one in records.stations if _near(sheet, one.x).any())
-    known = [one for one in near if len(one.t) > 1]
+    near = [one for one in records.stations if _near(sheet, one.x).any()]
+    known = [one for one in (_until(one, end) for one in near) if len(one.t) > 1]
     if not known:
         places = ", ".join(f"{x:g}" for x in sheet.stations)
         raise DataFileError(
@@ -148,6 +157,12 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     verdict = ""
     if isinstance(problem, Scene):
         verdict = validate(records, problem, conventions=_STATED).verdict
+    notes = (*records.notes, *not_read(records.unread))
+    left = {
+        "stations that the sheet does not have": len(records.stations) - len(near),
+        "times beyond T": sum(int(np.sum(one.t > end * (1 + NOTHING))) for one in near),
+    }
+    notes += tuple(f"{count} {what} are left out" for what, count in left.items() if count)
     step = records.stated.step or 0.0
     errors = {ARRIVAL: _arrival_error(sheet, answer, known)} if sheet.arrival else {}
     errors |= {name: _relative_error(sheet, answer, known, name, step) for name in sheet.report}
@@ -155,7 +170,7 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     for name, error in errors.items():
         held = _held(sheet, known, arrival_quantity(sheet) if name == ARRIVAL else name)
         grade = class_of(sheet, name, error) if held >= ENOUGH else ""
-        scores.append(Score(records.source, sheet.name, verdict, name, error, grade, held))
+        scores.append(Score(records.source, sheet.name, verdict, name, error, grade, held, notes))
     return tuple(scores)
 
 
