@@ -12,9 +12,11 @@ from fem.results import Simulation
 from fem.run import Complaints, run_plan
 from fem.settings import LEAST_RESOLUTION, Pace, Settings
 from fem.snapshots import COMPANIONS, companion_folder
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.errors import SceneError
 
 
+@checking
 def with_companions(
     simulation: Simulation,
     progress: Callable[[int, int], None] | None = None,

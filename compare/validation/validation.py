@@ -21,6 +21,7 @@ from compare.validation.grids import Grids, arranged, profile_spacing
 from compare.validation.norms import Norm, pooled
 from compare.validation.rows import quantity_norms, rows
 from semianalytic import Scene
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import checked_scene
@@ -107,6 +108,7 @@ class Validation(HasRows[JudgedRow]):
         return self.grids.finest.source
 
 
+@checking
 def validate(
     data: Data | Sequence[Data],
     scene: Scene | str | PathLike[str],

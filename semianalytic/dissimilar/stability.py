@@ -23,6 +23,7 @@ from semianalytic.dissimilar.thresholds import (
 )
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 
@@ -135,6 +136,7 @@ class SlidingStability:
         return f"{sentence}."
 
 
+@checking
 def sliding_stability(upper: Material, lower: Material, friction: float) -> SlidingStability:
     """Return whether and how fast waves grow while two bodies slide under Coulomb friction.
 

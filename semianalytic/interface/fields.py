@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from semianalytic.interface.alike import Alike
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.tables.columns import read_columns
 from semianalytic.scene.tables.units import EXAMPLES
 
@@ -83,7 +84,7 @@ class Table(Alike):
         for name in ("x", "values"):
             try:
                 given = np.array(getattr(self, name), dtype=float)  # the caller keeps its own
-            except (TypeError, ValueError):  # words, or rows of different lengths
+            except (TypeError, ValueError, OverflowError):  # words, or rows of different lengths
                 given = np.empty(0)
             if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all():
                 raise SceneError(f"table: {name} must be two or more finite numbers.")
@@ -96,6 +97,7 @@ class Table(Alike):
         return np.interp(np.asarray(x, float), self.x, self.values, left=math.nan, right=math.nan)
 
     @classmethod
+    @checking
     def read(cls, path: str | PathLike[str], column: str = "") -> Table:
         """Read a table from a file with a header such as ``x [km], pressure [MPa]``.
 

@@ -20,13 +20,14 @@ from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.interface.rate_and_state import RateAndState
 from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
 from semianalytic.scene.checks import check_keys, checked_kind, checked_table, finite, made, shown
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.files import INTERFACE_KEY
-from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.incident import load_from_document
 from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
+from semianalytic.scene.tables.bounds import LARGEST_DESCRIPTION
+from semianalytic.scene.tables.text import text_of
 
 LAWS: Mapping[str, type[InterfaceLaw]] = {
     "coulomb": Coulomb,
@@ -99,11 +100,9 @@ def read_interface(path: str | PathLike[str]) -> InterfaceFile:
         file and key.
     """
     try:
-        text = text_of(path)
-    except OSError as error:
-        raise SceneError(f"Cannot read the file {path}: {error.strerror or error}.") from error
-    except ValueError as error:
-        raise SceneError(f"{path} is not a text file in UTF-8.") from error
+        text = text_of(Path(path), LARGEST_DESCRIPTION)
+    except DataFileError as error:
+        raise SceneError(str(error)) from error
     return parsed(text, str(path), Path(path).parent)
 
 

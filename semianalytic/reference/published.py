@@ -34,6 +34,7 @@ from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 
 Start = Literal["0", "a", "b"]
 Delay = Literal["printed", "front"]
@@ -83,6 +84,7 @@ def readings() -> Iterator[Reading]:
         yield Reading(start, delay, signs, load, basis, arctan)  # type: ignore[arg-type]
 
 
+@checking
 def kernel_primitives(
     poisson_ratio: float, u: Array, *, printed_arctan: bool = False
 ) -> tuple[Array, Array]:
@@ -120,6 +122,7 @@ class PublishedGrid:
     condition: float
 
 
+@checking
 @lru_cache(maxsize=64)
 def published_grid(
     reading: Reading, size: int, poisson_ratio: float = ARTICLE_POISSON_RATIO, place: float = 0.5
@@ -203,6 +206,7 @@ class PublishedSlip:
         return np.interp(u, self.u, self.slip_rate, left=0.0)
 
 
+@checking
 def published_slip(
     chi: float,
     reading: Reading = DEFAULT_READING,

@@ -14,6 +14,7 @@ from semianalytic.results.places import contact_points
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, MODES, Material, Tractions
 from semianalytic.scene.units import SI
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
@@ -126,6 +127,7 @@ class GrowingSlot:
         return self.friction * self.load.pressure / abs(self.load.shear)
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class GrowingSolution(SelfSimilarAnswer):
     """Slip from the edge of a slot under a load and a strength that grow as t^n.

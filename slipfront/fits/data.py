@@ -19,6 +19,7 @@ from semianalytic.interface.files import InterfaceFile
 from semianalytic.inversion.gauges import FIELDS, QUANTITIES, Gauge, checked_noise
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
 
@@ -29,6 +30,7 @@ _Made = tuple[Callable[[str], Gauge], str]
 _BASES = ("base_shear", "base_pressure", "shear", "pressure")
 
 
+@checking
 def read_gauges(
     paths: str | Path | Sequence[str | Path],
     noise: Mapping[str, float] | None = None,
@@ -119,13 +121,8 @@ def _placed(name: str, given: object) -> Placed:
     return Placed(quantity, x, y[0] if y and (y[0] or quantity in FIELDS) else None)
 
 
-def _checked_noise(noise: object) -> dict[str, float]:
+def _checked_noise(noise: Mapping[str, float]) -> dict[str, float]:
     """Return standard deviations by quantity; raise SceneError if they are invalid."""
-    if not isinstance(noise, Mapping):
-        raise SceneError(
-            "read_gauges: noise must be numbers by quantity, as "
-            f'{{"slip": 1e-6}}, or {{"": ...}} for all, got {shown(noise)}.'
-        )
     for name in noise:
         if name not in ("", *QUANTITIES):
             known = ", ".join(QUANTITIES)

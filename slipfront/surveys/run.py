@@ -23,6 +23,7 @@ from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import XARRAY, require
+from semianalytic.scene.given.arguments import checking
 from slipfront.surveys.parameters import Subject
 from slipfront.surveys.plan import Plan, Question, planned
 from slipfront.surveys.points import solved_chunk
@@ -31,6 +32,7 @@ from slipfront.surveys.store import Store, opened_store
 FIELDS = ("slip_rate", "shear_traction", "pressure")
 
 
+@checking
 def survey(
     scene: Subject | Interface | str | os.PathLike[str],
     *,

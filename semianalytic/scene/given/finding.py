@@ -10,6 +10,7 @@ from pathlib import Path
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import Function, taking_quantities
 from semianalytic.scene.given.files import (
     INTERFACE_HINT,
     INTERFACE_KEY,
@@ -21,7 +22,6 @@ from semianalytic.scene.given.files import (
 )
 from semianalytic.scene.given.named import INTERFACES, LINES, NAMED_PAIRS, NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
-from semianalytic.scene.quantities import Function, taking_quantities
 from semianalytic.scene.scene import Material, Scene
 
 

@@ -14,6 +14,8 @@ from semianalytic.scene.errors import DataFileError
 LARGEST_TEXT = 2**27
 """Bytes of a text, unpacked: 128 MB, two million rows of six numbers, which take half a minute and
 400 MB to read; twice that takes twice as long and as much."""
+LARGEST_DESCRIPTION = 2**24
+"""Bytes of a file that describes a problem, in TOML, of which a second reads a megabyte."""
 LARGEST_NUMBERS = 2**25
 """Numbers of arrays together, 256 MB: 4000 times at 2000 positions, four quantities."""
 LARGEST_FILE = 2**30

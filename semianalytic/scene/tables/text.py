@@ -14,7 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.tables.bounds import LONGEST_LINE, MOST_SECONDS, check_numbers, content_of
+from semianalytic.scene.tables.bounds import (
+    LARGEST_TEXT,
+    LONGEST_LINE,
+    MOST_SECONDS,
+    check_file_size,
+    check_numbers,
+    content_of,
+)
 
 Array = NDArray[np.float64]
 
@@ -60,14 +67,15 @@ class Table:
     line: int
 
 
-def text_of(path: Path) -> str:
-    """All of a text file, unpacked if it is gzipped.
+def text_of(path: Path, most: int = LARGEST_TEXT) -> str:
+    """All of a text file of so many bytes at most, unpacked if it is gzipped.
 
     Raises
     ------
     DataFileError
         If it is not there, not text, a damaged archive, or too large.
     """
+    check_file_size(path, most)
     return "\n".join(lines_of(path))
 
 

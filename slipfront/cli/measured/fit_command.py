@@ -32,8 +32,8 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.tables.text import text_of
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown
 from slipfront.cli.options import (
@@ -308,9 +308,10 @@ def _places(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, tup
             listed.append(text)
             continue
         try:
-            listed += [f"{name}={place}" for name, place in tomllib.loads(text_of(text)).items()]
-        except (OSError, ValueError) as error:
-            raise SceneError(f"{option_name('gauge')} cannot read {text}: {error}.") from error
+            places = tomllib.loads(text_of(Path(text)))
+        except ValueError as error:
+            raise SceneError(f"{text} is not a valid TOML file: {error}.") from error
+        listed += [f"{name}={place}" for name, place in places.items()]
     result: dict[str, tuple[Any, ...]] = {}
     for text in listed:
         match = _PLACE.match(text)

@@ -47,6 +47,7 @@ from semianalytic.scene.plugins import (
     find_plugin,
     plugins,
 )
+from semianalytic.scene.tables.text import text_of
 from semianalytic.scene.units import SI
 from semianalytic.whole_line.named import NAMED_LINES, line_text
 from slipfront.cli.options import AsJson
@@ -219,7 +220,7 @@ def _text_of(name: str) -> str:
         return NAMED_INTERFACES[name].lstrip()
     if name in LINES:
         return line_text(NAMED_LINES[name].problem)
-    return Path(name).read_text(encoding="utf-8")
+    return text_of(Path(name))
 
 
 def _write(file: Path, text: str, document: dict[str, Any], *, force: bool, as_json: bool) -> None:

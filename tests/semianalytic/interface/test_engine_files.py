@@ -268,8 +268,8 @@ def test_pipes_devices_and_huge_files_are_refused_at_once(folder, monkeypatch):
         with pytest.raises(sf.SceneError, match="not an ordinary file"):
             find("pipe.toml")
     with monkeypatch.context() as patch:
-        patch.setattr("semianalytic.scene.given.text_files.LARGEST", 10)
-        with pytest.raises(sf.SceneError, match="has more than"):
+        patch.setattr("semianalytic.interface.files.LARGEST_DESCRIPTION", 10)
+        with pytest.raises(sf.SceneError, match="and at most"):
             sf.find("a.toml")
 
 

@@ -220,14 +220,14 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
         (lambda: slipfront.find(3), "find: give a name or the path of a TOML file, got 3."),
         (lambda: slipfront.fit([GAUGE], b"a", "friction"), "fit: scene must be a Scene"),
         (lambda: slipfront.fit(7, PRELOADED, "friction"), "fit: gauges must be a sequence"),
-        (lambda: slipfront.fit([GAUGE], PRELOADED, "friction", priors=3), "fit: priors must be by"),
+        (lambda: slipfront.fit([GAUGE], PRELOADED, "friction", priors=3), "priors must be a"),
         (
             lambda: slipfront.fit([GAUGE], PRELOADED, "friction", setup=3),
             "fit: setup must be a Setup",
         ),
         (
             lambda: slipfront.read_gauges(["a.csv"], noise=5e-8),
-            "read_gauges: noise must be numbers by",
+            "read_gauges: noise must be a mapping",
         ),
         (lambda: slipfront.read_gauges(["a.csv"], noise={"slp": 1.0}), "read_gauges: noise knows"),
         (lambda: slipfront.read_gauges(7), "read_gauges: paths must be a path or several, got 7"),
