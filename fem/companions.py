@@ -12,8 +12,8 @@ from fem.results import Simulation
 from fem.run import Complaints, run_plan
 from fem.settings import LEAST_RESOLUTION, Pace, Settings
 from fem.snapshots import COMPANIONS, companion_folder
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 
 
 @checking
@@ -96,7 +96,6 @@ def _coarser(
         model="two-blocks" if simulation.model == TWO_BLOCKS else "auto",
         element=simulation.element,
         mesh=simulation.mesh,
-        lower_material=simulation.lower_material,
         every=_levels_kept(simulation, resolution),
     )
     full = folder is not None

@@ -11,7 +11,7 @@ import numpy as np
 from compare.records.arrays import of_history, records_of_arrays
 from compare.records.options import ReadingOptions
 from compare.records.record import Records
-from semianalytic import InterfaceHistory
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 
 Data = Records | InterfaceHistory | Mapping[str, Any]

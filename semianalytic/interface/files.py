@@ -22,9 +22,8 @@ from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDep
 from semianalytic.scene.checks import check_keys, checked_kind, checked_table, finite, made, shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.files import INTERFACE_KEY
-from semianalytic.scene.incident import load_from_document
+from semianalytic.scene.incident import IncidentWave, MovingLoad, load_from_document
 from semianalytic.scene.kinds import HISTORY_KINDS
-from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
 from semianalytic.scene.tables.bounds import LARGEST_DESCRIPTION
 from semianalytic.scene.tables.text import text_of
@@ -219,7 +218,11 @@ def _front_load(table: dict[str, Any]) -> FrontLoad:
     front = load_from_document(
         {key: value for key, value in table.items() if key not in ("at", "history")}
     )
-    assert not isinstance(front, Tractions)
+    if not isinstance(front, IncidentWave | MovingLoad):
+        raise SceneError(
+            f"load: kind must be incident-wave or moving in the file of an interface, got "
+            f"{shown(table['kind'])}; give a patch as a function of x and t."
+        )
     return FrontLoad(front, **given)
 
 

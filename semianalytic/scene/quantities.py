@@ -19,7 +19,6 @@ _USUAL = {
     **dict.fromkeys(("E", "youngs_modulus", "young"), "Material.from_young(E, nu, rho)"),
     **dict.fromkeys(("mu", "G"), "shear_modulus"),
     **dict.fromkeys(("c_l", "c_t", "vp", "vs"), "Material.from_speeds(c_l, c_t, rho)"),
-    "lower_material": "Pair(upper, lower, ...), or simulate(scene, lower_material=...)",
     **{"nu": "poisson_ratio", "rho": "density", "f": "friction", "law": "friction_law"},
 }
 """Usual symbols of parameters, and what they are called here."""

@@ -128,6 +128,6 @@ def asked_in_units(answer: Class) -> Class:
 
 
 def _units_of(first: Any) -> str:
-    """Return the units of a scene, or of the scene or pair of an answer."""
-    described = getattr(first, "scene", getattr(first, "pair", first))
+    """Return the units of a scene, or of the scene of an answer."""
+    described = getattr(first, "scene", first)
     return SI if made_in_si(described) else getattr(described, "units", "")
