@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import math
 import zipfile
-import zlib
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,11 +27,6 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, check_numbers
 
 ANEW = "write it anew"
-_DAMAGES = (
-    *(OSError, ValueError, KeyError, EOFError, RuntimeError, TypeError, MemoryError),
-    *(NotImplementedError, zipfile.BadZipFile, zlib.error),
-)
-"""Errors by which numpy, zipfile and h5py refuse what is damaged."""
 
 
 def read_npz(path: Path, options: ReadingOptions) -> Records:
@@ -49,7 +42,7 @@ def read_npz(path: Path, options: ReadingOptions) -> Records:
     check_file_size(path)
     if not zipfile.is_zipfile(path):
         return records_of_arrays(path, _fields(path), options)
-    with _damage(path), zipfile.ZipFile(path) as file:
+    with zipfile.ZipFile(path) as file:
         members = {one.filename.removesuffix(".npy"): one for one in file.infolist()[:MOST_FILES]}
         heads = {name: _head(file, one) for name, one in members.items()}
         wanted = _wanted(path, list(members), options)
@@ -106,8 +99,7 @@ def _wanted(path: Path, names: list[str], options: ReadingOptions) -> set[str]:
 
 def _fields(path: Path) -> dict[str, np.ndarray]:
     """Fields of the rows of an NPY file."""
-    with _damage(path):
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
+    array = np.load(path, mmap_mode="r", allow_pickle=False)
     if not isinstance(array, np.ndarray) or array.dtype.names is None:
         raise DataFileError(
             f"{path} holds one array without names; save its columns with numpy.savez(t=..., "
@@ -129,7 +121,7 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
     import h5py
 
     check_file_size(path)
-    with _damage(path), h5py.File(path) as file:
+    with h5py.File(path) as file:
         kind = str(file.attrs.get("format", ""))
         sets = {name: one for name, one in file.items() if isinstance(one, h5py.Dataset)}
         wanted = _wanted(path, list(sets), options) if not kind.startswith("slipfront") else set()
@@ -244,12 +236,3 @@ def _fitted(path: Path, name: str, value: Array, t: Array, x: Array) -> Array:
         f"{path}: {name} has shape {value.shape}, where t and x ask for ({len(t)}, {len(x)}); "
         f"{ANEW}."
     )
-
-
-@contextmanager
-def _damage(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except _DAMAGES as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DataFileError(f"{path} cannot be read ({reason}); {ANEW}.") from error

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping
@@ -17,7 +15,7 @@ from compare.records.options import ReadingOptions
 from compare.records.record import Array, Records, Stated, Unit
 from compare.records.stations import joined_faces, stations_of_grid
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, content_of
+from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, content_of, parsing
 
 VECTORS = {"velocity": "velocity v vel velo", "displacement": "displacement u disp displ"}
 """Names of vectors at nodes, in lower case."""
@@ -84,10 +82,7 @@ def _pieces(path: Path) -> Iterator[tuple[float, Path]]:
     """Times and files of a PVD file."""
     content = content_of(path)
     _check_entities(path, content)
-    try:
-        root = ElementTree.fromstring(content)
-    except (ElementTree.ParseError, ValueError) as error:
-        raise DataFileError(f"{path} cannot be read ({error}); write it anew.") from error
+    root = ElementTree.fromstring(content)
     for number, entry in enumerate(root.iter("DataSet")):
         if number == MOST_FILES:
             raise DataFileError(f"{path} has more than {MOST_FILES} frames; leave some out.")
@@ -111,8 +106,7 @@ def _mesh(path: Path) -> Any:
     check_file_size(path)
     with path.open("rb") as stream:
         _check_entities(path, stream.read(HEAD))
-
-    with _parsing(path):
+    with parsing(path):
         return meshio.read(path)
 
 
@@ -120,22 +114,11 @@ def _xdmf_frames(path: Path) -> Iterator[Frame]:
     import meshio
 
     _check_entities(path, content_of(path))
-    with _parsing(path), meshio.xdmf.TimeSeriesReader(path) as reader:
+    with meshio.xdmf.TimeSeriesReader(path) as reader:
         points, cells = reader.read_points_cells()
         for step in range(reader.num_steps):
             time, point_data, _ = reader.read_data(step)
             yield float(time), meshio.Mesh(points, cells, point_data=point_data)
-
-
-@contextlib.contextmanager
-def _parsing(path: Path) -> Iterator[None]:
-    """Suppress what meshio prints and report any failure as a DataFileError of one sentence."""
-    try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            yield
-    except (Exception, SystemExit) as error:  # parsers of damaged files fail in any way at all
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DataFileError(f"{path} cannot be read ({reason}); write it anew.") from error
 
 
 def _interface(

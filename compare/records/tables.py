@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.records.names import NOISE, Columns, known_columns, named_unit, no_columns
+from compare.records.names import NOISE, Columns, known_columns, named_unit, no_columns, unit_of
 from compare.records.options import ReadingOptions
 from compare.records.record import AFTER, Array, Record, Records, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
@@ -20,7 +20,7 @@ from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.columns import split_heading
 from semianalytic.scene.tables.text import Table, read_table
-from semianalytic.scene.tables.units import EXAMPLES, NO_UNIT, common_size, si_size
+from semianalytic.scene.tables.units import EXAMPLES, common_size
 
 SCEC_UNIT = 100.0
 """Metres that one unit of the number in the name of a SCEC station stands for."""
@@ -292,16 +292,7 @@ def _number(path: Path, text: str) -> float:
 
 def _unit(path: Path, text: str) -> Unit | None:
     """The unit behind a length in a comment; None where there is none."""
-    name = text.strip("[](),;.")
-    if name.lower() in NO_UNIT:
-        return None
-    size = si_size(name, "length")
-    if size is None:
-        raise DataFileError(
-            f"{path}: {name!r} in a comment is no known unit of length; write one, such as "
-            f"{EXAMPLES['length']}, or none."
-        )
-    return Unit(name, size)
+    return unit_of(path, 0, "a comment", text.strip("[](),;."), "x")
 
 
 def _mean(table: Table) -> dict[str, Any]:

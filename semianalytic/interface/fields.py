@@ -120,20 +120,10 @@ class Table(Alike):
         if not at:
             names = ", ".join(one.heading for one in columns)
             raise SceneError(f"{path}: there is no column {column!r}; it has {names}.")
-        read = []
-        for one, dimensions in ((columns[0], ("length",)), (at[0], tuple(EXAMPLES))):
-            size = one.size(dimensions)
-            if size is None:
-                raise SceneError(
-                    f"{path}: the heading {shown(one.heading)} must be a name and a unit such as "
-                    "x [km] or pressure [MPa]."
-                )
-            if not np.isfinite(one.values).all():
-                raise SceneError(f"{path}: {one.name} must hold finite numbers in every row.")
-            read.append(size * one.values)
-        if len(read[0]) < 2:
+        x, values = columns[0].numbers(path, ("length",)), at[0].numbers(path, EXAMPLES)
+        if len(x) < 2:
             raise SceneError(f"{path}: a table must have a header and two lines or more.")
-        return cls(*read)
+        return cls(x, values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,10 +178,7 @@ def sampled(
     number = finite(field)
     if number is not None:
         return np.full(len(x), number)
-    if not callable(field):
-        raise SceneError(
-            f"{what} must be a number, a function of x or a Table, got {shown(field)}."
-        )
+    check_field(what, field)
     values = np.asarray(field(x), dtype=float)
     if values.shape not in ((), x.shape):
         raise SceneError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from os import PathLike
@@ -20,13 +19,11 @@ from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.interface.rate_and_state import RateAndState
 from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
 from semianalytic.scene.checks import check_keys, checked_kind, checked_table, finite, made, shown
-from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.files import INTERFACE_KEY
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.files import INTERFACE_KEY, read_document
 from semianalytic.scene.incident import IncidentWave, MovingLoad, load_from_document
 from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.material import Material
-from semianalytic.scene.tables.bounds import LARGEST_DESCRIPTION
-from semianalytic.scene.tables.text import text_of
 
 LAWS: Mapping[str, type[InterfaceLaw]] = {
     "coulomb": Coulomb,
@@ -98,20 +95,11 @@ def read_interface(path: str | PathLike[str]) -> InterfaceFile:
         If the file cannot be read, or a key is missing, unknown or out of range; the message names
         file and key.
     """
-    try:
-        text = text_of(Path(path), LARGEST_DESCRIPTION)
-    except DataFileError as error:
-        raise SceneError(str(error)) from error
-    return parsed(text, str(path), Path(path).parent)
+    return described(read_document(path), str(path), Path(path).parent)
 
 
-def parsed(text: str, name: str, folder: Path) -> InterfaceFile:
-    """Return the interface that a text describes; tables of values are sought in a folder."""
-    try:
-        document = tomllib.loads(text)
-    # tomllib recurses into nested arrays: a file of a thousand brackets is a mistake as well.
-    except (ValueError, RecursionError) as error:
-        raise SceneError(f"{name} is not a valid TOML file: {error}.") from error
+def described(document: dict[str, Any], name: str, folder: Path = Path()) -> InterfaceFile:
+    """Return the interface of a document; tables of values are sought in a folder."""
     try:
         return _interface(document, folder)
     except SceneError as error:

@@ -18,7 +18,6 @@ from scipy.optimize import brentq
 
 from semianalytic.reference.closed_forms import over_shear_speed, relative_rate
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 Array = NDArray[np.float64]
@@ -29,7 +28,6 @@ _SPACING, _REACH = 0.08, 90.0
 interval into exponentials."""
 
 
-@checking
 def antiplane_edge_speed(material: Material, strength_ratio: float) -> float:
     """Return the speed of the edge of the slip zone, c_t / (1 + chi_b)^2 [length / time].
 
@@ -50,7 +48,6 @@ def antiplane_edge_speed(material: Material, strength_ratio: float) -> float:
     return material.shear_speed / (1 + strength_ratio) ** 2
 
 
-@checking
 def antiplane_slip_rate(
     material: Material, load_shear: float, strength_ratio: float, velocity: ArrayLike
 ) -> Array:
@@ -78,7 +75,6 @@ def antiplane_slip_rate(
     return np.asarray(4 * load_shear / (np.pi * material.shear_impedance) * np.arctan(root))
 
 
-@checking
 def antiplane_slip(
     material: Material, load_shear: float, strength_ratio: float, x: ArrayLike, t: ArrayLike
 ) -> Array:
@@ -97,7 +93,6 @@ def antiplane_slip(
     return np.asarray(t * rate - scale * x * np.arcsinh(np.sqrt(lag)))
 
 
-@checking
 def antiplane_traction(
     material: Material, load_shear: float, strength_ratio: float, velocity: ArrayLike
 ) -> Array:
@@ -116,7 +111,6 @@ def antiplane_traction(
     return np.asarray(load_shear * np.where(ahead, 2 / np.pi * grown, strength_ratio))
 
 
-@checking
 def antiplane_edge_intensity(material: Material, load_shear: float, strength_ratio: float) -> float:
     """Return A of the slip rate A sqrt(1 - xi/xi_s) beside the edge of the zone [length / time].
 
@@ -127,7 +121,6 @@ def antiplane_edge_intensity(material: Material, load_shear: float, strength_rat
     return float(unit * np.sqrt(edge / (1 + edge)))
 
 
-@checking
 def viscous_antiplane_edge_speed(
     material: Material, strength_ratio: float, viscosity: float
 ) -> float:
@@ -144,7 +137,6 @@ def viscous_antiplane_edge_speed(
     return _viscous_zone(material, strength_ratio, viscosity).edge * material.shear_speed
 
 
-@checking
 def viscous_antiplane_slip_rate(
     material: Material,
     load_shear: float,

@@ -16,7 +16,6 @@ from scipy.integrate import quad
 
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 
@@ -66,7 +65,6 @@ def rate_from_contact_edge(
     return rate
 
 
-@checking
 def edge_speed_under_shear_step(material: Material, strength_ratio: float) -> float:
     """Return the speed of the only slip zone [0, speed t] under a shear step [length / time].
 
@@ -82,7 +80,6 @@ def edge_speed_under_shear_step(material: Material, strength_ratio: float) -> fl
     return material.shear_speed / ((1 - material.poisson_ratio) * (1 + strength_ratio) ** 2)
 
 
-@checking
 def slip_rate_under_shear_step(
     material: Material, load_shear: float, strength_ratio: float, velocity: ArrayLike
 ) -> Array:
@@ -117,7 +114,6 @@ def slip_rate_under_shear_step(
     )
 
 
-@checking
 def slip_rate_under_remote_shock(
     material: Material, pressure: float, shear: float, friction: float, velocity: ArrayLike
 ) -> Array:
@@ -166,7 +162,6 @@ def slip_rate_under_remote_shock(
     return relative_rate(material, 1.0, over_shear_speed(material, velocity), excess)
 
 
-@checking
 def slip_rate_without_friction(material: Material, load_shear: float, velocity: ArrayLike) -> Array:
     """Return the relative slip rate on a frictionless interface under a shear step [length / time].
 

@@ -22,13 +22,11 @@ from semianalytic.reference.closed_forms import (
     relative_rate,
 )
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 _NODES = 400
 
 
-@checking
 def edge_speed_of_opening(material: Material, pressure_ratio: float) -> float:
     """Return the speed of the opening [0, speed t] under an extra pressure on the slot faces.
 
@@ -45,7 +43,6 @@ def edge_speed_of_opening(material: Material, pressure_ratio: float) -> float:
     return material.shear_speed * ratio / ((1 - nu) * (1 + pressure_ratio) ** 2)
 
 
-@checking
 def gap_rate_of_opening(
     material: Material, load_pressure: float, pressure_ratio: float, velocity: ArrayLike
 ) -> Array:
@@ -98,7 +95,6 @@ class DetachedOpening:
     pressure_ratio: float
 
 
-@checking
 def detached_opening(material: Material, outer: float) -> DetachedOpening:
     """Return the opening that begins at the speed `outer`, from c_R to c_t, and its load.
 

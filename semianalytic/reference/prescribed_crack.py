@@ -20,7 +20,6 @@ from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, raylei
 from semianalytic.halfplane.running import RunningIntegral, panels_to
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 _NEAREST = 1e-13
@@ -140,7 +139,6 @@ class PrescribedCrack:
         return np.asarray(np.pi / 4 * self.stress_intensity(t) * behind / np.sqrt(2 * np.pi))
 
 
-@checking
 def prescribed_crack(
     material: Material, speed: float, drop: float, mode: Mode = "II"
 ) -> PrescribedCrack:

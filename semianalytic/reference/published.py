@@ -34,7 +34,6 @@ from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 
 Start = Literal["0", "a", "b"]
 Delay = Literal["printed", "front"]
@@ -84,7 +83,6 @@ def readings() -> Iterator[AlgorithmReading]:
         yield AlgorithmReading(start, delay, signs, load, basis, arctan)  # type: ignore[arg-type]
 
 
-@checking
 def kernel_primitives(
     poisson_ratio: float, u: Array, *, printed_arctan: bool = False
 ) -> tuple[Array, Array]:
@@ -122,7 +120,6 @@ class PublishedGrid:
     condition: float
 
 
-@checking
 @lru_cache(maxsize=64)
 def published_grid(
     reading: AlgorithmReading,
@@ -209,7 +206,6 @@ class PublishedSlip:
         return np.interp(u, self.u, self.slip_rate, left=0.0)
 
 
-@checking
 def published_slip(
     chi: float,
     reading: AlgorithmReading = DEFAULT_READING,

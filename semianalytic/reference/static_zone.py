@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.halfplane.stuck_histories import intensity_history
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -44,7 +43,6 @@ class StaticZone:
         return 4 / (np.pi * self.modulus) * self.strength * self.length * shape
 
 
-@checking
 def static_zone(scene: Scene, t: float) -> StaticZone:
     """Return the static zone of a scene with slow shear under constant pressure, at a time."""
     held, load = scene.superposition

@@ -29,14 +29,12 @@ from semianalytic.reference.closed_forms import (
     relative_rate,
 )
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 _STEP, _REACH = 0.4, 76.0
 _NODES = _STEP * (np.arange(-round(_REACH / _STEP), round(_REACH / _STEP)) + 0.5)
 
 
-@checking
 def viscous_edge_speed(material: Material, strength_ratio: float, viscosity: float) -> float:
     """Return the speed of the edge of the only slip zone [length / time].
 
@@ -53,7 +51,6 @@ def viscous_edge_speed(material: Material, strength_ratio: float, viscosity: flo
     return material.shear_speed / _viscous_zone(material, strength_ratio, viscosity).edge
 
 
-@checking
 def viscous_slip_rate(
     material: Material,
     load_shear: float,

@@ -14,7 +14,6 @@ import numpy as np
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.thresholds import generalised_rayleigh_speed
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 
@@ -37,7 +36,6 @@ class WeertmanPulse:
     pressure: float
 
 
-@checking
 def weertman_pulse(
     upper: Material, lower: Material, friction: float, pressure: float, shear: float
 ) -> WeertmanPulse:

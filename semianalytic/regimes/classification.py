@@ -6,7 +6,6 @@ import math
 from typing import Literal
 
 from semianalytic.regimes.thresholds import edge_threshold_alone, front_threshold_stuck
-from semianalytic.scene.given.arguments import checking
 from semianalytic.selfsimilar.solution import Solution
 
 Regime = Literal["stuck", "slow", "front", "two", "one", "everywhere", "reverse", "failed"]
@@ -46,7 +45,6 @@ def regime(solution: Solution) -> Regime:
     return "slow" if len(solution.zones) == 1 else "two"
 
 
-@checking
 def stuck_threshold(poisson_ratio: float) -> float:
     """Return the friction f P_0/Q_0 above which a remotely loaded interface is fully stuck."""
     return max(edge_threshold_alone(poisson_ratio), front_threshold_stuck(poisson_ratio))

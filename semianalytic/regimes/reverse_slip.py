@@ -29,13 +29,11 @@ from semianalytic.regimes.thresholds import (
     rooted,
     scene_of,
 )
-from semianalytic.scene.given.arguments import checking
 from semianalytic.selfsimilar.solver import solve
 
 _FASTEST = -60.0  # `past_rayleigh` of a front indistinguishable from the longitudinal one
 
 
-@checking
 def log_frictionless_half_width(poisson_ratio: float) -> float:
     """Return ln of the half-width [c_R] of the strip that reverses on a frictionless interface.
 
@@ -63,7 +61,6 @@ def _log_narrow_candidate(poisson_ratio: float, unknown: float) -> tuple[float, 
     return math.log(stiffness * logarithm.residue) + logarithm.log_half_width, math.log(zone.chi)
 
 
-@checking
 def log_narrow_reverse_threshold(poisson_ratio: float) -> float:
     """Return ln of the friction below which a narrow strip at c_R reverses, shear alone stepped.
 
@@ -91,7 +88,6 @@ def _least_traction(profile: Profile, gap: float) -> float:
     return float(((load.base_shear + profile.shear_change(u)) / bound)[0]) + 1
 
 
-@checking
 def reverse_threshold(poisson_ratio: float) -> float:
     """Return the friction below which part of the interface slips backward, shear alone stepped.
 

@@ -28,7 +28,6 @@ from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.loading import REMOTE, SLOT, Tractions
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.solver import solve
@@ -82,7 +81,6 @@ class RayleighLogarithm:
         return -self.level / self.residue
 
 
-@checking
 def scene_of(loading: Loading, poisson_ratio: float, chi: float) -> Scene:
     """Return the scene of a loading in units mu = rho = Q_0 = 1 and unit pressure.
 
@@ -104,7 +102,6 @@ def load_of(loading: Loading, chi: float, viscosity: float = 0.0) -> Load:
     return Load(chi, *tractions, far_slip_rate=0.0, resistance=viscosity or None)
 
 
-@checking
 def one_zone(
     loading: Loading, poisson_ratio: float, front: CutPoints, viscosity: float = 0.0
 ) -> OneZone:
@@ -123,7 +120,6 @@ def one_zone(
     return OneZone(chi, Profile(fields(chi, True)))
 
 
-@checking
 def past_rayleigh(poisson_ratio: float, unknown: float) -> CutPoints:
     """Return a front between c_t and c_l; its unknown runs from -inf at c_l to inf at c_t."""
     factors = rayleigh_factors(poisson_ratio)
@@ -142,7 +138,6 @@ def rayleigh_logarithm(zone: OneZone) -> RayleighLogarithm:
     return RayleighLogarithm(float(np.mean(rate)) - residue * math.log(_BESIDE), residue)
 
 
-@checking
 def edge_threshold_alone(poisson_ratio: float) -> float:
     """Return the friction above which the edge of a stuck, remotely loaded interface sticks.
 
@@ -156,7 +151,6 @@ def edge_threshold_alone(poisson_ratio: float) -> float:
     return rayleigh_factors(poisson_ratio).a ** -0.5
 
 
-@checking
 def front_threshold_stuck(poisson_ratio: float) -> float:
     """Return the friction below which the shear front of a stuck, remotely loaded interface slips.
 
@@ -166,7 +160,6 @@ def front_threshold_stuck(poisson_ratio: float) -> float:
     return float((1 + shear(1.0)) / (1 + pressure(1.0)))
 
 
-@checking
 def opening_threshold(poisson_ratio: float) -> float:
     """Return the ratio P_b / P_0 below which the contact opens ahead of a sudden pressure P_0.
 
@@ -203,7 +196,6 @@ def nucleation_alone(loading: Loading, poisson_ratio: float, viscosity: float = 
     return zone(brentq(lambda z: _front_excess(zone(z)), *SLOW_FRONTS, xtol=1e-12))
 
 
-@checking
 def nucleation(loading: Loading, poisson_ratio: float) -> float:
     """Return the friction below which the interface slips at the shear front.
 
@@ -217,7 +209,6 @@ def nucleation(loading: Loading, poisson_ratio: float) -> float:
     return nucleation_alone(loading, poisson_ratio).chi
 
 
-@checking
 def edge_threshold(poisson_ratio: float) -> float:
     """Return the friction below which the contact edge slips under a remote load.
 
@@ -247,7 +238,6 @@ def edge_threshold(poisson_ratio: float) -> float:
     return float(rooted(residual, start)[-1])
 
 
-@checking
 def gap_threshold(loading: Loading, poisson_ratio: float) -> float | None:
     """Return the friction below which double precision does not resolve the stick gap at c_R.
 

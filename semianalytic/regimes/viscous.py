@@ -13,18 +13,15 @@ from scipy.optimize import brentq
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.regimes.thresholds import nucleation_alone, one_zone, past_rayleigh
-from semianalytic.scene.given.arguments import checking
 
 _FRONTS = (-25.0, 25.0)  # `past_rayleigh` from c_l to c_t
 
 
-@checking
 def viscous_nucleation(poisson_ratio: float, viscosity: float) -> float:
     """Return the friction f P_b / Q_0 below which a preloaded shear front slips."""
     return nucleation_alone("preload", poisson_ratio, viscosity).chi
 
 
-@checking
 def viscous_closing(poisson_ratio: float, viscosity: float) -> float | None:
     """Return the friction f P_b / Q_0 below which one zone covers c_R under a step of shear.
 
@@ -50,7 +47,6 @@ def viscous_closing(poisson_ratio: float, viscosity: float) -> float | None:
     return one_zone("preload", poisson_ratio, front, viscosity).chi
 
 
-@checking
 def closing_limit(poisson_ratio: float) -> float:
     """Return q*(c), the stuck traction at c_R over the step, to which `viscous_closing` tends."""
     factors = rayleigh_factors(poisson_ratio)

@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Collection, Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -83,14 +84,14 @@ def check_tables(
             check_numbers(f"{name}.", table)
 
 
-def read_document(path: str | Path) -> dict[str, Any]:
+def read_document(path: str | PathLike[str]) -> dict[str, Any]:
     """Read a TOML file; raise SceneError if it cannot be read, or is none."""
     text = ""
     try:
         text = text_of(Path(path), LARGEST_DESCRIPTION)
         return tomllib.loads(text)
     except DataFileError as error:
-        raise SceneError(f"Cannot read the scene file {error}") from error
+        raise SceneError(str(error)) from error
     except ValueError as error:
         # The parser names a line and column; that a table was appended to a file that has it
         # already is the usual reason, and easier to mend by name.

@@ -71,10 +71,6 @@ def described_scene(source: str | PathLike[str]) -> Scene:
     >>> scene.friction, scene.load
     (0.3, Tractions(pressure=0.0, shear=1.0))
     """
-    if not isinstance(source, str | PathLike):
-        raise SceneError(
-            f"find: give the name of a scene or the path of a TOML file, got {shown(source)}."
-        )
     source = fspath(source)
     named = NAMED_SCENES.get(source)
     if named is not None:

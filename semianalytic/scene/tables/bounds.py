@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import gzip
+import io
 import stat
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 
-from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.errors import DataFileError, SlipfrontError
 
 LARGEST_TEXT = 2**27
 """Bytes of a text, unpacked: 128 MB, two million rows of six numbers, which take half a minute and
@@ -53,6 +54,19 @@ def _readable(path: Path) -> Iterator[None]:
     except OSError as error:
         reason = error.strerror or error
         raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
+
+
+@contextmanager
+def parsing(path: Path) -> Iterator[None]:
+    """Hide what a library prints; whatever it raises becomes a DataFileError of one sentence."""
+    try:
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            yield
+    except SlipfrontError:
+        raise
+    except (Exception, SystemExit) as error:  # parsers of damaged files fail in any way at all
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise DataFileError(f"{path} cannot be read ({reason}); write it anew.") from error
 
 
 def beginning_of(path: Path, count: int) -> bytes:

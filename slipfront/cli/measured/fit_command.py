@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -31,9 +30,9 @@ from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
+from semianalytic.scene.given.files import read_document
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import Scene
-from semianalytic.scene.tables.text import text_of
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown
 from slipfront.cli.options import (
@@ -307,11 +306,7 @@ def _places(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, tup
         if "=" in text or not text.endswith(".toml"):
             listed.append(text)
             continue
-        try:
-            places = tomllib.loads(text_of(Path(text)))
-        except ValueError as error:
-            raise SceneError(f"{text} is not a valid TOML file: {error}.") from error
-        listed += [f"{name}={place}" for name, place in places.items()]
+        listed += [f"{name}={place}" for name, place in read_document(text).items()]
     result: dict[str, tuple[Any, ...]] = {}
     for text in listed:
         match = _PLACE.match(text)

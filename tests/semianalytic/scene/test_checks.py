@@ -224,7 +224,7 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
             "space-time is for a Scene or Interface, or the name or file of one, got 0.3",
         ),
         (lambda: slipfront.solve(None), "or the name or file of one, got None."),
-        (lambda: slipfront.simulate("none.toml"), "Cannot read the scene file none.toml"),
+        (lambda: slipfront.simulate("none.toml"), "none.toml cannot be read"),
         (lambda: slipfront.cost(3), "simulate: scene must be a Scene, or the name or file"),
         (lambda: slipfront.sweep("", [0.1]), "There is no scene called ''"),
         (lambda: slipfront.survey((), friction=[0.1]), "survey: scene must be a Scene"),
