@@ -7,7 +7,7 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable, Iterable, Mapping
-from numbers import Real
+from numbers import Integral, Real
 from os import PathLike
 from typing import Any, TypeVar
 
@@ -36,12 +36,16 @@ _TYPES: Mapping[str, _Check] = {
     "float": (_is_number, "a number"),
     "ArrayLike": (_is_array, "a number or an array of numbers"),
     "Array": (_is_array, "an array of numbers"),
-    "str": (lambda value: isinstance(value, str), "a word"),
+    "int": (lambda value: isinstance(plain(value), Integral), "a whole number"),
+    **dict.fromkeys(("str", "Loading"), (lambda value: isinstance(value, str), "a word")),
     **dict.fromkeys(("Path", "str | Path", "str | PathLike[str]"), _PATH),
     "Progress": (callable, "a function"),
 }
 """What arguments of an annotation have to be, and its name."""
-_CLASSES = ("Material", "Scene", "Marched", "Simulation", "Interface", "Conventions", "Setup")
+_CLASSES = (
+    *("Material", "Scene", "Marched", "Simulation", "Interface", "Conventions", "Setup"),
+    *("OneZone", "AlgorithmReading", "Solution"),
+)
 _ALIKE: Mapping[str, tuple[Any, str]] = {
     "Mapping": (Mapping, "a mapping"),
     "Sequence": (Iterable, "a sequence"),
