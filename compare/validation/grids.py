@@ -27,8 +27,8 @@ SMEAR: dict[str, float] = {
 record by one cell, in space or in time, would cause.
 
 These four, and what follows, were set on random scenes computed by our finite elements and our
-marcher, and tried on others and on other codes; docs/validate.md says what half and twice of each
-do.
+marcher, and tried on others and on other codes; docs/data/validate-constants.csv has the effect of
+half and twice of each.
 """
 BRIEF = 2.0
 """Relative error of slip that lasts for one cell only; it may be too small or too large."""
