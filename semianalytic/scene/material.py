@@ -158,7 +158,7 @@ class Material:
         """Speed c_R of Rayleigh waves [length / time]: the root of the Rayleigh function (4.17).
 
         It is found from the cubic for (c_R/c_t)^2, since the closed form of the article's Appendix
-        A is garbled (docs/article.md, "Errors in print").
+        A is misprinted: it has an undefined k.
         """
         ratio2 = (self.shear_speed / self.longitudinal_speed) ** 2
 
