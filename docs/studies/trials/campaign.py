@@ -284,7 +284,7 @@ def summary(rows: list[Row]) -> list[Row]:
         "scenes drawn": len(rows),
         "answered": len(answered),
         "refused with a sentence": outcomes.count("refused"),
-        "told as unresolved": outcomes.count("unresolved"),
+        "unresolved": outcomes.count("unresolved"),
         "raised anything else": sum(one.startswith("raised") for one in outcomes),
         "of a law that depends on slip rate": sum(row["law"] != "constant" for row in answered),
         "in antiplane shear": sum(row["mode"] == "antiplane" for row in answered),
