@@ -292,6 +292,15 @@ class Case:
         return norm(field[shown], self.seen.x[shown] / self.length, 1)
 
     @property
+    def meshes(self) -> int:
+        """Number of meshes, with the finest."""
+        return len(self.runs)
+
+    def nothing(self, kind: str) -> float:
+        """Return the largest value of a kind of field that counts as nothing, in its unit."""
+        return NOTHING
+
+    @property
     def caution(self) -> str:
         """Warning of what the simulation or the march is too coarse for; "" if there is nothing."""
         reasons = [shortfall.reason for shortfall in self.shortfalls]

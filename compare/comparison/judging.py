@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from itertools import pairwise
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,17 @@ from compare.comparison.bars import (
 )
 from compare.comparison.case import Case
 from compare.comparison.measures import NOTHING, norm, within
-from compare.comparison.rows import AGREES, BEYOND, DIFFERS, TELLING, UNRESOLVED, Row
+from compare.comparison.rows import (
+    AGREES,
+    ALARM,
+    AWAY,
+    BASIC,
+    BEYOND,
+    DIFFERS,
+    TELLING,
+    UNRESOLVED,
+    Row,
+)
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer
 from semianalytic.results.sampled import interpolated
@@ -62,6 +73,10 @@ class Meshes(Protocol):
         Resolution with which they would not be, where known.
     amplified : str
         Why errors grow on this mesh so that nothing differs for certain; "" if they do not.
+    meshes : int
+        Number of meshes, with the finest.
+    error_estimate : float
+        Relative error estimate of an exact prediction, else 0.
     """
 
     @property
@@ -72,6 +87,12 @@ class Meshes(Protocol):
     def needed(self) -> int | None: ...
     @property
     def amplified(self) -> str: ...
+    @property
+    def meshes(self) -> int: ...
+    @property
+    def error_estimate(self) -> float: ...
+    def nothing(self, kind: str) -> float:
+        """Return the largest value of a kind of field that counts as nothing, in its unit."""
 
 
 @dataclass(frozen=True)
@@ -160,6 +181,126 @@ def value_row(
     return judged(case, row, Comparison(error, before, doubt + unseen))
 
 
+@dataclass(frozen=True)
+class Compared:
+    """A field of both answers, read at the places of each mesh: positions, or positions and times.
+
+    Runs are numbered: 0 is the simulation, 1 the run at 2h, ...
+
+    Attributes
+    ----------
+    simulated : callable
+        Returns the field of a run at the places of a run, given both numbers.
+    predicted : callable
+        Returns the prediction at the places of run 0 or 1.
+    size : callable
+        Returns the norm of a field at the places of a run.
+    doubted : callable
+        Returns the prediction's companion at the places of run 0; None where it has none.
+    """
+
+    simulated: Callable[[int, int], Array]
+    predicted: Callable[[int], Array]
+    size: Callable[[Array, int], float]
+    doubted: Callable[[], Array] | None = None
+
+
+def field_row(
+    case: Meshes,
+    name: str,
+    kind: str,
+    field: Compared,
+    units: tuple[str, str],
+    *,
+    exact: float | None = None,
+    unseen: float = 0.0,
+    smooth: bool = False,
+    driven: Callable[[int], Array] | None = None,
+    most: int = 2,
+    order: float = LARGEST_ORDER,
+) -> Row:
+    """Return the row of the norms of a field, its relative error and its bar.
+
+    A row that is off by more on this mesh than on that of 2h, and by more than what is uncertain
+    on any mesh, is unresolved: the simulation does not converge to the prediction, whatever its
+    meshes show of each other.  Where the prediction is nothing everywhere, the largest values
+    replace norms, and differences are in units of the field.
+
+    Parameters
+    ----------
+    case : Meshes
+    name, kind : str
+    field : Compared
+    units : (str, str)
+        Names of the units of the field and of its norm.
+    exact : float, optional
+        Norm of the prediction itself.
+    unseen : float
+        Norm of the parts of the prediction that are too narrow for the mesh.
+    smooth : bool
+        Whether the field has no fronts, so that meshes are compared at the nodes of the coarser
+        one, between which linear interpolation is less accurate than at its ends.
+    driven : callable, optional
+        Returns the change of the field at the places of a run that the change of strength from mesh
+        to mesh causes: 0 from 2h to h, 1 from 4h to 2h.  It is added to the change of the field.
+    most : int
+        Changes from mesh to mesh that are used, from the finest on; fewer where coarser meshes show
+        too little, and without any the row has no bar.
+    order : float
+        Largest order of convergence that is believed.
+    """
+    at, predicted = cache(field.simulated), field.predicted(0)
+    nothing = float(np.abs(predicted).max(initial=0.0)) <= case.nothing(kind)
+
+    def size(values: Array, of: int) -> float:
+        return float(np.abs(values).max(initial=0.0)) if nothing else field.size(values, of)
+
+    whole = size(predicted, 0)
+    per = 1.0 if nothing else whole
+    own, changes = [], []
+    for pair in pairwise(range(min(case.meshes, most + 1))):
+        of, to = pair[::-1] if smooth else pair
+        change = np.abs(at(of, of) - at(to, of))
+        own.append(size(change, of) / per)
+        if driven is not None and not nothing:  # largest values at fronts do not converge
+            change += driven(of)
+        changes.append(size(change, of) / per)
+    added = unseen / per
+    if field.doubted is not None:
+        added += size(field.doubted() - predicted, 0) / per
+    row = Row(
+        f"{name}, largest" if nothing else f"{name}, L1",
+        kind,
+        exact,
+        whole,
+        size(at(0, 0), 0),
+        size(at(0, 0) - predicted, 0) / per,
+        None,
+        units[0] if nothing else units[1],
+        relative=not nothing,
+    )
+    floor = case.nothing(kind) if nothing else least_error(case)
+    error = error_bar(changes, floor, most=order) if changes else None
+    diverges = error is not None and not error.converges
+    # a pressure that is singular at the edge converges with order 1/2 at best; a field that
+    # converges by itself must not be rejected for that
+    if error and diverges and driven is not None and error_bar(own, floor).converges:
+        error = slowest_bar(error, changes, floor)
+
+    def before() -> float:
+        return size(at(1, 1) - field.predicted(1), 1) / per
+
+    row = judged(case, row, Comparison(error, before, added))
+    if row.verdict == DIFFERS or case.caution or case.meshes < 2:
+        return row
+    off, was = abs(row.difference or 0.0), before()
+    # other fields have fronts that meshes smear, and decide nothing unless they are as far off
+    if off <= (1.0 if kind in BASIC else ALARM) * was + added + floor:
+        return row
+    reason = f"{AWAY}off by {row.shown_share(off)} here and by {row.shown_share(was)} with 2h"
+    return replace(row, obstacle=reason, resolution=case.finer)
+
+
 def profile_row(
     case: Case,
     name: str,
@@ -168,17 +309,10 @@ def profile_row(
     read: Callable[[int], Array],
     reach: tuple[float, float],
     *,
-    exact: float | None = None,
-    unseen: float = 0.0,
     scale: tuple[float, str],
-    smooth: bool = False,
-    driven: Callable[[int], Array] | None = None,
-    most: int = 2,
+    **how: Any,
 ) -> Row:
-    """Return the row of the L1 norms of a field along the contact, its relative error and its bar.
-
-    Where the prediction is below 1e-6 of its scale everywhere, the largest values replace norms,
-    and differences are in units of the scale.
+    """Return the row of a field along the contact between two positions.
 
     Parameters
     ----------
@@ -187,116 +321,45 @@ def profile_row(
     expect : callable
         Returns the prediction at nodes.
     read : callable
-        Returns the field along the contact in a run by number: 0 is the simulation, 1 the run at
-        2h, ...
+        Returns the field along the contact in a run by number.
     reach : (float, float)
         Positions between which the field is compared [length].
-    exact : float, optional
-        Norm of the prediction itself, in `unit`.
-    unseen : float
-        Norm of the parts of the prediction that are too narrow for the mesh, over the scale.
     scale : float and str
         Divisor of the values, and its name.
-    smooth : bool
-        Whether the field has no fronts, so that meshes are compared at the nodes of the coarser
-        one, between which linear interpolation is less accurate than at its ends.
-    driven : callable, optional
-        Returns the change of the field, over the scale and at the nodes of a run, that the change
-        of strength from mesh to mesh causes: 0 from 2h to h, 1 from 4h to 2h.  It is added to the
-        change of the field.
-    most : int
-        Changes from mesh to mesh that are used, from the finest on; fewer where coarser meshes show
-        too little, and without any the row has no bar.
+    **how
+        As for `field_row`; `driven` at the nodes of a run.
     """
     low, high = reach
     value, unit = scale
-    runs = case.runs
-    places = [within(run.interface.x, low, high) for run in runs]
-    fields = [read(number) / value for number in range(len(runs))]
-    x, shown = case.seen.x, places[0]
-    expected = expect(case.prediction, case.at_nodes) / value
-    nothing = float(np.abs(expected[shown]).max(initial=0.0)) <= NOTHING
+    x = [run.interface.x for run in case.runs]
+    shown = [within(places, low, min(high, float(case.seen.x[-1]))) for places in x]
 
-    def size(field: Array, at: Array) -> float:
-        if nothing:
-            return float(np.abs(field).max(initial=0.0))
-        return norm(field, at / case.length, 1)
+    def simulated(number: int, of: int) -> Array:
+        return np.interp(x[of][shown[of]], x[number], read(number)) / value
 
-    own, changes = [], []
-    for pair in pairwise(range(min(len(runs), most + 1))):
-        of, to = pair[::-1] if smooth else pair
-        at = runs[of].interface.x[places[of]]
-        other = np.interp(at, runs[to].interface.x, fields[to])
-        change = np.abs(fields[of][places[of]] - other)
-        own.append(size(change, at))
-        if driven is not None and not nothing:  # largest values at fronts do not converge
-            change += driven(of)[places[of]]
-        changes.append(size(change, at))
-    whole = size(expected[shown], x[shown])
-    per = 1.0 if nothing else whole
-    added = unseen / per
+    def predicted(of: int) -> Array:
+        there = case.expected[of]
+        field = expect(case.prediction, there) / value
+        return np.asarray(field[shown[of][: len(there.x)]])
+
+    def doubted(companion: Answer, at_nodes: InterfaceHistory) -> Array:
+        return np.asarray(expect(companion, at_nodes)[shown[0]] / value)
+
+    def size(values: Array, of: int) -> float:
+        return norm(values, x[of][shown[of]] / case.length, 1)
+
+    if (driven := how.get("driven")) is not None:
+        how["driven"] = lambda of: driven(of)[shown[of]]
+    known = None
     if case.companion is not None and case.doubted is not None:
-        other = expect(case.companion, case.doubted) / value
-        added += size((other - expected)[shown], x[shown]) / per
-
-    def before() -> float:
-        there = expect(case.prediction, case.expected[1]) / value
-        at = case.expected[1].x
-        inside = within(at, low, high)
-        return size((fields[1][: len(at)] - there)[inside], at[inside]) / per
-
-    row = Row(
-        f"{name}, largest" if nothing else f"{name}, L1",
-        kind,
-        exact,
-        whole,
-        size(fields[0][shown], x[shown]),
-        size((fields[0] - expected)[shown], x[shown]) / per,
-        None,
-        unit if nothing else f"{unit} c_t T",
-        relative=not nothing,
-    )
-    error = field_bar(case, changes, per, nothing)
-    if error is not None and not error.converges and driven is not None:
-        # a pressure that is singular at the edge converges with order 1/2 at best; a field that
-        # converges by itself must not be rejected for that
-        alone = field_bar(case, own, per, nothing)
-        if alone is not None and alone.converges:
-            error = slowest_bar(error, [change / per for change in changes], _floor(case, nothing))
-    return judged(case, row, Comparison(error, before, added))
+        known = partial(doubted, case.companion, case.doubted)
+    field = Compared(simulated, predicted, size, known)
+    return field_row(case, name, kind, field, (unit, f"{unit} c_t T"), **how)
 
 
-def field_bar(
-    case: Case,
-    changes: Sequence[float],
-    per: float,
-    nothing: bool,
-    most: float = LARGEST_ORDER,
-) -> ErrorBar | None:
-    """Error bar of norms of a field over the norm of the prediction, or of largest values.
-
-    Largest values replace norms where nothing is predicted.
-
-    Parameters
-    ----------
-    case : Case
-    changes : sequence of float
-        Norms of the differences from mesh to mesh.
-    per : float
-        Norm of the prediction.
-    nothing : bool
-        Whether nothing is predicted, so that values are no norms.
-    most : float
-        Largest order of convergence that is believed.
-    """
-    if not changes:
-        return None
-    return error_bar([change / per for change in changes], _floor(case, nothing), most=most)
-
-
-def _floor(case: Case, nothing: bool) -> float:
+def least_error(case: Meshes) -> float:
     """Least uncertainty of a field, whatever the meshes show, over the norm of the prediction."""
-    return NOTHING + (0.0 if nothing else LEAST_ERROR + case.error_estimate)
+    return NOTHING + LEAST_ERROR + case.error_estimate
 
 
 def judged(case: Meshes, row: Row, comparison: Comparison) -> Row:

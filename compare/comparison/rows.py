@@ -27,6 +27,8 @@ answers; with twice its value a mistake of 2.5 bars would be missed more often t
 
 BEYOND = "it is beyond its error bar, but "
 """Beginning of the obstacles of rows that are beyond a bar which counts, and do not differ."""
+AWAY = "the finer mesh comes no nearer to the prediction, "
+"""Beginning of the obstacles of fields that are farther off on this mesh than on that of 2h."""
 DIFFERENCE_DIGITS = 2
 
 
@@ -176,6 +178,8 @@ class HasRows(Generic[AnyRow]):
         if not all(row.converges for row in (*deciding, *pressed)):
             return UNRESOLVED
         if any(row.obstacle.startswith(BEYOND) for row in self.rows if row.kind in BASIC):
+            return UNRESOLVED
+        if any(row.obstacle.startswith(AWAY) for row in self.rows):
             return UNRESOLVED
         return overall(row.verdict for row in deciding if row.size)
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from compare.comparison.bars import LARGEST_ORDER, LEAST_ORDER
+from compare.comparison.bars import LARGEST_ORDER, LEAST_ORDER, error_bar
 from compare.comparison.case import Case
 from compare.comparison.fields.changes import PARTS, FieldChange
-from compare.comparison.judging import Comparison, field_bar, judged
+from compare.comparison.judging import Comparison, judged, least_error
 from compare.comparison.rows import Row
 
 
@@ -31,7 +31,7 @@ def field_rows(case: Case, changes: tuple[FieldChange, ...]) -> Iterator[Row]:
             relative=True,
         )
         most = LEAST_ORDER if change.part == PARTS[0] else LARGEST_ORDER
-        error = field_bar(case, change.changes, 1.0, nothing=False, most=most)
+        error = error_bar(change.changes, least_error(case), most=most) if change.changes else None
         yield judged(case, row, Comparison(error, change.before))
 
 

@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
 from compare.comparison.case import NARROW, Case, beyond_edge, too_narrow
-from compare.comparison.judging import Comparison, field_bar, judged, rate_bar, value_row
+from compare.comparison.judging import (
+    Compared,
+    Comparison,
+    field_row,
+    judged,
+    rate_bar,
+    value_row,
+)
 from compare.comparison.measures import (
     NOTHING,
     PROBES,
@@ -21,6 +28,7 @@ from compare.comparison.measures import (
     nearest,
     norm,
     onset_time,
+    within,
 )
 from compare.comparison.rows import Row
 from semianalytic import Harmonic, InterfaceHistory
@@ -112,64 +120,51 @@ def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen:
     unseen : (m, n) array
         Part of the prediction at the nodes that is too narrow for them.
     """
+    runs = [run.interface for run in case.runs]
+    late = [run.t > (1 + ROUNDING) * EARLY * case.end_time for run in runs]
+    far = [
+        beyond_edge(run.x, case.simulation) & within(run.x, 0.0, float(case.seen.x[-1]))
+        for run in runs
+    ]
 
-    def shown(history: InterfaceHistory) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        late = history.t > (1 + ROUNDING) * EARLY * case.end_time
-        return late, beyond_edge(history.x, case.simulation)
-
-    def field(history: InterfaceHistory, t: Array) -> Array:
+    def field(history: InterfaceHistory, of: int) -> Array:
+        """Return the field of a history at its own positions and the times of a run."""
+        t = runs[of].t[late[of]]
         if name == "slip rate":
             return case.mean_rate(history, t) / unit
         return interpolated(history, name, *np.broadcast_arrays(history.x, t[:, None])) / unit
 
-    def own(history: InterfaceHistory) -> Array:
-        late, far = shown(history)
-        return field(history, history.t[late])[:, far]
+    def simulated(number: int, of: int) -> Array:
+        x, own = runs[of].x[far[of]], runs[number].x
+        return np.array([np.interp(x, own, level) for level in field(runs[number], of)])
 
-    part = np.ix_(*shown(case.seen))
-    predicted, simulated = own(case.at_nodes), own(case.seen)
-    nothing = float(np.abs(predicted).max(initial=0.0)) <= NOTHING
+    def predicted(of: int) -> Array:
+        there = case.expected[of]
+        return field(there, of)[:, far[of][: len(there.x)]]
 
-    def size(values: Array, history: InterfaceHistory) -> float:
-        if nothing:
-            return float(np.abs(values).max(initial=0.0))
-        late, far = shown(history)
-        place = history.x[far] / case.length
-        return norm(values, place, 1, history.t[late] / case.end_time)
+    def doubted(history: InterfaceHistory) -> Array:
+        return field(history, 0)[:, far[0]]
 
-    changes = []
-    for number, pair in enumerate(case.pairs):
-        of, to = pair[::-1] if name == "gap" else pair  # smooth: at the nodes of the coarser
-        late, far = shown(of)
-        other = field(to, of.t[late])
-        there = [np.interp(of.x[far], to.x, level) for level in other]
-        change = np.abs(own(of) - np.array(there))
-        if name == "slip rate" and not nothing:
-            change += case.strength_changes[number][np.ix_(late, far)]
-        changes.append(size(change, of))
-    whole = size(predicted, case.seen)
-    per = 1.0 if nothing else whole
-    added = size(unseen[part] / unit, case.seen) / per
-    if case.doubted is not None:
-        added += size(own(case.doubted) - predicted, case.seen) / per
+    def size(values: Array, of: int) -> float:
+        place = runs[of].x[far[of]] / case.length
+        return norm(values, place, 1, runs[of].t[late[of]] / case.end_time)
 
-    def before() -> float:
-        there = case.expected[1]
-        _, far = shown(there)
-        return size(own(case.runs[1].interface)[:, : far.sum()] - own(there), there) / per
+    def driven(of: int) -> Array:
+        return case.strength_changes[of][np.ix_(late[of], far[of])]
 
-    row = Row(
-        f"{name} over (x, t), {'largest' if nothing else 'L1'}",
+    known = None if case.doubted is None else partial(doubted, case.doubted)
+    both = Compared(simulated, predicted, size, known)
+    part = unseen[np.ix_(late[0], far[0])] / unit
+    return field_row(
+        case,
+        f"{name} over (x, t)",
         name,
-        None,
-        whole,
-        size(simulated, case.seen),
-        size(simulated - predicted, case.seen) / per,
-        None,
-        units[0] if nothing else units[1],
-        relative=not nothing,
+        both,
+        units,
+        unseen=size(part, 0),
+        smooth=name == "gap",
+        driven=driven if name == "slip rate" else None,
     )
-    return judged(case, row, Comparison(field_bar(case, changes, per, nothing), before, added))
 
 
 def _behind_front(case: Case, x: Array, t: Array) -> NDArray[np.bool_]:

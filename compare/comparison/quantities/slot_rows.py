@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.case import EDGE_CELLS, Case
-from compare.comparison.judging import Comparison, field_bar, judged
+from compare.comparison.judging import Compared, field_row
 from compare.comparison.measures import NOTHING, norm, within
 from compare.comparison.rows import Row
-
-if TYPE_CHECKING:
-    from fem import Simulation
 
 Array = NDArray[np.float64]
 
@@ -34,46 +29,30 @@ def slot_rows(case: Case) -> Iterator[Row]:
     reach = min(case.scene.fastest_speed * case.end_time, *(-run.slot.x[0] for run in case.runs))
     names = ("v_z" if case.scene.antiplane else "v_x", "v_y")
 
-    def moved(run: Simulation) -> tuple[Array, Array]:
-        """Distances from the edge (n,) and the simulated velocities there over V0 (2, n)."""
-        slot = run.slot
-        shown = within(-slot.x, start, reach)
-        velocity = np.stack([slot.velocity_x[-1, shown], slot.velocity_y[-1, shown]])
-        return -slot.x[shown][::-1], velocity[:, ::-1] / case.rate
+    places = []
+    for run in case.runs:
+        shown = within(-run.slot.x, start, reach)
+        places.append((-run.slot.x[shown][::-1], shown))
 
-    def expected(distance: Array) -> Array:
-        distance = _beside_front(case, distance)
-        return np.stack(predict(-distance, case.end_time)) / case.rate
+    def size(values: Array, of: int) -> float:
+        return norm(values, places[of][0] / case.length, 1)
 
-    recorded = [moved(run) for run in case.runs]
-    distance, simulated = recorded[0]
-    predicted = expected(distance)
-    for part, name in enumerate(names):
-        changes = [
-            norm(fine[part] - np.interp(x, y, coarse[part]), x / case.length, 1)
-            for (x, fine), (y, coarse) in pairwise(recorded)
-        ]
-        whole = norm(predicted[part], distance / case.length, 1)
-        if whole <= NOTHING:
-            continue
+    for part, (name, field) in enumerate(zip(names, ("velocity_x", "velocity_y"), strict=True)):
 
-        def before(part: int = part, whole: float = whole) -> float:
-            x, coarse = recorded[1]
-            return norm(coarse[part] - expected(x)[part], x / case.length, 1) / whole
+        def simulated(number: int, of: int, field: str = field) -> Array:
+            x, shown = places[number]
+            velocity = getattr(case.runs[number].slot, field)[-1, shown][::-1]
+            return np.interp(places[of][0], x, velocity) / case.rate
 
-        row = Row(
-            f"{name} of the slot face, L1",
-            "slot",
-            whole,
-            whole,
-            norm(simulated[part], distance / case.length, 1),
-            norm(simulated[part] - predicted[part], distance / case.length, 1) / whole,
-            None,
-            "V₀ c_t T",
-            relative=True,
-        )
-        error = field_bar(case, changes, whole, nothing=False)
-        yield judged(case, row, Comparison(error, before))
+        def predicted(of: int, part: int = part) -> Array:
+            distance = _beside_front(case, places[of][0])
+            return np.asarray(predict(-distance, case.end_time)[part]) / case.rate
+
+        whole = size(predicted(0), 0)
+        if whole > NOTHING:
+            row = f"{name} of the slot face", "slot"
+            both = Compared(simulated, predicted, size)
+            yield field_row(case, *row, both, ("V₀", "V₀ c_t T"), exact=whole)
 
 
 def _beside_front(case: Case, distance: Array) -> Array:
