@@ -57,8 +57,7 @@ def simulate(
     Parameters
     ----------
     scene : Scene, str or path
-        Material, friction law, tractions and load histories, or a name or file as for `find`;
-        a file may have a [lower_material] besides.
+        Materials, friction law, tractions and load histories, or a name or file as for `find`.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     settings : Settings, optional
@@ -84,7 +83,7 @@ def simulate(
         given, that is a warning.
     **options
         Fields of `Settings` that replace those of `settings`: resolution, damping, step_ratio,
-        model, element, mesh, lower_material, every, frames.
+        model, element, mesh, every, frames.
 
     Returns
     -------
@@ -213,7 +212,6 @@ def _result(
         element=settings.element,
         mesh=settings.mesh,
         model=plan.name,
-        lower_material=settings.lower_material,
         step_ratio=settings.step_ratio,
         time_step=model.time_step,
         critical_step=model.critical_step,

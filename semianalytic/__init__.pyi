@@ -3,7 +3,6 @@
 from semianalytic import reference as reference
 from semianalytic import regimes as regimes
 from semianalytic.dissimilar.grid_edge import EdgeReading as EdgeReading
-from semianalytic.dissimilar.pair import Pair as Pair
 from semianalytic.dissimilar.stability import SlidingStability as SlidingStability
 from semianalytic.dissimilar.stability import SlidingWave as SlidingWave
 from semianalytic.dissimilar.stability import sliding_stability as sliding_stability

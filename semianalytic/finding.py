@@ -7,7 +7,7 @@ from typing import Any
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.finding import INTERFACE, LINE, find_blocks, kind_of
+from semianalytic.scene.given.finding import INTERFACE, LINE, find_scene, kind_of
 
 
 def find(source: str | PathLike[str]) -> Any:
@@ -21,9 +21,8 @@ def find(source: str | PathLike[str]) -> Any:
 
     Returns
     -------
-    Scene, Pair, WholeLine, GrowingSlot or InterfaceFile
-        A `Pair` if there are two different bodies; an `InterfaceFile` holds an `Interface` and how
-        long it is to be run.
+    Scene, WholeLine, GrowingSlot or InterfaceFile
+        An `InterfaceFile` holds an `Interface` and how long it is to be run.
 
     Raises
     ------
@@ -56,9 +55,11 @@ def find(source: str | PathLike[str]) -> Any:
         from semianalytic.interface.named import find_interface
 
         return find_interface(source)
-    scene, lower = find_blocks(source)
-    if lower in (None, scene.material):
-        return scene
-    from semianalytic.dissimilar.described import pair_of
+    return find_scene(source)
 
-    return pair_of(scene, lower)
+
+def kinds_of(problem: object) -> set[str]:
+    """Return what the table of methods calls a problem: its class and those it derives from."""
+    names = {one.__name__.removesuffix("File") for one in type(problem).__mro__}
+    different = "Scene" in names and getattr(problem, "lower_material", None) is not None
+    return {"Scene of two solids"} if different else names

@@ -71,7 +71,6 @@ def sampled_run(
         element="Q1",
         mesh="squares",
         model="sampled",
-        lower_material=None,
         step_ratio=1.0,
         time_step=float(t[1]),
         critical_step=float(t[1]),

@@ -42,7 +42,7 @@ def planned(
     SceneError, TensionError
         As `predict_before` and `check_marched`, and as `choose_mesh`.
     """
-    prediction = predict_before(scene, method, settings.get("lower_material"))
+    prediction = predict_before(scene, method)
     choice = choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **settings)
     # else a march, which follows the simulation, would refuse its loads only after that has run
     if prediction is None:

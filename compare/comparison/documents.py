@@ -26,7 +26,7 @@ from semianalytic.scene.given.parameters import EVERY_LOAD, MATERIAL, TRACTIONS,
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
-    from semianalytic import Marched, Material, Measured, PairSolution, Reading, Solution
+    from semianalytic import Marched, Measured, PairSolution, Reading, Solution
 
 WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
@@ -106,11 +106,6 @@ MARCH_DIMENSIONS: Dimensions = {
 }
 
 
-def bodies_document(scene: Scene, lower: Material | None) -> dict[str, Any]:
-    """Return a scene as its file has it, with the lower body where that is another one."""
-    return scene_document(scene) | ({} if lower is None else {"lower_material": asdict(lower)})
-
-
 def units_document(document: Any, dimensions: Any, scene: Any) -> Any:
     """Return the unit of each number of a document, under the same names; counts have none.
 
@@ -119,7 +114,7 @@ def units_document(document: Any, dimensions: Any, scene: Any) -> Any:
     document : dict, list or number
     dimensions : Dimensions, str or callable
         A callable returns them for the scene.
-    scene : Scene, Pair, WholeLine or GrowingSlot
+    scene : Scene, WholeLine or GrowingSlot
         Problem whose units are used.
     """
     if callable(dimensions):
@@ -170,14 +165,11 @@ def solution_document(answer: Any, end_time: float | None = None) -> dict[str, A
     else:
         document["edge"] = {"state": edge_state(answer), "slip_rate": float(answer.edge_slip_rate)}
         document["statistics"] = asdict(answer.statistics)
-        if hasattr(answer, "pair"):
-            from semianalytic.dissimilar.described import pair_document
-
-            document["scene"] = pair_document(answer.pair)
-            bodies = (("upper", answer.pair.upper), ("lower", answer.pair.lower))
+        document["scene"] = scene_document(scene)
+        if scene.lower_material is not None:
+            bodies = zip(("upper", "lower"), scene.bodies, strict=True)
             document["wave_speeds"] = {name: _by_wave(wave_speeds(body)) for name, body in bodies}
         else:
-            document["scene"] = scene_document(scene)
             document["far_slip_rate"] = scene.far_slip_rate
             document["edge"]["stress_intensity_at_unit_time"] = _intensities(answer, 1.0)
             for shown, zone in zip(document["zones"], answer.zones, strict=True):

@@ -12,6 +12,7 @@ import math
 import sys
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cached_property
+from types import NoneType
 from typing import Literal
 
 import numpy as np
@@ -47,12 +48,12 @@ MODES = (IN_PLANE, ANTIPLANE)
 @with_quantities
 @dataclass(frozen=True)
 class Scene:
-    """Two identical half-planes in frictional contact, with base tractions and a load.
+    """Two half-planes in frictional contact, with base tractions and a load.
 
     Parameters
     ----------
     material : Material
-        Solid on both sides of the interface.
+        Solid on both sides of the interface, or that of the upper body, y > 0.
     friction : float
         Coulomb friction coefficient f >= 0.
     base : Tractions
@@ -76,6 +77,8 @@ class Scene:
         "" for any consistent set.  Scenes that differ only in their units compare as equal.  Where
         numbers are given with units, as quantities of pint, all numbers are taken as those of the
         SI and the scene says so.
+    lower_material : Material, optional
+        Solid of the lower body, y < 0, if it is another one; None if both bodies are equal.
 
     Raises
     ------
@@ -110,18 +113,23 @@ class Scene:
     mode: str = IN_PLANE
     load_on: str = SLOT
     units: str = field(default="", compare=False)
+    lower_material: Material | None = None
 
     def __post_init__(self) -> None:
         for name, kinds in (
             ("material", (Material,)),
             ("base", (Tractions,)),
             ("load", (Tractions, IncidentWave, MovingLoad)),
+            ("lower_material", (Material, NoneType)),
         ):
             if not isinstance(getattr(self, name), kinds):
-                known = " or ".join(kind.__name__ for kind in kinds)
+                known = " or ".join(kind.__name__ for kind in kinds if kind is not NoneType)
                 raise SceneError(
                     f"scene: {name} must be a {known}, got {shown(getattr(self, name))}."
                 )
+        # Equal bodies are one problem, however it is stated.
+        if self.lower_material == self.material:
+            object.__setattr__(self, "lower_material", None)
         # The class is frozen; the number is stored as a plain float, whatever its type was.
         object.__setattr__(self, "friction", checked_number("scene: friction", self.friction))
         for name, (group, base, own, _) in PARTS.items():
@@ -287,6 +295,11 @@ class Scene:
         return self.load.slowness(self.material)
 
     @property
+    def bodies(self) -> tuple[Material, Material]:
+        """Solids of the upper and of the lower body."""
+        return self.material, self.lower_material or self.material
+
+    @property
     def antiplane(self) -> bool:
         """Whether shear and slip are along z."""
         return self.mode == ANTIPLANE
@@ -308,12 +321,13 @@ class Scene:
     @property
     def fastest_speed(self) -> float:
         """Speed of the first wave [length / time]: c_l, or c_t where only antiplane shear acts."""
-        return self.fastest_in(self.material)
+        wave = "shear_speed" if self.shears_alone else "longitudinal_speed"
+        return max(getattr(body, wave) for body in self.bodies)
 
-    def fastest_in(self, material: Material) -> float:
-        """Return the speed of the first wave in another solid, such as that of the lower side."""
-        alone = self.antiplane and not self.superposition.taken_off.pressure
-        return material.shear_speed if alone else material.longitudinal_speed
+    @property
+    def shears_alone(self) -> bool:
+        """Whether only antiplane shear waves run: nothing presses the slot."""
+        return self.antiplane and not self.superposition.taken_off.pressure
 
     @property
     def acting_histories(self) -> dict[str, LoadHistory]:

@@ -17,7 +17,7 @@ from semianalytic.parameters.overriding import override_line, override_scene
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.given.finding import INTERFACE, LINE, find_blocks, kind_of, scene_label
+from semianalytic.scene.given.finding import INTERFACE, LINE, find_scene, kind_of, scene_label
 from slipfront.cli import terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options, refuse_given
 from slipfront.cli.options import (
@@ -29,7 +29,6 @@ from slipfront.cli.options import (
     Quiet,
     SceneArgument,
     asked,
-    lower_body,
     measured_option,
     with_options,
 )
@@ -135,9 +134,7 @@ def solve_command(
     _solve_exactly(problem, label, end_time, asked_for, **shown)
 
 
-def _problem(
-    source: str, kind: str, overrides: Mapping[str, Any], lower: Mapping[str, float]
-) -> Any:
+def _problem(source: str, kind: str, overrides: Mapping[str, Any], lower: Mapping[str, Any]) -> Any:
     """Return the problem of a name or file with other values, a half-line as the slot that moves
     alike."""
     if kind == LINE:
@@ -146,14 +143,7 @@ def _problem(
 
         line = override_line(find_line(source), **overrides)
         return line.slot_scene if isinstance(line.load, HalfLine) else line
-    scene, other = find_blocks(source)
-    scene = override_scene(scene, **overrides)
-    body = lower_body(scene, other, lower)
-    if body in (None, scene.material):
-        return scene
-    from semianalytic.dissimilar.described import pair_of
-
-    return pair_of(scene, body)
+    return override_scene(find_scene(source), **overrides, **lower)
 
 
 def _drawing(plot: Path | None, figure: str | None) -> Draw | None:

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.dissimilar.pair import Pair
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.parameters.numbers import numbers_of
@@ -19,7 +18,7 @@ from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 from slipfront.surveys.parameters import MATERIAL, Array
-from slipfront.surveys.plan import Plan
+from slipfront.surveys.plan import Plan, of_two_bodies
 from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
 from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
 
@@ -66,8 +65,8 @@ def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
 
 def _bodies(plan: Plan) -> dict[str, Material]:
     """Return the bodies whose wave speeds are told, by the prefix of their names."""
-    if isinstance(plan.scene, Pair):
-        return {"": plan.scene.upper, "lower_": plan.scene.lower}
+    if isinstance(plan.scene, Scene) and of_two_bodies(plan.scene, (*plan.values, *plan.fixed)):
+        return dict(zip(("", "lower_"), plan.scene.bodies, strict=True))
     return {"": plan.scene.material}
 
 

@@ -57,8 +57,8 @@ def survey(
 
     Parameters
     ----------
-    scene : Scene, Pair, Interface, InterfaceFile, str or path
-        Values that no parameter replaces are those of this scene, pair or interface, or of that of
+    scene : Scene, Interface, InterfaceFile, str or path
+        Values that no parameter replaces are those of this scene or interface, or of that of
         this name or file, as for `find`.  If a function of
         an interface, or its law, was defined in a notebook or the running program, one process
         does all.
@@ -95,7 +95,7 @@ def survey(
         Any numbers of the scene: friction, poisson_ratio, shear_modulus, density, base_pressure,
         base_shear, load_pressure, load_shear, viscosity; numbers of histories and friction laws
         as shear_history_rise_time or, dotted, ``**{"friction_law.reduction": ...}``; the lower
-        body of a pair as lower_shear_modulus, lower_density, lower_poisson_ratio.  Units are those
+        body as lower_shear_modulus, lower_density, lower_poisson_ratio.  Units are those
         of the scene.  Single numbers are the same at all points.  Those of interfaces go by their
         places in a file, such as law_distance, load_shear, contact_end or pressure; a field that
         varies is multiplied by a parameter such as pressure_factor (docs/engine.md).

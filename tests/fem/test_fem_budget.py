@@ -52,7 +52,7 @@ print(json.dumps({
         (SHEARED, {"mesh": "graded", "element": "Q2"}),
         (MIXED, {"end_time": 0.3}),
         (MIXED, {"model": "two-blocks"}),
-        (MIXED, {"lower_material": Material(4.0, 1.0, 0.2)}),
+        (dataclasses.replace(MIXED, lower_material=Material(4.0, 1.0, 0.2)), {}),
         (dataclasses.replace(SHEARED, material=Material(3.0, 2.0, 0.49)), {"resolution": 8}),
         (dataclasses.replace(SHEARED, material=Material(3.0, 2.0, -0.8)), {}),
     ],

@@ -321,7 +321,7 @@ def _beside_edge(case: Case) -> float:
 
 def _farthest(case: Case) -> float:
     """Position up to which slip is compared [length], counted by the faster shear wave."""
-    return FARTHEST * max(body.shear_speed for body in case.bodies) * case.end_time
+    return FARTHEST * max(body.shear_speed for body in case.scene.bodies) * case.end_time
 
 
 def _disturbed(case: Case) -> tuple[float, float]:

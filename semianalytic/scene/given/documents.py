@@ -41,6 +41,8 @@ def scene_document(scene: Scene) -> dict[str, Any]:
         document["load_on"] = scene.load_on
     if scene.units:
         document["units"] = scene.units
+    if scene.lower_material is not None:
+        document["lower_material"] = asdict(scene.lower_material)
     return document
 
 
@@ -70,6 +72,7 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
         mode=document.get("mode", IN_PLANE),
         load_on=document.get("load_on", SLOT),
         units=document.get("units", ""),
+        lower_material=Material(**lower) if (lower := document.get("lower_material")) else None,
         **parts,
     )
 

@@ -14,7 +14,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.load_tables import with_tables
 from semianalytic.scene.given.text_files import text_of
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Scene
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
@@ -51,33 +51,13 @@ def read_scene(path: str | Path) -> Scene:
     1e-5``).  A history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header
     has units.  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
     "remote"`` lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s
-    and Pa.
+    and Pa.  A table ``[lower_material]`` has the keys of ``[material]``, for the lower body.
 
     Raises
     ------
     SceneError
-        If the file cannot be read, if a key is missing, unknown, of the wrong type or out of range,
-        or if the file describes two materials; the message names file and key.
-    """
-    return identical(path, *read_blocks(path))
-
-
-def identical(source: str | Path, scene: Scene, lower: Material | None) -> Scene:
-    """Return the scene; raise SceneError if its lower block is of another material."""
-    if lower not in (None, scene.material):
-        raise SceneError(
-            f"{source}: this knows identical bodies only, and there are two; solve a step on the "
-            "slot exactly, slipfront solve or survey, or simulate the "
-            "scene with finite elements, slipfront simulate; slipfront compare does both "
-            "(docs/dissimilar.md)."
-        )
-    return scene
-
-
-def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
-    """Read a scene like `read_scene`, with the material of ``[lower_material]``; None without one.
-
-    That table has the keys of ``[material]``, for the lower block.
+        If the file cannot be read, or if a key is missing, unknown, of the wrong type or out of
+        range; the message names file and key.
     """
     document = read_document(path)
     if INTERFACE_KEY in document:
@@ -88,9 +68,7 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
     try:
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
         check_tables(document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
-        lower = document.get(LOWER_MATERIAL)
-        scene = scene_from_document(with_tables(path, document))
-        return scene, None if lower is None else Material(**lower)
+        return scene_from_document(with_tables(path, document))
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
 

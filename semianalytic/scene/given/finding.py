@@ -15,14 +15,13 @@ from semianalytic.scene.given.files import (
     INTERFACE_KEY,
     LINE_HINT,
     LINE_KEYS,
-    identical,
-    read_blocks,
     read_document,
+    read_scene,
 )
-from semianalytic.scene.given.named import INTERFACES, LINES, NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.named import INTERFACES, LINES, NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.quantities import Function, taking_quantities
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Scene
 
 
 def find_scene(source: str | PathLike[str]) -> Scene:
@@ -41,8 +40,7 @@ def find_scene(source: str | PathLike[str]) -> Scene:
     Raises
     ------
     SceneError
-        If there is no such scene or file, or the file does not describe a scene, or describes a
-        scene of two materials.
+        If there is no such scene or file, or the file does not describe a scene.
     PluginError
         If the package that brings the scene is broken, or two packages bring it.
 
@@ -58,7 +56,19 @@ def find_scene(source: str | PathLike[str]) -> Scene:
             f"find: give the name of a scene or the path of a TOML file, got {shown(source)}."
         )
     source = fspath(source)
-    return identical(source, *find_blocks(source))
+    named = NAMED_SCENES.get(source)
+    if named is not None:
+        return named.scene
+    if is_file(source):
+        return read_scene(source)
+    if source in (*LINES, *INTERFACES):
+        raise SceneError(f"{source} {LINE_HINT if source in LINES else INTERFACE_HINT}")
+    plugin = find_plugin(SCENES, source)
+    if plugin is not None:
+        return brought_scene(plugin)
+    close = difflib.get_close_matches(source, names(), n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names())}"
+    raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
 
 
 def checked_scene(function: str, given: object) -> Scene:
@@ -75,12 +85,28 @@ def checked_scene(function: str, given: object) -> Scene:
         return given
     if isinstance(given, str | PathLike):
         return find_scene(given)
-    # pairs and interfaces of two bodies are described elsewhere, and not imported here
-    two = " (two bodies are for solve, survey and simulate)"
-    other = two if hasattr(given, "lower") or hasattr(given, "lower_material") else ""
     raise SceneError(
-        f"{function}: scene must be a Scene, or the name or file of one{other}, got {shown(given)}."
+        f"{function}: scene must be a Scene, or the name or file of one, got {shown(given)}."
     )
+
+
+def scene_of_one_solid(function: str, given: object) -> Scene:
+    """Return the scene that a function of equal bodies was given, as `checked_scene` does.
+
+    Raises
+    ------
+    SceneError
+        If the bodies are different ones, or for the reasons given at `checked_scene`.
+    """
+    scene = checked_scene(function, given)
+    if scene.lower_material is not None:
+        raise SceneError(
+            f"{function}: this knows identical bodies only, and the scene has a lower_material; "
+            "solve a step on the slot exactly, slipfront solve or survey, or simulate the scene "
+            "with finite elements, slipfront simulate; slipfront compare does both "
+            "(docs/dissimilar.md)."
+        )
+    return scene
 
 
 def of_scene(function: Function) -> Function:
@@ -88,26 +114,9 @@ def of_scene(function: Function) -> Function:
     return taking_quantities(function, partial(checked_scene, function.__name__))
 
 
-def find_blocks(source: str) -> tuple[Scene, Material | None]:
-    """Find a scene like `find_scene`, with the lower material of its file; None without one."""
-    named = NAMED_SCENES.get(source) or NAMED_PAIRS.get(source)
-    if named is not None:
-        return named.scene, named.lower
-    if is_file(source):
-        return read_blocks(source)
-    if source in (*LINES, *INTERFACES):
-        raise SceneError(f"{source} {LINE_HINT if source in LINES else INTERFACE_HINT}")
-    plugin = find_plugin(SCENES, source)
-    if plugin is not None:
-        return brought_scene(plugin), None
-    close = difflib.get_close_matches(source, names(), n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names())}"
-    raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
-
-
 def names() -> list[str]:
     """Return every name that there is, those of other packages last."""
-    own = (*NAMED_SCENES, *NAMED_PAIRS, *LINES, *INTERFACES)
+    own = (*NAMED_SCENES, *LINES, *INTERFACES)
     return [*own, *plugin_names(SCENES, own)]
 
 
@@ -129,7 +138,7 @@ def kind_of(source: str) -> str:
     SceneError
         If it is a file that cannot be read.
     """
-    if source in (*NAMED_SCENES, *NAMED_PAIRS):
+    if source in NAMED_SCENES:
         return BODIES
     if not is_file(source):
         return LINE if source in LINES else INTERFACE if source in INTERFACES else BODIES
@@ -167,7 +176,7 @@ def brought_summary(plugin: Plugin) -> str:
 def scene_label(source: str) -> str:
     """Return a short name of a scene for titles: its name, or the stem of its file."""
     # Names of packages are no files either.
-    named = source in (*NAMED_SCENES, *NAMED_PAIRS) or not is_file(source)
+    named = source in NAMED_SCENES or not is_file(source)
     return source if named else Path(source).stem
 
 

@@ -11,11 +11,11 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
-from compare.comparison.documents import SCENE_DIMENSIONS, bodies_document, units_document
+from compare.comparison.documents import SCENE_DIMENSIONS, units_document
 from compare.output.files import write_text
 from compare.output.places import check_file
 from compare.output.printed import Table
-from semianalytic import Material, Scene, WholeLine, find
+from semianalytic import Scene, WholeLine, find
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
@@ -24,14 +24,13 @@ from semianalytic.scene.given.finding import (
     BODIES,
     brought_scene,
     brought_summary,
-    find_blocks,
+    find_scene,
     kind_of,
 )
 from semianalytic.scene.given.named import (
     DEFAULT_SCENE,
     INTERFACES,
     LINES,
-    NAMED_PAIRS,
     NAMED_SCENES,
 )
 from semianalytic.scene.given.solids import SOLIDS, find_solid
@@ -59,7 +58,7 @@ STDOUT = Path("-")
 
 
 _OWN: Mapping[str, Collection[str]] = {
-    SCENES: (*NAMED_SCENES, *NAMED_PAIRS, *NAMED_LINES, *NAMED_INTERFACES),
+    SCENES: (*NAMED_SCENES, *NAMED_LINES, *NAMED_INTERFACES),
     LAWS: FRICTION_LAWS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
@@ -73,7 +72,7 @@ def scenes(as_json: AsJson = False) -> None:
     groups = (LAWS, HISTORIES, FIGURES, METHODS)
     others = [_row(plugin) for group in groups for plugin in plugins(group)]
     if as_json:
-        units = {"scenes": _units(*find_blocks(DEFAULT_SCENE))}
+        units = {"scenes": _units(find_scene(DEFAULT_SCENE))}
         print_json("scenes", {"scenes": rows, "brought": others, "units": units})
         return
     table = Table("scene", "what it shows", title="Scenes")
@@ -88,14 +87,14 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def _own_rows() -> Iterator[dict[str, Any]]:
-    for name, named in (NAMED_SCENES | NAMED_PAIRS).items():
+    for name, named in NAMED_SCENES.items():
         yield {
             "name": name,
-            "what": "scene" if named.lower is None else "two bodies",
+            "what": "scene" if named.scene.lower_material is None else "two bodies",
             "package": None,
             "problem": "",
             "summary": named.summary,
-            "scene": bodies_document(named.scene, named.lower),
+            "scene": scene_document(named.scene),
         }
 
 
@@ -142,17 +141,8 @@ def _brought_row(plugin: Plugin) -> dict[str, Any]:
     return row
 
 
-def _units(scene: Scene, lower: Material | None) -> dict[str, Any]:
-    return {"scene": units_document(bodies_document(scene, lower), SCENE_DIMENSIONS, scene)}
-
-
-def _beside(upper: Material, former: Material, lower: Material) -> Material:
-    """Return a lower body that differs from another upper body as it did from the former one."""
-    return Material(
-        upper.shear_modulus * (lower.shear_modulus / former.shear_modulus),
-        upper.density * (lower.density / former.density),
-        lower.poisson_ratio,
-    )
+def _units(scene: Scene) -> dict[str, Any]:
+    return {"scene": units_document(scene_document(scene), SCENE_DIMENSIONS, scene)}
 
 
 def init(
@@ -201,15 +191,13 @@ def init(
             )
         _write(file, _text_of(from_), {"scene": None, "units": {}}, force=force, as_json=as_json)
         return
-    scene, lower = find_blocks(from_)
+    scene = find_scene(from_)
     solid = None if material is None else find_solid(material)
     if units or solid:
-        given = scene.material
         scene = in_si_units(scene, None if solid is None else solid.material)
-        lower = None if lower is None else _beside(scene.material, given, lower)
     remark = f"{material}: {solid.source}." if solid else ""
-    text = scene_text(scene, from_, remark, lower, with_all=with_all)
-    document = {"scene": bodies_document(scene, lower), "units": _units(scene, lower)}
+    text = scene_text(scene, from_, remark, with_all=with_all)
+    document = {"scene": scene_document(scene), "units": _units(scene)}
     _write(file, text, document, force=force, as_json=as_json)
 
 

@@ -400,7 +400,7 @@ def test_solve_and_march_name_what_takes_a_line():
     ):
         with pytest.raises(sf.SceneError, match="a Scene"):
             function(line)
-    with pytest.raises(sf.SceneError, match="Pair or WholeLine or GrowingSlot"):
+    with pytest.raises(sf.SceneError, match="WholeLine or GrowingSlot"):
         sf.solve(SOLID)
 
 
