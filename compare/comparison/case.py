@@ -293,6 +293,22 @@ class Case:
         """Return the largest value of a kind of field that counts as nothing, in its unit."""
         return NOTHING
 
+    def compared(self, number: int) -> Mask:
+        """Return the nodes of a run, by number, at which fields are compared over time: beyond the
+        elements at the edge, as far as the simulation was recorded."""
+        x = self.runs[number].interface.x
+        return beyond_edge(x, self.simulation) & within(x, 0.0, float(self.seen.x[-1]))
+
+    def size(self, values: Array, x: Array, t: Array) -> float:
+        """Return the L1 norm of a field over places and times (m, n), over c_t T²."""
+        return norm(values, x / self.length, 1, t / self.end_time)
+
+    def unit(self, name: str) -> tuple[float, str, str]:
+        """Return divisor and unit of a field, and the unit of its norm over places and times."""
+        if name == "gap":
+            return self.rate * self.end_time, "V₀ T", "V₀ c_t T³"
+        return self.rate, "V₀", "V₀ c_t T²"
+
     @property
     def caution(self) -> str:
         """Warning of what the simulation or the march is too coarse for; "" if there is nothing."""
@@ -309,6 +325,17 @@ class Case:
         """Resolution with which a march would not be too coarse; None if it is not."""
         times = max((shortfall.times for shortfall in self.shortfalls), default=0.0)
         return math.ceil(times * self.simulation.resolution) or None
+
+    def remedy(self, resolution: int) -> str:
+        """Return element size of a resolution, and the time and memory that a simulation with it
+        would take."""
+        from compare.comparison.mesh_choice import Feature, Prices
+
+        run = self.simulation
+        size = run.element_size * run.resolution / resolution
+        options = {name: getattr(run, name) for name in ("damping", "element", "mesh")}
+        taken = Prices(run.scene, run.end_time, options=options).unseen(Feature("", resolution))
+        return f"resolution {resolution}, h = {size:.2g}: {taken.toll}"
 
     @property
     def shortfalls(self) -> tuple[Shortfall, ...]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from compare.comparison.case import Case
 from compare.comparison.fields.errors import FieldErrors
-from compare.comparison.mesh_choice import Feature, Prices
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.edge_rows import opening_rows, zone_rows
 from compare.comparison.quantities.field_rows import field_rows
@@ -88,17 +87,7 @@ class Judgement(HasRows[Row]):
         """Return the mesh that would resolve a row, and its cost; "" where none is known."""
         if row.verdict != UNRESOLVED or row.resolution is None:
             return ""
-        return mesh_sentence(self.simulation, row.resolution)
-
-
-def mesh_sentence(simulation: Simulation, resolution: int) -> str:
-    """Element size of a resolution, and the time and memory that such a simulation would take."""
-    size = simulation.element_size * simulation.resolution / resolution
-    named = ("damping", "element", "mesh")
-    options = {name: getattr(simulation, name) for name in named}
-    prices = Prices(simulation.scene, simulation.end_time, options=options)
-    remedy = prices.unseen(Feature("", resolution))
-    return f"resolution {resolution}, h = {size:.2g}: {remedy.toll}"
+        return self.case.remedy(row.resolution)
 
 
 def judge(

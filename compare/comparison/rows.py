@@ -166,8 +166,10 @@ class HasRows(Generic[AnyRow]):
 
         It is "differs" if one row differs.  Else it is "agrees" if a row of slip, slip rate or gap
         that is not 0 agrees, all of these rows and those of pressure converge, and no row of slip,
-        slip rate, tractions or edges is beyond its bar.  Else it is "unresolved", whatever fronts
-        and parts of maps do.  Where nothing moves, rows of tractions decide instead.
+        slip rate, tractions or edges is beyond its bar, nor any field farther off on this mesh than
+        on that of 2h.  Else it is "unresolved", whatever fronts and parts of maps do.  Where
+        nothing moves, all rows of tractions have to agree instead, and those of laws where no
+        traction changes.
         """
         if self.having(DIFFERS):
             return DIFFERS
@@ -181,7 +183,12 @@ class HasRows(Generic[AnyRow]):
             return UNRESOLVED
         if any(row.obstacle.startswith(AWAY) for row in self.rows):
             return UNRESOLVED
-        return overall(row.verdict for row in deciding if row.size)
+        verdicts = [row.verdict for row in deciding if row.size]
+        if self.rests and UNRESOLVED in verdicts:
+            return UNRESOLVED
+        if self.rests and not verdicts:  # laws are all that is left to agree
+            verdicts = [row.verdict for row in self.rows]
+        return overall(verdicts)
 
     @property
     def counts(self) -> dict[str, int]:

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from compare.comparison.bars import error_bar
+from compare.comparison.bars import LARGEST_ORDER, error_bar
 from compare.comparison.case import NARROW, Case, beyond_edge, too_narrow
 from compare.comparison.judging import (
     Compared,
@@ -26,9 +26,7 @@ from compare.comparison.measures import (
     ROUNDING,
     SENSE_THRESHOLD,
     nearest,
-    norm,
     onset_time,
-    within,
 )
 from compare.comparison.rows import Row
 from semianalytic import Harmonic, InterfaceHistory
@@ -96,41 +94,45 @@ def rate_row(case: Case) -> Row:
     """
     beyond = beyond_edge(case.seen.x, case.simulation)
     unseen = np.where(case.narrow & beyond, case.at_nodes.slip_rate, 0.0)
-    return _map_row(case, "slip rate", case.rate, ("V₀", "V₀ c_t T²"), unseen)
+    return map_row(case, "slip_rate", unseen, driven=True)
 
 
 def gap_row(case: Case) -> Row:
     """Row of the relative L1 error of the gap over space and time, or of its largest value."""
     unseen = np.where(too_narrow(case.at_nodes.gap > 0), case.at_nodes.gap, 0.0)
-    return _map_row(case, "gap", case.rate * case.end_time, ("V₀ T", "V₀ c_t T³"), unseen)
+    return map_row(case, "gap", unseen, smooth=True)
 
 
-def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen: Array) -> Row:
+def map_row(
+    case: Case,
+    name: str,
+    unseen: Array,
+    *,
+    driven: bool = False,
+    smooth: bool = False,
+    order: float = LARGEST_ORDER,
+) -> Row:
     """Row of a field over space and time: relative L1 error, or largest value if none is predicted.
 
     Parameters
     ----------
     case : Case
     name : str
-        Name of the field and of its kind.
-    unit : float
-        Divisor of the values.
-    units : (str, str)
-        Name of the unit, and that of the unit of the norm.
+        Name of the field.
     unseen : (m, n) array
-        Part of the prediction at the nodes that is too narrow for them.
+        How far the prediction at the nodes is uncertain, or too narrow for them.
+    driven, smooth, order
+        Whether changes of strength add to those of the field, and as for `field_row`.
     """
+    unit, *units = case.unit(name)
     runs = [run.interface for run in case.runs]
     late = [run.t > (1 + ROUNDING) * EARLY * case.end_time for run in runs]
-    far = [
-        beyond_edge(run.x, case.simulation) & within(run.x, 0.0, float(case.seen.x[-1]))
-        for run in runs
-    ]
+    far = [case.compared(number) for number in range(case.meshes)]
 
     def field(history: InterfaceHistory, of: int) -> Array:
         """Return the field of a history at its own positions and the times of a run."""
         t = runs[of].t[late[of]]
-        if name == "slip rate":
+        if name == "slip_rate":
             return case.mean_rate(history, t) / unit
         return interpolated(history, name, *np.broadcast_arrays(history.x, t[:, None])) / unit
 
@@ -146,24 +148,25 @@ def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen:
         return field(history, 0)[:, far[0]]
 
     def size(values: Array, of: int) -> float:
-        place = runs[of].x[far[of]] / case.length
-        return norm(values, place, 1, runs[of].t[late[of]] / case.end_time)
+        return case.size(values, runs[of].x[far[of]], runs[of].t[late[of]])
 
-    def driven(of: int) -> Array:
+    def strength(of: int) -> Array:
         return case.strength_changes[of][np.ix_(late[of], far[of])]
 
     known = None if case.doubted is None else partial(doubted, case.doubted)
     both = Compared(simulated, predicted, size, known)
     part = unseen[np.ix_(late[0], far[0])] / unit
+    words = name.replace("_", " ")
     return field_row(
         case,
-        f"{name} over (x, t)",
-        name,
+        f"{words} over (x, t)",
+        words,
         both,
-        units,
+        (units[0], units[1]),
         unseen=size(part, 0),
-        smooth=name == "gap",
-        driven=driven if name == "slip rate" else None,
+        smooth=smooth,
+        driven=strength if driven else None,
+        order=order,
     )
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from typing import Any, Literal
 
 import numpy as np
 import scipy
@@ -12,10 +13,9 @@ from numpy.typing import NDArray
 from compare.comparison.bars import ErrorBar
 from compare.comparison.case import Case
 from compare.comparison.fields.fronts import jump_times
-from compare.comparison.judging import Comparison, judged
+from compare.comparison.judging import Comparison, Meshes, judged
 from compare.comparison.measures import NOTHING, ROUNDING
 from compare.comparison.rows import Row
-from semianalytic import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
 Array = NDArray[np.float64]
@@ -73,37 +73,49 @@ def _local_row(case: Case, name: str, unit: float, symbol: str, shown: Mask) -> 
     if case.doubted is not None:
         doubt = np.abs(getattr(case.doubted, name) / unit - predicted)
         bar += scipy.ndimage.maximum_filter(doubt, _band(case))
-    row, at = place_row(name, symbol, (predicted, simulated), np.where(shown, bar, np.inf))
-    x, when = seen.x[at[1]] / case.length, seen.t[at[0]] / case.end_time
-    row = replace(row, place=f"x = {x:.3f} c_t T, t = {when:.3f} T")
+
+    def where(level: int, node: int) -> str:
+        x, t = seen.x[node] / case.length, seen.t[level] / case.end_time
+        return f"x = {x:.3f} c_t T, t = {t:.3f} T"
+
+    row = place_row(case, name, symbol, (predicted, simulated), (bar, shown), where)
     if case.opens and not all(run.interface.gap.any() for run in case.runs):
-        finer = 2 * case.simulation.resolution
-        row = replace(row, bar=float(bar[at]), resolution=finer)
-        return replace(row, obstacle="one mesh opens, another does not: no place has a bar")
-    return judged(case, row, Comparison(ErrorBar(float(bar[at]), None, np.inf, converges=True)))
+        reason = "one mesh opens, another does not: no place has a bar"
+        return replace(row, obstacle=reason, resolution=2 * case.simulation.resolution)
+    return row
 
 
 def place_row(
-    name: str, symbol: str, fields: tuple[Array, Array], bar: Array
-) -> tuple[Row, tuple[np.intp, ...]]:
-    """Return the row of the place at which a field is off by the most error bars, still without its
-    bar, and the indices of that place.
+    case: Meshes,
+    name: str,
+    symbol: str,
+    fields: tuple[Array, Array],
+    bars: tuple[Array, Mask],
+    where: Callable[[int, int], str],
+) -> Row:
+    """Return the row of the place at which a field is off by the most error bars.
 
     Parameters
     ----------
+    case : Meshes
     name, symbol : str
         The field and its unit.
     fields : pair of (m, n) arrays
         As predicted and as simulated.
-    bar : (m, n) array
-        Error bar of each place, infinite where it is left out.
+    bars : pair of (m, n) arrays
+        Error bar of each place, and whether it is compared.
+    where : callable
+        Returns the words for a place, by the indices of time and node.
     """
-    predicted, simulated = fields
+    (predicted, simulated), (bar, shown) = fields, bars
     off = np.abs(simulated - predicted) / np.maximum(bar, np.finfo(float).tiny)
+    off[~shown] = -1.0
     at = np.unravel_index(np.argmax(off), off.shape)
-    before, after = float(predicted[at]), float(simulated[at])
+    before, after, own = float(predicted[at]), float(simulated[at]), float(bar[at])
     words = f"{name.replace('_', ' ')}, place by place"
-    return Row(words, "local", None, before, after, after - before, None, symbol), at
+    place = where(int(at[0]), int(at[1]))
+    row = Row(words, "local", None, before, after, after - before, own, symbol, place=place)
+    return judged(case, row, Comparison(ErrorBar(own, None, np.inf, converges=True)))
 
 
 def _driven(case: Case, name: str) -> Array:
@@ -135,18 +147,18 @@ def _beside_fronts(case: Case) -> Mask:
     for start in {0.0, *jump_times(scene, flank)}:  # t = 0 has fronts even without a jump
         for speed in case.fronts.values():
             beside |= np.abs(seen.x - speed * (seen.t[:, None] - start)) < width
-    motions = [_motion(case, case.at_nodes)]
+    usual = case.runs[1].interface
+    fastest = max(float(np.abs(usual.slip_rate).max()), STILL * case.rate)
+    widest = max(float(usual.gap.max()), STILL * case.rate * case.end_time)
+    motions = [motion(case.at_nodes.slip_rate, case.at_nodes.gap, fastest, widest)]
     for run in case.runs[1:]:
         history = run.interface
         x = np.searchsorted(history.x, seen.x - ASIDE * case.simulation.element_size)
         t = np.searchsorted(history.t, (1 - ROUNDING) * seen.t)
         x, t = (np.minimum(at, size - 1) for at, size in ((x, len(history.x)), (t, len(history.t))))
-        motions.append(_motion(case, history)[np.ix_(t, x)])
-    changes = np.zeros(beside.shape, dtype=bool)
-    for motion in motions:
-        changes[:-1] |= np.diff(motion, axis=0) != 0
-        changes[:, :-1] |= np.diff(motion, axis=1) != 0
-    beside |= scipy.ndimage.maximum_filter(changes, _band(case))
+        sense = motion(history.slip_rate, history.gap, fastest, widest)
+        motions.append(sense[np.ix_(t, x)])
+    beside |= beside_changes(motions, _band(case))
     return beside | (seen.x < width) | (seen.t < (1 - ROUNDING) * EARLY * case.end_time)[:, None]
 
 
@@ -157,12 +169,27 @@ def _band(case: Case) -> tuple[int, int]:
     return 2 * round(width / step) + 1, 2 * round(width / case.simulation.element_size) + 1
 
 
-def _motion(case: Case, history: InterfaceHistory) -> NDArray[np.int8]:
-    """Sense of slip of a history, or 2 where it is open, (m, n).  Thresholds come from the mesh at
-    2h, so that a wrong value of the simulation does not change them."""
-    usual = case.runs[1].interface
-    rate, gap = (float(np.abs(values).max()) for values in (usual.slip_rate, usual.gap))
-    slips = np.abs(history.slip_rate) > STILL * max(rate, STILL * case.rate)
-    sense = np.where(slips, np.sign(history.slip_rate), 0.0)
-    opens = history.gap > STILL * max(gap, STILL * case.rate * case.end_time)
-    return np.where(opens, 2, sense).astype(np.int8)
+def motion(slip_rate: Array, gap: Array, fastest: float, widest: float) -> NDArray[np.int8]:
+    """Sense of slip, or 2 where the contact is open, (m, n).
+
+    Thresholds are relative to the largest slip rate and gap of the mesh at 2h, so that a wrong
+    value of the simulation does not change them.
+    """
+    sense = np.where(np.abs(slip_rate) > STILL * fastest, np.sign(slip_rate), 0.0)
+    return np.where(gap > STILL * widest, 2, sense).astype(np.int8)
+
+
+def beside_changes(
+    motions: Iterable[NDArray[np.int8]],
+    band: tuple[int, int],
+    mode: Literal["nearest", "wrap"] = "nearest",
+) -> Mask:
+    """Mask of the places and times, (m, n), in a band around those where one of the motions changes
+    from a node or a time to the next; `mode` says what lies beyond the last node."""
+    beside: Any = False
+    for sense in motions:
+        changes = np.zeros(sense.shape, dtype=bool)
+        changes[:-1] |= np.diff(sense, axis=0) != 0
+        changes[:, :-1] |= np.diff(sense, axis=1) != 0
+        beside = beside | changes
+    return np.asarray(scipy.ndimage.maximum_filter(beside, band, mode=("nearest", mode)))

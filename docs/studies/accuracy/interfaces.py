@@ -14,11 +14,11 @@ from statistics import median
 from typing import Any
 
 import numpy as np
+from compare.interfaces import InterfaceJudgement, compare_interface
+from compare.interfaces.judging import judge_interface
 
 import semianalytic as sf
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
-from compare.interfaces import InterfaceJudgement, compare_interface
-from compare.interfaces.judging import judge_interface
 from docs.studies.runner import Point, Study, grouped, main
 from docs.studies.runner import Row as Line
 from semianalytic.dissimilar.kernels import BodyPair

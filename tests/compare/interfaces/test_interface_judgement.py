@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from compare.interfaces import compare_interface, judging
-from compare.interfaces.judging import judge_interface
+from compare.comparison import comparing_interfaces
+from compare.comparison.comparing_interfaces import compare_interface, judge_interface
 from semianalytic.interface.named import find_interface
 from semianalytic.scene.errors import DataFileError, SceneError
 from slipfront.cli.commands import main
@@ -222,7 +222,7 @@ def test_the_command_compares(judged, capsys, printed, monkeypatch):
         assert (end_time, nodes, mesh_nodes) == (1e-3, 256, 256)
         return judged
 
-    monkeypatch.setattr(judging, "compare_interface", compared)
+    monkeypatch.setattr(comparing_interfaces, "compare_interface", compared)
     assert main([*COMMON, "--mesh-nodes", "256"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "Verdict: agrees" in shown
@@ -246,9 +246,11 @@ def test_options_without_effect_are_refused(options, said, refused):
 
 
 def test_a_difference_ends_with_1(monkeypatch, capsys):
-    honest = judging.line_of
+    honest = comparing_interfaces.line_of
     monkeypatch.setattr(
-        judging, "line_of", lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid)
+        comparing_interfaces,
+        "line_of",
+        lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid),
     )
     assert main([*COMMON, "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())
