@@ -46,8 +46,8 @@ LARGEST_ORDER = 1.0
 step late, which is an error of first order in all slip that follows, however fast the rest of it
 converges.  With 1.25, as for scenes, slip under rate-and-state friction was 1.0 to 1.2 bars off;
 with half of this value bars are twice as long."""
-SLOT = 3
-"""Value in a map of senses where the faces are those of a slot."""
+BESIDE = 3.0
+"""How many times as much it may be beside ends of slip or of openings."""
 LOCAL = 4.0
 """Error of a place on mesh or grid, over the largest change from 4h to 2h near it and a thousandth
 of the largest value.  Of the places of 36 drawn interfaces none was beyond 3.4 times these; with
@@ -127,7 +127,7 @@ class LineCase(Case):
             doubt = done.error_estimates.get(name, 0.0) * float(whole)
             unsure = np.full_like(self.seen.slip, doubt)
             yield map_row(self, name, unsure, smooth=True, order=LARGEST_ORDER)
-            if self._shown.any():
+            if self._places[0].any():
                 places.append(self._place_row(name, doubt / (size or 1.0)))
         yield from places
         yield from self._law_rows()
@@ -138,25 +138,26 @@ class LineCase(Case):
         return 1, 2 * BAND * (self.simulations[0].nodes // self.simulations[-1].nodes) + 1
 
     @cached_property
-    def _shown(self) -> Mask:
-        """Mask of the times and nodes, (m, n), that are compared one by one: as in scenes, neither
-        early ones nor those beside ends of contacts, of slip or of openings."""
+    def _places(self) -> tuple[Mask, Mask]:
+        """Masks of the times and nodes, (m, n), that are compared one by one, which are neither
+        early nor where grids differ on an end of a contact, and of those beside ends of slip."""
         done, (finest, middle, coarsest) = self.run, self.simulations
         fastest, widest = (
             max(float(np.abs(getattr(middle, name)).max()), self.nothing(name))
             for name in ("slip_rate", "gap")
         )
         answers: tuple[Run | LineSimulation, ...] = (done, middle, coarsest)
-        motions = []
+        motions, on = [], [touching([finest], done, finest.nodes)]
         for one in answers:
             nodes = min(one.nodes, finest.nodes)
             rate, gap = (field_at(one, name, done, nodes) for name in ("slip_rate", "gap"))
             sense = motion(rate, gap, fastest, widest)
-            sense[:, ~touching([one], done, nodes)] = SLOT
             motions.append(np.repeat(sense, finest.nodes // nodes, axis=1))
-        beside = beside_changes(motions, self._band, "wrap")
+            on.append(np.repeat(touching([one], done, nodes), finest.nodes // nodes))
+        both = np.all(on, axis=0)
+        apart = scipy.ndimage.maximum_filter(np.any(on, axis=0) & ~both, self._band[1], mode="wrap")
         late = finest.t >= (1 - ROUNDING) * EARLY * self.end_time
-        return ~beside & late[:, None] & touching((done, finest), done, finest.nodes)
+        return late[:, None] & both & ~apart, beside_changes(motions, self._band, "wrap")
 
     def _place_row(self, name: str, share: float) -> Row:
         """Row of the place and time at which a field is off by the most error bars.
@@ -171,12 +172,13 @@ class LineCase(Case):
         change = scipy.ndimage.maximum_filter(change, self._band, mode=("nearest", "wrap"))
         largest = float(np.abs(known[:, touching(self.simulations, done, coarse)]).max(initial=0.0))
         bar = LOCAL * (change + LOCAL_FLOOR * largest) + min(share, 1.0) * largest
-        bars = bar + self.nothing(name), self._shown
+        shown, beside = self._places
+        bar = np.where(beside, BESIDE, 1.0) * bar + self.nothing(name)
 
         def where(level: int, node: int) -> str:
             return f"x = {finest.x[node]:.4g}, t = {finest.t[level]:.4g}"
 
-        return place_row(self, name, UNITS[name], (ran, meshed), bars, where)
+        return place_row(self, name, UNITS[name], (ran, meshed), (bar, shown), where)
 
     def _law_rows(self) -> Iterator[Row]:
         """Rows of what every correct simulation fulfils to rounding, over its largest values."""

@@ -61,11 +61,11 @@ class Judgement(HasRows[Row]):
                 row.label,
                 *map(shown_number, (row.exact, row.at_nodes, row.simulated)),
                 *map(row.shown_share, (row.difference, row.bar)),
-                f"{row.verdict}: {row.obstacle}" if row.obstacle else row.verdict,
+                f"{row.said}: {row.obstacle}" if row.obstacle else row.said,
             )
             for row in self.rows
         ]
-        caption = f"Judgement: {self.verdict} (rows {self.shown_counts})"
+        caption = f"Judgement: {self.said} (rows {self.shown_counts}): {self.quoted}"
         return html_table(caption, columns, rows)
 
     @property

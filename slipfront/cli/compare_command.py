@@ -81,6 +81,9 @@ def compare_command(
     output: Output = None,
     figures: FiguresForm = "png",
     no_snapshots: NoSnapshots = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Print the rows that agree, too.")
+    ] = False,
     nodes: Annotated[
         int | None, typer.Option(help="Nodes of one period of an interface, a multiple of 4.")
     ] = None,
@@ -102,12 +105,13 @@ def compare_command(
     if scene_name is not None and kind_of(scene_name) == INTERFACE:
         from slipfront.cli.interfaces import compare_interfaces
 
-        scenes = {**overrides, **lower, "from": from_, "budget": budget, "output": output}
+        scenes = {**overrides, **lower, "from": from_, "budget": budget}
         reason = f"is for scenes; leave it out for {scene_name}"
         refuse_given({**scenes, **settings, "end_time": None}, reason)
         given = {name: n for name, n in settings.items() if name == "end_time"}
         given |= {name: n for name, n in along.items() if name == "nodes"}
-        compare_interfaces(scene_name, given, mesh_nodes, as_json=as_json, quiet=quiet)
+        shown = {"everything": everything, "as_json": as_json, "quiet": quiet}
+        compare_interfaces(scene_name, given, mesh_nodes, output, **shown)
         return
     refuse_given(along, "is for interfaces; scenes take --resolution")
     require("slipfront compare", *FEM, *PLOT)
@@ -158,7 +162,10 @@ def compare_command(
         document = report_document(judgement, label)
         terminal.print_json("compare", document, judgement.verdict, files)
     else:
-        _show(judgement, label, directory)
+        title = f"Semi-analytic against finite elements: {label}"
+        headings = {"exact": "exact", "at_nodes": "at nodes", "simulated": "FEM"}
+        terminal.print_judgement(judgement, title, headings, everything=everything)
+        Console().print(f"All rows are in {directory / REPORT}", highlight=False)
         if written and judgement.fields is None:
             notes.print(NO_FIELDS, highlight=False)
     if not isinstance(prediction, Marched):
@@ -187,16 +194,6 @@ def write_comparison(judgement: Judgement, label: str, directory: Path, form: st
     kept = {f"{name}.{form}" for name in drawn}
     forget_figures(directory, kept if fields is None else {*kept, FIELDS})
     write_report(judgement, label, directory / REPORT)
-
-
-def _show(judgement: Judgement, label: str, directory: Path) -> None:
-    console = Console()
-    title = f"Semi-analytic against finite elements: {label}"
-    headings = {"exact": "exact", "at_nodes": "at nodes", "simulated": "FEM"}
-    console.print(terminal.judged_table(title, judgement.rows, **headings))
-    console.print(terminal.references_line(judgement), highlight=False)
-    console.print(terminal.verdict_text(judgement), highlight=False)
-    console.print(f"Written to {directory}/", highlight=False)
 
 
 def _earlier_simulation(
