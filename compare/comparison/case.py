@@ -13,7 +13,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from compare.comparison.measures import NOTHING, is_nothing, norm, within, worn
+from compare.comparison.measures import NARROW, NOTHING, is_nothing, norm, within, worn
+from compare.comparison.mesh_choice import Feature, Prices
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from semianalytic import (
@@ -33,13 +34,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-NARROW = 8
-"""Least width, in elements, of a zone, an opening or a gap between zones whose ends are judged; the
-mesh at 2h, from which error bars come, has half as many.  Of 60 gaps measured, all but one of those
-of up to 4.0 elements were bridged by slip, and none of those of 5.7 or more; zones of 5.0 elements
-were not seen, and those of 5.4 were.  From 8 on, all were seen at 2h as well.  With 4, two of the
-50 scenes of the maps were said to differ; with 16, the default mesh tells nothing of `preloaded`'s
-second zone."""
 UNSEEN = 5
 """Least width, in elements or nodes in a row, at which norms count a zone, an opening or a gap as
 seen, from the same measurements."""
@@ -329,8 +323,6 @@ class Case:
     def remedy(self, resolution: int) -> str:
         """Return element size of a resolution, and the time and memory that a simulation with it
         would take."""
-        from compare.comparison.mesh_choice import Feature, Prices
-
         run = self.simulation
         size = run.element_size * run.resolution / resolution
         options = {name: getattr(run, name) for name in ("damping", "element", "mesh")}

@@ -51,6 +51,7 @@ def judged_document(judgement: Judgement) -> dict[str, Any]:
     return {
         "verdict": judgement.verdict,
         "counts": judgement.counts,
+        "quoted": judgement.quoted,
         "caution": judgement.case.caution,
         "rows": [
             {**asdict(row), "verdict": row.verdict, "remedy": judgement.remedy(row)}

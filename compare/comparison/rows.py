@@ -240,6 +240,8 @@ class HasRows(Generic[AnyRow]):
             far = max(known, key=lambda row: row.over_bar)
             off, bar = map(far.shown_share, (abs(far.difference or 0.0), far.bar))
             parts.append(f"edges {off} ± {bar} {far.unit}")
+        if self.rests and not parts:
+            return "nothing slips or opens in either answer, and no traction changes"
         return ", ".join(parts)
 
     @property

@@ -99,7 +99,7 @@ def compare_interfaces(
     """
     found = _found(source, settings)
     require("slipfront compare", *FEM)
-    from compare.comparison.comparing_interfaces import compare_interface
+    from compare.comparison.interfaces.comparing import compare_interface
 
     settings = {"end_time": found.end_time, **found.options, **settings}
     with progress_bar(Console(stderr=True), quiet or as_json, "simulating") as show:

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar, error_bar
-from compare.comparison.case import NARROW, UNSEEN, Case
+from compare.comparison.case import UNSEEN, Case
 from compare.comparison.judging import Comparison, judged, rate_bar, value_row
-from compare.comparison.measures import NOTHING, ROUNDING
+from compare.comparison.measures import NARROW, NOTHING, ROUNDING
 from compare.comparison.rows import Row
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import OpenInterval, SlipInterval

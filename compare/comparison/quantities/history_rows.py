@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from compare.comparison.bars import LARGEST_ORDER, error_bar
-from compare.comparison.case import NARROW, Case, beyond_edge, too_narrow
+from compare.comparison.case import Case, beyond_edge, too_narrow
 from compare.comparison.judging import (
     Compared,
     Comparison,
@@ -21,6 +21,7 @@ from compare.comparison.judging import (
     value_row,
 )
 from compare.comparison.measures import (
+    NARROW,
     NOTHING,
     PROBES,
     ROUNDING,

@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from compare.comparison.case import Case
-from compare.comparison.lines import (
+from compare.comparison.interfaces.nodes import (
     UNITS,
     LineMesh,
     check_lines,

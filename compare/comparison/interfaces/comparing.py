@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from compare.comparison.interfaces import line_case
+from compare.comparison.interfaces.case import line_case
+from compare.comparison.interfaces.nodes import line_of
 from compare.comparison.judgement import Judgement
-from compare.comparison.lines import line_of
 from fem.lines import LineSimulation, simulate_line
 from fem.lines.march import planned_work, sample_times
 from semianalytic import Interface, Run, solve
@@ -97,7 +97,7 @@ def compare_interface(
     Examples
     --------
     >>> import semianalytic as sf
-    >>> from compare.comparison.comparing_interfaces import compare_interface
+    >>> from compare.comparison.interfaces.comparing import compare_interface
     >>> patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1))
     >>> solid = sf.Material(1.0, 1.0, 0.25)
     >>> patched = sf.Interface(solid, sf.Coulomb(0.5), 8.0, loads=[patch])
