@@ -108,7 +108,7 @@ class EnergyHistory:
 
 
 @dataclass(frozen=True)
-class Opening:
+class ContactOpening:
     """The opening of the contact over all steps, stored or not: where and when it came apart.
 
     Attributes
@@ -196,7 +196,7 @@ class Simulation(SampledAnswer):
         Totals of the contact at each step, stored or not.  Accumulated slip and frictional work are
         sums over all nodes with the lengths that belong to them, the edge node's included, so that
         the work is that of `energy`; the largest slip is that on the nodes of `interface`.
-    opened : Opening or None
+    opened : ContactOpening or None
         Where and when the contact came apart; None if it never did.
     slot : SlotHistory
         Motion of the slot nodes next to the edge, as far as no reflection gets.
@@ -248,7 +248,7 @@ class Simulation(SampledAnswer):
     final_path: NDArray[np.float64]
     final_work_density: NDArray[np.float64]
     totals: Totals
-    opened: Opening | None
+    opened: ContactOpening | None
     slot: SlotHistory
     energy: EnergyHistory
     seconds: dict[str, float]
@@ -347,7 +347,7 @@ def _read(group: Any) -> Simulation:
     )
     return Simulation(
         scene=scene_from_document(scene),
-        opened=Opening(**opened) if opened else None,
+        opened=ContactOpening(**opened) if opened else None,
         interface=InterfaceHistory(**interface),
         slot=SlotHistory(**slot),
         energy=EnergyHistory(**energy),
@@ -407,7 +407,8 @@ def opening_sentence(simulation: Simulation) -> str:
 
     Examples
     --------
-    >>> from fem import opening_sentence, simulate
+    >>> from fem import simulate
+    >>> from fem.results import opening_sentence
     >>> from semianalytic import find
     >>> opening_sentence(simulate(find("preloaded"), resolution=8))
     'the contact stayed closed'

@@ -17,7 +17,7 @@ from fem.budget import Cost, check_fits, check_room, predict_cost
 from fem.checkpoint import Keeper, run_identity, run_name
 from fem.model import Model, build, timed
 from fem.plan import Plan, make_plan
-from fem.record import Record
+from fem.record import MeshRecord
 from fem.results import Simulation
 from fem.settings import Pace, Settings
 from fem.snapshots import Snapshots
@@ -170,7 +170,7 @@ def run_plan(
     seconds = dict(model.seconds)
     _log.info("simulate: %s, %d unknowns, %d steps", model.plan.name, model.unknowns, model.steps)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
-        record, identity = Record(model), run_identity(model)
+        record, identity = MeshRecord(model), run_identity(model)
         run = run_name(identity)
         keeper = Keeper(kept, pace, identity)
         started, written = keeper.resume(model, record) if resume else (0, [])
@@ -196,7 +196,7 @@ def run_plan(
 
 def _result(
     model: Model,
-    record: Record,
+    record: MeshRecord,
     seconds: dict[str, float],
     run: str,
     unwritten: str,

@@ -7,7 +7,8 @@ from typing import Any
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.finding import INTERFACE, LINE, find_scene, kind_of
+from semianalytic.scene.given.finding import INTERFACE, described_scene, kind_of
+from semianalytic.scene.scene import Scene
 
 
 def find(source: str | PathLike[str]) -> Any:
@@ -21,7 +22,7 @@ def find(source: str | PathLike[str]) -> Any:
 
     Returns
     -------
-    Scene, WholeLine, GrowingSlot or InterfaceFile
+    Scene or InterfaceFile
         An `InterfaceFile` holds an `Interface` and how long it is to be run.
 
     Raises
@@ -45,21 +46,19 @@ def find(source: str | PathLike[str]) -> Any:
     if not isinstance(source, str | PathLike):
         raise SceneError(f"find: give a name or the path of a TOML file, got {shown(source)}.")
     source = fspath(source)
-    kind = kind_of(source)
-    # Each kind is read by a module that most problems do without.
-    if kind == LINE:
-        from semianalytic.whole_line.named import find_line
-
-        return find_line(source)
-    if kind == INTERFACE:
+    if kind_of(source) == INTERFACE:  # read by a module that most problems do without
         from semianalytic.interface.named import find_interface
 
         return find_interface(source)
-    return find_scene(source)
+    return described_scene(source)
 
 
 def kinds_of(problem: object) -> set[str]:
     """Return what the table of methods calls a problem: its class and those it derives from."""
-    names = {one.__name__.removesuffix("File") for one in type(problem).__mro__}
-    different = "Scene" in names and getattr(problem, "lower_material", None) is not None
-    return {"Scene of two solids"} if different else names
+    if not isinstance(problem, Scene):
+        return {one.__name__.removesuffix("File") for one in type(problem).__mro__}
+    if problem.grows:
+        return {"Scene that grows"}
+    if not problem.has_slot:
+        return {"Scene without a slot"}
+    return {"Scene" if problem.lower_material is None else "Scene of two solids"}

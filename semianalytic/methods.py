@@ -32,8 +32,8 @@ class Method(NamedTuple):
 METHODS = (
     Method("self-similar", "Scene", "selfsimilar.solver", "a slot beside a contact: step loads"),
     Method("self-similar", "Scene of two solids", "dissimilar_slot.solver", "between two bodies"),
-    Method("self-similar", "WholeLine", "whole_line.solver", "a patch or a force without a slot"),
-    Method("self-similar", "GrowingSlot", "whole_line.growing", "a slot under a load that grows"),
+    Method("self-similar", "Scene without a slot", "whole_line.solver", "a patch or a force"),
+    Method("self-similar", "Scene that grows", "whole_line.growing", "load and strength grow"),
     Method("space-time", "Scene", "spacetime.march", "a slot: any history, slip weakening"),
     Method("space-time", "Interface", "engine.run", "contacts, fields and laws along x"),
 )
@@ -46,7 +46,7 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
 
     Parameters
     ----------
-    problem : Scene, WholeLine, GrowingSlot, Interface, InterfaceFile, str or path
+    problem : Scene, Interface, InterfaceFile, str or path
         What slips, or its name or file as for `find`.
     method : str
         "auto", or the name of a method (docs/methods.md).
@@ -103,11 +103,11 @@ def chosen(problem: object, method: str = "auto") -> Chosen:
     names = ["auto", *_OWN, *plugins.plugin_names(plugins.METHODS, _OWN)]
     if method not in names:
         raise SceneError(f"method must be one of {', '.join(names)}, got {shown(method)}.")
-    rows = [row.problem.split()[0] for row in METHODS if method in ("auto", row.name)]
-    alike = " of equal bodies" * hasattr(problem, "lower_material")
-    wanted = f"a {' or '.join(dict.fromkeys(rows))}{alike}, or the name or file of one"
+    kind, kinds = min(kinds_of(problem)), "Scene" + " or Interface" * (method != _OWN[0])
+    got = f"a {kind}" if " " in kind else shown(problem)
+    wanted = f"a {kinds}, or the name or file of one, got {got}"
     subject = "solve: problem must be" if method == "auto" else f"`method` {method} is for"
-    raise SceneError(f"{subject} {wanted}, got {shown(problem)}.")
+    raise SceneError(f"{subject} {wanted}.")
 
 
 def _rows(problem: object) -> Iterator[tuple[str, Callable[[], Any]]]:

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem import EnergyHistory, Simulation, SlotHistory, simulate, with_companions
+from fem import Simulation, simulate, with_companions
+from fem.results import EnergyHistory, SlotHistory
 from semianalytic import Tractions
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.given.named import NAMED_SCENES

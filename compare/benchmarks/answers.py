@@ -23,16 +23,11 @@ from compare.benchmarks.sheets import OPENING, Sheet, stored_text
 from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES
-from semianalytic import (
-    LineSolution,
-    Marched,
-    PairSolution,
-    Scene,
-    Solution,
-    WholeLine,
-    solve,
-)
+from semianalytic import Marched, Scene, Solution, solve
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import TOTALS
+from semianalytic.whole_line.drive import Drive
+from semianalytic.whole_line.solution import LineSolution
 
 Array = NDArray[np.float64]
 
@@ -96,8 +91,8 @@ def answer_to(sheet: Sheet) -> Answered:
 def _settings(sheet: Sheet) -> dict[str, Any]:
     if sheet.is_marched:
         return {"method": "space-time", "end_time": 1.0, "nodes": NODES}
-    if not isinstance(sheet.problem, Scene):  # whole lines are exact to rounding
-        return {}
+    if not isinstance(sheet.problem, Scene) or not sheet.problem.has_slot:
+        return {}  # whole lines are exact to rounding
     return {"rtol": RTOL if sheet.problem.lower_material is None else PAIR_RTOL}
 
 
@@ -124,10 +119,10 @@ def arrival_quantity(sheet: Sheet) -> str:
 def arrival_level(sheet: Sheet) -> float:
     """Slip rate above which, or pressure below which, a station counts as reached."""
     problem = sheet.problem
-    if isinstance(problem, WholeLine):
-        return THRESHOLD * problem.excess
     if not isinstance(problem, Scene):
         return sheet.level
+    if not problem.has_slot:
+        return THRESHOLD * Drive(problem).excess
     held = problem.superposition.in_place.pressure
     return THRESHOLD * (held if sheet.arrival == OPENING else stress_scale(problem))
 

@@ -19,13 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic import Scene, WholeLine, find
+from semianalytic import Scene, find
 from semianalytic.interface.files import InterfaceFile, parsed
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, toml_text
-from semianalytic.whole_line.named import line_document
 
 STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
 """Distances of the stations from the contact edge, over c_t T."""
@@ -113,11 +112,11 @@ class Sheet:
         )
 
     @cached_property
-    def problem(self) -> Scene | WholeLine | InterfaceFile:
-        """The scene, whole line or interface; all but the last in `PLAIN` units."""
+    def problem(self) -> Scene | InterfaceFile:
+        """The scene or interface; all but the last in `PLAIN` units."""
         if self.is_interface:
             return parsed(self.interface, self.name, Path())
-        found: Scene | WholeLine = find(self.name)
+        found: Scene = find(self.name)
         return found
 
     @property
@@ -140,7 +139,7 @@ class Sheet:
         problem = self.problem
         if isinstance(problem, InterfaceFile):
             return {"interface": self.interface.strip()}
-        return line_document(problem) if isinstance(problem, WholeLine) else scene_document(problem)
+        return scene_document(problem)
 
     @property
     def file(self) -> str:

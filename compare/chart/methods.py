@@ -125,7 +125,7 @@ def _finite_elements(problem: Problem, resolution: float) -> Any:
 
 
 @dataclass(frozen=True)
-class Method:
+class ChartedMethod:
     """A method: its label, words around its settings, these from coarse to fine, and its run."""
 
     label: str
@@ -135,14 +135,14 @@ class Method:
     applies: Callable[[Problem], bool] = lambda problem: True
 
 
-METHODS: Mapping[str, Method] = {
-    "exact": Method(
+METHODS: Mapping[str, ChartedMethod] = {
+    "exact": ChartedMethod(
         "exact solver", "rtol {}", (1e-2, 1e-4, 1e-6, 1e-8, 1e-10), exact, lambda one: one.is_exact
     ),
-    "march": Method(
+    "march": ChartedMethod(
         "march", "{} nodes", (128, 256, 512, 1024, 2048), marched, lambda one: one.is_alike
     ),
-    "fem": Method(
+    "fem": ChartedMethod(
         "finite elements", "{} elements per $c_t T$", (25, 50, 100, 200), _finite_elements
     ),
 }

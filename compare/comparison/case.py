@@ -17,14 +17,10 @@ from compare.comparison.measures import NARROW, NOTHING, is_nothing, norm, withi
 from compare.comparison.mesh_choice import Feature, Prices
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
-from semianalytic import (
-    InterfaceHistory,
-    Marched,
-    PairSolution,
-    Scene,
-    Solution,
-)
+from semianalytic import Marched, Scene, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 from semianalytic.spacetime.grid.resolution import Shortfall
 

@@ -10,7 +10,8 @@ from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from compare.comparison.prediction import check_marched, predict_before
-from semianalytic import Marched, PairSolution, Scene, Solution
+from semianalytic import Marched, Scene, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 
 if TYPE_CHECKING:
     from fem import Simulation

@@ -33,8 +33,8 @@ from compare.comparison.rows import (
     UNRESOLVED,
     Row,
 )
-from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
 Array = NDArray[np.float64]

@@ -8,14 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from semianalytic import (
-    Marched,
-    PairSolution,
-    Scene,
-    Solution,
-    solve,
-)
+from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.cut.load import check_pressure
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError

@@ -29,7 +29,7 @@ from compare.figures.style import (
     scene_words,
 )
 from compare.output.bodies import Fields
-from semianalytic import PairSolution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.scene.units import unit
 
 SHOWN = 0.995

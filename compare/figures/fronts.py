@@ -11,7 +11,7 @@ from compare.comparison.fields.fronts import StraightFront
 from compare.comparison.scales import scene_fronts, wave_speeds
 from compare.figures.quantities import Array
 from compare.output.bodies import Fields, shown_speed
-from semianalytic import PairSolution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene

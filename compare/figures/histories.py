@@ -42,7 +42,8 @@ from compare.figures.style import (
     styled,
     waves_handle,
 )
-from semianalytic import Marched, PairSolution, Solution
+from semianalytic import Marched, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)

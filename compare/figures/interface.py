@@ -45,9 +45,11 @@ from compare.figures.style import (
     styled,
     waves_handle,
 )
-from semianalytic import OpenZone, PairSolution, SlipZone, Solution
+from semianalytic import Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
 Exact = Solution | PairSolution

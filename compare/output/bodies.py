@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from semianalytic import PairSolution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import WholeFields
 
 Fields = WholeFields | PairSolution

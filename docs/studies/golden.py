@@ -31,7 +31,7 @@ from semianalytic.methods import chosen
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loads import PULSE_SHAPES
-from semianalytic.whole_line.named import NAMED_LINES
+from semianalytic.whole_line.drive import Drive
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "golden.json.gz"
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
@@ -156,19 +156,23 @@ def random_pair(random: Random) -> sa.Scene:
     return scene
 
 
-def random_line(random: Random) -> sa.WholeLine | sa.GrowingSlot:
+def random_line(random: Random) -> sa.Scene:
     """Return a problem without a slot, or a slot whose load grows."""
     solid = sa.Material(1.0, 1.0, float(random.uniform(-0.5, 0.45)))
     mode = one_of(random, "in-plane", "antiplane")
     friction = friction_of(random)
     if random.random() < 0.3:
         load = sa.Tractions(1.0, float(random.uniform(1.0, 4.0)) * friction)
-        return sa.GrowingSlot(solid, friction, load, int(random.integers(1, 3)), mode=mode)
+        growing = sa.GrowingLoad(load.pressure, load.shear, int(random.integers(1, 3)))
+        return sa.Scene(solid, friction, sa.Tractions(0.0, 0.0), growing, mode=mode)
     shear = float(random.uniform(0.5, 3.0))
     spread: Any = one_of(
         random, sa.Patch(float(random.uniform(0.05, 0.8)), shear=shear), sa.PointForce(shear=shear)
     )
-    return sa.WholeLine(solid, friction, sa.Tractions(1.0, 0.3 * friction), spread, mode)
+    base = sa.Tractions(1.0, 0.3 * friction)
+    scene = sa.Scene(solid, friction, base, spread, mode=mode)
+    Drive(scene)  # which refuses what moves nothing
+    return scene
 
 
 DRAWS: Mapping[str, tuple[Callable[[Random], Any], int]] = {
@@ -215,7 +219,7 @@ def recorded_run(found: Run) -> Answer:
 
 def labels() -> list[str]:
     """Return what the problems are called: names, and kinds of draws with their numbers."""
-    names = [*NAMED_SCENES, *NAMED_LINES]
+    names = [*NAMED_SCENES]
     names += [f"interface {name}" for name in NAMED_INTERFACES]
     return names + [f"{kind} {at}" for kind, (_, count) in DRAWS.items() for at in range(count)]
 

@@ -35,7 +35,7 @@ _MIRRORED = np.array([1, -1, 1, 1, -1, 1, -1])
 
 
 @dataclass(frozen=True, eq=False)
-class Face:
+class BodyFace:
     """The face of one body of a pair, as the `Source` of the waves in it, in the body's units.
 
     Attributes
@@ -268,7 +268,7 @@ class PairBodies:
     def _sent(self) -> tuple[Sent, Sent]:
         """What the faces of the upper and of the lower body send into them."""
         upper, lower = (
-            Sent(Primitives(Face(self.density, below, body.poisson_ratio)), _MIRRORED)
+            Sent(Primitives(BodyFace(self.density, below, body.poisson_ratio)), _MIRRORED)
             for below, body in zip((False, True), self.scene.bodies, strict=True)
         )
         return upper, lower

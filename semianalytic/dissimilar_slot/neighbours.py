@@ -23,7 +23,7 @@ from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar_slot.admissible import violations
 from semianalytic.dissimilar_slot.densities.density import Density
 from semianalytic.dissimilar_slot.densities.interface import interface_of
-from semianalytic.dissimilar_slot.densities.panels import Rule, rule_for
+from semianalytic.dissimilar_slot.densities.panels import PanelRule, rule_for
 from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
     NORMAL,
@@ -31,10 +31,10 @@ from semianalytic.dissimilar_slot.densities.profile import (
     RATE,
     SHEAR,
     SLIP,
-    Profile,
+    PairProfile,
 )
 from semianalytic.dissimilar_slot.densities.zones import Coordinates, edges_of
-from semianalytic.dissimilar_slot.placement import Placement, place, polished
+from semianalytic.dissimilar_slot.placement import PlacedZones, place, polished
 from semianalytic.halfplane.polynomials import FOURTH_ORDER
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.parameters.numbers import numbers_of, with_numbers
@@ -51,13 +51,13 @@ class Member:
     Attributes
     ----------
     scene : Scene
-    profile : Profile
+    profile : PairProfile
     stress : float
         Unit of stress of the profile.
     """
 
     scene: Scene
-    profile: Profile
+    profile: PairProfile
     stress: float
 
     @cached_property
@@ -184,7 +184,7 @@ def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
 
 
 def _neighbour(
-    scene: Scene, start: Placement, density: Density, rule: Rule, tolerance: float
+    scene: Scene, start: PlacedZones, density: Density, rule: PanelRule, tolerance: float
 ) -> tuple[Member, float]:
     """Return a pair whose zones are of the kind of others, with the edges that it asks for, and
     how far these have moved as unknowns of `Coordinates`."""
@@ -211,7 +211,7 @@ def _neighbour(
             "difference two solutions on the side that is wanted."
         )
     moves = np.abs(placed.unknowns - start.unknowns)
-    return Member(scene, Profile(placed.density), unit), float(moves.max(initial=0.0))
+    return Member(scene, PairProfile(placed.density), unit), float(moves.max(initial=0.0))
 
 
 def border(varied: Varied, name: str) -> str:

@@ -17,9 +17,9 @@ from semianalytic.dissimilar_slot.densities.profile import (
     RATE,
     SHEAR,
     SLIP,
-    Profile,
+    PairProfile,
 )
-from semianalytic.dissimilar_slot.densities.zones import Zone
+from semianalytic.dissimilar_slot.densities.zones import MovingZone
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.reading import Reading, self_similar_reading
@@ -95,7 +95,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
           relative to their largest value; slip and gap likewise;
         - shear traction and pressure there, relative to themselves plus base and load.
     statistics : PairStatistics
-    profile : Profile
+    profile : PairProfile
         The fields over slowness, in units of b and mu of the upper body and `stress_unit`.
     stress_unit : float
         Unit of stress of `profile`.
@@ -117,7 +117,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     status: str
     error_estimate: float
     statistics: PairStatistics
-    profile: Profile
+    profile: PairProfile
     stress_unit: float
 
     @property
@@ -290,7 +290,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
 
 
 def in_velocity(
-    zones: tuple[Zone, ...], speed: float
+    zones: tuple[MovingZone, ...], speed: float
 ) -> tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]]:
     """Convert zones in slowness to slip zones and openings, from the contact edge outward."""
     slips, opens = [], []

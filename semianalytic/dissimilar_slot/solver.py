@@ -16,13 +16,13 @@ from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.dissimilar.thresholds import LEAST_FRICTION, growth_threshold, stoneley_speed
 from semianalytic.dissimilar_slot.admissible import largest_breach, violations
 from semianalytic.dissimilar_slot.corrections import corrected, rearranged
-from semianalytic.dissimilar_slot.densities.interface import Interface, interface_of
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies, interface_of
 from semianalytic.dissimilar_slot.densities.panels import rule_for
-from semianalytic.dissimilar_slot.densities.profile import Profile
-from semianalytic.dissimilar_slot.densities.zones import Zone
+from semianalytic.dissimilar_slot.densities.profile import PairProfile
+from semianalytic.dissimilar_slot.densities.zones import MovingZone
 from semianalytic.dissimilar_slot.estimate import numerical_error
 from semianalytic.dissimilar_slot.grid import seen_on_grid, zones_seen
-from semianalytic.dissimilar_slot.placement import Placement, place, polished
+from semianalytic.dissimilar_slot.placement import PlacedZones, place, polished
 from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics, in_velocity
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import ComputationError, SceneError
@@ -126,7 +126,7 @@ def coupled(scene: Scene, rtol: float) -> PairSolution:
     clock.append(perf_counter())
     trial, estimate = _refined(trial, rtol)
     clock.append(perf_counter())
-    profile = Profile(trial.placement.density)
+    profile = PairProfile(trial.placement.density)
     # Fields are known to rtol, and at zone edges the law compares them with the root of a distance.
     lawful = trial.lawful and largest_breach(profile, _slowest(rtol)) <= 30.0 * rtol
     clock.append(perf_counter())
@@ -158,7 +158,7 @@ def coupled(scene: Scene, rtol: float) -> PairSolution:
 class _Trial:
     """Zones that were tried, with the numbers of Newton steps and of zone sets."""
 
-    placement: Placement
+    placement: PlacedZones
     lawful: bool
     steps: int
     sets: int
@@ -170,7 +170,7 @@ def _slowest(rtol: float) -> float:
     return 1 / (1e-2 * rtol)
 
 
-def _search(interface: Interface, rtol: float) -> _Trial:
+def _search(interface: LoadedBodies, rtol: float) -> _Trial:
     """Find zones that obey the law of contact on a loose rule, from one grid after the other."""
     # The canonical matrix is made once for a rule; zones come and go on it.
     canonical = glued(interface.compliance, _CANONICAL * _LOCATING)
@@ -193,12 +193,12 @@ def _search(interface: Interface, rtol: float) -> _Trial:
                 zones = other
                 continue
             # A hundred times the rule's tolerance.
-            broken = violations(Profile(placement.density), 1e-3, _slowest(rtol))
+            broken = violations(PairProfile(placement.density), 1e-3, _slowest(rtol))
             if not broken:
                 return _Trial(placement, True, steps, sets)
             zones = corrected(placement.zones, broken)
     for sense in (1, -1):  # where slip of either sense has no answer, pivoting may find none
-        check_well_posed(interface, (Zone(0.0, None, sense),))
+        check_well_posed(interface, (MovingZone(0.0, None, sense),))
     placement = place(interface, canonical, (), rule, _LOCATED)
     return _Trial(placement, False, steps, sets)
 
@@ -221,7 +221,7 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     return replace(trial, placement=placement, steps=steps), estimate
 
 
-def _check_zones(interface: Interface, zones: Sequence[Zone]) -> None:
+def _check_zones(interface: LoadedBodies, zones: Sequence[MovingZone]) -> None:
     """Raise SceneError for zones that cannot be solved."""
     check_well_posed(interface, zones)
     if interface.resistance and any(zone.open for zone in zones):
@@ -232,9 +232,9 @@ def _check_zones(interface: Interface, zones: Sequence[Zone]) -> None:
         )
 
 
-def _guesses(interface: Interface) -> Iterator[Sequence[Zone]]:
+def _guesses(interface: LoadedBodies) -> Iterator[Sequence[MovingZone]]:
     """Yield zones seen on one grid after the other (`GRIDS`)."""
-    tried: list[Sequence[Zone]] = []
+    tried: list[Sequence[MovingZone]] = []
     for size, share in GRIDS:
         weaker = replace(interface, friction=share * interface.friction)
         try:
@@ -246,7 +246,7 @@ def _guesses(interface: Interface) -> Iterator[Sequence[Zone]]:
             yield zones
 
 
-def check_well_posed(interface: Interface, zones: Sequence[Zone]) -> None:
+def check_well_posed(interface: LoadedBodies, zones: Sequence[MovingZone]) -> None:
     """Raise SceneError if the interface slips in a sense in which waves that run ahead grow."""
     for sense in {zone.sense for zone in zones}:
         friction = sense * interface.friction

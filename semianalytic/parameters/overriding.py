@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import Any
 
-from semianalytic.parameters.numbers import Problem, numbers_of, with_numbers
+from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import overridden_load
 from semianalytic.scene.quantities import in_units_of
@@ -67,18 +66,3 @@ def override_scene(
     except SceneError as error:  # it does not know which of the two bodies it is
         raise SceneError(str(error).replace("material: ", "lower_", 1)) from error
     return replace(scene, lower_material=body)
-
-
-def override_line(problem: Problem, mode: str | None = None, **values: Any) -> Problem:
-    """Return a whole line or growing load with every parameter replaced that is not None.
-
-    Raises
-    ------
-    SceneError
-        If the problem has no such parameter, or is not admissible with it.
-    """
-    given = {name: value for name, value in values.items() if value is not None}
-    for name in given:
-        if name not in numbers_of(problem):
-            raise SceneError(f"{name} is a parameter of scenes with a slot alone; leave it out.")
-    return with_numbers(problem, given, **({} if mode is None else {"mode": mode}))

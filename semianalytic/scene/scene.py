@@ -31,7 +31,16 @@ from semianalytic.scene.incident import (
     MovingLoad,
 )
 from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS, PARTS
-from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions
+from semianalytic.scene.loading import (
+    LOADED,
+    REMOTE,
+    SLOT,
+    WITHOUT_SLOT,
+    GrowingLoad,
+    LineLoad,
+    Superposition,
+    Tractions,
+)
 from semianalytic.scene.loads import LoadHistory, Step, check_pieces
 from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import kind_of
@@ -58,9 +67,10 @@ class Scene:
         Coulomb friction coefficient f >= 0.
     base : Tractions
         Uniform tractions (P_b, Q_b) [stress] on the whole line y = 0, at rest before t = 0.
-    load : Tractions, IncidentWave or MovingLoad
+    load : Tractions, IncidentWave, MovingLoad, Patch, PointForce, HalfLine or GrowingLoad
         Load (P_0, Q_0) [stress]; `load_on` says where tractions act.  Or a plane wave that arrives
-        at an angle, or tractions that move over the slot.
+        at an angle, or tractions that move over the slot, or that grow.  A patch, a point force and
+        a half-line load bodies that touch along the whole line, without a slot.
     pressure_history, shear_history : LoadHistory
         Histories f(t) by which P_0 and Q_0 are multiplied; steps by default.
     friction_law : FrictionLaw
@@ -119,7 +129,7 @@ class Scene:
         for name, kinds in (
             ("material", (Material,)),
             ("base", (Tractions,)),
-            ("load", (Tractions, IncidentWave, MovingLoad)),
+            ("load", (Tractions, IncidentWave, MovingLoad, LineLoad)),
             ("lower_material", (Material, NoneType)),
         ):
             if not isinstance(getattr(self, name), kinds):
@@ -214,7 +224,7 @@ class Scene:
 
     def _check_front(self) -> None:
         """Raise SceneError unless a wave goes with the mode, and nothing says where it acts."""
-        name = "an incident wave" if isinstance(self.load, IncidentWave) else "a moving load"
+        name = f"a load of the kind {type(self.load).__name__}"
         if self.load_on != SLOT:
             raise SceneError(
                 f"scene: {name} says itself where it acts; leave out load_on, which is for "
@@ -222,9 +232,7 @@ class Scene:
             )
         if not isinstance(self.load, IncidentWave):
             if not self.is_step:
-                raise SceneError(
-                    "scene: a moving load is constant behind its front; leave out its histories."
-                )
+                raise SceneError(f"scene: {name} has a history of its own; leave out histories.")
             return
         if (self.load.kind == "SH") != self.antiplane:
             known = "SH" if self.antiplane else "P or SV"
@@ -293,6 +301,16 @@ class Scene:
         everywhere at once, p = 0, if it is no incident wave and does not move.
         """
         return self.load.slowness(self.material)
+
+    @property
+    def has_slot(self) -> bool:
+        """Whether x < 0 is an open slot; a patch, a point force or a half-line has none."""
+        return not isinstance(self.load, WITHOUT_SLOT)
+
+    @property
+    def grows(self) -> bool:
+        """Whether load and strength grow as a power of time."""
+        return isinstance(self.load, GrowingLoad)
 
     @property
     def bodies(self) -> tuple[Material, Material]:

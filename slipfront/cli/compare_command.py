@@ -18,7 +18,8 @@ from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
-from semianalytic import Marched, PairSolution, Solution
+from semianalytic import Marched, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require

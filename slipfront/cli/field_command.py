@@ -16,7 +16,8 @@ from compare.comparison.prediction import method_of
 from compare.output.bodies import Fields
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
-from semianalytic import Marched, PairSolution, Scene, Solution, solve
+from semianalytic import Marched, Scene, Solution, solve
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import checked_size, shown

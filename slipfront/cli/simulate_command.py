@@ -161,9 +161,10 @@ def simulate_into(
     starts, in place of what it is going to take.  That it will exceed its allowance is said as soon
     as its steps show it.
     """
-    from fem import cost, opening_sentence, simulate
+    from fem import cost, simulate
     from fem.budget import check_room
     from fem.checkpoint import forget_checkpoint
+    from fem.results import opening_sentence
 
     settings = {**settings, "memory": in_bytes(settings.get("memory"))}
     path = directory / CHECKPOINT

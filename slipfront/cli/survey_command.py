@@ -16,7 +16,7 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from semianalytic.interface.named import described_interface
 from semianalytic.parameters.overriding import override_scene
@@ -295,8 +295,8 @@ def survey_document(found: Any, path: Path) -> dict[str, Any]:
     return document
 
 
-def _table(document: Mapping[str, Any], label: str) -> Table:
-    table = Table(title=f"{label}: {document['points']:,} points", show_header=False)
+def _table(document: Mapping[str, Any], label: str) -> PrintedTable:
+    table = PrintedTable(title=f"{label}: {document['points']:,} points", show_header=False)
     for name, row in document["parameters"].items():
         units = document["units"]["parameters"][name]
         text = f"{row['least']:.6g} to {row['largest']:.6g} ({row['count']})"

@@ -14,6 +14,7 @@ from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import part_document, scene_document, scene_from_document
+from semianalytic.scene.given.finding import check_slot
 from semianalytic.scene.incident import SIDES, WAVES, IncidentWave, MovingLoad
 from semianalytic.scene.loading import LOADED, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES
@@ -165,8 +166,10 @@ def values_of(scene: Scene) -> Values:
     Raises
     ------
     SceneError
-        If pressure and shear have different histories, or there is no control for a law or history.
+        If pressure and shear have different histories, or there is no control for a law, load or
+        history.
     """
+    check_slot("explore", scene)
     document = scene_document(scene)
     words = {"mode": scene.mode, "load_on": scene.load_on}
     values: Values = {**document["material"], "friction": scene.friction, **words}

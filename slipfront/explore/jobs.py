@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 from urllib.parse import parse_qsl, urlencode
 
-from semianalytic import Marched, PairSolution, Scene, Solution, Tractions, solve
+from semianalytic import Marched, Scene, Solution, Tractions, solve
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from slipfront.explore.views import (

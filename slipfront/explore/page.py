@@ -48,7 +48,7 @@ from slipfront.explore.maps import RegimeMap, can_map, highest_friction, map_key
 from slipfront.explore.pictures import (
     CURVES,
     SHADES,
-    FieldPicture,
+    EdgePicture,
     InterfacePictures,
     MapPicture,
     SpaceTimePicture,
@@ -103,7 +103,7 @@ class Session:
         self._asked_field: tuple[Any, ...] | None = None
         self._board = board = Board()
         self._interface, self._space_time = InterfacePictures(board), SpaceTimePicture(board)
-        self._field, self._map = FieldPicture(board), MapPicture(board)
+        self._field, self._map = EdgePicture(board), MapPicture(board)
         self._asked = TextInput(name="asked", value="")
         self._told = TextInput(name="told", value="")
         self._asked.on_change("value", lambda _, __, text: self._answer_to(json.loads(text)))

@@ -37,4 +37,9 @@ def bokeh_scripts() -> list[str]:
 @cache
 def known_queries() -> dict[str, str]:
     """Return the addresses of the named scenes that the page can show, by name."""
-    return {name: query_of(defaults(named.scene)) for name, named in NAMED_SCENES.items()}
+    slots = {
+        name: one.scene
+        for name, one in NAMED_SCENES.items()
+        if one.scene.has_slot and not one.scene.grows
+    }
+    return {name: query_of(defaults(scene)) for name, scene in slots.items()}

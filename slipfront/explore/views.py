@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
-from semianalytic import Marched, OpenZone, PairSolution, Scene, SlipZone, Solution
+from semianalytic import Marched, Scene, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import WholeFields
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
 

@@ -108,7 +108,7 @@ class Question:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class SurveyPlan:
     """A survey: a scene or interface, the values of its parameters, and its options.
 
     Attributes
@@ -268,7 +268,7 @@ def planned(
     *,
     together: bool = False,
     chunk: int | None = None,
-) -> Plan:
+) -> SurveyPlan:
     """Plan a survey and check it; parameters with a single number are fixed.
 
     Raises
@@ -308,7 +308,7 @@ def planned(
             "survey: nodes and length are for marches, and two different bodies are solved "
             "exactly; leave them out."
         )
-    plan = Plan(scene, values, fixed, together, question, points)
+    plan = SurveyPlan(scene, values, fixed, together, question, points)
     _check_count("points", plan.count, MOST_POINTS)
     if plan.chunks > MOST_CHUNKS:
         raise SceneError(

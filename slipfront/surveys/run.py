@@ -24,7 +24,7 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import XARRAY, require
 from slipfront.surveys.parameters import Subject
-from slipfront.surveys.plan import Plan, Question, planned
+from slipfront.surveys.plan import Question, SurveyPlan, planned
 from slipfront.surveys.points import solved_chunk
 from slipfront.surveys.store import Store, opened_store
 
@@ -134,7 +134,7 @@ def _samples(name: str, given: ArrayLike) -> tuple[float, ...]:
 
 
 def run_survey(
-    plan: Plan,
+    plan: SurveyPlan,
     path: Path | None,
     workers: int | None,
     client: Any,
@@ -173,7 +173,7 @@ def run_survey(
 
 
 def _solve(
-    plan: Plan,
+    plan: SurveyPlan,
     known: Any,
     keep: Callable[[int, bytes], object],
     workers: int | None,
@@ -195,7 +195,7 @@ def _solve(
             progress(done, plan.count)
 
 
-def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
+def _write(path: Path, plan: SurveyPlan, store: Store, command: str) -> Any:
     """Write all chunks to the file and return the survey."""
     from slipfront.surveys.dataset import dataset_of, netcdf_bytes
 
@@ -211,7 +211,7 @@ def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
     return result
 
 
-def _written(path: Path, plan: Plan) -> Any:
+def _written(path: Path, plan: SurveyPlan) -> Any:
     """Return the survey that a file holds, if it is the planned one."""
     import xarray
 

@@ -9,7 +9,8 @@ import pytest
 from catalogue import PRELOADED as SHEARED
 from catalogue import UNIT, unit_scene
 
-from fem import cost, prepare, simulate
+from fem import cost, simulate
+from fem.model import prepare
 from fem.stepping import critical_step, highest_frequency
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material

@@ -17,7 +17,8 @@ from compare.comparison.fields.fronts import Fronts, TwoBodies, fronts_between, 
 from compare.comparison.fields.pairs import Pair, alike, area_norm, frame_pairs
 from compare.comparison.measures import NOTHING
 from compare.comparison.snapshots import listed_frames
-from semianalytic import PairSolution, Scene
+from semianalytic import Scene
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer, BodyFields
 
 if TYPE_CHECKING:

@@ -35,8 +35,9 @@ from compare.comparison.quantities.local_rows import (
 from compare.comparison.quantities.own_rows import BEYOND, MISMATCH, own_row
 from compare.comparison.rows import Row
 from fem.lines import LineSimulation
-from semianalytic import InterfaceHistory, Run
+from semianalytic import Run
 from semianalytic.engine.pace import in_fours
+from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from compare.comparison.quantities.own_rows import fields_of, refuse_unfinite
 from fem.lines import Line, LineSimulation
-from semianalytic import InterfaceHistory, Run
+from semianalytic import Run
 from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.line import grid_of
 from semianalytic.engine.tuning import LEAST_GAP
 from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.interface.interface import Interface
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]

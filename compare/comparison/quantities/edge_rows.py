@@ -17,8 +17,8 @@ from compare.comparison.case import UNSEEN, Case
 from compare.comparison.judging import Comparison, judged, rate_bar, value_row
 from compare.comparison.measures import NARROW, NOTHING, ROUNDING
 from compare.comparison.rows import Row
-from semianalytic import InterfaceHistory
 from semianalytic.results.answer import OpenInterval, SlipInterval
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import open_intervals, slip_intervals
 from semianalytic.results.sampled import interpolated
 

@@ -15,8 +15,8 @@ from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narr
 from compare.comparison.judging import Comparison, judged, profile_row
 from compare.comparison.measures import NOTHING, ROUNDING, norm, within, worn
 from compare.comparison.rows import Row
-from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
+from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
 Answers = Callable[[ArrayLike, ArrayLike], Array]

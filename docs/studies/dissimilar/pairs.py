@@ -16,14 +16,8 @@ from compare.comparison.fields.changes import PARTS
 from compare.comparison.fields.errors import FieldErrors, field_errors
 from docs.studies.runner import Row
 from fem import Simulation, simulate, with_companions
-from semianalytic import (
-    CoulombFriction,
-    Material,
-    PairSolution,
-    Scene,
-    Tractions,
-    ViscousFriction,
-)
+from semianalytic import CoulombFriction, Material, Scene, Tractions, ViscousFriction
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.halfplane.rayleigh import Array
 
 FIELDS_RESOLUTION = 64

@@ -31,7 +31,7 @@ from docs.studies.schema.vocabulary import (
     row_of,
     shape,
 )
-from semianalytic import SlidingWave
+from semianalytic.dissimilar.stability import SlidingWave
 from semianalytic.results.answer import ARRIVALS, FIELDS
 
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)

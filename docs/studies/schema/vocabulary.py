@@ -85,7 +85,7 @@ KIND: Schema = {"type": "object", "properties": {"kind": TEXT}, "required": ["ki
 _WORDS = dict.fromkeys(("mode", "units"), TEXT)
 _LAWS = dict.fromkeys(("pressure_history", "shear_history", "friction_law"), KIND)
 _GIVEN: Mapping[str, Schema] = {"friction": NUMBER, "material": MATERIAL, "base": TRACTIONS}
-_OPTIONAL = {**_LAWS, **_WORDS, "load_on": TEXT, "lower_material": MATERIAL}
+_OPTIONAL = {**_LAWS, **_WORDS, "load_on": TEXT, "contact": TEXT, "lower_material": MATERIAL}
 DEFINITIONS: Schema = {
     "scene": object_of(
         tuple(_OPTIONAL),
@@ -95,7 +95,6 @@ DEFINITIONS: Schema = {
     ),
     "units": named({"anyOf": [TEXT, UNITS]}),
 }
-LINE = object_of(tuple(_WORDS), contact=TEXT, **_GIVEN, load=KIND, **_WORDS)
-PROBLEM: Schema = {"anyOf": [SCENE, LINE, object_of(interface=TEXT)]}
+PROBLEM: Schema = {"anyOf": [SCENE, object_of(interface=TEXT)]}
 COUNTS = Key("rows by verdict", named(WHOLE))
 VERDICT = Key("agrees, differs or unresolved", TEXT)

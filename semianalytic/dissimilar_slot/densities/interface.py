@@ -24,7 +24,7 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 
 
 @dataclass(frozen=True)
-class Interface:
+class LoadedBodies:
     """Two half-planes, friction and tractions.
 
     Attributes
@@ -101,7 +101,7 @@ def rayleigh_slowness(body: Body) -> float:
     return body.b / Material(1.0, 1.0, poisson_ratio).rayleigh_speed
 
 
-def interface_of(scene: Scene) -> tuple[Interface, float]:
+def interface_of(scene: Scene) -> tuple[LoadedBodies, float]:
     """Return a scene of two bodies in its own units, and the unit of stress."""
     assert isinstance(scene.load, Tractions)
     base, load = scene.base, scene.load
@@ -109,7 +109,7 @@ def interface_of(scene: Scene) -> tuple[Interface, float]:
     unit = max(abs(load.pressure), abs(load.shear)) or scene.base.pressure
     law = scene.friction_law
     viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
-    interface = Interface(
+    interface = LoadedBodies(
         compliance_of(*scene.bodies),
         scene.friction,
         # Rates are relative here, as those of the film: no factor of 2, unlike identical bodies.

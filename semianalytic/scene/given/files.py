@@ -23,14 +23,8 @@ TABLES = {
 }
 LOWER_MATERIAL = "lower_material"
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
-LINE_KEYS = frozenset(("contact", "growth"))
-"""Keys by which files of problems without a slot, or with a load that grows, are known."""
 INTERFACE_KEY = "law"
 """Key by which files of interfaces are known."""
-LINE_HINT = (
-    "has no slot, or a load that grows as a power of time, and only the exact solver knows it: "
-    "slipfront solve, or `solve` in Python (docs/whole_line.md)."
-)
 INTERFACE_HINT = (
     "has contacts or fields along x, which the engine alone knows: slipfront solve, or `solve` in "
     "Python (docs/engine.md)."
@@ -45,7 +39,9 @@ def read_scene(path: str | Path) -> Scene:
     The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
     ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units.  ``[load]``
     may hold ``kind = "incident-wave"`` with wave ("P", "SV" or "SH"), angle, velocity or stress,
-    and from ("below" or "above"), or ``kind = "moving"`` with speed, pressure and shear.
+    and from ("below" or "above"), ``kind = "moving"`` with speed, pressure and shear, ``kind =
+    "growing"`` with power, or, of bodies that touch along the whole line, "patch" with speed,
+    "point-force" or "half-line"; ``contact = "whole line"`` may say so.
     It may hold ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time =
     0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance =
     1e-5``).  A history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header
@@ -62,9 +58,6 @@ def read_scene(path: str | Path) -> Scene:
     document = read_document(path)
     if INTERFACE_KEY in document:
         raise SceneError(f"{path} {INTERFACE_HINT}")
-    # Before keys are checked, which would call those of a line unknown one by one.
-    if any(key in document for key in LINE_KEYS):
-        raise SceneError(f"{path} {LINE_HINT}")
     try:
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
         check_tables(document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
@@ -84,8 +77,7 @@ def check_tables(
     for name in (one for one in document if one in tables):
         table = checked_table(name, document[name])
         keys = TABLES.get("material" if name == LOWER_MATERIAL else name)
-        whole_line = name == "load" and "contact" in document
-        if keys and "kind" not in table and not whole_line:
+        if keys and "kind" not in table:
             check_keys(f"{name}.", table, keys)
             check_numbers(f"{name}.", table)
 

@@ -13,19 +13,39 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import (
     INTERFACE_HINT,
     INTERFACE_KEY,
-    LINE_HINT,
-    LINE_KEYS,
     read_document,
     read_scene,
 )
-from semianalytic.scene.given.named import INTERFACES, LINES, NAMED_SCENES
+from semianalytic.scene.given.named import INTERFACES, NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.quantities import Function, taking_quantities
 from semianalytic.scene.scene import Scene
 
 
 def find_scene(source: str | PathLike[str]) -> Scene:
-    """Find a scene by its name or by the path of a TOML file.
+    """Find a scene with a slot by its name or by the path of a TOML file; see `described_scene`.
+
+    Raises
+    ------
+    SceneError, PluginError
+        Those of `described_scene`, or if the scene has no slot, or its load grows.
+    """
+    scene = described_scene(source)
+    check_slot(fspath(source), scene)
+    return scene
+
+
+def check_slot(what: str, scene: Scene) -> None:
+    """Raise SceneError if a scene has no slot, or a load that grows: `solve` alone takes it."""
+    if not scene.has_slot or scene.grows:
+        raise SceneError(
+            f"{what}: this knows scenes with a slot alone, under loads that do not grow as a power "
+            "of time; use slipfront solve, or `solve` in Python (docs/whole_line.md)."
+        )
+
+
+def described_scene(source: str | PathLike[str]) -> Scene:
+    """Return the scene of a name, or of the path of a TOML file.
 
     Parameters
     ----------
@@ -61,8 +81,8 @@ def find_scene(source: str | PathLike[str]) -> Scene:
         return named.scene
     if is_file(source):
         return read_scene(source)
-    if source in (*LINES, *INTERFACES):
-        raise SceneError(f"{source} {LINE_HINT if source in LINES else INTERFACE_HINT}")
+    if source in INTERFACES:
+        raise SceneError(f"{source} {INTERFACE_HINT}")
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin)
@@ -82,6 +102,7 @@ def checked_scene(function: str, given: object) -> Scene:
         For those given there.
     """
     if isinstance(given, Scene):
+        check_slot(function, given)
         return given
     if isinstance(given, str | PathLike):
         return find_scene(given)
@@ -116,7 +137,7 @@ def of_scene(function: Function) -> Function:
 
 def names() -> list[str]:
     """Return every name that there is, those of other packages last."""
-    own = (*NAMED_SCENES, *LINES, *INTERFACES)
+    own = (*NAMED_SCENES, *INTERFACES)
     return [*own, *plugin_names(SCENES, own)]
 
 
@@ -126,8 +147,8 @@ def is_file(source: str) -> bool:
     return path.suffix == ".toml" or path.is_file()
 
 
-BODIES, LINE, INTERFACE = "bodies", "line", "interface"
-"""Kinds of problems: bodies with a slot, whole lines or growing loads, and interfaces."""
+BODIES, INTERFACE = "bodies", "interface"
+"""Kinds of problems: scenes, and interfaces."""
 
 
 def kind_of(source: str) -> str:
@@ -141,11 +162,8 @@ def kind_of(source: str) -> str:
     if source in NAMED_SCENES:
         return BODIES
     if not is_file(source):
-        return LINE if source in LINES else INTERFACE if source in INTERFACES else BODIES
-    document = read_document(source)
-    if INTERFACE_KEY in document:
-        return INTERFACE
-    return LINE if LINE_KEYS & document.keys() else BODIES
+        return INTERFACE if source in INTERFACES else BODIES
+    return INTERFACE if INTERFACE_KEY in read_document(source) else BODIES
 
 
 def brought_scene(plugin: Plugin) -> Scene:

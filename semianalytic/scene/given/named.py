@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.incident import IncidentWave, MovingLoad
-from semianalytic.scene.loading import REMOTE
+from semianalytic.scene.loading import REMOTE, GrowingLoad, Patch, PointForce
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.scene import Material, Scene, Tractions
 
-LINES = ("whole-line-patch", "point-load", "growing-load")
-"""Names of problems without a slot, or with a load that grows, that are no scenes."""
 INTERFACES = (
     *("rate-and-state", "punch", "two-slots", "rock-on-gouge", "steel-on-rubber", "cattaneo"),
     *("supershear", "tpv101", "tpv205"),
@@ -128,6 +126,18 @@ NAMED_SCENES: dict[str, NamedScene] = {
     "pair-opening": NamedScene(
         Scene(_GOUGE, 0.3, _PRELOAD, Tractions(-1.0, 0.5), lower_material=_ROCK),
         "two different bodies, pressure and shear put on the slot: slip ahead of an opening",
+    ),
+    "whole-line-patch": NamedScene(
+        Scene(_UNIT_SOLID, 0.5, _PRELOAD, Patch(speed=0.3, shear=1.0)),
+        "no slot: slip spreads to both sides of an over-stressed patch that grows",
+    ),
+    "point-load": NamedScene(
+        Scene(_UNIT_SOLID, 1.0, _PRELOAD, PointForce(shear=1.0)),
+        "no slot: slip spreads from a point force that grows evenly in time",
+    ),
+    "growing-load": NamedScene(
+        Scene(_UNIT_SOLID, 0.5, _NOTHING, GrowingLoad(1.0, 1.0)),
+        "pressure and shear on the slot grow evenly in time: one slip zone",
     ),
 }
 """Scenes by name; those of two different bodies are in units of the upper one."""

@@ -19,7 +19,7 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
-from semianalytic.scene.given.documents import part_document, scene_document
+from semianalytic.scene.given.documents import WHOLE_LINE, part_document, scene_document
 from semianalytic.scene.given.parameters import (
     MATERIAL,
     TRACTIONS,
@@ -34,6 +34,7 @@ from semianalytic.scene.incident import (
     load_document,
     load_from_document,
 )
+from semianalytic.scene.loading import LineLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.scene.tabulated import Tabulated
@@ -169,10 +170,13 @@ def scene_text(scene: Scene, origin: str = "", remark: str = "", *, with_all: bo
 def _lines(scene: Scene, origin: str, remark: str, *, with_all: bool) -> Iterator[str]:
     document, lower = scene_document(scene), scene.lower_material
     yield f"# A scene of slipfront{origin and f', made from {origin}'}: slipfront solve FILE."
-    yield "# Contact on y = 0, x > 0, an open slot on x < 0; the load comes at t = 0."
+    slot = "x > 0, an open slot on x < 0" if scene.has_slot else "all x, without a slot"
+    yield f"# Contact on y = 0, {slot}; the load comes at t = 0."
     yield ""
     yield '# "SI": m, s, kg and Pa. Left out: any consistent set of units.'
     yield ("" if scene.units else "# ") + f'units = "{SI}"'
+    if not scene.has_slot:
+        yield f'contact = "{WHOLE_LINE}"'
     yield f'mode = "{scene.mode}"  # in-plane: shear and slip along x; antiplane: along z, the edge'
     if isinstance(scene.load, Tractions):
         said = "slot: taken off its faces; remote: arrives from far away"
@@ -181,6 +185,8 @@ def _lines(scene: Scene, origin: str, remark: str, *, with_all: bool) -> Iterato
     said_of_load = "what comes at t = 0, where load_on says"
     if not isinstance(scene.load, Tractions):
         said_of_load = "its front reaches the tip of the slot at t = 0"
+    if isinstance(scene.load, LineLoad):
+        said_of_load = "what comes from t = 0 on"
     for table, said, parameters in (
         ("material", "of both bodies" if lower is None else "of the upper body", MATERIAL),
         ("base", "in place before the load, on the whole line y = 0", TRACTIONS),
@@ -190,7 +196,7 @@ def _lines(scene: Scene, origin: str, remark: str, *, with_all: bool) -> Iterato
         if table == "material" and remark:
             yield from (f"# {line}" for line in wrap(remark, 96))
         yield from _values(document[table], parameters, scene.units)
-    for example in (_WAVE, _MOVING) if with_all else ():
+    for example in (_WAVE, _MOVING) if with_all and scene.has_slot else ():
         if type(example) is not type(scene.load):
             other = _load_in(_scales(scene.material, _largest(scene)), example)
             for line in _values(load_document(other), load_parameters(other), scene.units):
@@ -270,6 +276,9 @@ def _scales(material: Material, stress: float) -> dict[str, float]:
         "length / time": stress / impedance,
         "stress time / length": impedance,
         "stress": stress,
+        # of forces at a point and loads that grow, along which a length of 1 becomes a metre
+        **dict.fromkeys(("stress / time", "stress length / time"), stress * speed),
+        "stress / time^2": stress * speed**2,
     }
 
 

@@ -12,9 +12,9 @@ from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.dissimilar_slot.densities.density import density_of
-from semianalytic.dissimilar_slot.densities.interface import Interface
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
 from semianalytic.dissimilar_slot.densities.panels import rule_for
-from semianalytic.dissimilar_slot.densities.profile import NORMAL, SHEAR, Profile
+from semianalytic.dissimilar_slot.densities.profile import NORMAL, SHEAR, PairProfile
 from semianalytic.halfplane.stuck import stuck_traction
 
 U = np.array([1.2, 2.0, 5.0])
@@ -48,9 +48,9 @@ K = np.array([0.31 + 0.4j, -3 + 2j, 1.7j, -0.9 + 1e-3j])
 
 
 def stuck(bodies, load, tolerance=1e-13):
-    interface = Interface(bodies, 0.3, 0.0, 1.0, 0.0, -load[1], load[0])
+    interface = LoadedBodies(bodies, 0.3, 0.0, 1.0, 0.0, -load[1], load[0])
     density = density_of(interface, glued(bodies, tolerance), (), rule_for(1e-9))
-    return Profile(density).at(U)[[SHEAR, NORMAL]]
+    return PairProfile(density).at(U)[[SHEAR, NORMAL]]
 
 
 @cache
