@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from compare.comparison.fields.fronts import jump_times
 from compare.comparison.measures import NARROW, NOTHING, is_nothing, norm, within, worn
 from compare.comparison.mesh_choice import Feature, Prices
 from compare.comparison.rows import BEYOND
@@ -33,6 +34,7 @@ Mask = NDArray[np.bool_]
 UNSEEN = 5
 """Least width, in elements or nodes in a row, at which norms count a zone, an opening or a gap as
 seen, from the same measurements."""
+FIELDS = ("slip_rate", "slip", "shear_traction", "pressure", "gap")
 LEAST_PEAK = 1e-4
 """Least value of the peaks to which thresholds are relative, over V₀ or, for gaps, V₀ T."""
 MOST_NODES = 0.75
@@ -63,6 +65,10 @@ class Case:
     simulation: Simulation
     at_nodes: InterfaceHistory
     doubted: InterfaceHistory | None
+    local: ClassVar = 1.0
+    """Error of a place over that which coarser meshes let expect of it."""
+    beside_motion: ClassVar = math.inf
+    """How many times as much it may be beside ends of slip or of openings."""
 
     @cached_property
     def worn_at_nodes(self) -> tuple[Array, Array]:
@@ -283,8 +289,8 @@ class Case:
         """Return the largest value of a kind of field that counts as nothing, in its unit."""
         return NOTHING
 
-    def compared(self, number: int) -> Mask:
-        """Return the nodes of a run, by number, at which fields are compared over time: beyond the
+    def compared(self, name: str, number: int) -> Mask:
+        """Return the nodes of a run, by number, at which a field is compared over time: beyond the
         elements at the edge, as far as the simulation was recorded."""
         x = self.runs[number].interface.x
         return beyond_edge(x, self.simulation) & within(x, 0.0, float(self.seen.x[-1]))
@@ -295,9 +301,38 @@ class Case:
 
     def unit(self, name: str) -> tuple[float, str, str]:
         """Return divisor and unit of a field, and the unit of its norm over places and times."""
-        if name == "gap":
+        if name in ("slip", "gap"):
             return self.rate * self.end_time, "V₀ T", "V₀ c_t T³"
-        return self.rate, "V₀", "V₀ c_t T²"
+        return (self.rate, "V₀", "V₀ c_t T²") if name == "slip_rate" else (self.stress, "τ₀", "")
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of the fields that are compared place by place."""
+        return (*FIELDS[:-1], *(["gap"] if self.opens else []))
+
+    def estimate(self, name: str) -> float:
+        """Return the relative error estimate of a field of an exact prediction, else 0."""
+        return self.error_estimate
+
+    def place(self, level: int, node: int) -> str:
+        """Return the words for a place and a time of the simulation."""
+        x, t = self.seen.x[node] / self.length, self.seen.t[level] / self.end_time
+        return f"x = {x:.3f} c_t T, t = {t:.3f} T"
+
+    @property
+    def shear_speed(self) -> float:
+        """Shear wave speed of the upper body [length / time]."""
+        return self.scene.material.shear_speed
+
+    def beside_fronts(self, width: float) -> Mask:
+        """Mask of the nodes and times, (m, n), within a width of the edge and of fronts that the
+        loads send out."""
+        seen, scene = self.seen, self.scene
+        beside = np.broadcast_to(seen.x < width, seen.slip.shape).copy()
+        for start in {0.0, *jump_times(scene, width / self.shear_speed)}:  # t = 0 even without jump
+            for speed in self.fronts.values():
+                beside |= np.abs(seen.x - speed * (seen.t[:, None] - start)) < width
+        return beside
 
     @property
     def caution(self) -> str:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.quantities.own_rows import fields_of, refuse_unfinite
 from fem.lines import Line, LineSimulation
 from semianalytic import Run
 from semianalytic.engine.acting import ActingLoads
@@ -18,6 +16,7 @@ from semianalytic.engine.tuning import LEAST_GAP
 from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.sampled import interpolated
 from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
@@ -42,6 +41,7 @@ class LineMesh:
 
     interface: InterfaceHistory
     resolution: int
+    element_size: float
     companion: LineMesh | None
     rate_window: float = 0.0
 
@@ -98,50 +98,43 @@ def line_of(interface: Interface, nodes: int, shift: float | None = None) -> Lin
     )
 
 
-def field_at(answer: Run | LineSimulation, name: str, done: Run, count: int) -> Array:
-    """Return a field of a run or a simulation, of tractions its change, at so many places, (m, n).
+def changes_of(answer: Run | LineSimulation, done: Run) -> InterfaceHistory:
+    """Return the fields of a run or a simulation in the whole period; of tractions, the changes.
 
     Parameters
     ----------
-    answer, name
-        The run or a simulation, and the field.
+    answer : Run or LineSimulation
     done : Run
-    count : int
-        Number n of places in the whole period; its own nodes are a multiple of them.
+        The run, which knows the tractions in place.
     """
-    values = getattr(answer, name)
+    face, spacing = done.interface, done.interface.length / done.nodes
+    x, base = done.x, dict.fromkeys(UNITS, np.zeros_like(done.x))
+    base["pressure"] = at_nodes("interface: pressure", face.pressure, x, done.touching, spacing)
+    base["shear_traction"] = sampled("interface: shear", face.shear, x, spacing)
     if answer is not done:
-        return _common(values - _in_place(name, done, answer.nodes), count, done)
-    return _common(_whole(values, done) - _in_place(name, done, done.nodes), count, done)
+        own, still = _whole(-1.0, x, done), {n: _whole(1.0, base[n], done) for n in UNITS}
+        fields = {n: getattr(answer, n) - np.interp(answer.x, own, still[n]) for n in UNITS}
+        return InterfaceHistory(x=answer.x, t=answer.t, **fields)
+    fields = {n: _whole(1.0, getattr(done, n) - base[n], done) for n in UNITS}
+    return InterfaceHistory(x=_whole(-1.0, x, done), t=done.t, **fields)
 
 
-def touching(answers: Iterable[Run | LineSimulation], done: Run, count: int) -> Mask:
-    """Return which of so many places stand for nothing but contact in all answers, (count,)."""
-    on = np.ones(count, dtype=bool)
-    for one in answers:
-        whole = one.touching[None].astype(float)
-        on &= _common(_whole(whole, done) if one is done else whole, count, done)[0] == 1
-    return on
+def _whole(sign: float, values: Array, done: Run) -> Array:
+    """Return values at the nodes of a run (..., n) in the whole period, mirrored with a sign where
+    it computed one half."""
+    if not done.interface.even:
+        return values
+    # nodes of a whole line at 0 and length / 2 are their own mirror images
+    once = 1 if done.interface.contact.is_whole else 0
+    right = values[..., : values.shape[-1] - once]
+    return np.concatenate([sign * values[..., once:][..., ::-1], right], axis=-1)
 
 
-def history_of(answer: Run | LineSimulation, done: Run, x: Array) -> InterfaceHistory:
-    """Return all fields of a run or a simulation at places of the whole period (n,)."""
-    fields = {name: field_at(answer, name, done, len(x)) for name in UNITS}
-    return InterfaceHistory(x=x, t=answer.t, **fields)
-
-
-def places(one: LineSimulation, done: Run, count: int) -> Array:
-    """Return the positions of so many places of the period of a simulation, (count,) [length]."""
-    return _common(one.x[None], count, done)[0]
-
-
-def check_lines(done: Run, simulations: Iterable[LineSimulation]) -> None:
-    """Raise DataFileError if a field of a run or a simulation holds what is no finite number."""
-    refuse_unfinite("the run", done.x, done.t, fields_of(done, UNITS))
-    for one in simulations:
-        whose = f"the simulation of {one.nodes} nodes"
-        refuse_unfinite(whose, one.x, one.t, fields_of(one, (*UNITS, "strength")))
-        refuse_unfinite(whose, one.x, one.window[:, 1], {"slip": one.window_slip[:, 1]})
+def moved_to(x: Array, history: InterfaceHistory) -> InterfaceHistory:
+    """Return a history at other positions (n,), linear between its own."""
+    places = np.broadcast_arrays(x, history.t[:, None])
+    fields = {name: interpolated(history, name, *places) for name in UNITS}
+    return InterfaceHistory(x=x, t=history.t, **fields)
 
 
 def nothing_of(done: Run, name: str) -> float:
@@ -160,36 +153,3 @@ def nothing_of(done: Run, name: str) -> float:
     if done.interface.law.has_threshold:
         motion = max(motion, stress * done.end_time / done.interface.material.shear_impedance)
     return NOTHING * motion / (done.end_time if name == "slip_rate" else 1.0)
-
-
-def _in_place(name: str, done: Run, count: int) -> Array:
-    """Return the tractions in place at t = 0 at so many places, (count,) [stress]; 0 for others."""
-    interface, spacing = done.interface, done.interface.length / done.nodes
-    if name == "pressure":
-        base = at_nodes("interface: pressure", interface.pressure, done.x, done.touching, spacing)
-    elif name == "shear_traction":
-        base = sampled("interface: shear", interface.shear, done.x, spacing)
-    else:
-        return np.zeros(count)
-    return _common(_whole(base[None], done), count, done)[0]
-
-
-def _whole(values: Array, done: Run) -> Array:
-    """Return fields (m, n) of a run on the whole period, mirrored where it computed one half."""
-    if not done.interface.even:
-        return values
-    if done.interface.contact.is_whole:
-        # nodes at 0 and length / 2 are their own mirror images
-        return np.concatenate([values[:, :0:-1], values[:, :-1]], axis=1)
-    return np.concatenate([values[:, ::-1], values], axis=1)
-
-
-def _common(values: Array, count: int, done: Run) -> Array:
-    """Return fields (m, n) at the nodes of a coarser grid of the same period, (m, count).
-
-    Nodes of grids that lie between the ends of contacts do not coincide: means replace them.
-    """
-    times = values.shape[1] // count
-    if done.interface.contact.is_whole:
-        return np.asarray(values[:, ::times])
-    return np.asarray(values.reshape(len(values), count, times).mean(axis=2))

@@ -129,7 +129,7 @@ def map_row(
     unit, *units = case.unit(name)
     runs = [run.interface for run in case.runs]
     late = [run.t > (1 + ROUNDING) * EARLY * case.end_time for run in runs]
-    far = [case.compared(number) for number in range(case.meshes)]
+    far = [case.compared(name, number) for number in range(case.meshes)]
 
     def field(history: InterfaceHistory, of: int) -> Array:
         """Return the field of a history at its own positions and the times of a run."""

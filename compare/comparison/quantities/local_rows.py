@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, Literal
 
 import numpy as np
 import scipy
@@ -12,10 +11,10 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar
 from compare.comparison.case import Case
-from compare.comparison.fields.fronts import jump_times
-from compare.comparison.judging import Comparison, Meshes, judged
-from compare.comparison.measures import NOTHING, ROUNDING
+from compare.comparison.judging import Comparison, judged
+from compare.comparison.measures import ROUNDING
 from compare.comparison.rows import Row
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
 Array = NDArray[np.float64]
@@ -47,21 +46,15 @@ def local_rows(case: Case) -> Iterator[Row]:
     """
     if len(case.runs) < 3:
         return
-    shown = ~_beside_fronts(case)
-    if not shown.any():
-        return
-    slip = case.rate * case.end_time
-    fields = [
-        ("slip_rate", case.rate, "V₀"),
-        ("slip", slip, "V₀ T"),
-        ("shear_traction", case.stress, "τ₀"),
-        ("pressure", case.stress, "τ₀"),
-    ]
-    for name, unit, symbol in [*fields, ("gap", slip, "V₀ T")] if case.opens else fields:
-        yield _local_row(case, name, unit, symbol, shown)
+    left_out, moving = case.beside_fronts(_width(case)), _beside_motion(case)
+    left_out |= (case.seen.t < (1 - ROUNDING) * EARLY * case.end_time)[:, None]
+    if not (left_out | moving).all():
+        for name in case.fields:
+            yield _local_row(case, name, left_out, moving)
 
 
-def _local_row(case: Case, name: str, unit: float, symbol: str, shown: Mask) -> Row:
+def _local_row(case: Case, name: str, left_out: Mask, moving: Mask) -> Row:
+    unit, symbol, _ = case.unit(name)
     seen, (middle, coarse) = case.seen, (run.interface for run in case.runs[1:3])
     predicted, simulated = (getattr(one, name) / unit for one in (case.at_nodes, seen))
     x, t = np.broadcast_arrays(seen.x, seen.t[:, None])
@@ -69,52 +62,21 @@ def _local_row(case: Case, name: str, unit: float, symbol: str, shown: Mask) -> 
     change += _driven(case, name)
     largest = float(np.abs(getattr(middle, name)).max()) / unit
     bar = LOCAL * scipy.ndimage.maximum_filter(change, _band(case)) + LOCAL_FLOOR * largest
-    bar += NOTHING + case.error_estimate * largest
+    bar = case.local * bar + case.nothing(name) + case.estimate(name) * largest
     if case.doubted is not None:
         doubt = np.abs(getattr(case.doubted, name) / unit - predicted)
         bar += scipy.ndimage.maximum_filter(doubt, _band(case))
-
-    def where(level: int, node: int) -> str:
-        x, t = seen.x[node] / case.length, seen.t[level] / case.end_time
-        return f"x = {x:.3f} c_t T, t = {t:.3f} T"
-
-    row = place_row(case, name, symbol, (predicted, simulated), (bar, shown), where)
+    bar[moving] *= case.beside_motion
+    off = np.abs(simulated - predicted) / np.maximum(bar, np.finfo(float).tiny)
+    off[left_out | np.isinf(bar)] = -1.0
+    level, node = (int(at) for at in np.unravel_index(np.argmax(off), off.shape))
+    at = level, node
+    before, after, own = float(predicted[at]), float(simulated[at]), float(bar[at])
+    words, place = f"{name.replace('_', ' ')}, place by place", case.place(level, node)
+    row = Row(words, "local", None, before, after, after - before, own, symbol, place=place)
     if case.opens and not all(run.interface.gap.any() for run in case.runs):
         reason = "one mesh opens, another does not: no place has a bar"
         return replace(row, obstacle=reason, resolution=2 * case.simulation.resolution)
-    return row
-
-
-def place_row(
-    case: Meshes,
-    name: str,
-    symbol: str,
-    fields: tuple[Array, Array],
-    bars: tuple[Array, Mask],
-    where: Callable[[int, int], str],
-) -> Row:
-    """Return the row of the place at which a field is off by the most error bars.
-
-    Parameters
-    ----------
-    case : Meshes
-    name, symbol : str
-        The field and its unit.
-    fields : pair of (m, n) arrays
-        As predicted and as simulated.
-    bars : pair of (m, n) arrays
-        Error bar of each place, and whether it is compared.
-    where : callable
-        Returns the words for a place, by the indices of time and node.
-    """
-    (predicted, simulated), (bar, shown) = fields, bars
-    off = np.abs(simulated - predicted) / np.maximum(bar, np.finfo(float).tiny)
-    off[~shown] = -1.0
-    at = np.unravel_index(np.argmax(off), off.shape)
-    before, after, own = float(predicted[at]), float(simulated[at]), float(bar[at])
-    words = f"{name.replace('_', ' ')}, place by place"
-    place = where(int(at[0]), int(at[1]))
-    row = Row(words, "local", None, before, after, after - before, own, symbol, place=place)
     return judged(case, row, Comparison(ErrorBar(own, None, np.inf, converges=True)))
 
 
@@ -136,60 +98,41 @@ def _driven(case: Case, name: str) -> Array:
     return np.asarray(table((t, x)))
 
 
-def _beside_fronts(case: Case) -> Mask:
-    """Mask of the nodes and times, (m, n), before `EARLY` or in the bands around the edge, around
-    fronts sent out by the loads, and around ends of slip or openings in the prediction or on a
-    coarser mesh."""
-    seen, scene = case.seen, case.scene
-    width = BAND * case.runs[2].element_size + ASIDE * case.simulation.element_size
-    beside = np.zeros((len(seen.t), len(seen.x)), dtype=bool)
-    flank = width / scene.material.shear_speed
-    for start in {0.0, *jump_times(scene, flank)}:  # t = 0 has fronts even without a jump
-        for speed in case.fronts.values():
-            beside |= np.abs(seen.x - speed * (seen.t[:, None] - start)) < width
-    usual = case.runs[1].interface
-    fastest = max(float(np.abs(usual.slip_rate).max()), STILL * case.rate)
-    widest = max(float(usual.gap.max()), STILL * case.rate * case.end_time)
-    motions = [motion(case.at_nodes.slip_rate, case.at_nodes.gap, fastest, widest)]
+def _beside_motion(case: Case) -> Mask:
+    """Mask of the nodes and times, (m, n), in the bands around ends of slip or openings in the
+    prediction or on a coarser mesh."""
+    seen, changes = case.seen, np.zeros(case.seen.slip.shape, dtype=bool)
+    motions = [_motion(case, case.at_nodes)]
     for run in case.runs[1:]:
         history = run.interface
         x = np.searchsorted(history.x, seen.x - ASIDE * case.simulation.element_size)
         t = np.searchsorted(history.t, (1 - ROUNDING) * seen.t)
         x, t = (np.minimum(at, size - 1) for at, size in ((x, len(history.x)), (t, len(history.t))))
-        sense = motion(history.slip_rate, history.gap, fastest, widest)
-        motions.append(sense[np.ix_(t, x)])
-    beside |= beside_changes(motions, _band(case))
-    return beside | (seen.x < width) | (seen.t < (1 - ROUNDING) * EARLY * case.end_time)[:, None]
+        motions.append(_motion(case, history)[np.ix_(t, x)])
+    for motion in motions:
+        changes[:-1] |= np.diff(motion, axis=0) != 0
+        changes[:, :-1] |= np.diff(motion, axis=1) != 0
+    return np.asarray(scipy.ndimage.maximum_filter(changes, _band(case)))
+
+
+def _width(case: Case) -> float:
+    """Half-width of bands around fronts and edges [length]."""
+    return BAND * case.runs[2].element_size + ASIDE * case.simulation.element_size
 
 
 def _band(case: Case) -> tuple[int, int]:
     """Numbers of levels and of nodes in the band around a place, on both sides together."""
     width = BAND * case.runs[2].element_size
-    step = float(case.seen.t[1] - case.seen.t[0]) * case.scene.material.shear_speed
+    step = float(case.seen.t[1] - case.seen.t[0]) * case.shear_speed
     return 2 * round(width / step) + 1, 2 * round(width / case.simulation.element_size) + 1
 
 
-def motion(slip_rate: Array, gap: Array, fastest: float, widest: float) -> NDArray[np.int8]:
-    """Sense of slip, or 2 where the contact is open, (m, n).
-
-    Thresholds are relative to the largest slip rate and gap of the mesh at 2h, so that a wrong
-    value of the simulation does not change them.
-    """
-    sense = np.where(np.abs(slip_rate) > STILL * fastest, np.sign(slip_rate), 0.0)
-    return np.where(gap > STILL * widest, 2, sense).astype(np.int8)
-
-
-def beside_changes(
-    motions: Iterable[NDArray[np.int8]],
-    band: tuple[int, int],
-    mode: Literal["nearest", "wrap"] = "nearest",
-) -> Mask:
-    """Mask of the places and times, (m, n), in a band around those where one of the motions changes
-    from a node or a time to the next; `mode` says what lies beyond the last node."""
-    beside: Any = False
-    for sense in motions:
-        changes = np.zeros(sense.shape, dtype=bool)
-        changes[:-1] |= np.diff(sense, axis=0) != 0
-        changes[:, :-1] |= np.diff(sense, axis=1) != 0
-        beside = beside | changes
-    return np.asarray(scipy.ndimage.maximum_filter(beside, band, mode=("nearest", mode)))
+def _motion(case: Case, history: InterfaceHistory) -> NDArray[np.int8]:
+    """Sense of slip of a history, or 2 where it is open, (m, n).  Thresholds come from the mesh at
+    2h, so that a wrong value of the simulation does not change them."""
+    usual = case.runs[1].interface
+    rate, gap = (float(np.abs(values).max()) for values in (usual.slip_rate, usual.gap))
+    slips = np.abs(history.slip_rate) > STILL * max(rate, STILL * case.rate)
+    sense = np.where(slips, np.sign(history.slip_rate), 0.0)
+    opens = history.gap > STILL * max(gap, STILL * case.rate * case.end_time)
+    return np.where(opens, 2, sense).astype(np.int8)
