@@ -280,11 +280,6 @@ class Case:
         shown = within(self.seen.x, *reach)
         return norm(field[shown], self.seen.x[shown] / self.length, 1)
 
-    @property
-    def meshes(self) -> int:
-        """Number of meshes, with the finest."""
-        return len(self.runs)
-
     def nothing(self, kind: str) -> float:
         """Return the largest value of a kind of field that counts as nothing, in its unit."""
         return NOTHING
@@ -295,9 +290,10 @@ class Case:
         x = self.runs[number].interface.x
         return beyond_edge(x, self.simulation) & within(x, 0.0, float(self.seen.x[-1]))
 
-    def size(self, values: Array, x: Array, t: Array) -> float:
-        """Return the L1 norm of a field over places and times (m, n), over c_t T²."""
-        return norm(values, x / self.length, 1, t / self.end_time)
+    def size(self, values: Array, x: Array, t: Array | None) -> float:
+        """Return the L1 norm of a field over places, (n,), and times, (m, n), if given, over c_t T
+        and T."""
+        return norm(values, x / self.length, 1, None if t is None else t / self.end_time)
 
     def unit(self, name: str) -> tuple[float, str, str]:
         """Return divisor and unit of a field, and the unit of its norm over places and times."""

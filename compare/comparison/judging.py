@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from compare.comparison.bars import (
     slowest_bar,
 )
 from compare.comparison.case import Case
-from compare.comparison.measures import NOTHING, norm, within
+from compare.comparison.measures import NOTHING, within
 from compare.comparison.rows import (
     AGREES,
     ALARM,
@@ -38,6 +38,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 LEAST_ERROR = 2e-4
 """Relative error of a field below which no mesh difference is believed.  Where all meshes slide at
@@ -58,41 +59,6 @@ Reading = Callable[[InterfaceHistory], float | None]
 Expected = Callable[[Answer, InterfaceHistory], Array]
 """Function that returns a field of an answer along the contact at the end, (n,), given the history
 of the answer at nodes."""
-
-
-class Meshes(Protocol):
-    """What a row has to know of a comparison: how fine its meshes are, and what spoils it.
-
-    Attributes
-    ----------
-    finer : int
-        Resolution, or number of nodes, of a mesh twice as fine.
-    caution : str
-        What simulation or prediction are too coarse for; "" if there is nothing.
-    needed : int or None
-        Resolution with which they would not be, where known.
-    amplified : str
-        Why errors grow on this mesh so that nothing differs for certain; "" if they do not.
-    meshes : int
-        Number of meshes, with the finest.
-    error_estimate : float
-        Relative error estimate of an exact prediction, else 0.
-    """
-
-    @property
-    def finer(self) -> int: ...
-    @property
-    def caution(self) -> str: ...
-    @property
-    def needed(self) -> int | None: ...
-    @property
-    def amplified(self) -> str: ...
-    @property
-    def meshes(self) -> int: ...
-    @property
-    def error_estimate(self) -> float: ...
-    def nothing(self, kind: str) -> float:
-        """Return the largest value of a kind of field that counts as nothing, in its unit."""
 
 
 @dataclass(frozen=True)
@@ -183,34 +149,40 @@ def value_row(
 
 @dataclass(frozen=True)
 class Compared:
-    """A field of both answers, read at the places of each mesh: positions, or positions and times.
+    """A field of both answers at the nodes of each mesh: at the end, (n,), or over time, (k, n).
 
     Runs are numbered: 0 is the simulation, 1 the run at 2h, ...
 
     Attributes
     ----------
+    x : sequence of (n,) arrays
+        Positions of the nodes of each run [length].
+    shown : sequence of (n,) masks
+        Nodes of each run at which the field is compared.
     simulated : callable
-        Returns the field of a run at the places of a run, given both numbers.
+        Returns the field of a run at its nodes and at the times of a run, given both numbers.
     predicted : callable
-        Returns the prediction at the places of run 0 or 1.
-    size : callable
-        Returns the norm of a field at the places of a run.
-    doubted : callable
-        Returns the prediction's companion at the places of run 0; None where it has none.
+        Returns the prediction at the nodes and times of run 0 or 1, as far as it reaches.
+    doubted : array or None
+        The prediction's companion at the nodes and times of run 0, if any.
+    t : sequence of (k,) arrays or None
+        Times of each run [time]; None for a field at the end.
     """
 
+    x: Sequence[Array]
+    shown: Sequence[Mask]
     simulated: Callable[[int, int], Array]
     predicted: Callable[[int], Array]
-    size: Callable[[Array, int], float]
-    doubted: Callable[[], Array] | None = None
+    doubted: Array | None = None
+    t: Sequence[Array] | None = None
 
 
 def field_row(
-    case: Meshes,
+    case: Case,
     name: str,
     kind: str,
     field: Compared,
-    units: tuple[str, str],
+    scale: tuple[float, str, str],
     *,
     exact: float | None = None,
     unseen: float = 0.0,
@@ -228,11 +200,11 @@ def field_row(
 
     Parameters
     ----------
-    case : Meshes
+    case : Case
     name, kind : str
     field : Compared
-    units : (str, str)
-        Names of the units of the field and of its norm.
+    scale : (float, str, str)
+        Divisor of the values, its name, and the unit of norms.
     exact : float, optional
         Norm of the prediction itself.
     unseen : float
@@ -241,33 +213,49 @@ def field_row(
         Whether the field has no fronts, so that meshes are compared at the nodes of the coarser
         one, between which linear interpolation is less accurate than at its ends.
     driven : callable, optional
-        Returns the change of the field at the places of a run that the change of strength from mesh
-        to mesh causes: 0 from 2h to h, 1 from 4h to 2h.  It is added to the change of the field.
+        Returns the change of the field, over its divisor, at the nodes and times of a run that the
+        change of strength from mesh to mesh causes: 0 from 2h to h, 1 from 4h to 2h.  It is added
+        to the change of the field.
     most : int
         Changes from mesh to mesh that are used, from the finest on; fewer where coarser meshes show
         too little, and without any the row has no bar.
     order : float
         Largest order of convergence that is believed.
     """
-    at, predicted = cache(field.simulated), field.predicted(0)
+    value, unit, unit_of_norm = scale
+    places = [x[shown] for x, shown in zip(field.x, field.shown, strict=True)]
+
+    @cache
+    def at(number: int, of: int) -> Array:
+        """Return the field of a run at the places and times of a run."""
+        moved = partial(np.interp, places[of], field.x[number])
+        return np.apply_along_axis(moved, -1, field.simulated(number, of)) / value
+
+    def shown(values: Array, of: int) -> Array:
+        return values[..., field.shown[of][: values.shape[-1]]] / value
+
+    predicted = shown(field.predicted(0), 0)
     nothing = float(np.abs(predicted).max(initial=0.0)) <= case.nothing(kind)
 
     def size(values: Array, of: int) -> float:
-        return float(np.abs(values).max(initial=0.0)) if nothing else field.size(values, of)
+        if nothing:
+            return float(np.abs(values).max(initial=0.0))
+        t = None if field.t is None else field.t[of]
+        return case.size(values, places[of][: values.shape[-1]], t)
 
     whole = size(predicted, 0)
     per = 1.0 if nothing else whole
     own, changes = [], []
-    for pair in pairwise(range(min(case.meshes, most + 1))):
+    for pair in pairwise(range(min(len(case.runs), most + 1))):
         of, to = pair[::-1] if smooth else pair
         change = np.abs(at(of, of) - at(to, of))
         own.append(size(change, of) / per)
         if driven is not None and not nothing:  # largest values at fronts do not converge
-            change += driven(of)
+            change += driven(of)[..., field.shown[of]]
         changes.append(size(change, of) / per)
     added = unseen / per
     if field.doubted is not None:
-        added += size(field.doubted() - predicted, 0) / per
+        added += size(shown(field.doubted, 0) - predicted, 0) / per
     row = Row(
         f"{name}, largest" if nothing else f"{name}, L1",
         kind,
@@ -276,7 +264,7 @@ def field_row(
         size(at(0, 0), 0),
         size(at(0, 0) - predicted, 0) / per,
         None,
-        units[0] if nothing else units[1],
+        unit if nothing else unit_of_norm,
         relative=not nothing,
     )
     floor = case.nothing(kind) if nothing else least_error(case)
@@ -288,10 +276,11 @@ def field_row(
         error = slowest_bar(error, changes, floor)
 
     def before() -> float:
-        return size(at(1, 1) - field.predicted(1), 1) / per
+        there = shown(field.predicted(1), 1)
+        return size(at(1, 1)[..., : there.shape[-1]] - there, 1) / per
 
     row = judged(case, row, Comparison(error, before, added))
-    if row.verdict == DIFFERS or case.caution or case.meshes < 2:
+    if row.verdict == DIFFERS or case.caution or not case.coarser:
         return row
     off, was = abs(row.difference or 0.0), before()
     # other fields have fronts that meshes smear, and decide nothing unless they are as far off
@@ -312,7 +301,7 @@ def profile_row(
     scale: tuple[float, str],
     **how: Any,
 ) -> Row:
-    """Return the row of a field along the contact between two positions.
+    """Return the row of a field along the contact at the end, between two positions.
 
     Parameters
     ----------
@@ -327,42 +316,26 @@ def profile_row(
     scale : float and str
         Divisor of the values, and its name.
     **how
-        As for `field_row`; `driven` at the nodes of a run.
+        As for `field_row`.
     """
-    low, high = reach
-    value, unit = scale
     x = [run.interface.x for run in case.runs]
-    shown = [within(places, low, min(high, float(case.seen.x[-1]))) for places in x]
-
-    def simulated(number: int, of: int) -> Array:
-        return np.interp(x[of][shown[of]], x[number], read(number)) / value
-
-    def predicted(of: int) -> Array:
-        there = case.expected[of]
-        field = expect(case.prediction, there) / value
-        return np.asarray(field[shown[of][: len(there.x)]])
-
-    def doubted(companion: Answer, at_nodes: InterfaceHistory) -> Array:
-        return np.asarray(expect(companion, at_nodes)[shown[0]] / value)
-
-    def size(values: Array, of: int) -> float:
-        return norm(values, x[of][shown[of]] / case.length, 1)
-
-    if (driven := how.get("driven")) is not None:
-        how["driven"] = lambda of: driven(of)[shown[of]]
-    known = None
-    if case.companion is not None and case.doubted is not None:
-        known = partial(doubted, case.companion, case.doubted)
-    field = Compared(simulated, predicted, size, known)
-    return field_row(case, name, kind, field, (unit, f"{unit} c_t T"), **how)
+    low, high = reach[0], min(reach[1], float(case.seen.x[-1]))
+    field = Compared(
+        x,
+        [within(places, low, high) for places in x],
+        lambda number, of: read(number),
+        lambda of: expect(case.prediction, case.expected[of]),
+        expect(case.companion, case.doubted) if case.companion and case.doubted else None,
+    )
+    return field_row(case, name, kind, field, (*scale, f"{scale[1]} c_t T"), **how)
 
 
-def least_error(case: Meshes) -> float:
+def least_error(case: Case) -> float:
     """Least uncertainty of a field, whatever the meshes show, over the norm of the prediction."""
     return NOTHING + LEAST_ERROR + case.error_estimate
 
 
-def judged(case: Meshes, row: Row, comparison: Comparison) -> Row:
+def judged(case: Case, row: Row, comparison: Comparison) -> Row:
     """Return a row with its bar and its verdict: unresolved if meshes or a march cannot decide."""
     error, finer = comparison.error, case.finer
     if error is not None:

@@ -99,7 +99,7 @@ class LineCase(Case):
         beside = self._beside_slots(self.seen.x, width)
         return np.broadcast_to(beside, self.seen.slip.shape).copy()
 
-    def size(self, values: Array, x: Array, t: Array) -> float:
+    def size(self, values: Array, x: Array, t: Array | None) -> float:
         """Return the mean of a field over places and times."""
         return float(np.abs(values).mean()) if values.size else 0.0
 

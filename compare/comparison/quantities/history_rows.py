@@ -126,48 +126,36 @@ def map_row(
     driven, smooth, order
         Whether changes of strength add to those of the field, and as for `field_row`.
     """
-    unit, *units = case.unit(name)
     runs = [run.interface for run in case.runs]
     late = [run.t > (1 + ROUNDING) * EARLY * case.end_time for run in runs]
-    far = [case.compared(name, number) for number in range(case.meshes)]
+    times = [run.t[kept] for run, kept in zip(runs, late, strict=True)]
 
     def field(history: InterfaceHistory, of: int) -> Array:
         """Return the field of a history at its own positions and the times of a run."""
-        t = runs[of].t[late[of]]
         if name == "slip_rate":
-            return case.mean_rate(history, t) / unit
-        return interpolated(history, name, *np.broadcast_arrays(history.x, t[:, None])) / unit
+            return case.mean_rate(history, times[of])
+        places = np.broadcast_arrays(history.x, times[of][:, None])
+        return interpolated(history, name, *places)
 
-    def simulated(number: int, of: int) -> Array:
-        x, own = runs[of].x[far[of]], runs[number].x
-        return np.array([np.interp(x, own, level) for level in field(runs[number], of)])
-
-    def predicted(of: int) -> Array:
-        there = case.expected[of]
-        return field(there, of)[:, far[of][: len(there.x)]]
-
-    def doubted(history: InterfaceHistory) -> Array:
-        return field(history, 0)[:, far[0]]
-
-    def size(values: Array, of: int) -> float:
-        return case.size(values, runs[of].x[far[of]], runs[of].t[late[of]])
-
-    def strength(of: int) -> Array:
-        return case.strength_changes[of][np.ix_(late[of], far[of])]
-
-    known = None if case.doubted is None else partial(doubted, case.doubted)
-    both = Compared(simulated, predicted, size, known)
-    part = unseen[np.ix_(late[0], far[0])] / unit
-    words = name.replace("_", " ")
+    both = Compared(
+        [run.x for run in runs],
+        [case.compared(name, number) for number in range(len(runs))],
+        lambda number, of: field(runs[number], of),
+        lambda of: field(case.expected[of], of),
+        None if case.doubted is None else field(case.doubted, 0),
+        times,
+    )
+    words, scale = name.replace("_", " "), case.unit(name)
+    shown = both.shown[0]
     return field_row(
         case,
         f"{words} over (x, t)",
         words,
         both,
-        (units[0], units[1]),
-        unseen=size(part, 0),
+        scale,
+        unseen=case.size(unseen[np.ix_(late[0], shown)], both.x[0][shown], times[0]) / scale[0],
         smooth=smooth,
-        driven=strength if driven else None,
+        driven=(lambda of: case.strength_changes[of][late[of]]) if driven else None,
         order=order,
     )
 

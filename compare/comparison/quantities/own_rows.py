@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar
 from compare.comparison.case import Case
-from compare.comparison.judging import Comparison, Meshes, judged
+from compare.comparison.judging import Comparison, judged
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import TELLING, Row
 from semianalytic.scene.errors import DataFileError
@@ -95,7 +95,7 @@ def own_rows(case: Case) -> Iterator[Row]:
 
 
 def own_row(
-    case: Meshes, name: str, value: float | None, unit: str, bar: float = 0.0, obstacle: str = ""
+    case: Case, name: str, value: float | None, unit: str, bar: float = 0.0, obstacle: str = ""
 ) -> Row:
     """Return the row of something that is 0 in a correct simulation but for rounding."""
     row = Row(name, "law", None, 0.0, value, value, None, unit)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.case import EDGE_CELLS, Case
 from compare.comparison.judging import Compared, field_row
-from compare.comparison.measures import NOTHING, norm, within
+from compare.comparison.measures import within
 from compare.comparison.rows import Row
 
 Array = NDArray[np.float64]
@@ -29,30 +30,25 @@ def slot_rows(case: Case) -> Iterator[Row]:
     reach = min(case.scene.fastest_speed * case.end_time, *(-run.slot.x[0] for run in case.runs))
     names = ("v_z" if case.scene.antiplane else "v_x", "v_y")
 
-    places = []
-    for run in case.runs:
-        shown = within(-run.slot.x, start, reach)
-        places.append((-run.slot.x[shown][::-1], shown))
-
-    def size(values: Array, of: int) -> float:
-        return norm(values, places[of][0] / case.length, 1)
-
+    shown = [within(-run.slot.x, start, reach) for run in case.runs]
+    x = [-run.slot.x[here][::-1] for run, here in zip(case.runs, shown, strict=True)]
+    every = [np.ones(len(places), dtype=bool) for places in x]
+    moved = [_beside_front(case, places) for places in x[:2]]
+    expected = [predict(-places, case.end_time) for places in moved]
     for part, (name, field) in enumerate(zip(names, ("velocity_x", "velocity_y"), strict=True)):
+        recorded = [getattr(run.slot, field)[-1] for run in case.runs]
+        faces = [one[here][::-1] for one, here in zip(recorded, shown, strict=True)]
+        known = [np.asarray(one[part]) for one in expected]
+        both = Compared(x, every, _of_run(faces), known.__getitem__)
+        scale = case.rate, "V₀", "V₀ c_t T"
+        row = field_row(case, f"{name} of the slot face", "slot", both, scale)
+        if row.relative:
+            yield replace(row, exact=row.at_nodes)
 
-        def simulated(number: int, of: int, field: str = field) -> Array:
-            x, shown = places[number]
-            velocity = getattr(case.runs[number].slot, field)[-1, shown][::-1]
-            return np.interp(places[of][0], x, velocity) / case.rate
 
-        def predicted(of: int, part: int = part) -> Array:
-            distance = _beside_front(case, places[of][0])
-            return np.asarray(predict(-distance, case.end_time)[part]) / case.rate
-
-        whole = size(predicted(0), 0)
-        if whole > NOTHING:
-            row = f"{name} of the slot face", "slot"
-            both = Compared(simulated, predicted, size)
-            yield field_row(case, *row, both, ("V₀", "V₀ c_t T"), exact=whole)
+def _of_run(fields: list[Array]) -> Callable[[int, int], Array]:
+    """Return the function that gives the field of a run at the end, whatever the second number."""
+    return lambda number, of: fields[number]
 
 
 def _beside_front(case: Case, distance: Array) -> Array:
