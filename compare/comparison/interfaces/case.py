@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.case import EDGE_CELLS, Case
-from compare.comparison.interfaces.nodes import UNITS, LineMesh, changes_of, moved_to, nothing_of
 from compare.comparison.quantities.history_rows import map_row
 from compare.comparison.quantities.local_rows import local_rows
 from compare.comparison.quantities.own_rows import (
@@ -25,11 +24,24 @@ from compare.comparison.rows import Row
 from fem.lines import LineSimulation
 from semianalytic import Run
 from semianalytic.engine.pace import in_fours
+from semianalytic.engine.tuning import LEAST_GAP
+from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+NOTHING = 1e-9
+"""Part of the slip, or of the strength, below which a gap or a traction counts as none, and of what
+loads would move, below which contacts that can stick do not."""
+UNITS = {
+    "slip": "length",
+    "slip_rate": "length / time",
+    "gap": "length",
+    "shear_traction": "stress",
+    "pressure": "stress",
+}
+"""Unit of each field; of tractions, changes are compared."""
 LARGEST_ORDER = 1.0
 """Highest order of convergence that is believed.  Faces that are loaded suddenly start a part of a
 step late, which is an error of first order in all slip that follows, however fast the rest of it
@@ -38,18 +50,20 @@ with half of this value bars are twice as long."""
 
 
 @dataclass(frozen=True, eq=False)
+class LineMesh:
+    """A simulation of an interface, its fields as they are compared, and the next coarser one."""
+
+    line: LineSimulation
+    interface: InterfaceHistory
+    resolution: int
+    element_size: float
+    companion: LineMesh | None
+    rate_window: float = 0.0
+
+
 class LineCase(Case):
-    """A run and simulations of the same interface, ready to be compared in its own units.
+    """A run and simulations of the same interface, ready to be compared in its own units."""
 
-    Attributes
-    ----------
-    run : Run
-    simulations : tuple of LineSimulation
-        From the finest mesh on.
-    """
-
-    run: Run
-    simulations: tuple[LineSimulation, ...]
     amplified, needed, error_estimate = "", None, 0.0
     local = 4.0
     """Of the places of 36 drawn interfaces none was beyond 3.4 times what coarser meshes let expect
@@ -59,6 +73,17 @@ class LineCase(Case):
     off without this."""
 
     @property
+    def run(self) -> Any:
+        """The run, which is the prediction."""
+        return self.prediction
+
+    @property
+    def simulations(self) -> tuple[LineSimulation, ...]:
+        """Simulations from the finest mesh on."""
+        runs: Any = self.runs
+        return tuple(run.line for run in runs)
+
+    @property
     def caution(self) -> str:
         """Why the run decides nothing; "" if it does."""
         return "" if self.run.status == "done" else f"the run is {self.run.status}"
@@ -66,8 +91,7 @@ class LineCase(Case):
     @cached_property
     def expected(self) -> tuple[InterfaceHistory, ...]:
         """The run at the nodes of each mesh."""
-        ran = changes_of(self.run, self.run)
-        return tuple(moved_to(one.interface.x, ran) for one in self.runs)
+        return tuple(predicted_changes(self.run, one.interface.x) for one in self.runs)
 
     @property
     def strength_changes(self) -> tuple[Array, ...]:
@@ -108,8 +132,22 @@ class LineCase(Case):
         return 1.0, UNITS[name], UNITS[name]
 
     def nothing(self, kind: str) -> float:
-        """Return the mean of a kind of field up to which it is not compared."""
-        return nothing_of(self.run, kind.replace(" ", "_"))
+        """Return the mean of a kind of field up to which it is not compared.
+
+        It is a part of the motion of the faces or of all tractions: rounding moves faces that rest,
+        and a small gap decides nothing.
+        """
+        run, name = self.run, kind.replace(" ", "_")
+        mean = {one: float(np.abs(getattr(run, one)[:, run.touching]).mean()) for one in UNITS}
+        stress = max(mean["shear_traction"], mean["pressure"])
+        motion = max(mean["slip"], mean["gap"])
+        if UNITS[name] == "stress":
+            return NOTHING * stress
+        if name == "gap":  # slots are wider than contacts open
+            return LEAST_GAP * motion
+        if run.interface.law.has_threshold:
+            motion = max(motion, stress * run.end_time / run.interface.material.shear_impedance)
+        return NOTHING * motion / (run.end_time if name == "slip_rate" else 1.0)
 
     @property
     def rate(self) -> float:
@@ -192,13 +230,34 @@ def line_case(done: Run, simulations: Sequence[LineSimulation]) -> LineCase:
         If a field holds a value that is not finite.
     """
     refuse_unfinite("the run", done.x, done.t, fields_of(done, UNITS))
-    mesh: Any = None
+    base, mesh = _in_place(done), None
     for one in reversed(simulations):
         whose = f"the simulation of {one.nodes} nodes"
         refuse_unfinite(whose, one.x, one.t, fields_of(one, (*UNITS, "strength")))
         refuse_unfinite(whose, one.x, one.window[:, 1], {"slip": one.window_slip[:, 1]})
-        spacing = done.interface.length / one.nodes
-        mesh = LineMesh(changes_of(one, done), one.nodes, spacing, mesh)
-    prediction: Any = done
-    seen = moved_to(mesh.interface.x, changes_of(done, done))
-    return LineCase(prediction, mesh, seen, None, done, tuple(simulations))
+        still = {name: np.nan_to_num(done.at(values, one.x)) for name, values in base.items()}
+        fields = {name: values - still[name] for name, values in fields_of(one, UNITS).items()}
+        changes = InterfaceHistory(x=one.x, t=one.t, **fields)
+        mesh = LineMesh(one, changes, one.nodes, done.interface.length / one.nodes, mesh)
+    both: tuple[Any, Any] = done, mesh
+    return LineCase(*both, predicted_changes(done, simulations[0].x), None)
+
+
+def predicted_changes(done: Run, x: Array) -> InterfaceHistory:
+    """Return the fields of a run at positions (n,) of the whole period; of tractions, the changes.
+
+    They are 0 on slots.
+    """
+    base, fields = _in_place(done), fields_of(done, UNITS)
+    moved = {name: np.nan_to_num(done.at(fields[name] - base[name], x)) for name in UNITS}
+    return InterfaceHistory(x=x, t=done.t, **moved)
+
+
+def _in_place(done: Run) -> dict[str, Array]:
+    """Return what fields are at the nodes of a run before anything moves, by name."""
+    face, spacing = done.interface, done.interface.length / done.nodes
+    base = dict.fromkeys(UNITS, np.zeros_like(done.x))
+    on = "interface: pressure", face.pressure, done.x, done.touching
+    base["pressure"] = at_nodes(*on, spacing)
+    base["shear_traction"] = sampled("interface: shear", face.shear, done.x, spacing)
+    return base

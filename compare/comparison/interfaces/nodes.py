@@ -1,49 +1,18 @@
-"""Interfaces at the nodes of finite-element meshes: their description, and fields of answers."""
+"""Description of an interface at the nodes of finite elements."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem.lines import Line, LineSimulation
-from semianalytic import Run
+from fem.lines import Line
 from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.line import grid_of
-from semianalytic.engine.tuning import LEAST_GAP
 from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.interface.interface import Interface
-from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.sampled import interpolated
 from semianalytic.scene.errors import SceneError
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
-NOTHING = 1e-9
-"""Part of the slip, or of the strength, below which a gap or a traction counts as none, and of what
-loads would move, below which contacts that can stick do not."""
-UNITS = {
-    "slip": "length",
-    "slip_rate": "length / time",
-    "gap": "length",
-    "shear_traction": "stress",
-    "pressure": "stress",
-}
-"""Unit of each field; of tractions, changes are compared."""
-
-
-@dataclass(frozen=True, eq=False)
-class LineMesh:
-    """A simulation as it is compared, and the next coarser one."""
-
-    interface: InterfaceHistory
-    resolution: int
-    element_size: float
-    companion: LineMesh | None
-    rate_window: float = 0.0
 
 
 def line_of(interface: Interface, nodes: int, shift: float | None = None) -> Line:
@@ -96,60 +65,3 @@ def line_of(interface: Interface, nodes: int, shift: float | None = None) -> Lin
         antiplane=interface.mode == "antiplane",
         plate_rate=interface.plate_rate,
     )
-
-
-def changes_of(answer: Run | LineSimulation, done: Run) -> InterfaceHistory:
-    """Return the fields of a run or a simulation in the whole period; of tractions, the changes.
-
-    Parameters
-    ----------
-    answer : Run or LineSimulation
-    done : Run
-        The run, which knows the tractions in place.
-    """
-    face, spacing = done.interface, done.interface.length / done.nodes
-    x, base = done.x, dict.fromkeys(UNITS, np.zeros_like(done.x))
-    base["pressure"] = at_nodes("interface: pressure", face.pressure, x, done.touching, spacing)
-    base["shear_traction"] = sampled("interface: shear", face.shear, x, spacing)
-    if answer is not done:
-        own, still = _whole(-1.0, x, done), {n: _whole(1.0, base[n], done) for n in UNITS}
-        fields = {n: getattr(answer, n) - np.interp(answer.x, own, still[n]) for n in UNITS}
-        return InterfaceHistory(x=answer.x, t=answer.t, **fields)
-    fields = {n: _whole(1.0, getattr(done, n) - base[n], done) for n in UNITS}
-    return InterfaceHistory(x=_whole(-1.0, x, done), t=done.t, **fields)
-
-
-def _whole(sign: float, values: Array, done: Run) -> Array:
-    """Return values at the nodes of a run (..., n) in the whole period, mirrored with a sign where
-    it computed one half."""
-    if not done.interface.even:
-        return values
-    # nodes of a whole line at 0 and length / 2 are their own mirror images
-    once = 1 if done.interface.contact.is_whole else 0
-    right = values[..., : values.shape[-1] - once]
-    return np.concatenate([sign * values[..., once:][..., ::-1], right], axis=-1)
-
-
-def moved_to(x: Array, history: InterfaceHistory) -> InterfaceHistory:
-    """Return a history at other positions (n,), linear between its own."""
-    places = np.broadcast_arrays(x, history.t[:, None])
-    fields = {name: interpolated(history, name, *places) for name in UNITS}
-    return InterfaceHistory(x=x, t=history.t, **fields)
-
-
-def nothing_of(done: Run, name: str) -> float:
-    """Return the mean of a field of a run up to which it counts as nothing.
-
-    It is a part of the motion of the faces or of all tractions: rounding moves faces that rest, and
-    a small gap decides nothing.
-    """
-    mean = {one: float(np.abs(getattr(done, one)[:, done.touching]).mean()) for one in UNITS}
-    stress = max(mean["shear_traction"], mean["pressure"])
-    motion = max(mean["slip"], mean["gap"])
-    if UNITS[name] == "stress":
-        return NOTHING * stress
-    if name == "gap":  # slots are wider than contacts open
-        return LEAST_GAP * motion
-    if done.interface.law.has_threshold:
-        motion = max(motion, stress * done.end_time / done.interface.material.shear_impedance)
-    return NOTHING * motion / (done.end_time if name == "slip_rate" else 1.0)
