@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from compare.comparison.case import Case
-from compare.comparison.fields.errors import FieldErrors
+from compare.comparison.fields.errors import FieldErrors, field_errors
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.edge_rows import opening_rows, zone_rows
 from compare.comparison.quantities.field_rows import field_rows
@@ -93,7 +94,8 @@ class Judgement(HasRows[Row]):
 def judge(
     prediction: Answer,
     simulation: Simulation,
-    fields: FieldErrors | None = None,
+    frames: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Judgement:
     """Hold a prediction against a simulation.
 
@@ -106,8 +108,10 @@ def judge(
         nodes of the simulation and until its last time.
     simulation : Simulation
         Its companions, from which error bars come, are simulated unless it already has them.
-    fields : FieldErrors, optional
-        Errors of its snapshots, the last of which is judged too.
+    frames : Path, optional
+        Folder of its field snapshots, the last of which is judged too.
+    progress : callable, optional
+        Called with (frame, frames) after each frame.
 
     Returns
     -------
@@ -118,6 +122,8 @@ def judge(
     SceneError
         If the simulation has blocks of two materials, and the prediction is for identical ones, or
         does not reach as far.
+    DataFileError
+        As `field_errors`.
     """
     from fem import with_companions
 
@@ -127,6 +133,9 @@ def judge(
             "bodies does not apply; give the answer to its scene (docs/dissimilar.md)."
         )
     case = side_by_side(prediction, with_companions(simulation))
+    fields = None
+    if frames is not None:
+        fields = field_errors(prediction, case.simulation, frames, progress)
     whole = () if fields is None else field_rows(case, fields.changes)
     return Judgement(case, (*_rows(case), *whole), fields)
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from semianalytic import Marched, Scene, Solution, solve
-from semianalytic.cut.load import check_pressure
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer
@@ -23,26 +22,6 @@ if TYPE_CHECKING:
 
 FINER = 4
 """Nodes of a march per element of the simulation."""
-
-
-def check_predictable(scene: Scene, method: str = "auto") -> None:
-    """Raise the errors of `predict_like` that are known without solving the scene.
-
-    Parameters
-    ----------
-    scene : Scene
-    method : str
-        As for `predict_like`.
-
-    Raises
-    ------
-    SceneError
-        If the method does not apply to the scene, or two different bodies have no exact answer.
-    TensionError
-        If the pressure of a self-similar scene turns tensile.
-    """
-    if _chosen(scene, method) == "self-similar" and scene.lower_material is None:
-        check_pressure(scene)
 
 
 def check_marched(scene: Scene, method: str, resolution: int, end_time: float | None) -> None:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from compare.comparison.comparing import held_against, planned
-from compare.comparison.judgement import Judgement
-from compare.comparison.prediction import check_predictable, predict_like
+from compare.comparison.comparing import planned
+from compare.comparison.judgement import Judgement, judge
+from compare.comparison.prediction import predict_like
 from compare.comparison.report import report_document, write_report
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
@@ -117,6 +117,7 @@ def compare_command(
     refuse_given(along, "is for interfaces; scenes take --resolution")
     require("slipfront compare", *FEM, *PLOT)
     seconds, snapshots = in_seconds(budget), not no_snapshots
+    prediction: Solution | PairSolution | Marched | None = None
     if from_ is not None:
         kept = settings if budget is None else {"budget": budget}
         simulation = _earlier_simulation(from_, scene_name, {**overrides, **lower}, kept)
@@ -130,14 +131,12 @@ def compare_command(
         directory = output or scene_folder(scene_name, {**overrides, **lower})
         scene = override_scene(find_scene(scene_name), **overrides, **lower)
         asked(scene, "end_time", settings.get("end_time"), "time")
-        check_predictable(scene, method)
-    prediction: Solution | PairSolution | Marched | None = None
+        options = {**settings, "memory": in_bytes(settings.get("memory"))}
+        prediction, choice = planned(scene, method, seconds, snapshots=snapshots, **options)
     notes = Console(stderr=True)
     with working_folder(directory) as files:
         frames = (from_ or directory) / SNAPSHOTS
         if from_ is None:
-            options = {**settings, "memory": in_bytes(settings.get("memory"))}
-            prediction, choice = planned(scene, method, seconds, snapshots=snapshots, **options)
             simulation = simulate_into(
                 directory,
                 scene,
@@ -157,7 +156,7 @@ def compare_command(
             with progress_bar(notes, quiet, "marching") as progress:
                 prediction = predict_like(simulation, method, progress)
         with progress_bar(notes, quiet, "fields") as progress:
-            judgement = held_against(simulation, prediction, frames if written else None, progress)
+            judgement = judge(prediction, simulation, frames if written else None, progress)
         write_comparison(judgement, label, directory, figures)
     if as_json:
         document = report_document(judgement, label)

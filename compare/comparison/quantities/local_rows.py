@@ -89,13 +89,8 @@ def _driven(case: Case, name: str) -> Array:
         change /= case.end_time
     elif name != "slip_rate":
         return np.zeros((len(seen.t), len(seen.x)))
-    table = scipy.interpolate.RegularGridInterpolator(
-        (run.t, run.x), change, bounds_error=False, fill_value=None
-    )
-    x, t = np.broadcast_arrays(
-        np.clip(seen.x, run.x[0], run.x[-1]), np.clip(seen.t, run.t[0], run.t[-1])[:, None]
-    )
-    return np.asarray(table((t, x)))
+    places = np.broadcast_arrays(seen.x, seen.t[:, None])
+    return interpolated(replace(run, slip=change), "slip", *places)
 
 
 def _beside_motion(case: Case) -> Mask:

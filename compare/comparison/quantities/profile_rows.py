@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -51,18 +52,28 @@ def slip_rate_rows(case: Case) -> Iterator[Row]:
         scale=(case.rate, "V₀"),
         driven=lambda number: case.strength_changes[number][-1],
     )
-    slip = case.rate * case.end_time
-    yield profile_row(
+    yield _end_row(
         case,
         "slip",
-        "slip",
-        partial(_at_end, "slip"),
-        partial(_last, case, "slip"),
         reach,
-        exact=_norm(case, case.prediction.slip, reach, slip),
-        unseen=case.norm_of(_unseen_wear(case)[0] / slip, reach),
-        scale=(slip, "V₀ T"),
+        unseen=case.norm_of(_unseen_wear(case)[0] / case.unit("slip")[0], reach),
         driven=partial(_driven_by, case, 0),
+    )
+
+
+def _end_row(case: Case, name: str, reach: tuple[float, float], **how: Any) -> Row:
+    """Row of a field at the end between two positions [length]; `how` as for `profile_row`."""
+    words, (value, unit, _) = name.replace("_", " "), case.unit(name)
+    return profile_row(
+        case,
+        words,
+        words,
+        lambda answer, history: np.asarray(getattr(history, name)[-1]),
+        lambda number: np.asarray(getattr(case.runs[number].interface, name)[-1]),
+        reach,
+        exact=_norm(case, getattr(case.prediction, name), reach, value),
+        scale=(value, unit),
+        **how,
     )
 
 
@@ -90,19 +101,8 @@ def gap_rows(case: Case) -> Iterator[Row]:
         return
     scale, reach = case.rate * case.end_time, _disturbed(case)
     gap = case.at_nodes.gap[-1:]
-    yield profile_row(
-        case,
-        "gap",
-        "gap",
-        partial(_at_end, "gap"),
-        partial(_last, case, "gap"),
-        reach,
-        exact=_norm(case, case.prediction.gap, reach, scale),
-        unseen=case.norm_of(np.where(too_narrow(gap > 0), gap, 0.0)[0] / scale, reach),
-        scale=(scale, "V₀ T"),
-        smooth=True,
-        most=_changes_of_gap(case),
-    )
+    unseen = case.norm_of(np.where(too_narrow(gap > 0), gap, 0.0)[0] / scale, reach)
+    yield _end_row(case, "gap", reach, unseen=unseen, smooth=True, most=_changes_of_gap(case))
     yield _largest_gap_row(case, scale, reach)
 
 
@@ -180,7 +180,7 @@ def wear_rows(case: Case) -> Iterator[Row]:
             name,
             kind,
             partial(_worn, part),
-            partial(_own, case, field),
+            [np.asarray(getattr(run, field)) for run in case.runs].__getitem__,
             reach,
             exact=_worn_norm(case, part, reach, scale),
             unseen=case.norm_of((unseen[part] + back[part] + summed[part]) / scale, reach),
@@ -196,40 +196,14 @@ def traction_rows(case: Case) -> Iterator[Row]:
     can be singular.
     """
     reach = _beside_edge(case), _disturbed(case)[1]
-    for name in ("shear_traction", "pressure"):
-        words = name.replace("_", " ")
-        yield profile_row(
-            case,
-            words,
-            words,
-            partial(_at_end, name),
-            partial(_last, case, name),
-            reach,
-            exact=_norm(case, getattr(case.prediction, name), reach, case.stress),
-            unseen=_unseen_shear(case, reach) if name == "shear_traction" else 0.0,
-            scale=(case.stress, "τ₀"),
-        )
-
-
-def _at_end(field: str, answer: Answer, history: InterfaceHistory) -> Array:
-    """A field of an answer at the end of its history, (n,)."""
-    return np.asarray(getattr(history, field)[-1])
+    yield _end_row(case, "shear_traction", reach, unseen=_unseen_shear(case, reach))
+    yield _end_row(case, "pressure", reach)
 
 
 def _worn(part: int, answer: Answer, history: InterfaceHistory) -> Array:
     """Accumulated |slip| (part 0) or work per area (1) of an answer, (n,)."""
     own = own_wear(answer, history.x, float(history.t[-1]), part)
     return worn(history)[part] if own is None else own
-
-
-def _last(case: Case, field: str, number: int) -> Array:
-    """A field of a run at its end, (n,)."""
-    return np.asarray(getattr(case.runs[number].interface, field)[-1])
-
-
-def _own(case: Case, field: str, number: int) -> Array:
-    """Field that a run has itself summed over all its steps, (n,)."""
-    return np.asarray(getattr(case.runs[number], field))
 
 
 def _driven_by(case: Case, part: int, number: int) -> Array:

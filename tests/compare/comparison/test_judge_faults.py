@@ -9,7 +9,7 @@ from compare_cases import differing, named, simulated
 
 from compare import judge
 from compare.comparison.case import Case
-from compare.comparison.comparing import held_against, planned
+from compare.comparison.comparing import planned
 from compare.comparison.fields.fronts import jump_times
 from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import predict_like
@@ -47,7 +47,7 @@ def judged(scene, resolution=None):
     """The judgement on the mesh that `slipfront compare` chooses, or on another."""
     prediction, choice = planned(scene, snapshots=True, resolution=resolution)
     run = simulated(scene, choice.resolution, 1 / scene.material.shear_speed)
-    return held_against(run, prediction or predict_like(run))
+    return judge(prediction or predict_like(run), run)
 
 
 BRIDGED = beside(

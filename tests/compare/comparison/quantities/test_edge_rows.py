@@ -9,7 +9,7 @@ from catalogue import solved
 from compare_cases import sampled_run, simulated
 
 from compare.comparison.bars import SAFETY
-from compare.comparison.comparing import held_against, planned
+from compare.comparison.comparing import planned
 from compare.comparison.judgement import judge, side_by_side
 from compare.comparison.quantities.edge_rows import (
     OPEN_FROM,
@@ -298,6 +298,6 @@ def test_openings_that_hardly_gape_do_not_differ(poisson_ratio, friction, below)
     scene = Scene(Material(1.0, 1.0, poisson_ratio), friction, base, Tractions(1.0, 0.5))
     prediction, choice = planned(scene, snapshots=True)
     run = with_companions(simulate(scene, resolution=choice.resolution))
-    judgement = held_against(run, prediction)
+    judgement = judge(prediction, run)
     assert "opening edge" in {row.kind for row in judgement.rows}
     assert judgement.verdict != "differs"
