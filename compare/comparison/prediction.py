@@ -1,13 +1,14 @@
-"""Prediction of the scene of a simulation, by the solver that applies to the scene."""
+"""Prediction of the scene of a simulation, by the solver that applies, and the mesh for both."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.methods import chosen
@@ -24,31 +25,41 @@ FINER = 4
 """Nodes of a march per element of the simulation."""
 
 
-def check_marched(scene: Scene, method: str, resolution: int, end_time: float | None) -> None:
-    """Raise the errors of `predict_like` for the loads of a marched scene before it is simulated.
+def planned(
+    scene: Scene,
+    method: str = "auto",
+    budget: float | None = None,
+    *,
+    snapshots: bool,
+    **settings: Any,
+) -> tuple[Solution | PairSolution | None, MeshChoice]:
+    """Predict a scene, unless that has to follow the simulation, and choose the mesh to compare on.
+
+    The prediction is None if it has to follow.
 
     Parameters
     ----------
     scene : Scene
     method : str
         As for `predict_like`.
-    resolution : int
-        Elements per c_t T of the planned mesh.
-    end_time : float or None
-        T [time]; None stands for the default of `simulate`.
+    budget, snapshots, **settings
+        As in `choose_mesh`.
 
     Raises
     ------
     SceneError, TensionError
-        As `predict_like`.
+        As `predict_like`, also of a march that has to follow, and as `choose_mesh`.
     """
-    if _chosen(scene, method) == "self-similar":
-        return
-    speed = scene.material.shear_speed
-    end_time = 1 / speed if end_time is None else end_time
-    reach = scene.fastest_speed * end_time
-    nodes, length = _grid(scene, reach, end_time, speed * end_time / resolution, resolution)
-    check_march(scene, end_time, nodes, length)
+    prediction = predict_before(scene, method)
+    choice = choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **settings)
+    # else a march, which follows the simulation, would refuse its loads only after that has run
+    if prediction is None:
+        speed, end_time = scene.material.shear_speed, settings.get("end_time")
+        end_time = 1 / speed if end_time is None else end_time
+        reach, element = scene.fastest_speed * end_time, speed * end_time / choice.resolution
+        nodes, length = _grid(scene, reach, end_time, element, choice.resolution)
+        check_march(scene, end_time, nodes, length)
+    return prediction, choice
 
 
 def _chosen(scene: Scene, method: str) -> str:

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from compare.comparison.comparing import planned
 from compare.comparison.judgement import Judgement, judge
-from compare.comparison.prediction import predict_like
+from compare.comparison.prediction import planned, predict_like
 from compare.comparison.report import report_document, write_report
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures

@@ -214,24 +214,14 @@ def _last_time(distance: Array, time: Array, velocity: float) -> float:
 
 
 def _interface_fields(case: Case) -> list[Face]:
-    def record(name: str, scale: float) -> Callable[[Simulation], tuple[Array, Array, Array]]:
-        return lambda run: (
-            run.interface.x,
-            run.interface.t,
-            getattr(run.interface, name) / scale,
-        )
-
+    scales = {"shear_traction": case.stress, "pressure": case.stress, "slip_rate": case.rate}
     return [
         Face(
             name.replace("_", " "),
             _over(getattr(case.prediction, name), scale, case.end_time),
-            record(name, scale),
+            _recording("interface", name, scale),
         )
-        for name, scale in (
-            ("shear_traction", case.stress),
-            ("pressure", case.stress),
-            ("slip_rate", case.rate),
-        )
+        for name, scale in scales.items()
     ]
 
 
@@ -243,24 +233,30 @@ def _slot_fields(
     def component(index: int) -> Waveform:
         return lambda velocity: both(velocity)[index]
 
-    def record(index: int) -> Callable[[Simulation], tuple[Array, Array, Array]]:
-        def of(run: Simulation) -> tuple[Array, Array, Array]:
-            slot = run.slot
-            outward = np.argsort(-slot.x)
-            values = (slot.velocity_x, slot.velocity_y)[index]
-            return -slot.x[outward], slot.t, values[:, outward] / case.rate
-
-        return of
-
-    along = "v_z" if case.scene.antiplane else "v_x"
+    names = (("v_z" if case.scene.antiplane else "v_x", "velocity_x"), ("v_y", "velocity_y"))
     return [
-        Face(name, component(index), record(index)) for index, name in enumerate((along, "v_y"))
+        Face(name, component(index), _recording("slot", field, case.rate))
+        for index, (name, field) in enumerate(names)
     ]
+
+
+def _recording(
+    face: str, name: str, scale: float
+) -> Callable[[Simulation], tuple[Array, Array, Array]]:
+    """Return the function that reads a field of the interface or of the slot off a run, over its
+    scale and from the edge outward."""
+
+    def of(run: Simulation) -> tuple[Array, Array, Array]:
+        history = getattr(run, face)
+        outward = np.argsort(np.abs(history.x))
+        return np.abs(history.x)[outward], history.t, getattr(history, name)[:, outward] / scale
+
+    return of
 
 
 def _over(predict: Callable[[Array, float], Array], scale: float, time: float) -> Waveform:
     """Waveform over similarity velocity, in units of a reference value."""
-    return _kept(lambda velocity: predict(velocity * time, time) / scale)
+    return lambda velocity: predict(velocity * time, time) / scale
 
 
 def _kept(predict: Waveform) -> Waveform:

@@ -17,9 +17,8 @@ import numpy as np
 import scipy
 
 import semianalytic as sf
-from compare.comparison.comparing import planned
 from compare.comparison.judgement import Judgement, judge
-from compare.comparison.prediction import predict_like
+from compare.comparison.prediction import planned, predict_like
 from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.comparison.rows import Row as JudgedRow
 from docs.studies.runner import Point, Row, Study, grouped, main

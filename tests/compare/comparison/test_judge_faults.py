@@ -9,10 +9,9 @@ from compare_cases import differing, named, simulated
 
 from compare import judge
 from compare.comparison.case import Case
-from compare.comparison.comparing import planned
 from compare.comparison.fields.fronts import jump_times
 from compare.comparison.measures import NOTHING
-from compare.comparison.prediction import predict_like
+from compare.comparison.prediction import planned, predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.own_rows import own_rows
 from docs.studies.trials.wrong_answers import FAULTS

@@ -9,8 +9,8 @@ from catalogue import solved
 from compare_cases import sampled_run, simulated
 
 from compare.comparison.bars import SAFETY
-from compare.comparison.comparing import planned
 from compare.comparison.judgement import judge, side_by_side
+from compare.comparison.prediction import planned
 from compare.comparison.quantities.edge_rows import (
     OPEN_FROM,
     narrow_obstacle,
