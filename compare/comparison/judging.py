@@ -50,6 +50,10 @@ USUAL = 0.9
 """Part of the slipping nodes and times whose mesh differences are at most the usual one."""
 
 BY_LITTLE = BEYOND + "by less than {:g} times"
+DIVERGES = (
+    f"the meshes do not converge: it changes from 2h to h by more than {2**-LEAST_ORDER:.2g} of "
+    "what it does from 4h to 2h"
+)
 NO_BAR = "no coarser mesh shows it, so that it has no error bar"
 WIDE = f"its error bar is more than {TELLING:g} of what is compared"
 """Obstacles of rows that meshes do not decide although they do not move apart."""
@@ -59,28 +63,6 @@ Reading = Callable[[InterfaceHistory], float | None]
 Expected = Callable[[Answer, InterfaceHistory], Array]
 """Function that returns a field of an answer along the contact at the end, (n,), given the history
 of the answer at nodes."""
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Changes from mesh to mesh and other uncertainties, from which a row is judged.
-
-    Attributes
-    ----------
-    error : ErrorBar or None
-        None where coarser meshes do not show the quantity.
-    before : callable
-        Returns |difference| of the next coarser mesh from the prediction, in the unit of the row's
-        own difference; infinite where that is unknown.  Called only where the meshes do not
-        converge.
-    added : float
-        Part of the bar that does not come from meshes: the error of the prediction, or features
-        too narrow for the mesh.
-    """
-
-    error: ErrorBar | None
-    before: Callable[[], float] = lambda: math.inf
-    added: float = 0.0
 
 
 def value_row(
@@ -144,7 +126,7 @@ def value_row(
     if at_nodes is None and simulated is None:
         reason = "neither the nodes of this mesh nor the simulation show it"
         return replace(row, obstacle=reason, resolution=2 * case.simulation.resolution)
-    return judged(case, row, Comparison(error, before, doubt + unseen))
+    return judged(case, row, error, before, doubt + unseen)
 
 
 @dataclass(frozen=True)
@@ -279,7 +261,7 @@ def field_row(
         there = shown(field.predicted(1), 1)
         return size(at(1, 1)[..., : there.shape[-1]] - there, 1) / per
 
-    row = judged(case, row, Comparison(error, before, added))
+    row = judged(case, row, error, before, added)
     if row.verdict == DIFFERS or case.caution or not case.coarser:
         return row
     off, was = abs(row.difference or 0.0), before()
@@ -325,7 +307,9 @@ def profile_row(
         [within(places, low, high) for places in x],
         lambda number, of: read(number),
         lambda of: expect(case.prediction, case.expected[of]),
-        expect(case.companion, case.doubted) if case.companion and case.doubted else None,
+        expect(case.companion, case.doubted)
+        if case.companion is not None and case.doubted is not None
+        else None,
     )
     return field_row(case, name, kind, field, (*scale, f"{scale[1]} c_t T"), **how)
 
@@ -335,11 +319,32 @@ def least_error(case: Case) -> float:
     return NOTHING + LEAST_ERROR + case.error_estimate
 
 
-def judged(case: Case, row: Row, comparison: Comparison) -> Row:
-    """Return a row with its bar and its verdict: unresolved if meshes or a march cannot decide."""
-    error, finer = comparison.error, case.finer
+def judged(
+    case: Case,
+    row: Row,
+    error: ErrorBar | None,
+    before: Callable[[], float] = lambda: math.inf,
+    added: float = 0.0,
+) -> Row:
+    """Return a row with its bar and its verdict: unresolved if meshes or a march cannot decide.
+
+    Parameters
+    ----------
+    case : Case
+    row : Row
+    error : ErrorBar or None
+        None where coarser meshes do not show the quantity.
+    before : callable
+        Returns |difference| of the next coarser mesh from the prediction, in the unit of the row's
+        own difference; infinite where that is unknown.  Called only where the meshes do not
+        converge.
+    added : float
+        Part of the bar that does not come from meshes: the error of the prediction, or features
+        too narrow for the mesh.
+    """
+    finer = case.finer
     if error is not None:
-        bar = error.size + comparison.added
+        bar = error.size + added
         row = replace(row, bar=bar, order=error.order, converges=error.converges)
     if case.caution and row.kind not in ("arrival", "pressure"):
         return replace(row, obstacle=case.caution, resolution=case.needed)
@@ -347,7 +352,14 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
         return replace(row, obstacle=NO_BAR, resolution=finer)
     if math.isinf(row.bar):
         return replace(row, obstacle="the prediction has not converged")
-    held = row if error.converges else _diverging(row, error, comparison, finer)
+    held = row
+    if not error.converges:
+        # Off by more than coarser meshes allow any finer one to be, and by more than the next
+        # coarser mesh itself, the finest run or the prediction is at fault.
+        limited = replace(row, bar=min(error.size, error.limit) + added)
+        off = math.inf if row.difference is None else abs(row.difference)
+        differs = limited.verdict == DIFFERS and off > before()
+        held = limited if differs else replace(row, obstacle=DIVERGES, resolution=finer)
     if held.verdict == DIFFERS and case.amplified and row.kind not in ("arrival", "law"):
         return replace(held, obstacle=case.amplified)
     if not error.converges:
@@ -363,30 +375,6 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
             resolution=math.ceil(growth * finer / 2),
         )
     return row
-
-
-def _diverging(row: Row, error: ErrorBar, comparison: Comparison, finer: int) -> Row:
-    """Judge a row whose meshes do not converge, which never agrees."""
-    limited = beyond_limit(row, error, comparison)
-    if limited is not None:
-        return limited
-    reason = (
-        f"the meshes do not converge: it changes from 2h to h by more than {2**-LEAST_ORDER:.2g} "
-        "of what it does from 4h to 2h"
-    )
-    return replace(row, obstacle=reason, resolution=finer)
-
-
-def beyond_limit(row: Row, error: ErrorBar, comparison: Comparison) -> Row | None:
-    """Return a row whose meshes do not converge as one that differs; None if it does not.
-
-    It differs where the finest mesh is off by more than the coarser ones allow any finer mesh to
-    be, and by more than the next coarser mesh itself.  Then the finest run or the prediction is at
-    fault.  Where the finer mesh is closer to the prediction, the row is unresolved.
-    """
-    limited = replace(row, bar=min(error.size, error.limit) + comparison.added)
-    off = math.inf if row.difference is None else abs(row.difference)
-    return limited if limited.verdict == DIFFERS and off > comparison.before() else None
 
 
 def mesh_changes(values: Sequence[float | None], reach: float = math.inf) -> list[float]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
 from compare.comparison.case import Case
-from compare.comparison.judging import Comparison, judged, mesh_changes
+from compare.comparison.judging import judged, mesh_changes
 from compare.comparison.measures import ROUNDING
 from compare.comparison.quantities.arrivals import (
     LARGEST_MISFIT,
@@ -177,7 +177,7 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         # What two meshes leave alike is the mistake of the prediction, which is no error of theirs.
         unexplained = unexplained - np.interp(at, *left[1])
     added = alignment_bar(at, unexplained, template, window, simulated * shear_speed) / shear_speed
-    return judged(case, row, Comparison(error, added=added))
+    return judged(case, row, error, added=added)
 
 
 def _template(run: Simulation, field: Face, sharp: Table, window: Window) -> Waveform:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar, error_bar
 from compare.comparison.case import UNSEEN, Case
-from compare.comparison.judging import Comparison, judged, rate_bar, value_row
+from compare.comparison.judging import judged, rate_bar, value_row
 from compare.comparison.measures import NARROW, NOTHING, ROUNDING
 from compare.comparison.rows import Row
 from semianalytic.results.answer import OpenInterval, SlipInterval
@@ -305,7 +305,7 @@ def _unpredicted_rows(case: Case, parts: tuple[Part, ...], seen: Seen) -> Iterat
         elif not any(_shows(seen(run.interface, -1), part) for run in case.coarser[:1]):
             row = replace(row, obstacle="the coarser mesh does not show it")
         width = ErrorBar(least / case.length, None, math.inf, converges=True)
-        yield row if row.obstacle else judged(case, row, Comparison(width))
+        yield row if row.obstacle else judged(case, row, width)
 
 
 def _shows(seen: tuple[Part, ...], part: Part) -> bool:

@@ -14,7 +14,6 @@ from compare.comparison.bars import LARGEST_ORDER, error_bar
 from compare.comparison.case import Case, beyond_edge, too_narrow
 from compare.comparison.judging import (
     Compared,
-    Comparison,
     field_row,
     judged,
     rate_bar,
@@ -207,7 +206,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
 
     row = Row("other sense, part of map", "sense", None, 0.0, differing, differing, None)
     error = error_bar(changes, floor) if changes else None
-    yield judged(case, row, Comparison(error, before, unseen))
+    yield judged(case, row, error, before, unseen)
 
 
 def _part(case: Case, sense: int, history: InterfaceHistory) -> float:

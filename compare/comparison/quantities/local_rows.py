@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar
 from compare.comparison.case import Case
-from compare.comparison.judging import Comparison, judged
+from compare.comparison.judging import judged
 from compare.comparison.measures import ROUNDING
 from compare.comparison.rows import Row
 from semianalytic.results.interface_history import InterfaceHistory
@@ -77,7 +77,7 @@ def _local_row(case: Case, name: str, left_out: Mask, moving: Mask) -> Row:
     if case.opens and not all(run.interface.gap.any() for run in case.runs):
         reason = "one mesh opens, another does not: no place has a bar"
         return replace(row, obstacle=reason, resolution=2 * case.simulation.resolution)
-    return judged(case, row, Comparison(ErrorBar(own, None, np.inf, converges=True)))
+    return judged(case, row, ErrorBar(own, None, np.inf, converges=True))
 
 
 def _driven(case: Case, name: str) -> Array:

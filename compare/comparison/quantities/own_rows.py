@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar
 from compare.comparison.case import Case
-from compare.comparison.judging import Comparison, judged
+from compare.comparison.judging import judged
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import TELLING, Row
 from semianalytic.scene.errors import DataFileError
@@ -99,7 +99,7 @@ def own_row(
 ) -> Row:
     """Return the row of something that is 0 in a correct simulation but for rounding."""
     row = Row(name, "law", None, 0.0, value, value, None, unit)
-    row = judged(case, row, Comparison(ErrorBar(NOTHING + bar, None, 0.0, converges=True)))
+    row = judged(case, row, ErrorBar(NOTHING + bar, None, 0.0, converges=True))
     return replace(row, obstacle=obstacle) if obstacle else row
 
 

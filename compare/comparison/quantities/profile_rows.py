@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from compare.comparison.bars import error_bar
 from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narrow
-from compare.comparison.judging import Comparison, judged, profile_row
+from compare.comparison.judging import judged, profile_row
 from compare.comparison.measures import NOTHING, ROUNDING, norm, within, worn
 from compare.comparison.rows import Row
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
@@ -156,7 +156,7 @@ def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Ro
     def before() -> float:
         return abs(float(fields[1].max() - gap(case.expected[1]).max()))
 
-    return judged(case, row, Comparison(error, before, unseen))
+    return judged(case, row, error, before, unseen)
 
 
 def wear_rows(case: Case) -> Iterator[Row]:
