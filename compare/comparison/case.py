@@ -13,8 +13,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from compare.comparison.bars import LARGEST_ORDER
 from compare.comparison.fields.fronts import jump_times
-from compare.comparison.measures import NARROW, NOTHING, is_nothing, norm, within, worn
+from compare.comparison.measures import NOTHING, is_nothing, norm, within, worn
 from compare.comparison.mesh_choice import Feature, Prices
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
@@ -65,6 +66,8 @@ class Case:
     simulation: Simulation
     at_nodes: InterfaceHistory
     doubted: InterfaceHistory | None
+    largest_order: ClassVar = LARGEST_ORDER
+    """Highest order of convergence of fields that is believed."""
     local: ClassVar = 1.0
     """Error of a place over that which coarser meshes let expect of it."""
     beside_motion: ClassVar = math.inf
@@ -99,7 +102,7 @@ class Case:
     @cached_property
     def coarser(self) -> tuple[Simulation, ...]:
         """Companions of the simulation: the same run at element sizes 2h, 4h, ..."""
-        return tuple(_companions(self.simulation))
+        return tuple(companions_of(self.simulation))
 
     @cached_property
     def runs(self) -> tuple[Simulation, ...]:
@@ -271,10 +274,6 @@ class Case:
             rough.append(np.quantile(bends[slips[1:-1]], MOST_NODES) if slips[1:-1].any() else 0.0)
         return float(rough[0] / rough[1]) if rough[1] else 0.0
 
-    def resolution_for(self, width: float) -> int:
-        """Resolution (node distances per c_t T) at which a width [length] is `NARROW` elements."""
-        return math.ceil(NARROW * self.length / width)
-
     def norm_of(self, field: Array, reach: tuple[float, float]) -> float:
         """L1 norm of a field at the nodes of the simulation between two positions, over c_t T."""
         shown = within(self.seen.x, *reach)
@@ -394,7 +393,7 @@ def own_wear(answer: Answer, x: Array, end: float, part: int) -> Array | None:
     return None
 
 
-def _companions(simulation: Simulation) -> Iterator[Simulation]:
+def companions_of(simulation: Simulation) -> Iterator[Simulation]:
     """Companions of a simulation, from fine to coarse."""
     companion = simulation.companion
     while companion is not None:

@@ -15,8 +15,7 @@ from compare.comparison.quantities.field_rows import field_rows
 from compare.comparison.quantities.history_rows import (
     cycle_rows,
     event_rows,
-    gap_row,
-    rate_row,
+    map_rows,
     sense_rows,
 )
 from compare.comparison.quantities.local_rows import local_rows
@@ -169,9 +168,7 @@ def _rows(case: Case) -> Iterator[Row]:
     yield from slip_rate_rows(case)
     yield from gap_rows(case)
     yield from traction_rows(case)
-    yield rate_row(case)
-    if case.opens:
-        yield gap_row(case)
+    yield from map_rows(case)
     yield from local_rows(case)
     yield from own_rows(case)
     if case.rests:

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import (
-    LARGEST_ORDER,
     LEAST_ORDER,
     SAFETY,
     ErrorBar,
@@ -171,7 +170,6 @@ def field_row(
     smooth: bool = False,
     driven: Callable[[int], Array] | None = None,
     most: int = 2,
-    order: float = LARGEST_ORDER,
 ) -> Row:
     """Return the row of the norms of a field, its relative error and its bar.
 
@@ -201,8 +199,6 @@ def field_row(
     most : int
         Changes from mesh to mesh that are used, from the finest on; fewer where coarser meshes show
         too little, and without any the row has no bar.
-    order : float
-        Largest order of convergence that is believed.
     """
     value, unit, unit_of_norm = scale
     places = [x[shown] for x, shown in zip(field.x, field.shown, strict=True)]
@@ -250,7 +246,7 @@ def field_row(
         relative=not nothing,
     )
     floor = case.nothing(kind) if nothing else least_error(case)
-    error = error_bar(changes, floor, most=order) if changes else None
+    error = error_bar(changes, floor, most=case.largest_order) if changes else None
     diverges = error is not None and not error.converges
     # a pressure that is singular at the edge converges with order 1/2 at best; a field that
     # converges by itself must not be rejected for that

@@ -116,8 +116,13 @@ def predict_like(
     solution = predict_before(simulation.scene, method)
     if solution is not None:
         return solution
-    x, t = simulation.interface.x, simulation.interface.t
-    return _marched(simulation, float(x[-1]), float(t[-1]), progress)
+    scene, end_time = simulation.scene, float(simulation.interface.t[-1])
+    # as far and as long as the simulation was recorded, on finer nodes
+    reach, element = float(simulation.interface.x[-1]), simulation.element_size
+    nodes, length = _grid(scene, reach, end_time, element, simulation.resolution)
+    return solve(
+        scene, method="space-time", end_time=end_time, nodes=nodes, length=length, progress=progress
+    )
 
 
 def method_of(prediction: Answer) -> str:
@@ -131,20 +136,6 @@ def seconds_of(prediction: Answer) -> float:
     """Computing time of a prediction [s]; NaN if it is not recorded."""
     statistics = getattr(prediction, "statistics", None)
     return math.nan if statistics is None else sum(statistics.seconds.values())
-
-
-def _marched(
-    simulation: Simulation,
-    reach: float,
-    end_time: float,
-    progress: Callable[[int, int], None] | None,
-) -> Marched:
-    """March as far and as long as a simulation was recorded, on finer nodes."""
-    scene, element = simulation.scene, simulation.element_size
-    nodes, length = _grid(scene, reach, end_time, element, simulation.resolution)
-    return solve(
-        scene, method="space-time", end_time=end_time, nodes=nodes, length=length, progress=progress
-    )
 
 
 def _grid(

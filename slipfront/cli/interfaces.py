@@ -26,7 +26,7 @@ from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.terminal import print_json, print_judgement
 
 if TYPE_CHECKING:
-    from compare.comparison.judgement import Judgement
+    pass
 
 _SHARES = 1000
 """Parts of the end time that the progress bar counts."""
@@ -108,7 +108,12 @@ def compare_interfaces(
         )
     case: Any = judgement.case
     done = case.run
-    document = _document(done, source) | {"comparison": _comparison(judgement)}
+    meshes = [
+        {name: getattr(one, name) for name in ("nodes", "steps", "unknowns", "imbalance")}
+        for one in case.simulations
+    ]
+    comparison = {**judged_document(judgement), "meshes": meshes}
+    document = {**_document(done, source), "comparison": comparison}
     files = [] if output is None else [output / REPORT]
     for path in files:
         write_text(path, json_text(document))
@@ -169,16 +174,6 @@ def _document(done: Run, name: str) -> dict[str, Any]:
             "largest_slip_rate": "length / time",
             "slipping": "1",
         },
-    }
-
-
-def _comparison(judgement: Judgement) -> dict[str, Any]:
-    """Return what --json prints of a comparison."""
-    case: Any = judgement.case
-    meshes = ("nodes", "steps", "unknowns", "imbalance")
-    return {
-        **judged_document(judgement),
-        "meshes": [{name: getattr(one, name) for name in meshes} for one in case.simulations],
     }
 
 

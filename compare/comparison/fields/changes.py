@@ -134,7 +134,9 @@ def _linear(x: Array, y: Array, values: Array) -> Callable[[Array], Array]:
     columns, rows = _steps(x), _steps(y)
     if len(columns) * len(rows) != len(x):
         return scipy.interpolate.LinearNDInterpolator(np.stack([x, y], axis=1), values)
-    order = np.lexsort((y, np.searchsorted(columns, x - _slack(columns))))
+    order = np.lexsort(
+        (y, np.searchsorted(columns, x - float(np.diff(columns).min(initial=np.inf)) / 2))
+    )
     grid = values[order].reshape(len(columns), len(rows), -1)
     return scipy.interpolate.RegularGridInterpolator((columns, rows), grid, bounds_error=False)
 
@@ -144,8 +146,3 @@ def _steps(values: Array) -> Array:
     ordered = np.unique(values)
     apart = np.diff(ordered) > SAME * np.ptp(ordered) / np.sqrt(len(values))
     return ordered[np.concatenate([[True], apart])]
-
-
-def _slack(steps: Array) -> float:
-    """Half of the least distance between two values."""
-    return float(np.diff(steps).min(initial=np.inf)) / 2 if len(steps) > 1 else 0.0

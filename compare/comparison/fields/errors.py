@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.comparison.case import companions_of
 from compare.comparison.fields.changes import FieldChange, field_changes
 from compare.comparison.fields.frames import Frame, last_frame, read_frame
 from compare.comparison.fields.fronts import Fronts, TwoBodies, fronts_between, fronts_of
@@ -175,13 +176,11 @@ def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, 
     from fem.snapshots import companion_folder, index_run
 
     frames: list[tuple[float, Frame]] = []
-    run = simulation.companion
-    while run is not None:
-        place = companion_folder(folder, len(frames) + 1)
+    for number, run in enumerate(companions_of(simulation), start=1):
+        place = companion_folder(folder, number)
         if index_run(place) != run.run:
             break
         frames.append((run.element_size, last_frame(place, run.run)))
-        run = run.companion
     return frames
 
 

@@ -42,11 +42,6 @@ UNITS = {
     "pressure": "stress",
 }
 """Unit of each field; of tractions, changes are compared."""
-LARGEST_ORDER = 1.0
-"""Highest order of convergence that is believed.  Faces that are loaded suddenly start a part of a
-step late, which is an error of first order in all slip that follows, however fast the rest of it
-converges.  With 1.25, as for scenes, slip under rate-and-state friction was 1.0 to 1.2 bars off;
-with half of this value bars are twice as long."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +59,12 @@ class LineMesh:
 class LineCase(Case):
     """A run and simulations of the same interface, ready to be compared in its own units."""
 
-    amplified, needed, error_estimate = "", None, 0.0
+    amplified, needed, error_estimate, strength_changes = "", None, 0.0, ()
+    largest_order = 1.0
+    """Faces that are loaded suddenly start a part of a step late, which is an error of first order
+    in all slip that follows, however fast the rest of it converges.  With 1.25, as for scenes, slip
+    under rate-and-state friction was 1.0 to 1.2 bars off; with half of this value bars are twice as
+    long."""
     local = 4.0
     """Of the places of 36 drawn interfaces none was beyond 3.4 times what coarser meshes let expect
     without this; with half of this value one in three had a place that is not known to be right."""
@@ -92,11 +92,6 @@ class LineCase(Case):
     def expected(self) -> tuple[InterfaceHistory, ...]:
         """The run at the nodes of each mesh."""
         return tuple(predicted_changes(self.run, one.interface.x) for one in self.runs)
-
-    @property
-    def strength_changes(self) -> tuple[Array, ...]:
-        """None: strength is that of any law, and is not among what is compared."""
-        return tuple(np.zeros_like(one.interface.slip) for one in self.runs[:-1])
 
     @cached_property
     def _slots(self) -> Array:
@@ -202,7 +197,7 @@ class LineCase(Case):
             unsure = np.full_like(
                 self.seen.slip, self.estimate(name) * self._mean(name, self.at_nodes)
             )
-            yield map_row(self, name, unsure, smooth=True, order=LARGEST_ORDER)
+            yield map_row(self, name, unsure, smooth=True)
         yield from local_rows(self)
         yield from self._law_rows()
 

@@ -228,10 +228,8 @@ def _interface_fields(case: Case) -> list[Face]:
 def _slot_fields(
     case: Case, slot_velocity: Callable[[Array, float], tuple[Array, Array]]
 ) -> list[Face]:
-    both = _kept(lambda v: np.stack(slot_velocity(-v * case.end_time, case.end_time)) / case.rate)
-
     def component(index: int) -> Waveform:
-        return lambda velocity: both(velocity)[index]
+        return lambda v: slot_velocity(-v * case.end_time, case.end_time)[index] / case.rate
 
     names = (("v_z" if case.scene.antiplane else "v_x", "velocity_x"), ("v_y", "velocity_y"))
     return [
@@ -257,16 +255,3 @@ def _recording(
 def _over(predict: Callable[[Array, float], Array], scale: float, time: float) -> Waveform:
     """Waveform over similarity velocity, in units of a reference value."""
     return lambda velocity: predict(velocity * time, time) / scale
-
-
-def _kept(predict: Waveform) -> Waveform:
-    """Waveform that caches its values, because each mesh asks for the same ones."""
-    known: dict[bytes, Array] = {}
-
-    def remembered(velocity: Array) -> Array:
-        key = velocity.tobytes()
-        if key not in known:
-            known[key] = predict(velocity)
-        return known[key]
-
-    return remembered

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from compare.comparison.bars import LARGEST_ORDER, error_bar
+from compare.comparison.bars import error_bar
 from compare.comparison.case import Case, beyond_edge, too_narrow
 from compare.comparison.judging import (
     Compared,
@@ -87,32 +87,21 @@ def beside_edges(sense: Senses) -> NDArray[np.bool_]:
     return np.asarray(scipy.ndimage.binary_dilation(changes), dtype=bool)
 
 
-def rate_row(case: Case) -> Row:
-    """Row of the relative L1 error of the slip rate over space and time, without the four elements
-    at the edge; of the largest value where no slip is predicted.
+def map_rows(case: Case) -> Iterator[Row]:
+    """Rows of the relative L1 errors over space and time of the slip rate, without the four
+    elements at the edge, and of the gap if the contact opens; of the largest values where none is
+    predicted.
 
     Slip rates of all meshes and of the prediction are means over the window of the coarsest mesh.
     """
-    beyond = beyond_edge(case.seen.x, case.simulation)
-    unseen = np.where(case.narrow & beyond, case.at_nodes.slip_rate, 0.0)
-    return map_row(case, "slip_rate", unseen, driven=True)
+    beyond, rate = beyond_edge(case.seen.x, case.simulation), case.at_nodes.slip_rate
+    yield map_row(case, "slip_rate", np.where(case.narrow & beyond, rate, 0.0))
+    if case.opens:
+        gap = case.at_nodes.gap
+        yield map_row(case, "gap", np.where(too_narrow(gap > 0), gap, 0.0), smooth=True)
 
 
-def gap_row(case: Case) -> Row:
-    """Row of the relative L1 error of the gap over space and time, or of its largest value."""
-    unseen = np.where(too_narrow(case.at_nodes.gap > 0), case.at_nodes.gap, 0.0)
-    return map_row(case, "gap", unseen, smooth=True)
-
-
-def map_row(
-    case: Case,
-    name: str,
-    unseen: Array,
-    *,
-    driven: bool = False,
-    smooth: bool = False,
-    order: float = LARGEST_ORDER,
-) -> Row:
+def map_row(case: Case, name: str, unseen: Array, *, smooth: bool = False) -> Row:
     """Row of a field over space and time: relative L1 error, or largest value if none is predicted.
 
     Parameters
@@ -122,8 +111,8 @@ def map_row(
         Name of the field.
     unseen : (m, n) array
         How far the prediction at the nodes is uncertain, or too narrow for them.
-    driven, smooth, order
-        Whether changes of strength add to those of the field, and as for `field_row`.
+    smooth : bool
+        As for `field_row`.
     """
     runs = [run.interface for run in case.runs]
     late = [run.t > (1 + ROUNDING) * EARLY * case.end_time for run in runs]
@@ -145,6 +134,7 @@ def map_row(
         times,
     )
     words, scale = name.replace("_", " "), case.unit(name)
+    driven = name == "slip_rate" and bool(case.strength_changes)
     shown = both.shown[0]
     return field_row(
         case,
@@ -155,7 +145,6 @@ def map_row(
         unseen=case.size(unseen[np.ix_(late[0], shown)], both.x[0][shown], times[0]) / scale[0],
         smooth=smooth,
         driven=(lambda of: case.strength_changes[of][late[of]]) if driven else None,
-        order=order,
     )
 
 

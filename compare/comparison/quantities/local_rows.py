@@ -83,12 +83,13 @@ def _local_row(case: Case, name: str, left_out: Mask, moving: Mask) -> Row:
 def _driven(case: Case, name: str) -> Array:
     """Change of slip rate over V₀, or of slip over V₀ T, due to the change of strength from the
     mesh at 4h to that at 2h, (m, n) at the nodes of the simulation; 0 for other fields."""
-    seen, run, change = case.seen, case.runs[1].interface, case.strength_changes[1]
+    seen, run = case.seen, case.runs[1].interface
+    if name not in ("slip", "slip_rate") or not case.strength_changes:
+        return np.zeros((len(seen.t), len(seen.x)))
+    change = case.strength_changes[1]
     if name == "slip":
         change = scipy.integrate.cumulative_trapezoid(change, run.t, axis=0, initial=0)
         change /= case.end_time
-    elif name != "slip_rate":
-        return np.zeros((len(seen.t), len(seen.x)))
     places = np.broadcast_arrays(seen.x, seen.t[:, None])
     return interpolated(replace(run, slip=change), "slip", *places)
 

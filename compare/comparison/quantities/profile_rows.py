@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compare.comparison.bars import error_bar
 from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narrow
-from compare.comparison.judging import judged, profile_row
+from compare.comparison.judging import profile_row
 from compare.comparison.measures import NOTHING, ROUNDING, norm, within, worn
 from compare.comparison.rows import Row
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
@@ -96,14 +94,13 @@ def _unseen_rate(case: Case) -> Array:
 
 
 def gap_rows(case: Case) -> Iterator[Row]:
-    """Rows of the relative error of the gap at the end and of the largest gap, if any opens."""
+    """Row of the relative error of the gap at the end, if any opens."""
     if not case.opens:
         return
-    scale, reach = case.rate * case.end_time, _disturbed(case)
+    scale, reach = case.unit("gap")[0], _disturbed(case)
     gap = case.at_nodes.gap[-1:]
     unseen = case.norm_of(np.where(too_narrow(gap > 0), gap, 0.0)[0] / scale, reach)
     yield _end_row(case, "gap", reach, unseen=unseen, smooth=True, most=_changes_of_gap(case))
-    yield _largest_gap_row(case, scale, reach)
 
 
 def _changes_of_gap(case: Case) -> int:
@@ -120,43 +117,6 @@ def _changes_of_gap(case: Case) -> int:
             break
         count += 1
     return count
-
-
-def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Row:
-    """Row of the largest gap at the end, beyond the first node of the coarsest mesh.
-
-    Its bar comes from the largest difference between meshes anywhere, because that between their
-    largest gaps may be small by chance.
-    """
-    start = max(reach[0], case.runs[-1].interface.x[0])
-    places = np.append(start, case.seen.x[case.seen.x > (1 + ROUNDING) * start])
-
-    def gap(history: InterfaceHistory) -> Array:
-        return np.interp(places, history.x, history.gap[-1]) / scale
-
-    fields = [gap(run.interface) for run in case.runs]
-    changes = [float(np.abs(fine - coarse).max()) for fine, coarse in pairwise(fields)]
-    exact = case.prediction.gap(_between(case, (start, reach[1])), case.end_time) / scale
-    at_nodes, simulated = float(gap(case.at_nodes).max()), float(fields[0].max())
-    row = Row(
-        "largest gap",
-        "gap",
-        float(exact.max()),
-        at_nodes,
-        simulated,
-        simulated - at_nodes,
-        None,
-        "V₀ T",
-    )
-    changes = changes[: _changes_of_gap(case)]  # none: no bar
-    error = error_bar(changes, NOTHING) if changes else None
-    closed = np.where(too_narrow(case.at_nodes.gap[-1:] > 0), 0.0, case.at_nodes.gap[-1:])[0]
-    unseen = at_nodes - float(np.interp(places, case.seen.x, closed).max()) / scale
-
-    def before() -> float:
-        return abs(float(fields[1].max() - gap(case.expected[1]).max()))
-
-    return judged(case, row, error, before, unseen)
 
 
 def wear_rows(case: Case) -> Iterator[Row]:
