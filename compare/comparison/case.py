@@ -77,7 +77,8 @@ class Case:
     def worn_at_nodes(self) -> tuple[Array, Array]:
         """Predicted accumulated |slip| [length] and frictional work per area [stress length] at the
         end, (n,) each: the prediction's own where it has them, else summed over the times."""
-        return worn_by(self.prediction, self.at_nodes)
+        path, work = (worn_of(part, self.prediction, self.at_nodes) for part in (0, 1))
+        return path, work
 
     @property
     def scene(self) -> Scene:
@@ -375,11 +376,11 @@ def too_narrow(parts: Mask) -> Mask:
     return parts & ~scipy.ndimage.binary_opening(parts, np.ones((1, UNSEEN), dtype=bool))
 
 
-def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
-    """Accumulated |slip| and frictional work per area of an answer at the end, at nodes."""
-    x, end = at_nodes.x, float(at_nodes.t[-1])
-    path, work = (own_wear(answer, x, end, part) for part in (0, 1))
-    return worn(at_nodes) if path is None or work is None else (path, work)
+def worn_of(part: int, answer: Answer, at_nodes: InterfaceHistory) -> Array:
+    """Accumulated |slip| (part 0) or frictional work per area (1) of an answer at the end of its
+    history, at nodes: its own where it has them, else summed over the times."""
+    own = own_wear(answer, at_nodes.x, float(at_nodes.t[-1]), part)
+    return worn(at_nodes)[part] if own is None else own
 
 
 def own_wear(answer: Answer, x: Array, end: float, part: int) -> Array | None:

@@ -29,11 +29,6 @@ PROBES = (0.04, 0.25, 0.5, 0.75)
 """Places at which histories are read, over c_t T."""
 
 
-def in_profile(velocity: Array) -> NDArray[np.bool_]:
-    """Mask of the x/(c_t T) at which profiles are compared: not at the edge, nor at the P front."""
-    return (velocity > 0.02) & (velocity < 1.9)
-
-
 def within(values: Array, low: float, high: float) -> NDArray[np.bool_]:
     """Mask of the values between two limits that are not negative, both included.
 

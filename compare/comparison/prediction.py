@@ -132,12 +132,6 @@ def method_of(prediction: Answer) -> str:
     return "space-time" if isinstance(prediction, Marched) else type(prediction).__name__
 
 
-def seconds_of(prediction: Answer) -> float:
-    """Computing time of a prediction [s]; NaN if it is not recorded."""
-    statistics = getattr(prediction, "statistics", None)
-    return math.nan if statistics is None else sum(statistics.seconds.values())
-
-
 def _grid(
     scene: Scene, reach: float, end_time: float, element: float, resolution: int
 ) -> tuple[int, float]:

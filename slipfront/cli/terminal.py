@@ -251,7 +251,7 @@ def judged_table(title: str, rows: Sequence[Row], **numbers: str) -> PrintedTabl
     table.add_column("quantity", min_width=14)  # the whole table fits into 80 columns
     for heading in (*numbers.values(), "differ by", "bar ±"):
         table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("verdict", no_wrap=True)
+    table.add_column("verdict", no_wrap=True, min_width=10)
     for row in rows:
         label = row.name if row.unit in ("1", "exact") else f"{row.name} [{row.unit}]"
         label = f"{label} at {place}" if (place := getattr(row, "place", "")) else label

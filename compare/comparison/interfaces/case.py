@@ -93,17 +93,15 @@ class LineCase(Case):
         """The run at the nodes of each mesh."""
         return tuple(predicted_changes(self.run, one.interface.x) for one in self.runs)
 
-    @cached_property
-    def _slots(self) -> Array:
-        """Positions of the nodes that stand for a slot in the run or on a mesh, (k,) [length]."""
-        answers: tuple[Run | LineSimulation, ...] = (self.run, *self.simulations)
-        slots = np.concatenate([one.x[~one.touching] for one in answers])
-        return np.concatenate([slots, -slots]) if self.run.interface.even else slots
-
     def _beside_slots(self, x: Array, width: float) -> Mask:
-        """Return which positions, (n,), are within a width of a slot of the periodic line."""
-        period = self.run.interface.length
-        apart = np.abs((x[:, None] - self._slots + period / 2) % period - period / 2)
+        """Return which positions, (n,), are within a width of a slot of the periodic line, in the
+        run or on a mesh."""
+        answers: tuple[Run | LineSimulation, ...] = (self.run, *self.simulations)
+        slots, period = [one.x[~one.touching] for one in answers], self.run.interface.length
+        if self.run.interface.even:
+            slots.append(-slots[0])
+        apart = x[:, None] - np.concatenate(slots) + period / 2
+        apart = np.abs(apart % period - period / 2)
         return np.asarray(apart.min(axis=1, initial=np.inf) < width)
 
     def compared(self, name: str, number: int) -> Mask:
@@ -217,13 +215,8 @@ class LineCase(Case):
 
 
 def line_case(done: Run, simulations: Sequence[LineSimulation]) -> LineCase:
-    """Return the case of a run and of simulations on meshes of h, 2h and 4h.
-
-    Raises
-    ------
-    DataFileError
-        If a field holds a value that is not finite.
-    """
+    """Return the case of a run and of simulations on meshes of h, 2h and 4h; see
+    `judge_interface`."""
     refuse_unfinite("the run", done.x, done.t, fields_of(done, UNITS))
     base, mesh = _in_place(done), None
     for one in reversed(simulations):

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narrow
+from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narrow, worn_of
 from compare.comparison.judging import profile_row
 from compare.comparison.measures import NOTHING, ROUNDING, norm, within, worn
 from compare.comparison.rows import Row
-from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
+from semianalytic.results.answer import OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
@@ -139,7 +139,7 @@ def wear_rows(case: Case) -> Iterator[Row]:
             case,
             name,
             kind,
-            partial(_worn, part),
+            partial(worn_of, part),
             [np.asarray(getattr(run, field)) for run in case.runs].__getitem__,
             reach,
             exact=_worn_norm(case, part, reach, scale),
@@ -158,12 +158,6 @@ def traction_rows(case: Case) -> Iterator[Row]:
     reach = _beside_edge(case), _disturbed(case)[1]
     yield _end_row(case, "shear_traction", reach, unseen=_unseen_shear(case, reach))
     yield _end_row(case, "pressure", reach)
-
-
-def _worn(part: int, answer: Answer, history: InterfaceHistory) -> Array:
-    """Accumulated |slip| (part 0) or work per area (1) of an answer, (n,)."""
-    own = own_wear(answer, history.x, float(history.t[-1]), part)
-    return worn(history)[part] if own is None else own
 
 
 def _driven_by(case: Case, part: int, number: int) -> Array:
