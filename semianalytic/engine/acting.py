@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.fields import at_nodes, moving
+from semianalytic.interface.fields import at_nodes
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
+from semianalytic.scene.laws.sampling import moving
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.line import Grid
-from semianalytic.interface.law import InterfaceLaw
+from semianalytic.scene.laws.law import Law
 from semianalytic.spacetime.grid.line import area_means
 
 Array = NDArray[np.float64]
@@ -19,7 +19,7 @@ class Balance:
 
     Parameters
     ----------
-    law : InterfaceLaw
+    law : Law
         Friction, drawn on the nodes of the contact.
     impedance : float
         Traction per relative slip rate of plane waves [stress time / length].
@@ -29,9 +29,7 @@ class Balance:
         Nodes.
     """
 
-    def __init__(
-        self, law: InterfaceLaw, impedance: float, touching: NDArray[np.bool_], grid: Grid
-    ) -> None:
+    def __init__(self, law: Law, impedance: float, touching: NDArray[np.bool_], grid: Grid) -> None:
         self._law, self._impedance, self._touching = law, impedance, touching
         left, right = np.roll(touching, 1), np.roll(touching, -1)
         if grid.even:

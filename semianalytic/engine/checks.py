@@ -14,9 +14,10 @@ from semianalytic.engine.line import Grid
 from semianalytic.engine.pace import in_fours, nodes_for_contact
 from semianalytic.engine.result import Run
 from semianalytic.engine.tuning import BESIDE_EDGE_ERROR
-from semianalytic.interface.fields import at_nodes, sampled
+from semianalytic.interface.fields import at_nodes
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
 from semianalytic.engine.line import fitting_nodes, grid_of
 from semianalytic.engine.tuning import LEAST_GAP
-from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.results.intervals import front_speeds
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import needing
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 

@@ -27,12 +27,12 @@ from semianalytic.engine.tuning import (
     ZONE_NODES,
 )
 from semianalytic.engine.window import doubt_of
-from semianalytic.interface.fields import sampled
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, float], bool | None]

@@ -16,17 +16,16 @@ from semianalytic.engine.line import grid_of
 from semianalytic.engine.memories import memories
 from semianalytic.engine.pace import LoadPace, in_fours
 from semianalytic.engine.state import State
-from semianalytic.engine.tuning import (
-    BOUND_SHARE,
-)
+from semianalytic.engine.tuning import BOUND_SHARE
 from semianalytic.engine.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.window import check_window
 from semianalytic.interface.contact import Adhesion
-from semianalytic.interface.fields import required, sampled
+from semianalytic.interface.fields import required
 from semianalytic.interface.interface import Interface
-from semianalytic.interface.law import check_law, check_rate
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.laws.law import check_law, check_rate
+from semianalytic.scene.laws.sampling import sampled
 from semianalytic.spacetime.grid.line import check_feedback
 
 Array = NDArray[np.float64]

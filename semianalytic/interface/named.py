@@ -154,7 +154,7 @@ length = 96.0
 shear = 1.0
 even = true
 [law]
-kind = "slip-dependent"
+kind = "slip-weakening"
 static = 1.8
 dynamic = 0.0
 distance = 1.3089969389957472
@@ -198,7 +198,7 @@ shear = """
 70e6 + 11.6e6 * (abs(x) <= 1.5e3) + 8e6 * (abs(x + 7.5e3) <= 1.5e3)
 - 8e6 * (abs(x - 7.5e3) <= 1.5e3)"""
 [law]
-kind = "slip-dependent"
+kind = "slip-weakening"
 static = "where(abs(x) <= 15e3, 0.677, 1e4)"
 dynamic = 0.525
 distance = "where(abs(x) <= 15e3, 0.4, 1e12)"

@@ -14,7 +14,6 @@ from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
 from semianalytic.engine.tuning import ERROR_SAFETY, NODES
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.interface.fields import sampled
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
 from semianalytic.inversion.gauges import FIELDS, Gauge
@@ -31,6 +30,7 @@ from semianalytic.inversion.unknowns import (
 from semianalytic.parameters.numbers import Number, numbers_of, spelled, with_numbers
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.sampling import sampled
 
 
 @dataclass(frozen=True, eq=False)

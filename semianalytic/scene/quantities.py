@@ -20,7 +20,8 @@ _USUAL = {
     **dict.fromkeys(("E", "youngs_modulus", "young"), "Material.from_young(E, nu, rho)"),
     **dict.fromkeys(("mu", "G"), "shear_modulus"),
     **dict.fromkeys(("c_l", "c_t", "vp", "vs"), "Material.from_speeds(c_l, c_t, rho)"),
-    **{"nu": "poisson_ratio", "rho": "density", "f": "friction", "law": "friction_law"},
+    **{"nu": "poisson_ratio", "rho": "density", "f": "friction"},
+    **dict.fromkeys(("law", "friction_law"), "friction"),
 }
 """Usual symbols of parameters, and what they are called here."""
 Class = TypeVar("Class", bound=type)

@@ -14,15 +14,9 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.slot_faces import SlotFaces
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
-from semianalytic.results.answer import (
-    checked_arrival,
-)
+from semianalytic.results.answer import checked_arrival
 from semianalytic.results.in_bodies import AnswerInBodies
-from semianalytic.results.reading import (
-    Reading,
-    first_times,
-    self_similar_reading,
-)
+from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions
@@ -204,8 +198,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return strength less shear traction, f p - |tau| [stress], where it sticks; 0 where it
         slips."""
-        frictional = self.scene.friction * self.pressure(x, t)
-        strength = self.scene.friction_law.strength(frictional, self.slip_rate(x, t), 0.0)
+        strength = self.scene.strength(self.pressure(x, t), self.slip_rate(x, t))
         return strength - np.abs(self.shear_traction(x, t))
 
     @cached_property
@@ -233,7 +226,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         mode_one = pressure * mode_one + 0.0  # 0 where open, not -0
         # At a slipping edge the traction is s f p, and so is its singular part.
         if self.profile.edge_slips:
-            return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one + 0.0
+            return mode_one, self.profile.panels.sense[-1] * scene.coefficient * mode_one + 0.0
         return mode_one, self.stress_unit * self.profile.edge_intensity * sheared + 0.0
 
     def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -379,7 +372,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         ----------
         name : str
             "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
-            "load_shear" or "viscosity" (with `ViscousFriction`).
+            "load_shear" or "viscosity" (with `Coulomb` of a viscosity).
 
         Returns
         -------

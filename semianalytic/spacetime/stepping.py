@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from semianalytic.memory.cosines import cosines, from_cosines
 from semianalytic.memory.line_memory import LineMemory, Past
 from semianalytic.scene.errors import ComputationError, TensionError
-from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid.grid_loads import SWEEPS, FrontLoad, NodalPressure
 from semianalytic.spacetime.grid.line import Level, Line, damped
@@ -351,7 +350,7 @@ def _check_pressure(scene: Scene, level: Level, spacing: float) -> None:
     pressure = level.pressure
     node = int(np.argmin(pressure))
     if pressure[node] < 0:
-        solved = scene.is_self_similar and scene.friction_law == CoulombFriction()
+        solved = scene.is_self_similar and isinstance(scene.friction, float)
         raise TensionError(
             f"the pressure would turn tensile at x = {(node + 0.5) * spacing:.4g}, "
             f"t = {level.time:.4g}; raise the base pressure, {'use `solve`, ' if solved else ''}"

@@ -127,7 +127,7 @@ class LineSolution(SelfSimilarAnswer):
         drive, xi = self.drive, self._velocity(x, t)
         if drive.opens:
             return np.zeros(xi.shape)
-        slips = drive.sense * drive.scene.friction * self._load_pressure(xi)
+        slips = drive.sense * drive.scene.coefficient * self._load_pressure(xi)
         held = drive.base.shear + drive.sense * self._ahead(xi)
         return np.where(xi < self.edge_speed, slips, held)
 
@@ -184,7 +184,7 @@ class LineSolution(SelfSimilarAnswer):
         work = drive.strength * self._areas(self.spreading.area, t)
         if isinstance(drive.load, Patch) and drive.load.pressure:
             share = self._areas(self.spreading.area_on_patch, t)
-            work = work + drive.scene.friction * drive.load.pressure * share
+            work = work + drive.scene.coefficient * drive.load.pressure * share
         return np.asarray(work)
 
     @property

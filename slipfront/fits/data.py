@@ -13,11 +13,11 @@ from compare.records.options import ReadingOptions
 from compare.records.read import read_records
 from compare.records.record import AFTER, Array, Record, Records
 from compare.validation.readings import base_of
-from semianalytic.interface.fields import sampled
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.inversion.gauges import QUANTITIES, Gauge, checked_noise
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
 

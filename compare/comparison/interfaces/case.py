@@ -25,8 +25,9 @@ from fem.lines import LineSimulation
 from semianalytic import Run
 from semianalytic.engine.pace import in_fours
 from semianalytic.engine.tuning import LEAST_GAP
-from semianalytic.interface.fields import at_nodes, sampled
+from semianalytic.interface.fields import at_nodes
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

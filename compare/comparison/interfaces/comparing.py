@@ -17,9 +17,10 @@ from semianalytic import Interface, Run, solve
 from semianalytic.engine.acting import ActingLoads
 from semianalytic.engine.line import fitting_nodes, grid_of
 from semianalytic.engine.tuning import NODES
-from semianalytic.interface.fields import at_nodes, sampled
+from semianalytic.interface.fields import at_nodes
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.sampling import sampled
 
 Progress = Callable[[int, int], None]
 

@@ -43,11 +43,12 @@ def read_scene(path: str | Path) -> Scene:
     "growing"`` with power, or, of bodies that touch along the whole line, "patch" with speed,
     "point-force" or "half-line"; ``contact = "whole line"`` may say so.
     It may hold ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time =
-    0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance =
-    1e-5``).  A history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header
-    has units.  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
-    "remote"`` lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s
-    and Pa.  A table ``[lower_material]`` has the keys of ``[material]``, for the lower body.
+    0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``dynamic = 0.2``, ``distance =
+    1e-5``; in place of ``dynamic``, ``reduction`` is the part of ``friction`` that is lost).  A
+    history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header has units.
+    Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on = "remote"``
+    lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.  A
+    table ``[lower_material]`` has the keys of ``[material]``, for the lower body.
 
     Raises
     ------
@@ -60,7 +61,8 @@ def read_scene(path: str | Path) -> Scene:
         raise SceneError(f"{path} {INTERFACE_HINT}")
     try:
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
-        check_tables(document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
+        needed = TABLES if "friction_law" in document else ("friction", *TABLES)
+        check_tables(document, needed, ("friction", *OPTIONAL_TABLES, *WORDS))
         return scene_from_document(with_tables(path, document))
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error

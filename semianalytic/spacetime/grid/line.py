@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import CoulombFriction, RateFriction
 from semianalytic.scene.scene import Scene
 
 LARGEST_FEEDBACK = 0.95
@@ -155,10 +154,11 @@ class Line:
     def __init__(self, scene: Scene, slot: int) -> None:
         # rho c_t / 2: half of it because V is the relative rate of two bodies
         self.impedance = scene.material.shear_impedance / 2
-        self._law, self._friction, self._slot = scene.friction_law, scene.friction, slot
+        self._law, self._slot = scene.law, slot
+        self._is_constant = isinstance(scene.friction, float)
         # only these laws are known to have one strength at rest for one pressure
-        self.by_path = not isinstance(self._law, CoulombFriction | RateFriction)
-        self._pressed = self._dry = self._at_rest = np.zeros(0)
+        self.by_path = not self._law.is_rated
+        self._pressed = self._at_rest = np.zeros(0)
         self._inner = np.zeros(0, dtype=bool)
         self._level: Level | None = None
         self._excess: Array | None = None
@@ -199,7 +199,7 @@ class Line:
         size = np.abs(on_contact)
         self._excess = size - self._at_rest
         stopped = area_means(size, self._excess, self._inner, self._before)
-        speed = self._law.slip_speed(stopped, self._dry, self.impedance, path)
+        speed = self._law.slip_speed(stopped, self._pressed, self.impedance, path)
         # Slip has the sense of the traction that it reduces: V tau >= 0.  Adding 0.0 keeps the rate
         # of nodes that stick at +0.0.
         np.copysign(speed, on_contact, out=moving)
@@ -219,18 +219,19 @@ class Line:
         rate, path : (contact,) arrays
             Slip rate [length / time] and accumulated |slip| [length] at the level.
         """
-        if isinstance(self._law, CoulombFriction):  # in a third of the time
-            return np.abs(rate) * self._dry
-        return np.abs(rate) * self._law.strength(self._dry, rate, path)
+        speed = np.abs(rate)
+        if self._is_constant:  # in a third of the time
+            return speed * self._at_rest
+        return speed * self._law.strength(self._pressed, speed, path)
 
     def _look(self, level: Level, path: Array) -> None:
         """Find the strength at rest under the pressure of a level and after a path (contact,)."""
         pressed = level.pressure is not self._pressed
         if pressed:
-            self._pressed, self._dry = level.pressure, self._friction * level.pressure
+            self._pressed = level.pressure
         if pressed or self.by_path:
-            self._at_rest = self._law.strength(self._dry, 0.0, path)
-        if len(self._inner) != len(self._dry):
+            self._at_rest = self._law.strength(level.pressure, np.zeros(len(path)), path)
+        if len(self._inner) != len(self._at_rest):
             # the edge has no neighbour that obeys friction, and the last node none at all
-            self._inner = np.ones(len(self._dry), dtype=bool)
+            self._inner = np.ones(len(self._at_rest), dtype=bool)
             self._inner[[0, -1]] = False

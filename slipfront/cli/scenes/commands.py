@@ -28,14 +28,11 @@ from semianalytic.scene.given.finding import (
     find_scene,
     kind_of,
 )
-from semianalytic.scene.given.named import (
-    DEFAULT_SCENE,
-    INTERFACES,
-    NAMED_SCENES,
-)
+from semianalytic.scene.given.named import DEFAULT_SCENE, INTERFACES, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
-from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS
+from semianalytic.scene.kinds import HISTORY_KINDS
+from semianalytic.scene.laws.kinds import LAW_KINDS
 from semianalytic.scene.plugins import (
     FIGURES,
     HISTORIES,
@@ -58,7 +55,7 @@ STDOUT = Path("-")
 
 _OWN: Mapping[str, Collection[str]] = {
     SCENES: (*NAMED_SCENES, *NAMED_INTERFACES),
-    LAWS: FRICTION_LAWS,
+    LAWS: LAW_KINDS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
     METHODS: OWN_METHODS,

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, REMOTE, UNIT, unit_scene
 
-from semianalytic import RateWeakening, SceneError, ViscousFriction
+from semianalytic import Coulomb, RateWeakening, SceneError
 from semianalytic.field import body, tuning
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.selfsimilar.solver import solve
 from tests.semianalytic.field.body_fields import check_faces, edges_of
 
-WEAKENED = unit_scene(1.0, load=(0.0, 1.2), friction_law=RateWeakening(0.4, 1.0))
+WEAKENED = unit_scene(1.0, load=(0.0, 1.2), law=RateWeakening(1.0, 0.6, 1.0))
 
 
 def test_what_is_infinite_says_so_with_its_sign():
@@ -35,9 +35,7 @@ def test_what_is_infinite_says_so_with_its_sign():
 @pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("lacking", [1e-7, 1e-12])
-@pytest.mark.parametrize(
-    "parts", [{}, {"mode": "antiplane"}, {"friction_law": ViscousFriction(0.2)}]
-)
+@pytest.mark.parametrize("parts", [{}, {"mode": "antiplane"}, {"law": Coulomb(1.0, viscosity=0.2)}])
 def test_an_edge_closer_to_a_front_than_rounding_is_right_of_it(parts, lacking):
     """A base just below friction sticks on a strip as wide as the square of what it lacks."""
     base = (1.0, 0.3 * (1 - lacking))

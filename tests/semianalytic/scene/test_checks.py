@@ -31,9 +31,9 @@ TAKES_A_NUMBER = {
     "rise_time": sf.Ramp,
     "duration": sf.Pulse,
     "frequency": sf.Harmonic,
-    "reduction": lambda value: sf.RateWeakening(value, 1.0),
-    "rate": lambda value: sf.RateWeakening(0.5, value),
-    "distance": lambda value: sf.SlipWeakening(0.5, value),
+    "static": lambda value: sf.RateWeakening(value, 0.1, 1.0),
+    "rate": lambda value: sf.RateWeakening(1.0, 0.5, value),
+    "distance": lambda value: sf.SlipWeakening(1.0, 0.5, value),
     "times": lambda value: sf.Tabulated((value,), (1.0,)),
     "values": lambda value: sf.Tabulated((1.0,), (value,)),
     "end_time": lambda value: Plan(PRELOADED, value, Settings()),
@@ -127,7 +127,7 @@ def test_tables_refuse_what_is_not_a_number_and_slopes_beyond_range():
     [
         *((name, "must be a ") for name in ("material", "base", "load")),
         *((f"{one}_history", "must be one of Step, Ramp") for one in ("pressure", "shear")),
-        ("friction_law", "must be one of CoulombFriction, "),
+        ("friction", "must be a finite number or a law"),
     ],
 )
 def test_parts_of_a_scene_of_the_wrong_type_are_named(name, said):
