@@ -17,6 +17,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import SI, unit
@@ -358,6 +359,7 @@ def _read(group: Any) -> Simulation:
     )
 
 
+@checking
 def load_simulation(directory: str | Path) -> Simulation:
     """Read the simulation that `Simulation.save` wrote into a folder.
 
@@ -402,6 +404,7 @@ def load_simulation(directory: str | Path) -> Simulation:
         ) from error
 
 
+@checking
 def opening_sentence(simulation: Simulation) -> str:
     """Say whether the contact came apart, and where, when, how far and over which length.
 

@@ -24,7 +24,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.tables.columns import read_columns
@@ -82,7 +83,7 @@ class Table(Alike):
         for name in ("x", "values"):
             try:
                 given = np.array(getattr(self, name), dtype=float)  # the caller keeps its own
-            except (TypeError, ValueError):  # words, or rows of different lengths
+            except (TypeError, ValueError, OverflowError):  # words, or rows of different lengths
                 given = np.empty(0)
             if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all():
                 raise SceneError(f"table: {name} must be two or more finite numbers.")
@@ -95,6 +96,7 @@ class Table(Alike):
         return np.interp(np.asarray(x, float), self.x, self.values, left=math.nan, right=math.nan)
 
     @classmethod
+    @checking
     def read(cls, path: str | PathLike[str], column: str = "") -> Table:
         """Read a table from a file with a header such as ``x [km], pressure [MPa]``.
 
@@ -117,20 +119,10 @@ class Table(Alike):
         if not at:
             names = ", ".join(one.heading for one in columns)
             raise SceneError(f"{path}: there is no column {column!r}; it has {names}.")
-        read = []
-        for one, dimensions in ((columns[0], ("length",)), (at[0], tuple(EXAMPLES))):
-            size = one.size(dimensions)
-            if size is None:
-                raise SceneError(
-                    f"{path}: the heading {shown(one.heading)} must be a name and a unit such as "
-                    "x [km] or pressure [MPa]."
-                )
-            if not np.isfinite(one.values).all():
-                raise SceneError(f"{path}: {one.name} must hold finite numbers in every row.")
-            read.append(size * one.values)
-        if len(read[0]) < 2:
+        x, values = columns[0].numbers(path, ("length",)), at[0].numbers(path, EXAMPLES)
+        if len(x) < 2:
             raise SceneError(f"{path}: a table must have a header and two lines or more.")
-        return cls(*read)
+        return cls(x, values)
 
 
 @dataclass(frozen=True, eq=False)

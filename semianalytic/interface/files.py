@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from os import PathLike
@@ -17,8 +16,7 @@ from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.checks import check_keys, checked_table, finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import history_from_table
-from semianalytic.scene.given.files import INTERFACE_KEY
-from semianalytic.scene.given.text_files import text_of
+from semianalytic.scene.given.files import INTERFACE_KEY, read_document
 from semianalytic.scene.incident import IncidentWave, MovingLoad, load_from_document
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.laws.kinds import LAW_WORDS, law_from_table
@@ -88,22 +86,11 @@ def read_interface(path: str | PathLike[str]) -> InterfaceFile:
         If the file cannot be read, or a key is missing, unknown or out of range; the message names
         file and key.
     """
-    try:
-        text = text_of(path)
-    except OSError as error:
-        raise SceneError(f"Cannot read the file {path}: {error.strerror or error}.") from error
-    except ValueError as error:
-        raise SceneError(f"{path} is not a text file in UTF-8.") from error
-    return parsed(text, str(path), Path(path).parent)
+    return described(read_document(path), str(path), Path(path).parent)
 
 
-def parsed(text: str, name: str, folder: Path) -> InterfaceFile:
-    """Return the interface that a text describes; tables of values are sought in a folder."""
-    try:
-        document = tomllib.loads(text)
-    # tomllib recurses into nested arrays: a file of a thousand brackets is a mistake as well.
-    except (ValueError, RecursionError) as error:
-        raise SceneError(f"{name} is not a valid TOML file: {error}.") from error
+def described(document: dict[str, Any], name: str, folder: Path = Path()) -> InterfaceFile:
+    """Return the interface of a document; tables of values are sought in a folder."""
     try:
         return _interface(document, folder)
     except SceneError as error:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping
 from os import PathLike, fspath
-from pathlib import Path
 
-from semianalytic.interface.files import InterfaceFile, parsed, read_interface
+from semianalytic.interface.files import InterfaceFile, described, read_interface
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.given.finding import INTERFACE, kind_of
 
@@ -222,7 +222,7 @@ def find_interface(source: str) -> InterfaceFile:
     """
     if source in NAMED_INTERFACES:
         # Descriptions that come with the package have no tables, and so no folder.
-        return parsed(NAMED_INTERFACES[source], source, Path())
+        return described(tomllib.loads(NAMED_INTERFACES[source]), source)
     return read_interface(source)
 
 

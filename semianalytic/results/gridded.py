@@ -17,7 +17,7 @@ from semianalytic.results.answer import (
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.notebook import html_table
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.units import unit
 
 

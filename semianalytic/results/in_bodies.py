@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from semianalytic.results.answer import Array, BodyFields
 from semianalytic.results.gridded import Gridded
-from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.given.arguments import asked_in_units
 
 
 class EstimatedFields(BodyFields, Protocol):

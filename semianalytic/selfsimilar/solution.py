@@ -19,8 +19,8 @@ from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.loading import Tractions
-from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said, zones_table

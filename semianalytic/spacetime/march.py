@@ -29,8 +29,8 @@ from os import PathLike
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import taking_quantities
 from semianalytic.scene.given.finding import of_scene, scene_of_one_solid
-from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.advancing import TOLERANCES, advance, loads_on_grid
 from semianalytic.spacetime.grid.line import LARGEST_FEEDBACK

@@ -17,7 +17,7 @@ from semianalytic.results.notebook import html_table
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions
 from semianalytic.scene.units import unit
 from semianalytic.spacetime.bodies.marched_bodies import MarchedBodies

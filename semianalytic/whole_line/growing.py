@@ -13,6 +13,7 @@ from semianalytic.halfplane.rayleigh import Array, Mode, rayleigh_factors
 from semianalytic.results.places import contact_points
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.loading import GrowingLoad
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
@@ -21,6 +22,7 @@ from semianalytic.whole_line.drive import check_law
 from semianalytic.whole_line.growing_zone import GrowingZone, growing_zone
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class GrowingSolution(SelfSimilarAnswer):
     """Slip from the edge of a slot under a load and a strength that grow as t^n.

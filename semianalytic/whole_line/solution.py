@@ -13,6 +13,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import checked_arrival
 from semianalytic.results.places import line_points, line_positions
 from semianalytic.results.reading import Reading, self_similar_reading
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.loading import Patch, PointForce
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
@@ -21,6 +22,7 @@ from semianalytic.whole_line.drive import Drive
 from semianalytic.whole_line.spreading import Spreading
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class LineSolution(SelfSimilarAnswer):
     """Self-similar slip or opening of a whole line around a growing patch or point force.

@@ -6,15 +6,17 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Collection, Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from semianalytic.scene.checks import check_keys, check_numbers, checked_table
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.load_tables import with_tables
-from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.tables.bounds import LARGEST_DESCRIPTION
+from semianalytic.scene.tables.text import text_of
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
@@ -84,16 +86,15 @@ def check_tables(
             check_numbers(f"{name}.", table)
 
 
-def read_document(path: str | Path) -> dict[str, Any]:
+def read_document(path: str | PathLike[str]) -> dict[str, Any]:
     """Read a TOML file; raise SceneError if it cannot be read, or is none."""
     text = ""
     try:
-        text = text_of(path)
+        text = text_of(Path(path), LARGEST_DESCRIPTION)
         return tomllib.loads(text)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
-    except ValueError as error:  # TOML syntax and UTF-8 errors alike
+    except DataFileError as error:
+        raise SceneError(str(error)) from error
+    except ValueError as error:
         # The parser names a line and column; that a table was appended to a file that has it
         # already is the usual reason, and easier to mend by name.
         twice = [head for head, count in Counter(_headings(text)).items() if count > 1]

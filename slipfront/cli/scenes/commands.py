@@ -43,6 +43,7 @@ from semianalytic.scene.plugins import (
     find_plugin,
     plugins,
 )
+from semianalytic.scene.tables.text import text_of
 from semianalytic.scene.units import SI
 from slipfront.cli.options import AsJson
 from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
@@ -204,7 +205,7 @@ def _text_of(name: str) -> str:
     """Return the TOML file of a problem that is no scene."""
     if name in NAMED_INTERFACES:
         return NAMED_INTERFACES[name].lstrip()
-    return Path(name).read_text(encoding="utf-8")
+    return text_of(Path(name))
 
 
 def _write(file: Path, text: str, document: dict[str, Any], *, force: bool, as_json: bool) -> None:

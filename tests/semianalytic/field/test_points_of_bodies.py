@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, REMOTE, UNIT, unit_scene
 
-from semianalytic import Coulomb, RateWeakening, SceneError
+from semianalytic import (
+    Coulomb,
+    Material,
+    MovingLoad,
+    RateWeakening,
+    Scene,
+    SceneError,
+    Tractions,
+    find,
+)
 from semianalytic.field import body, tuning
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.selfsimilar.solver import solve
@@ -140,3 +149,22 @@ def test_faces_under_friction_that_falls_with_slip_rate(mode):
     bound = solution.field_error
     assert bound < 1e-5
     check_faces(solution, x, 1.0, 3 * bound, rtol=1e-7)
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+def test_the_open_face_beside_the_end_of_an_opening_in_a_film(rtol):
+    """Its traction is zero, and that of the film jumps at the end: the worst place of a field."""
+    load = MovingLoad(0.003, -0.031, 9.264)
+    film = Scene(
+        Material(1.0, 1.0, 0.257), Coulomb(0.0713, viscosity=0.664), Tractions(0.0524, 0.00189),
+        load, mode="antiplane",
+    )  # fmt: skip
+    lifted = find("lift-off-shear")
+    for scene in (film, replace(lifted, friction=Coulomb(lifted.coefficient, viscosity=0.3))):
+        solution = solve(scene, rtol=rtol)
+        (opening,) = solution.openings
+        x = opening.outer * (1 - 10.0 ** -np.arange(1, 7))
+        stress = np.abs(solution.stress(x, 0.0, 1.0)[[1, -1]])
+        largest = max(abs(scene.load.pressure), abs(scene.load.shear))
+        assert (stress <= solution.field_error * (stress + largest)).all()
+        assert solution.field_error < 1e3 * rtol

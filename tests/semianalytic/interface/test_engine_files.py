@@ -164,7 +164,7 @@ def test_named_interfaces_begin(name):
         (WAVE, "at = 4.0", "on = 4.0", "unknown key load.on"),
         (WAVE, "length = 8.0", "length = 8.0\neven = true", "not even in x"),
         (WAVE, "material", f"{SOFTER_BELOW}material", "beyond a critical angle"),
-        (TABLE, "[kPa]", "[furlnog]", "must be a name and a unit"),
+        (TABLE, "[kPa]", "[furlnog]", "must have no unit, or one such as"),
         (TABLE, "1e-3\n4000", "nan\n4000", "must hold finite numbers"),
         (TABLE, TABLE, "x [m], pressure [Pa]\n", "has no row of numbers"),
     ],
@@ -268,8 +268,8 @@ def test_pipes_devices_and_huge_files_are_refused_at_once(folder, monkeypatch):
         with pytest.raises(sf.SceneError, match="not an ordinary file"):
             find("pipe.toml")
     with monkeypatch.context() as patch:
-        patch.setattr("semianalytic.scene.given.text_files.LARGEST", 10)
-        with pytest.raises(sf.SceneError, match="has more than"):
+        patch.setattr("semianalytic.scene.given.files.LARGEST_DESCRIPTION", 10)
+        with pytest.raises(sf.SceneError, match="and at most"):
             sf.find("a.toml")
 
 

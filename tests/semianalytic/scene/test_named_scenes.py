@@ -148,9 +148,9 @@ def test_a_value_in_place_of_a_table_is_refused(tmp_path):
 def test_binary_and_missing_files_are_refused(tmp_path):
     path = tmp_path / "mesh.toml"
     path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(sf.SceneError, match="not a valid TOML file"):
+    with pytest.raises(sf.SceneError, match="a character is not in UTF-16"):
         read_scene(path)
-    with pytest.raises(sf.SceneError, match="Cannot read the scene file"):
+    with pytest.raises(sf.SceneError, match="cannot be read"):
         sf.find(str(tmp_path / "absent.toml"))
 
 
@@ -273,8 +273,8 @@ def test_tables_are_read_in_the_units_of_their_header(tmp_path, table):
     [
         ("t [us],V [mm]\n0,0\n", {}, "two columns, t and value, or t and shear; it has t, V"),
         ("0, 0\n1, 1\n", {}, "no header"),
-        ("t [mm],value\n0,0\n", {}, "t must be in s, ms, us or ns, or have no unit, got 'mm'"),
-        ("t,shear [m]\n0,0\n", {}, "shear must be in Pa, kPa, MPa or GPa"),
+        ("t [mm],value\n0,0\n", {}, "t must have no unit, or one such as µs, got 'mm'"),
+        ("t,shear [m]\n0,0\n", {}, "shear must have no unit, or one such as MPa"),
         ("t,value\n0,a\n", {}, "line 2: 'a' is not a number"),
         ("", {}, "has no row of numbers"),
         ("t [us],value\n0,0\n", {"units": ""}, 'write units = "SI"'),

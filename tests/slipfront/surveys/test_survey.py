@@ -205,7 +205,7 @@ def test_many_points_of_a_plane_are_single_solutions():
         ({"friction": [0.1]}, {"chunk": 0}, "chunk must be a whole number"),
         ({"friction": [0.1]}, {"x": [1.0]}, "give x and t"),
         ({"friction": [0.1]}, {"x": [-1.0], "t": [1.0]}, "x must be positions on the contact"),
-        ({"friction": [0.1]}, {"x": "a", "t": 1.0}, "x must be numbers"),
+        ({"friction": [0.1]}, {"x": "a", "t": 1.0}, "x must be a number or an array of numbers"),
         ({"friction": [0.1]}, {"x": 1, "t": 1, "fields": ["speed"]}, "fields must be some of"),
         ({"friction": [0.1]}, {"path": "a.csv"}, "let its name end in .nc"),
         # what no machine can hold
