@@ -177,10 +177,10 @@ def field_row(
 ) -> Row:
     """Return the row of the norms of a field, its relative error and its bar.
 
-    A row that agrees but is off by more on this mesh than on that of 2h, and by more than what is
-    uncertain on any mesh, is unresolved: the simulation does not converge to the prediction,
-    whatever its meshes show of each other.  Where the prediction is nothing everywhere, the largest
-    values replace norms, and differences are in units of the field.
+    A row that is off by more on this mesh than on that of 2h, and by more than what is uncertain
+    on any mesh, is unresolved: the simulation does not converge to the prediction, whatever its
+    meshes show of each other.  Where the prediction is nothing everywhere, the largest values
+    replace norms, and differences are in units of the field.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ def field_row(
         return size(at(1, 1)[..., : there.shape[-1]] - there, 1) / per
 
     row = judged(case, row, error, before, added)
-    if row.verdict != AGREES:
+    if row.verdict == DIFFERS or row.obstacle in (WIDE, NO_BAR) or case.caution:
         return row
     off, was = abs(row.difference or 0.0), before()
     if off <= (1.0 if kind in BASIC else SMEARED) * was + added + floor:
