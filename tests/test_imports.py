@@ -40,7 +40,6 @@ ARROWS = {
         "records": "",
         "tasks": "",
         "comparison": "output",
-        "interfaces": "comparison",
         "figures": "comparison output",
         "validation": "records comparison figures output",
         "benchmarks": "records comparison validation output",

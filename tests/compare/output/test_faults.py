@@ -19,7 +19,7 @@ from faults import (
 )
 
 from compare.figures.saving import save_figure
-from compare.output.files import append_text, write_text
+from compare.output.files import write_text
 from compare.output.places import LOCK, check_file, save_somewhere, working_folder
 from fem import simulate
 from semianalytic.results.files import check_seal, new_file, whole_hdf5
@@ -167,8 +167,6 @@ def test_a_folder_that_vanishes_is_made_again_or_named(tmp_path):
     ):
         shutil.rmtree(tmp_path / "a")
     assert not (tmp_path / "a").exists()
-    with pytest.raises(DataFileError, match=r"Cannot write .*part: No such file"):
-        append_text(folder / "part", "text")
 
 
 def test_a_vanished_working_directory_is_one_sentence(tmp_path):
