@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.lines import Line
-from semianalytic.engine.acting import ActingLoads
-from semianalytic.engine.line import grid_of
+from semianalytic.engine.stepping.acting import ActingLoads
+from semianalytic.engine.stepping.line import grid_of
 from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.errors import SceneError

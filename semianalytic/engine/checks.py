@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import zone_beside_edge
-from semianalytic.engine.line import Grid
-from semianalytic.engine.pace import in_fours, nodes_for_contact
 from semianalytic.engine.result import Run
+from semianalytic.engine.stepping.line import Grid
+from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
 from semianalytic.engine.tuning import BESIDE_EDGE_ERROR
 from semianalytic.interface.fields import at_nodes, sampled
 from semianalytic.interface.interface import Interface

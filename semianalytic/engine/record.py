@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.checks import times_of_loads
 from semianalytic.engine.result import Run
-from semianalytic.engine.state import State
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.state import State
+from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory.line_memory import LineMemory, Past
 from semianalytic.scene.errors import DataFileError, SceneError
 

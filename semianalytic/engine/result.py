@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
-from semianalytic.engine.line import fitting_nodes, grid_of
+from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.tuning import LEAST_GAP
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.checks import missed_slip, too_short, wrong_beside_slots
-from semianalytic.engine.line import fitting_nodes
-from semianalytic.engine.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.line import fitting_nodes
+from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
+from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.tuning import (
     ERROR_SAFETY,
     LEAST_GAP,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import semianalytic as sf
 from docs.studies.accuracy.engine import beside_slot
 from semianalytic.engine.run import run
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
 

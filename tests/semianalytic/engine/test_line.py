@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.line import Grid
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.line import Grid
+from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory import cosines, line_memory
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Antiplane, InPlane

@@ -16,7 +16,7 @@ from semianalytic.dissimilar.whole_line import (
     half_line_slip_rate,
     patch_speeds,
 )
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory.exponentials import fit_shared
 from semianalytic.memory.impedance import InPlane, Opening
 

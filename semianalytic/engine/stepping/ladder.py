@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.pace import LoadPace
-from semianalytic.engine.state import State
+from semianalytic.engine.stepping.pace import LoadPace
+from semianalytic.engine.stepping.state import State
+from semianalytic.engine.stepping.unilateral import Unilateral
 from semianalytic.engine.tuning import LADDER
-from semianalytic.engine.unilateral import Unilateral
 from semianalytic.interface.law import InterfaceLaw
 from semianalytic.scene.errors import SceneError
 

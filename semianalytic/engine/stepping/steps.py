@@ -8,18 +8,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.acting import ActingLoads
-from semianalytic.engine.balance import Balance, freed_rate
 from semianalytic.engine.checks import check_even, check_touching
-from semianalytic.engine.ladder import Ladder
-from semianalytic.engine.line import grid_of
-from semianalytic.engine.memories import memories
-from semianalytic.engine.pace import LoadPace, in_fours
-from semianalytic.engine.state import State
+from semianalytic.engine.stepping.acting import ActingLoads
+from semianalytic.engine.stepping.balance import Balance, freed_rate
+from semianalytic.engine.stepping.ladder import Ladder
+from semianalytic.engine.stepping.line import grid_of
+from semianalytic.engine.stepping.memories import memories
+from semianalytic.engine.stepping.pace import LoadPace, in_fours
+from semianalytic.engine.stepping.state import State
+from semianalytic.engine.stepping.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.tuning import (
     BOUND_SHARE,
 )
-from semianalytic.engine.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.window import check_window
 from semianalytic.interface.contact import Adhesion
 from semianalytic.interface.fields import required, sampled

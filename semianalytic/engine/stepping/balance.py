@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.line import Grid
+from semianalytic.engine.stepping.line import Grid
 from semianalytic.interface.law import InterfaceLaw
 from semianalytic.spacetime.grid.line import area_means
 

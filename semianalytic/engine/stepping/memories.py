@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from semianalytic.engine.line import Grid
+from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.tuning import (
     LARGEST_HORIZON,
 )

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.line import Grid
+from semianalytic.engine.stepping.line import Grid
 from semianalytic.interface.contact import Adhesion
 from semianalytic.memory.line_memory import LineMemory
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.unilateral import Faces
+from semianalytic.engine.stepping.unilateral import Faces
 
 Array = NDArray[np.float64]
 
