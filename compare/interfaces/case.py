@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fem.lines import LineSimulation
 from semianalytic import Run
-from semianalytic.engine.tuning import LEAST_GAP
+from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.interface.fields import at_nodes, sampled
 
 Array = NDArray[np.float64]

@@ -34,7 +34,7 @@ from fem.lines.march import planned_work, sample_times
 from semianalytic import Interface, Run, solve
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.pace import in_fours
-from semianalytic.engine.tuning import NODES
+from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 

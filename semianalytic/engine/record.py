@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.checks import times_of_loads
 from semianalytic.engine.result import Run
 from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.steps import Stepper
+from semianalytic.engine.stepping.symmetry import times_of_loads
 from semianalytic.memory.line_memory import LineMemory, Past
 from semianalytic.scene.errors import DataFileError, SceneError
 
@@ -58,48 +58,65 @@ class Record:
 
     def begin(self, now: State) -> None:
         """Record the state at the beginning of the run."""
-        self._peak(now)
-        self._begun(now, now)
+        self._count([now.time], now.rate[None])
         if self.times is None:
             self._write(now.time, self._shown(now))
         else:
             while self.times and self.times[0] <= now.time:
                 self._write(self.times.pop(0), self._shown(now))
 
-    def add(self, before: State, now: State) -> None:
-        """Record a step: fields if they are due, and its time and largest slip rate always."""
-        self.count += 1
-        self._peak(now)
-        self._begun(before, now)
-        if self.times is None:
-            if self.count % self.every == 0:
-                self._write(now.time, self._shown(now))
-                if len(self.t) > self.frames:
-                    self._thin()
-            return
-        while self.times and self.times[0] <= now.time * (1 + 1e-12):
-            time = self.times.pop(0)
-            self._write(time, self._between(before, now, time))
+    def add(self, times: Sequence[float], rates: Array, look: Callable[[int], State]) -> None:
+        """Record steps: fields if they are due, and times and largest slip rates always.
+
+        Parameters
+        ----------
+        times : (k + 1,) sequence
+            Times of the levels and of the one before them [time].
+        rates : (k + 1, n) array
+            Slip rates at these.
+        look : function
+            Returns the state at one of these levels, given by its place.
+        """
+        self._count(times, rates)
+        for level, time in enumerate(times[1:], 1):
+            self.count += 1
+            if self.times is None:
+                if self.count % self.every == 0:
+                    self._write(time, self._shown(look(level)))
+                    if len(self.t) > self.frames:
+                        self._thin()
+                continue
+            while self.times and self.times[0] <= time * (1 + 1e-12):
+                at = self.times.pop(0)
+                self._write(at, self._between(look(level - 1), look(level), at))
 
     def end(self, now: State) -> None:
         """Record the last state unless the last step recorded it."""
         if self.times is None and self.t[-1] != now.time:
             self._write(now.time, self._shown(now))
 
-    def _peak(self, now: State) -> None:
-        self.step_times.append(now.time)
-        on = now.rate[self._touching]
-        self.peak_rates.append(float(np.abs(on).max()) if len(on) else 0.0)
-
-    def _begun(self, before: State, now: State) -> None:
-        """Note when slip begins: the slip rate is linear over a step."""
-        old, new = np.abs(before.rate), np.abs(now.rate)
-        first = self._touching & np.isnan(self.onset) & (new > self.slipping)
-        if first.any():
-            rise = np.maximum(new - old, 1e-300)[first]
-            with np.errstate(over="ignore"):  # of a rate that has not risen
-                share = np.clip((self.slipping - old[first]) / rise, 0.0, 1.0)
-            self.onset[first] = before.time + share * (now.time - before.time)
+    def _count(self, times: Sequence[float], rates: Array) -> None:
+        """Note the peaks of slip rates, and when slip begins: slip rates are linear over a step."""
+        speeds = np.abs(rates[:, self._touching])
+        new = slice(len(times) > 1, None)
+        self.step_times += times[new]
+        self.peak_rates += speeds[new].max(axis=1, initial=0.0).tolist()
+        onset = self.onset[self._touching]
+        waiting = np.flatnonzero(np.isnan(onset))
+        begins = speeds[new, waiting] > self.slipping
+        began = np.flatnonzero(begins.any(axis=0))
+        if not len(began):
+            return
+        # at the beginning of a run the level before is the first one itself
+        after = np.argmax(begins[:, began], axis=0) + (len(times) > 1)
+        before = np.maximum(after - 1, 0)
+        node, t = waiting[began], np.asarray(times)
+        old = speeds[before, node]
+        rise = np.maximum(speeds[after, node] - old, 1e-300)
+        with np.errstate(over="ignore"):  # of a rate that has not risen
+            share = np.clip((self.slipping - old) / rise, 0.0, 1.0)
+        onset[node] = t[before] + share * (t[after] - t[before])
+        self.onset[self._touching] = onset
 
     def _write(self, time: float, shown: Sequence[Array]) -> None:
         self.t.append(time)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
-from semianalytic.engine.tuning import LEAST_GAP
+from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.files import Seal, check_seal, write_bytes

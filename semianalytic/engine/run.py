@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from semianalytic.engine.checks import missed_slip, too_short, wrong_beside_slots
 from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
 from semianalytic.engine.result import Run
+from semianalytic.engine.stepping.advance import advanced
 from semianalytic.engine.stepping.line import fitting_nodes
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.stepping.steps import Stepper
-from semianalytic.engine.tuning import (
+from semianalytic.engine.stepping.tuning import (
     ERROR_SAFETY,
     LEAST_GAP,
     MOST_NODES,
@@ -26,7 +27,7 @@ from semianalytic.engine.tuning import (
     STEP_RATIO,
     ZONE_NODES,
 )
-from semianalytic.engine.window import doubt_of
+from semianalytic.engine.stepping.window import doubt_of
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
@@ -255,16 +256,19 @@ def _one(
             # the earlier run ended with the values before the jump
             now = stepper.jump(now)
     stops = [at for at in interface.jumps if now.time < at < end_time] + [end_time]
+
+    def asked(time: float) -> bool:
+        told = progress is not None and progress(time, end_time)
+        return bool(options["interruption"].pressed or told)
+
     stopped = False
     while stops and not stopped:
-        before, (now, last) = now, stepper.advance(now, stops[0])
-        if last:
+        now, stopped = advanced(stepper, now, stops[0], record.add, asked)
+        if now.time >= stops[0]:
+            stopped = stopped and len(stops) > 1
             stops.pop(0)
-        record.add(before, now)
-        if last and stops:
-            now = stepper.jump(now)
-        asked = progress is not None and progress(now.time, end_time)
-        stopped = bool(options["interruption"].pressed or asked) and bool(stops)
+            if stops:
+                now = stepper.jump(now)
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
     most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])

@@ -47,6 +47,7 @@ class Coulomb(DelayedLaw):
     friction: Any
     cohesion: Any = 0.0
     viscosity: Any = 0.0
+    is_stateless = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -61,11 +62,6 @@ class Coulomb(DelayedLaw):
         """Return f p + cohesion + viscosity |V|; see `InterfaceLaw.strength`."""
         return self.friction * pressure + self.cohesion + self.viscosity * speed
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
-        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
-        dry = self.strength(pressure, np.zeros(np.shape(pressure)), state)
-        return np.maximum(stopping - dry, 0.0) / (impedance + self.viscosity)
-
-    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the viscosity; see `InterfaceLaw.rate_slope`."""
-        return np.broadcast_to(np.asarray(self.viscosity, dtype=float), pressure.shape)
+    def steady_slope(self) -> Any:
+        """Return the viscosity; see `InterfaceLaw.steady_slope`."""
+        return self.viscosity

@@ -98,13 +98,33 @@ class InterfaceLaw(ABC):
 
         By default it is found by bracketing in ln V, to rounding; a law may know a faster way.
         """
-        return balanced(self, stopping, pressure, impedance, state)
+        slope = self.steady_slope()
+        if slope is None:
+            return balanced(self, stopping, pressure, impedance, state)
+        rest = self.strength(pressure, np.zeros(np.shape(pressure)), state)
+        return np.asarray(np.maximum(stopping - rest, 0.0) / (impedance + slope))
+
+    def steady_slope(self) -> Any:
+        """Return the slope of strength by speed if no speed changes it; None by default.
+
+        The unit is [stress time / length].
+        """
+        return None
+
+    @property
+    def follows_state(self) -> bool:
+        """Whether strength may depend on the state."""
+        # A class that is derived from one without a state may have one.
+        return not vars(type(self)).get("is_stateless", False)
 
     def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
         """Return the slope of strength by speed [stress time / length], by differences by default.
 
         It lengthens steps where it is large.
         """
+        slope = self.steady_slope()
+        if slope is not None:
+            return np.broadcast_to(np.asarray(slope, dtype=float), pressure.shape)
         small = np.maximum(speed, SLOWEST) * 1e-4
         rise = self.strength(pressure, speed + small, state)
         return np.asarray((rise - self.strength(pressure, speed, state)) / small)

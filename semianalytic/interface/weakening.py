@@ -19,14 +19,9 @@ Array = NDArray[np.float64]
 class RateIndependentLaw(DelayedLaw):
     """A law whose strength does not depend on slip rate, so that its balance is linear."""
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
-        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
-        strength = self.strength(pressure, np.zeros(len(pressure)), state)
-        return np.asarray(np.maximum(stopping - strength, 0.0) / impedance)
-
-    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return 0; see `InterfaceLaw.rate_slope`."""
-        return np.zeros(len(pressure))
+    def steady_slope(self) -> float:
+        """Return 0; see `InterfaceLaw.steady_slope`."""
+        return 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,6 +176,7 @@ class RateDependent(DelayedLaw):
     dynamic: Any
     rate: Any
     cohesion: Any = 0.0
+    is_stateless = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -12,7 +12,7 @@ import numpy as np
 
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
-from semianalytic.engine.tuning import ERROR_SAFETY, NODES
+from semianalytic.engine.stepping.tuning import ERROR_SAFETY, NODES
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.files import InterfaceFile

@@ -183,6 +183,7 @@ class LineMemory:
         self.horizon = fit.horizon
         self._kernels, self._q, self._most = kernels, wavenumbers, tables
         poles, size = len(kernels.poles), len(wavenumbers)
+        self.size = size
         # convolutions, without the share of the newest rate where a last step is noted
         self._modes = np.zeros((rows, poles, size), dtype=complex)
         self._lasting, self._last = np.zeros((rows, size)), 0.0

@@ -26,6 +26,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
 
+from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
@@ -33,15 +34,13 @@ from semianalytic.scene.given.finding import checked_scene, of_scene
 from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.advancing import TOLERANCES, advance, loads_on_grid
-from semianalytic.spacetime.grid.line import LARGEST_FEEDBACK
-from semianalytic.spacetime.grid.resolution import (
-    STEP_RATIO,
-    check_weakening_seen,
-)
+from semianalytic.spacetime.grid.resolution import check_weakening_seen
 from semianalytic.spacetime.march_plan import LEAST_NODES, MarchPlan
 from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.stepping import check_levels, segments_between
 
+STEP_RATIO = 0.5
+"""Default ratio c_t dt / h of steps."""
 DAMPING = 0.7
 """Default least feedback of the shortest wave: without any, small steps leave an odd-even mode."""
 TOLERANCE = 1e-6

@@ -84,12 +84,16 @@ class MarchRecord:
             [time, time], np.stack([rate, rate]), slip[None, : self._observed]
         )
 
-    def count(self) -> None:
-        """Count a step, which belongs to the next levels that are added, and tell of it."""
+    def count(self, time: float) -> bool:
+        """Count a step to a time, which belongs to the next levels that are added, and tell of it.
+
+        Return whether the march is to end there.
+        """
         self.done += 1
         self.stopped = self._progress is not None and (
             self._progress(self.done, self._steps) is True
         )
+        return self.stopped
 
     def add(
         self,

@@ -16,19 +16,19 @@ from itertools import islice, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.memory.cosines import cosines, from_cosines
+from semianalytic.engine.stepping.balance import Balance
+from semianalytic.engine.stepping.blocks import Blocks, Level, Reached
 from semianalytic.memory.line_memory import LineMemory, Past
-from semianalytic.scene.errors import ComputationError, TensionError
+from semianalytic.scene.errors import TensionError
 from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid.grid_loads import SWEEPS, FrontLoad, NodalPressure
-from semianalytic.spacetime.grid.line import Level, Line, damped
+from semianalytic.spacetime.grid.scene_friction import SceneFriction
 from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.state import MarchState
 
-BLOCK_STEPS = 64
-"""Steps that are recorded at once: 16 take 1.2 times as long, 256 as long (256 nodes)."""
+MEANS_LAST = False
 
 Array = NDArray[np.float64]
 
@@ -170,61 +170,61 @@ class Walk:
         record: MarchRecord,
     ) -> None:
         self.grid, self.record = marched.grid, record
-        self.time, self.time_step, self.done = marched.state.time, 0.0, 0
+        self.time_step, self.done = 0.0, 0
         self._marched, self._pressure, self._front = marched, pressure, front
-        self._line = Line(marched.scene, marched.grid.slot)
-        self._by_slip = self._line.by_path
-        state, size = marched.state, marched.grid.size
-        self._memory = LineMemory(marched.memory, self.grid.wavenumbers)
+        state, grid, scene = marched.state, marched.grid, marched.scene
+        line, law = grid.line, SceneFriction(scene.friction_law, scene.friction)
+        touching = np.arange(grid.size) >= grid.slot
+        impedance = scene.material.shear_impedance / 2
+        self._memory = LineMemory(marched.memory, line.wavenumbers)
         self._memory.put_back(Past(state.modes[None], state.lasting[None]))
-        # Slip rates whose five fields stay in the cache: with half a march takes 1.1 times as long.
-        self._block = max(1, min(BLOCK_STEPS, (1 << 15) // size))
-        # the levels of a block, of which the first is the one before it
-        values = (state.rate, state.traction, state.slip, state.path, state.work)
-        self._fields = [np.empty((self._block + 1, len(value))) for value in values]
-        for field, value in zip(self._fields, values, strict=True):
-            field[0] = value
-        self._rates, self._tractions, self._slips, self._paths, self._works = self._fields
-        self._powers = np.zeros_like(self._tractions)
-        self._last = 0
-        self._transform, self._stopping = np.empty((1, size)), np.empty(size)
+        self._blocks = Blocks(
+            line,
+            Balance(law, impedance, touching, line, falls=True),
+            law,
+            self._memory,
+            Reached(state.time, state.rate, state.traction, state.slip, state.path, state.work),
+            kept=grid.contact,
+            impedance=impedance,
+            speed=scene.material.shear_speed,
+            sweeps=SWEEPS,
+            damping=marched.damping,
+            means_last=MEANS_LAST,
+        )
+
+    @property
+    def time(self) -> float:
+        """Time reached [time]."""
+        return self._blocks.time
 
     @property
     def state(self) -> MarchState:
         """The state that is reached; its memory is complete between segments only."""
-        fields = (field[self._last].copy() for field in self._fields)
-        past = self._memory.past()
-        return MarchState(self.time, past.modes[0], past.lasting[0], *fields)
+        past, now = self._memory.past(), self._blocks.reached
+        fields = now.rate, now.traction, now.slip, now.state, now.work
+        return MarchState(now.time, past.modes[0], past.lasting[0], *fields)
 
     @property
     def rates(self) -> Array:
         """Slip rates at the levels of the last block and the one before it, (k + 1, size)."""
-        return self._rates[: self._last + 1]
+        return self._blocks.levels[0]
 
     def begin(self, segment: Segment) -> None:
         """Enter a segment, applying the load jump at its beginning."""
-        marched, grid, scene = self._marched, self.grid, self._marched.scene
-        self._turn_over()
+        marched, scene = self._marched, self._marched.scene
         self.time_step, self.done = segment.time_step, 0
-        self._length = scene.material.shear_speed * segment.time_step
-        feedback = self._memory.table(self._length).feedback[0]
-        feedback = damped(feedback, grid.wavenumbers, marched.damping)
-        self._feedback = -self._line.impedance * feedback
         self._levels = _levels(scene, segment, self._pressure, self._front)
         first = next(self._levels)
         # A segment that begins neither with the load nor at a jump continues an earlier march,
         # whose rate is the right one already.
         if segment.begin == marched.begins or segment.begin in _jumps(scene):
-            self._line.forget()
-            self._jump(first)
-            self.record.jump(self.time, self._rates[0], self._slips[0])
+            self._blocks.jump(first)
+            rates, _, slips, *_ = self._blocks.levels
+            self.record.jump(self.time, rates[0], slips[0])
         else:
-            contact = self._rates[0, grid.contact]
-            self._line.recall(first, self._tractions[0], contact, self._paths[0])
-        self._powers[0] = self._line.power(self._rates[0, grid.contact], self._paths[0])
+            self._blocks.recall(first.pressure)
         if segment.begin == marched.recorded_from:
             self.record.begin(self.state, first.pressure)
-        cosines(self._rates[0], self._transform[0])
 
     def advance(self, steps: int) -> None:
         """Take a block of up to so many steps, fewer if the march is stopped, and record it.
@@ -238,91 +238,21 @@ class Walk:
         ComputationError
             If a slip rate is no longer finite.
         """
-        self._turn_over()
-        times, pressures = [self.time], []
-        while self._last < min(steps, self._block) and not self.record.stopped:
-            level = next(self._levels)
-            _check_pressure(self._marched.scene, level, self.grid.spacing)
-            self._step(level)
-            self._last += 1
-            times.append(level.time)
-            pressures.append(level.pressure)
-            self.record.count()
-        self.done += self._last
-        self.time = times[-1]
-        self._sum_up()
-        self.record.add(times, pressures, *(field[: self._last + 1] for field in self._fields))
+        blocks = self._blocks
+        blocks.advance(self._checked(), self.record.count, steps)
+        self.done += len(blocks.pressures)
+        self.record.add(blocks.times, blocks.pressures, *blocks.levels)
 
     def end(self) -> None:
         """Leave the segment, at its end or before it if the march was stopped."""
         # complete the memory, so that a segment of another step length can begin from it
-        self._memory.settle(self._transform)
+        self._blocks.settle()
 
-    def _turn_over(self) -> None:
-        """Make the level that is reached the first of the next block."""
-        if self._last:
-            for field in (*self._fields, self._powers):
-                field[0] = field[self._last]
-            self._last = 0
-
-    def _jump(self, level: Level) -> None:
-        """Change slip rate and traction as a jump of the loads does.
-
-        The memory is an integral over the past, which a jump does not change; slip rate and
-        traction change at once, through the local term of (4.40).
-        """
-        stopping, rate, impedance = self._stopping, self._rates[0], self._line.impedance
-        exerted = self._memory.convolution(self._transform)[0, 0]
-        from_cosines(exerted * -impedance, stopping)
-        stopping += level.uncut
-        self._line.slip_rate(stopping, level, self._paths[0], rate)
-        self._tractions[0] = (stopping - impedance * rate)[self.grid.contact]
-
-    def _step(self, level: Level) -> None:
-        """Take one step, from the last row of the block into the next one."""
-        line, contact, last = self._line, self.grid.contact, self._last
-        rate, stopping, transform = self._rates[last + 1], self._stopping, self._transform[0]
-        past = self._memory.advance(self._transform, self._length)[0, 0]
-        past *= -line.impedance
-        # laws that do not ask for the path are given any
-        path = self._paths[last if self._by_slip else 0]
-        # Fixed-point iteration for the end value; its contraction factor is the feedback (< 1).
-        # The accumulated slip is iterated with it, since friction may depend on it.
-        for _ in range(SWEEPS):
-            # docs/theory.md, "Any load history", without the local term V
-            transform *= self._feedback
-            transform += past
-            from_cosines(transform, stopping)
-            stopping += level.uncut
-            line.slip_rate(stopping, level, path, rate)
-            if self._by_slip:
-                speeds = np.abs(self._rates[last, contact]) + np.abs(rate[contact])
-                path = self._paths[last + 1] = self._paths[last] + level.step / 2 * speeds
-            cosines(rate, transform)
-        # the first cosine is the sum over all nodes, which one value that is not finite spoils
-        if not math.isfinite(transform[0]):
-            raise ComputationError(
-                f"the march lost its finite values at t = {level.time:.4g}; lower `step_ratio`."
-            )
-        # tau = tau_stop - (rho c_t/2) V
-        np.multiply(rate[contact], -line.impedance, out=self._tractions[last + 1])
-        self._tractions[last + 1] += stopping[contact]
-        self._powers[last + 1] = line.power(rate[contact], path)
-
-    def _sum_up(self) -> None:
-        """Add the steps of a block to slip, accumulated slip and work, one after the other."""
-        block, half = slice(0, self._last + 1), self.time_step / 2
-        rates = self._rates[block, self.grid.contact]
-        # the rate is linear in time over a step: slip is exact, work by the trapezoidal rule
-        sums = [(self._slips[block], rates), (self._works[block], self._powers[block])]
-        if not self._by_slip:
-            sums.append((self._paths[block], np.abs(rates)))
-        for field, values in sums:
-            np.add(values[:-1], values[1:], out=field[1:])
-            field[1:] *= half
-            # row by row, a third of the time of np.add.accumulate
-            for row in range(1, len(field)):
-                field[row] += field[row - 1]
+    def _checked(self) -> Iterator[Level]:
+        """Yield the levels to come, each once its pressure is checked."""
+        for level in self._levels:
+            _check_pressure(self._marched.scene, level, self.grid.spacing)
+            yield level
 
 
 def _shear_loads(scene: Scene, levels: Array) -> Array:

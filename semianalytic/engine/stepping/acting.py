@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ class ActingLoads:
         touching: NDArray[np.bool_],
         step: float = 0.0,
     ) -> None:
-        self._of, self._base, self._x = of, base, x
+        self._of, self._base, self._x, self._free = of, base, x, ~touching
         self._spread = (float(x[1] - x[0]), step)
         # The field of a load that is a product of space and time is sampled only once.
         self._parts: list[tuple[Array | None, InterfaceLoad | FrontLoad]] = []
@@ -71,3 +71,22 @@ class ActingLoads:
             else:
                 slot -= value
         return line, slot
+
+    def over(self, times: Sequence[float]) -> Iterator[tuple[Array, Array]]:
+        """Yield what `__call__` returns at one time after the other, that of faces at slots alone.
+
+        Arrays stay the same objects as long as the loads do not change.
+        """
+        # what is a product of space and time changes with its factor alone
+        products = [load for _, load in self._parts if isinstance(load, InterfaceLoad)]
+        steady = len(products) == len(self._parts)
+        steady = steady and not any(load.history is None for load in products)
+        factors = [load.factors(times).tolist() for load in products]
+        kept: list[float] | None = None
+        line = slot = self._base
+        for at, time in enumerate(times):
+            now = [one[at] for one in factors]
+            if not steady or now != kept:
+                line, slot = self(time)
+                slot, kept = slot[self._free], now
+            yield line, slot

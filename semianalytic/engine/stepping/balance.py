@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.line import Grid
+from semianalytic.engine.stepping.means import area_means
 from semianalytic.interface.law import InterfaceLaw
-from semianalytic.spacetime.grid.line import area_means
 
 Array = NDArray[np.float64]
 
@@ -27,10 +27,23 @@ class Balance:
         Whether the bodies touch; the rest is slot.
     grid : Grid
         Nodes.
+    falls : bool
+        Whether nodes at which the excess of traction over strength has fallen since the level
+        before do without the mean over their stretch; see `area_means`.
+
+    Attributes
+    ----------
+    on, slots : slice or (n,) array of bool
+        The nodes of the contact, and the others.
     """
 
     def __init__(
-        self, law: InterfaceLaw, impedance: float, touching: NDArray[np.bool_], grid: Grid
+        self,
+        law: InterfaceLaw,
+        impedance: float,
+        touching: NDArray[np.bool_],
+        grid: Grid,
+        falls: bool = False,
     ) -> None:
         self._law, self._impedance, self._touching = law, impedance, touching
         left, right = np.roll(touching, 1), np.roll(touching, -1)
@@ -40,6 +53,84 @@ class Balance:
         self._inner = (touching & left & right)[touching]
         # Beyond the ends of half a line lie mirror images of the nodes inside it.
         self._mirror = (0 if grid.between else 1) if grid.even else None
+        self.on, self.slots = _nodes(touching), _nodes(~touching)
+        self._steady = law.steady_slope()
+        self._resisting = None if self._steady is None else impedance + self._steady
+        self._felt = self._rest = np.zeros(0)
+        self._follows = law.follows_state
+        self._falls = falls
+        self._excess: Array | None = None
+        self._before: Array | None = None
+
+    def turn(self) -> None:
+        """Begin a new level; what was found last belongs to the level before it."""
+        self._before = self._excess if self._falls else None
+
+    def forget(self) -> None:
+        """Forget the last level, as loads jump: where slip grows or ends is not known then."""
+        self._excess = None
+
+    def recall(self, traction: Array, rate: Array, state: Array, felt: Array) -> None:
+        """Take up the last level from its traction and slip rate, (contact,) each."""
+        if self._falls and self._excess is None:
+            size = np.abs(traction + self._impedance * rate)
+            self._excess = size - self._strength_at_rest(felt, state)
+
+    def closed(
+        self,
+        stopping: Array,
+        slot: Array | float,
+        state: Array,
+        felt: Array,
+        out: Array,
+        means: bool = True,
+    ) -> None:
+        """Write the slip rate (n,) of a contact that sticks below its strength, and is closed.
+
+        Parameters
+        ----------
+        stopping : (n,) array
+            Traction of a node that does not move [stress].
+        slot : (slots,) array or float
+            That of slot faces [stress].
+        state, felt : (contact,) arrays
+            State of friction, and the pressure it follows [stress].
+        out : (n,) array
+            Where the slip rate is written [length / time].
+        means : bool
+            Whether nodes slip by the mean over their stretch (`area_means`).
+        """
+        on = stopping[self.on]
+        size = np.abs(on)
+        excess = self._excess = size - self._strength_at_rest(felt, state)
+        if means:
+            mean = area_means(size, excess, self._inner, self._before, self._mirror)
+            if mean is not size:
+                size, excess = mean, mean - self._rest
+        if self._resisting is None:
+            speed = self._law.slip_speed(size, felt, self._impedance, state)
+        else:
+            speed = np.maximum(excess, 0.0)
+            speed /= self._resisting
+        # Slip has the sense of the traction it relaxes; adding 0.0 keeps +0.0 where it sticks.
+        speed = np.copysign(speed, on)
+        speed += 0.0
+        out[self.on] = speed
+        if len(on) < len(out):
+            out[self.slots] = (stopping[self.slots] - slot) / self._impedance
+
+    def strength(self, speed: Array, state: Array, felt: Array) -> Array:
+        """Return the strength at a speed (contact,), after `closed` at this level [stress]."""
+        if self._steady is None:
+            return self._law.strength(felt, speed, state)
+        return self._strength_at_rest(felt, state) + self._steady * speed
+
+    def _strength_at_rest(self, felt: Array, state: Array) -> Array:
+        if felt is not self._felt or self._follows:
+            self._felt = felt
+            rest = self._law.strength(felt, np.zeros(len(felt)), state)
+            self._rest = np.asarray(rest, dtype=float)
+        return self._rest
 
     def __call__(
         self,
@@ -61,29 +152,37 @@ class Balance:
             Where the contact is open and carries nothing; None if it never opens.
         """
         touching, law, impedance = self._touching, self._law, self._impedance
-        on = stopping[touching]
-        freed = None if is_open is None else is_open[touching]
+        rate = np.empty(len(stopping))
+        if is_open is None and law.has_threshold:
+            self.closed(stopping, slot[self.slots], state, felt, rate)
+            return rate, stopping - impedance * rate
+        on = stopping[self.on]
+        freed = None if is_open is None else is_open[self.on]
         size = np.abs(on)
-        if law.has_threshold:
-            rest = law.strength(felt, np.zeros(len(on)), state)
-            if freed is not None:
-                rest = np.where(freed, 0.0, rest)
-            # The mean acts where slip ends as well.  Without it there (`before`) five of nine
-            # interfaces have the same errors, slip of pulses beside slots is up to 27 % better and
-            # that of a pulse at an angle up to 15 % worse (docs/engine.md, "Method").
+        if law.has_threshold and freed is not None:
+            rest = np.where(freed, 0.0, law.strength(felt, np.zeros(len(on)), state))
             size = area_means(size, size - rest, self._inner, mirror=self._mirror)
         if freed is not None:
             # Open nodes need some positive pressure here; their slip rate is replaced below.
             felt = np.where(freed, 1.0, felt)
         speed = law.slip_speed(size, felt, impedance, state)
-        rate = (stopping - slot) / impedance
-        # Slip has the sense of the traction it relaxes; 0.0 - speed keeps +0.0 where it sticks.
-        rate[touching] = np.where(on < 0, 0.0 - speed, speed)
+        if not touching.all():
+            rate[self.slots] = (stopping - slot)[self.slots] / impedance
+        rate[self.on] = np.where(on < 0, 0.0 - speed, speed)
         traction = stopping - impedance * rate
         if freed is not None:
-            rate[touching] = np.where(freed, on / impedance, rate[touching])
-            traction[touching] = np.where(freed, 0.0, traction[touching])
+            rate[self.on] = np.where(freed, on / impedance, rate[self.on])
+            traction[self.on] = np.where(freed, 0.0, traction[self.on])
         return rate, traction
+
+
+def _nodes(chosen: NDArray[np.bool_]) -> slice | NDArray[np.bool_]:
+    """Return what takes nodes out of arrays: a slice, which copies nothing, where one does."""
+    found = np.flatnonzero(chosen)
+    if not len(found):
+        return slice(0, 0)
+    one = slice(int(found[0]), int(found[-1]) + 1)
+    return one if chosen[one].all() else chosen
 
 
 def freed_rate(

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.pace import LoadPace
 from semianalytic.engine.stepping.state import State
+from semianalytic.engine.stepping.tuning import LADDER
 from semianalytic.engine.stepping.unilateral import Unilateral
-from semianalytic.engine.tuning import LADDER
 from semianalytic.interface.law import InterfaceLaw
 from semianalytic.scene.errors import SceneError
 
@@ -71,6 +71,15 @@ class Ladder:
                 f"run: `longest` must be {self._shortest:.4g} or more on this grid, got "
                 f"{self._longest:.4g}; lower `step_ratio` instead."
             )
+
+    @property
+    def climbs(self) -> bool:
+        """Whether steps may be longer than the shortest one, or must be looked at one by one."""
+        slope = self._law.steady_slope()
+        if self._unilateral is not None or not self._law.has_threshold or slope is None:
+            return True
+        convergent = self._bound * (float(np.min(slope)) + self._impedance)
+        return min(convergent, self._longest) >= self.length(1)
 
     def length(self, rung: int) -> float:
         """Return the length of the steps of a rung [time]."""

@@ -87,23 +87,34 @@ class Grid:
         q[0] = self.held
         return np.asarray(q)
 
-    def amplitudes(self, values: Array) -> Array:
-        """Return the amplitudes of waves along x, real (rows, m)."""
+    @property
+    def rows(self) -> int:
+        """Amplitudes per wavenumber: 1 of cosines, 2 of a periodic line."""
+        return 1 if self.even else 2
+
+    def amplitudes(self, values: Array, out: Array | None = None) -> Array:
+        """Return the amplitudes of waves along x, real (rows, m), written to `out` if given."""
+        if self.even:
+            out = np.empty((1, len(values))) if out is None else out
+            cosines(values, out[0], 2 if self.between else 1)
+            return out
         from scipy.fft import rfft  # imported late, which keeps `import semianalytic` fast
 
-        if self.even:
-            even = np.empty((1, len(values)))
-            cosines(values, even[0], 2 if self.between else 1)
-            return even
         lines = rfft(values)
-        return np.stack([lines.real, lines.imag])
+        out = np.empty((2, len(lines))) if out is None else out
+        out[0], out[1] = lines.real, lines.imag
+        return out
 
-    def values(self, amplitudes: Array) -> Array:
-        """Return the values at nodes (n,) of amplitudes (rows, m)."""
+    def values(self, amplitudes: Array, out: Array | None = None) -> Array:
+        """Return the values at nodes (n,) of amplitudes (rows, m), written to `out` if given."""
+        if self.even:
+            out = np.empty(amplitudes.shape[1]) if out is None else out
+            from_cosines(amplitudes[0], out, 2 if self.between else 1)
+            return out
         from scipy.fft import irfft
 
-        if self.even:
-            even = np.empty(amplitudes.shape[1])
-            from_cosines(amplitudes[0], even, 2 if self.between else 1)
-            return even
-        return np.asarray(irfft(amplitudes[0] + 1j * amplitudes[1], n=self.nodes))
+        found = np.asarray(irfft(amplitudes[0] + 1j * amplitudes[1], n=self.nodes))
+        if out is None:
+            return found
+        out[:] = found
+        return out

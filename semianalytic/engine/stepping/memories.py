@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from semianalytic.engine.stepping.line import Grid
-from semianalytic.engine.tuning import (
+from semianalytic.engine.stepping.tuning import (
     LARGEST_HORIZON,
 )
 from semianalytic.interface.interface import Interface

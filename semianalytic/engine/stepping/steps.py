@@ -8,26 +8,24 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.checks import check_even, check_touching
 from semianalytic.engine.stepping.acting import ActingLoads
 from semianalytic.engine.stepping.balance import Balance, freed_rate
 from semianalytic.engine.stepping.ladder import Ladder
 from semianalytic.engine.stepping.line import grid_of
+from semianalytic.engine.stepping.means import check_feedback
 from semianalytic.engine.stepping.memories import memories
 from semianalytic.engine.stepping.pace import LoadPace, in_fours
 from semianalytic.engine.stepping.state import State
+from semianalytic.engine.stepping.symmetry import check_even, check_touching
+from semianalytic.engine.stepping.tuning import BOUND_SHARE
 from semianalytic.engine.stepping.unilateral import Faces, Parting, Unilateral
-from semianalytic.engine.tuning import (
-    BOUND_SHARE,
-)
-from semianalytic.engine.window import check_window
+from semianalytic.engine.stepping.window import check_window
 from semianalytic.interface.contact import Adhesion
 from semianalytic.interface.fields import required, sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.law import check_law, check_rate
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.spacetime.grid.line import check_feedback
 
 Array = NDArray[np.float64]
 
@@ -81,16 +79,16 @@ class Stepper:
         # a slot carries base shear before the load, as if it were closed
         self.shear = sampled("interface: shear", interface.shear, x, spacing)
         self.pair, self.impedance = interface.pair, interface.impedance
-        self._speed = material.shear_speed if self.pair is None else self.pair.speed
+        self.speed = material.shear_speed if self.pair is None else self.pair.speed
         fastest = material.shear_speed if self.pair is None else self.pair.fastest
         self.shortest = step_ratio * self.grid.spacing / fastest
         if interface.even:
             check_even(interface, self.grid, end_time)
         loads = interface.loads
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
-        self._balance = Balance(self.law, self.impedance, self.touching, self.grid)
+        self.balance = Balance(self.law, self.impedance, self.touching, self.grid)
         self.memory, opening, stiffness = memories(interface, self.grid, end_time, tolerance)
-        check_feedback("run", self.memory.table(self.shortest * self._speed).feedback[0])
+        check_feedback("run", self.memory.table(self.shortest * self.speed).feedback[0])
         self.unilateral = None
         if opening is not None:
             base, step = self._base(), self.shortest
@@ -183,7 +181,7 @@ class Stepper:
             faces = self.unilateral.jump(now, now.time)
         stopping = self._stopping(line, held[0])
         felt = now.felt if self._is_delayed else self._pressure(faces)
-        rate, traction = self._balance(stopping, slot, now.state, felt, self._open(faces))
+        rate, traction = self.balance(stopping, slot, now.state, felt, self._open(faces))
         self.memory.exchange(self._amplitudes(rate - now.rate))
         return replace(
             now,
@@ -207,8 +205,8 @@ class Stepper:
 
         return self.ladder.following(now, push)
 
-    def advance(self, now: State, stop: float) -> tuple[State, bool]:
-        """Return the state one step later, and whether the step ends at a time to stop at.
+    def advance(self, now: State, stop: float) -> State:
+        """Return the state one step later, but no later than a time to stop at.
 
         A step that is so long that its iteration did not converge at the speeds with which it ends
         is repeated with half its length: friction that rises with the logarithm of the slip rate
@@ -222,7 +220,7 @@ class Stepper:
             kept = [one.past() for one in self._every_memory()] if rung > 0 else []
             after = self.step(now, left if last else length, rung, stop if last else None)
             if not kept or length <= self.ladder.convergent(after) / BOUND_SHARE:
-                return after, last
+                return after
             for memory, one in zip(self._every_memory(), kept, strict=True):
                 memory.put_back(one)
             rung -= 1
@@ -245,7 +243,7 @@ class Stepper:
             Exact time of the end where a load jumps there [time].
         """
         time = now.time + length if time is None else time
-        path = self._speed * length
+        path = self.speed * length
         faces: Faces = now
         parting = None
         if self.pair is not None and self.unilateral is not None:
@@ -268,7 +266,7 @@ class Stepper:
             stopping = self._stopping(dragged, held[0])
             mean = (old + np.abs(rate[self.touching])) / 2
             state, felt = self._evolved(now, mean, length, faces)
-            rate, traction = self._balance(stopping, slot, state, felt, self._open(faces))
+            rate, traction = self.balance(stopping, slot, state, felt, self._open(faces))
             if solved:
                 plate, load = self.interface.plate_rate, (line - slot) / self.impedance
                 moved = rate - plate

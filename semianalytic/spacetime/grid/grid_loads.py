@@ -16,6 +16,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.stepping.means import damped
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.stuck import stuck_traction
@@ -24,7 +25,6 @@ from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid.line import damped
 
 SWEEPS = 2
 """Iterations of a step, even: with 1 or 3 marches grow; 4 change slip rates by up to 4e-5."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.stepping import line as stepping_line
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -44,6 +45,11 @@ class Grid:
     def nodes(self) -> Array:
         """Positions of all nodes, slot included, (size,) [length]."""
         return np.asarray((np.arange(self.size) - self.slot + 0.5) * self.spacing)
+
+    @property
+    def line(self) -> stepping_line.Grid:
+        """All nodes as half of a line that is even about both of its ends."""
+        return stepping_line.Grid(2 * self.size * self.spacing, 2 * self.size, True, True)
 
     def observe(self, values: Array) -> Array:
         """Return values (..., size) at the observed nodes of the contact, (..., observed)."""

@@ -19,15 +19,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.stepping.pace import TURN_RATIO, longest_following
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Scene
 
-STEP_RATIO = 0.5
-"""Ratio c_t dt / h of steps; smaller ones do not help."""
 ZONE_NODES = 5.0
 """Nodes of a resolved zone: work is 1.3 to 1.9 % off, and estimates of 0.38 stay below 0.5."""
 WEAKENING_NODES = 8.0
@@ -36,35 +34,8 @@ WEAKENING_NODES = 8.0
 Array = NDArray[np.float64]
 
 
-def _follows(history: LoadHistory, step: float, latest: float) -> bool:
-    """Return whether a history turns slowly enough for steps h / (2 c_t) of this length [time]."""
-    # Largest turn of a load within 1 and 4 such steps: frictional work is then off by 1 to 3 %.
-    return all(
-        history.turn(steps * step, latest) <= allowed for steps, allowed in ((1, 0.08), (4, 0.32))
-    )
-
-
-def longest_following(history: LoadHistory, step: float, latest: float) -> float:
-    """Return the longest step h / (2 c_t), up to `step`, that follows a history until `latest`.
-
-    It is found to 0.1 %, and 0 if the history turns back within no time at all.
-    """
-    if _follows(history, step, latest):
-        return step
-    # Bisect: sixteenths until one is short enough, then halves of the interval.
-    enough, lacking = 0.0, step
-    for _ in range(50):  # they end at 0.1 %
-        middle = lacking / 16 if enough == 0 else (enough + lacking) / 2
-        enough, lacking = (
-            (middle, lacking) if _follows(history, middle, latest) else (enough, middle)
-        )
-        if enough > 0.999 * lacking:
-            break
-    return enough
-
-
 def nodes_for_loads(
-    scene: Scene, latest: float, length: float, least: int, step_ratio: float = STEP_RATIO
+    scene: Scene, latest: float, length: float, least: int, step_ratio: float = TURN_RATIO
 ) -> tuple[int, str]:
     """Return how many contact nodes follow the loads until `latest`, and which load needs them.
 
@@ -93,7 +64,7 @@ def nodes_for_loads(
     """
     nodes, reason = least, ""
     # step times nodes: a step of step_ratio h / c_t with h = length / nodes
-    times_nodes = max(step_ratio, STEP_RATIO) * length / scene.material.shear_speed
+    times_nodes = max(step_ratio, TURN_RATIO) * length / scene.material.shear_speed
     for name, history in scene.acting_histories.items():
         step = times_nodes / nodes
         enough = longest_following(history, step, latest)
@@ -114,7 +85,7 @@ def check_loads(
     length: float,
     nodes: int,
     most: int,
-    step_ratio: float = STEP_RATIO,
+    step_ratio: float = TURN_RATIO,
 ) -> int:
     """Return the contact nodes to march with: `nodes`, or as many up to `most` as the loads need.
 

@@ -7,8 +7,8 @@ import pytest
 from catalogue import unit_scene
 
 import semianalytic as sf
+from semianalytic.engine.stepping import blocks
 from semianalytic.memory import cosines, line_memory
-from semianalytic.spacetime import stepping
 from tests.semianalytic.spacetime.test_march import preloaded, relative_l1
 
 
@@ -70,7 +70,7 @@ def test_blocks_of_steps_change_nothing(steps, monkeypatch):
         return stopped, sf.march_on(stopped, 1.0)
 
     found = marches()
-    monkeypatch.setattr(stepping, "BLOCK_STEPS", steps)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", steps)
     # so many steps are seen ahead by a memory that counts as large
     monkeypatch.setattr(line_memory, "MEMORY_SIZE", 0)
     monkeypatch.setattr(line_memory, "MEMORY_STEPS", steps)
