@@ -81,7 +81,8 @@ class Kernels:
         if self.reads is None:
             # Real and imaginary parts lie side by side: their sums over poles are one product of
             # a vector with a matrix, in half the time of a sum over the real parts.
-            np.add((np.ones(len(modes)) @ modes.view(float))[::2], lasting, out=out[0])
+            parts = modes.view(modes.real.dtype)
+            np.add((np.ones(len(modes), parts.dtype) @ parts)[::2], lasting, out=out[0])
         else:
             np.multiply.outer(self.lasting, lasting, out=out)
             out += (self.reads @ modes).real
@@ -96,6 +97,8 @@ class StepTable:
         The sum of exponentials.
     phase : (size,) array
         q c_t dt.
+    kind : type
+        Complex numbers of the factors.
 
     Attributes
     ----------
@@ -108,7 +111,7 @@ class StepTable:
         Share of a unit rate at the end of a step in each convolution.
     """
 
-    def __init__(self, kernels: Kernels, phase: Array) -> None:
+    def __init__(self, kernels: Kernels, phase: Array, kind: type = complex) -> None:
         shape = len(kernels.poles), len(phase)
         self.decay, self.end, self.gain = np.empty((3, *shape), dtype=complex)
         for row, (pole, weight) in enumerate(zip(kernels.poles, kernels.weights, strict=True)):
@@ -124,6 +127,9 @@ class StepTable:
         self.whole = 2 * self.half
         self.feedback = np.empty((len(kernels.lasting), len(phase)))
         kernels.exerted(self.end, self.half, self.feedback)
+        self.decay, self.end, self.gain = (
+            factors.astype(kind, copy=False) for factors in (self.decay, self.end, self.gain)
+        )
 
     @cached_property
     def decays(self) -> Complex:
@@ -166,11 +172,21 @@ class LineMemory:
         Amplitudes per wavenumber: 1 of cosines, 2 of a periodic line (real and imaginary parts).
     tables : int
         Step lengths whose tables are kept.
+    single : bool
+        Whether the numbers m and their factors have single precision, which takes half the time.
+        Lasting slip and feedback are double in any case.
     """
 
-    def __init__(self, memory: Memory, wavenumbers: Array, rows: int = 1, tables: int = 1) -> None:
+    def __init__(
+        self,
+        memory: Memory,
+        wavenumbers: Array,
+        rows: int = 1,
+        tables: int = 1,
+        single: bool = False,
+    ) -> None:
         kernels = Kernels(memory.poles, memory.residues, None, memory.static, np.ones(1))
-        self._set(memory, kernels, wavenumbers, rows, tables)
+        self._set(memory, kernels, wavenumbers, rows, tables, single)
 
     def _set(
         self,
@@ -179,19 +195,21 @@ class LineMemory:
         wavenumbers: Array,
         rows: int,
         tables: int,
+        single: bool = False,
     ) -> None:
+        self._kind, self._real = (np.complex64, np.float32) if single else (complex, float)
         self.horizon = fit.horizon
         self._kernels, self._q, self._most = kernels, wavenumbers, tables
         poles, size = len(kernels.poles), len(wavenumbers)
         self.size = size
         # convolutions, without the share of the newest rate where a last step is noted
-        self._modes = np.zeros((rows, poles, size), dtype=complex)
+        self._modes = np.zeros((rows, poles, size), dtype=self._kind)
         self._lasting, self._last = np.zeros((rows, size)), 0.0
         # rates that the numbers m have not got yet, and what those numbers exert without them
         self._rates, self._taken = np.empty((MEMORY_STEPS, rows, size)), 0
         self._free, self._repeated = np.empty((MEMORY_STEPS, rows, size)), 0
-        self._is_large = kernels.reads is None and poles * size >= MEMORY_SIZE
-        self._scratch = np.empty((poles, size), dtype=complex)
+        self._is_large = kernels.reads is None and not single and poles * size >= MEMORY_SIZE
+        self._scratch = np.empty((poles, size), dtype=self._kind)
         self._tables: OrderedDict[float, StepTable] = OrderedDict()
 
     @property
@@ -204,7 +222,7 @@ class LineMemory:
         if step not in self._tables:
             if len(self._tables) >= self._most:
                 self._tables.popitem(last=False)
-            self._tables[step] = StepTable(self._kernels, self._q * step)
+            self._tables[step] = StepTable(self._kernels, self._q * step, self._kind)
         self._tables.move_to_end(step)
         return self._tables[step]
 
@@ -236,7 +254,7 @@ class LineMemory:
             self._rates[self._taken] = amplitudes
             self._taken += 1
         else:
-            for modes, row in zip(self._modes, amplitudes, strict=True):
+            for modes, row in zip(self._modes, self._as_numbers(amplitudes), strict=True):
                 modes *= table.decay
                 modes += np.multiply(table.gain, row, out=self._scratch)
         return self._exerted()
@@ -289,9 +307,12 @@ class LineMemory:
             self._kernels.exerted(modes, lasting, exerted[:, row])
         return exerted
 
+    def _as_numbers(self, amplitudes: Array) -> NDArray[np.floating]:
+        return amplitudes.astype(self._real, copy=False)
+
     def _add(self, table: StepTable, amplitudes: Array) -> None:
         """Add the share of a rate at the end of a step to the memory."""
-        for modes, row in zip(self._modes, amplitudes, strict=True):
+        for modes, row in zip(self._modes, self._as_numbers(amplitudes), strict=True):
             modes += np.multiply(table.end, row, out=self._scratch)
         self._lasting += table.half * amplitudes
 

@@ -28,7 +28,8 @@ from semianalytic.spacetime.marched import Marched
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.state import MarchState
 
-MEANS_LAST = False
+SINGLE_SIZE = 4096
+"""Nodes up to which the memory has single precision: slip rates change by 5e-6 of themselves."""
 
 Array = NDArray[np.float64]
 
@@ -176,7 +177,7 @@ class Walk:
         line, law = grid.line, SceneFriction(scene.friction_law, scene.friction)
         touching = np.arange(grid.size) >= grid.slot
         impedance = scene.material.shear_impedance / 2
-        self._memory = LineMemory(marched.memory, line.wavenumbers)
+        self._memory = LineMemory(marched.memory, line.wavenumbers, single=grid.size <= SINGLE_SIZE)
         self._memory.put_back(Past(state.modes[None], state.lasting[None]))
         self._blocks = Blocks(
             line,
@@ -189,7 +190,7 @@ class Walk:
             speed=scene.material.shear_speed,
             sweeps=SWEEPS,
             damping=marched.damping,
-            means_last=MEANS_LAST,
+            means_last=True,
         )
 
     @property

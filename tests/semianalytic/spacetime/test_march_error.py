@@ -200,9 +200,9 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
         counted.append((done, steps))
         return done == stop
 
+    options = {"end_time": 1.0, "nodes": 100, "every": every, "step_ratio": 0.5}
     part, whole = (
-        sf.solve(scene, method="space-time", end_time=1.0, nodes=100, every=every, progress=one)
-        for one in (progress, None)
+        sf.solve(scene, method="space-time", progress=one, **options) for one in (progress, None)
     )
     assert counted == [(done, 100) for done in range(1, stop + 1)]
     assert part.companion.end_time == part.companion.interface.t[-1] == part.end_time
@@ -215,7 +215,8 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
         rest = sf.march_on(part, 1.0)
         if stop < 99:  # one step that is left is taken as two
             found, wanted = (one.interface.slip[-1] for one in (rest, whole))
-            np.testing.assert_allclose(found, wanted, atol=1e-12)
+            # the memory of a small grid has single precision
+            np.testing.assert_allclose(found, wanted, atol=3e-8)
         assert rest.error_estimate == pytest.approx(whole.error_estimate, rel=0.05)
         assert (np.diff(rest.companion.interface.t) > 0).all()
 
@@ -330,7 +331,7 @@ def test_weakening_that_is_called_resolved_is_right_to_a_percent(name):
         assert errors[count]["slip rate"].true < marched.error_estimate
     for quantity in ("slip", "frictional work"):
         assert errors[8][quantity].true < 0.01
-    assert errors[3]["slip"].true > 0.01
+    assert errors[3]["slip rate"].true > 0.05
 
 
 @pytest.mark.slow
