@@ -11,6 +11,8 @@ from semianalytic.dissimilar_slot.derivative import PairDerivative as PairDeriva
 from semianalytic.dissimilar_slot.solution import PairSolution as PairSolution
 from semianalytic.dissimilar_slot.solution import PairStatistics as PairStatistics
 from semianalytic.engine.result import Run as Run
+from semianalytic.engine.scenes.march import march_on as march_on
+from semianalytic.engine.scenes.marched import Marched as Marched
 from semianalytic.field.derived import fringe_order as fringe_order
 from semianalytic.field.derived import fringes as fringes
 from semianalytic.field.derived import strain as strain
@@ -76,8 +78,6 @@ from semianalytic.selfsimilar.solution import Solution as Solution
 from semianalytic.selfsimilar.statistics import Statistics as Statistics
 from semianalytic.selfsimilar.zones.motion import OpenZone as OpenZone
 from semianalytic.selfsimilar.zones.motion import SlipZone as SlipZone
-from semianalytic.spacetime.march import march_on as march_on
-from semianalytic.spacetime.marched import Marched as Marched
 from semianalytic.sweeps.sweep import Sweep as Sweep
 from semianalytic.sweeps.sweep import sweep as sweep
 from semianalytic.whole_line.growing import GrowingSlot as GrowingSlot

@@ -33,7 +33,7 @@ METHODS = (
     Method("self-similar", "Pair", "dissimilar_slot.solver", "the same between two bodies"),
     Method("self-similar", "WholeLine", "whole_line.solver", "a patch or a force without a slot"),
     Method("self-similar", "GrowingSlot", "whole_line.growing", "a slot under a load that grows"),
-    Method("space-time", "Scene", "spacetime.march", "a slot: any history, slip weakening"),
+    Method("space-time", "Scene", "engine.scenes.march", "a slot: any history, slip weakening"),
     Method("space-time", "Interface", "engine.run", "contacts, fields and laws along x"),
 )
 """The methods in the order in which they are asked; those of installed packages come last."""

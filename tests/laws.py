@@ -14,9 +14,9 @@ from semianalytic import (
     Tractions,
     ViscousFriction,
 )
+from semianalytic.engine.scenes.march import march
 from semianalytic.regimes import opening_threshold
 from semianalytic.selfsimilar.solver import solve
-from semianalytic.spacetime.march import march
 
 
 def opening_scene(random):

@@ -25,9 +25,9 @@ from semianalytic import (
     Scene,
     Solution,
 )
+from semianalytic.engine.resolution import Shortfall
 from semianalytic.results.answer import Answer
 from semianalytic.results.sampled import interpolated
-from semianalytic.spacetime.grid.resolution import Shortfall
 
 if TYPE_CHECKING:
     from fem import Simulation

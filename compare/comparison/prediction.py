@@ -19,12 +19,12 @@ from semianalytic import (
 )
 from semianalytic.cut.load import check_pressure
 from semianalytic.dissimilar.described import pair_of
+from semianalytic.engine.resolution import nodes_for_loads
+from semianalytic.engine.scenes.march import check_march
+from semianalytic.engine.scenes.plan import MOST_NODES
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
-from semianalytic.spacetime.grid.resolution import nodes_for_loads
-from semianalytic.spacetime.march import check_march
-from semianalytic.spacetime.march_plan import MOST_NODES
 
 if TYPE_CHECKING:
     from fem import Simulation

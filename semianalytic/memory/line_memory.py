@@ -197,7 +197,8 @@ class LineMemory:
         tables: int,
         single: bool = False,
     ) -> None:
-        self._kind, self._real = (np.complex64, np.float32) if single else (complex, float)
+        self._kind: type = np.complex64 if single else complex
+        self._real: type = np.float32 if single else float
         self.horizon = fit.horizon
         self._kernels, self._q, self._most = kernels, wavenumbers, tables
         poles, size = len(kernels.poles), len(wavenumbers)

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.engine.scenes.marched import Marched
 from semianalytic.methods import chosen, solve
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
-from semianalytic.spacetime.marched import Marched
 from semianalytic.sweeps.contact_edge import at_contact_edge
 from semianalytic.sweeps.sweep import sweep
 from slipfront.surveys.parameters import Array, Subject

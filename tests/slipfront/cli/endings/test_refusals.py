@@ -4,8 +4,8 @@ import pytest
 from catalogue import UNIT_FILE, unit_scene
 
 from semianalytic import Ramp, TensionError, solve
+from semianalytic.engine.scenes.march import check_march
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.spacetime.march import check_march
 from slipfront.cli.endings.refusals import in_options
 from tests.slipfront.cli.test_lower_body_commands import FILE as TWO_BODIES
 from tests.slipfront.surveys.test_interface_surveys import FAULT

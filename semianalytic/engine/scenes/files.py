@@ -8,6 +8,9 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
+from semianalytic.engine.scenes.error import Departure
+from semianalytic.engine.scenes.nodes import Grid
+from semianalytic.engine.scenes.state import Extremes, MarchState, MarchStatistics
 from semianalytic.memory.exponentials import Memory
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
@@ -15,9 +18,6 @@ from semianalytic.results.sampled import Totals
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid.nodes import Grid
-from semianalytic.spacetime.march_error import Departure
-from semianalytic.spacetime.state import Extremes, MarchState, MarchStatistics
 
 FORMAT = "slipfront march 4"
 

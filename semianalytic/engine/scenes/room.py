@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.scenes.nodes import extents
 from semianalytic.results.memory import check_memory, memory_limit
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid.nodes import extents
-from semianalytic.spacetime.marched import Marched
 
 BYTES_STORED = 32
 """Bytes per observed node and stored level: four fields."""

@@ -9,10 +9,10 @@ from catalogue import STEEL, unit_scene
 
 import semianalytic as sf
 from fem import simulate
+from semianalytic.engine.bodies import wavefield
+from semianalytic.engine.scenes.march import march
 from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.spacetime.bodies import wavefield
-from semianalytic.spacetime.march import march
 
 QUANTITIES = ("velocity", "stress", "displacement")
 marched_once = cache(partial(march, companion=False))

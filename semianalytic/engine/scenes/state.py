@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.scenes.nodes import Grid
 from semianalytic.results.sampled import ONSET_SHARE
-from semianalytic.spacetime.grid.nodes import Grid
 
 Array = NDArray[np.float64]
 

@@ -12,6 +12,7 @@ from scipy.integrate import quad
 from scipy.special import j1
 
 import semianalytic as sf
+from semianalytic.engine.scenes.nodes import causal_grid
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
@@ -20,7 +21,6 @@ from semianalytic.memory.impedance import Antiplane, InPlane
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import MODES
-from semianalytic.spacetime.grid.nodes import causal_grid
 
 
 def preloaded(friction=0.3, shear=1.0, **parts):

@@ -10,11 +10,11 @@ from catalogue import UNIT, unit_scene
 
 import semianalytic as sf
 from compare.comparison.documents import march_document
+from semianalytic.engine.resolution import nodes_for_loads, zone_at_edge
+from semianalytic.engine.scenes import loads as grid_loads_module
+from semianalytic.engine.scenes.loads import GridPressure
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.spacetime.grid import grid_loads as grid_loads_module
-from semianalytic.spacetime.grid.grid_loads import GridPressure
-from semianalytic.spacetime.grid.resolution import nodes_for_loads, zone_at_edge
 from slipfront.cli.commands import main
 
 

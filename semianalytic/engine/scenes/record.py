@@ -8,10 +8,10 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.scenes.state import MarchState
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.spacetime.marched import Marched
-from semianalytic.spacetime.state import MarchState
 
 Array = NDArray[np.float64]
 

@@ -16,6 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.engine.bodies.remainder import Remainder, SlotLoad, far_traction
+from semianalytic.engine.bodies.wavefield import Quantity, Spectrum, evaluated
 from semianalytic.field.body import checked_points
 from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.halfplane.rayleigh import Mode
@@ -24,8 +26,6 @@ from semianalytic.results.sampled import ROUNDING
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material, Scene
-from semianalytic.spacetime.bodies.remainder import Remainder, SlotLoad, far_traction
-from semianalytic.spacetime.bodies.wavefield import Quantity, Spectrum, evaluated
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

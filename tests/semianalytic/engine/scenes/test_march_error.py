@@ -18,14 +18,14 @@ from docs.studies.accuracy.march import (
     judged_march,
     rate_error,
 )
+from semianalytic.engine.scenes import plan as march_plan
+from semianalytic.engine.scenes.error import ERROR_SAFETY, MEMORY_SAFETY
+from semianalytic.engine.scenes.plan import MOST_NODES
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import InPlane
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.spacetime import march_plan
-from semianalytic.spacetime.march_error import ERROR_SAFETY, MEMORY_SAFETY
-from semianalytic.spacetime.march_plan import MOST_NODES
 from slipfront.cli.commands import main
 
 WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, friction_law=sf.SlipWeakening(2 / 3, 0.05))

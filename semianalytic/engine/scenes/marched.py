@@ -11,6 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.engine.bodies.marched_bodies import MarchedBodies
+from semianalytic.engine.resolution import Shortfall, advice, coarse_weakening, missed_zone
+from semianalytic.engine.scenes.error import Departure, slip_rate_error
+from semianalytic.engine.scenes.files import read_march, write_march
+from semianalytic.engine.scenes.nodes import Grid
+from semianalytic.engine.scenes.state import Extremes, MarchState, MarchStatistics
 from semianalytic.memory.exponentials import Memory
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.notebook import html_table
@@ -20,12 +26,6 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions
 from semianalytic.scene.units import unit
-from semianalytic.spacetime.bodies.marched_bodies import MarchedBodies
-from semianalytic.spacetime.grid.nodes import Grid
-from semianalytic.spacetime.grid.resolution import Shortfall, advice, coarse_weakening, missed_zone
-from semianalytic.spacetime.march_error import Departure, slip_rate_error
-from semianalytic.spacetime.march_files import read_march, write_march
-from semianalytic.spacetime.state import Extremes, MarchState, MarchStatistics
 
 Array = NDArray[np.float64]
 

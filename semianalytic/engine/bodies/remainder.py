@@ -20,6 +20,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.bodies.wavefield import (
+    Spectrum,
+    Window,
+    along_line,
+    kept_wavenumbers,
+    tapered,
+)
+from semianalytic.engine.resolution import nodes_for_loads
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import stuck_traction
@@ -27,14 +35,6 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.bodies.wavefield import (
-    Spectrum,
-    Window,
-    along_line,
-    kept_wavenumbers,
-    tapered,
-)
-from semianalytic.spacetime.grid.resolution import nodes_for_loads
 
 FIELD_NODES = 128
 """Nodes on the reach of waves: fields are off by 2e-4 in L1, with 64 by 8e-4, with 256 by 7e-5."""

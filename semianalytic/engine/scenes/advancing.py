@@ -15,20 +15,20 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.memory.exponentials import fit_memory
-from semianalytic.memory.impedance import Opening
-from semianalytic.spacetime.grid.grid_loads import (
+from semianalytic.engine.scenes.error import Departure
+from semianalytic.engine.scenes.loads import (
     FrontLoad,
     FrontPressure,
     GridPressure,
     NodalPressure,
     table_bytes,
 )
-from semianalytic.spacetime.march_error import Departure
-from semianalytic.spacetime.march_memory import affordable_every, state_bytes
-from semianalytic.spacetime.marched import Marched
-from semianalytic.spacetime.record import MarchRecord
-from semianalytic.spacetime.stepping import Segment, Walk, segments_between
+from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.scenes.record import MarchRecord
+from semianalytic.engine.scenes.room import affordable_every, state_bytes
+from semianalytic.engine.scenes.stepping import Segment, Walk, segments_between
+from semianalytic.memory.exponentials import fit_memory
+from semianalytic.memory.impedance import Opening
 
 TOLERANCES = (1e-11, 1e-2)
 """Range of the memory's tolerance: 1e-11 takes 45 poles; 1e-2 is coarser than the grid."""

@@ -26,6 +26,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
 
+from semianalytic.engine.resolution import check_weakening_seen
+from semianalytic.engine.scenes.advancing import TOLERANCES, advance, loads_on_grid
+from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.scenes.plan import LEAST_NODES, MarchPlan
+from semianalytic.engine.scenes.stepping import check_levels, segments_between
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.contact import wave_slips_ahead
@@ -33,11 +38,6 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene, of_scene
 from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.advancing import TOLERANCES, advance, loads_on_grid
-from semianalytic.spacetime.grid.resolution import check_weakening_seen
-from semianalytic.spacetime.march_plan import LEAST_NODES, MarchPlan
-from semianalytic.spacetime.marched import Marched
-from semianalytic.spacetime.stepping import check_levels, segments_between
 
 STEP_RATIO = 0.4
 """Default c_t dt / h: with 0.5 slip rates of pulses are 20 % less exact (1,000 nodes)."""

@@ -9,23 +9,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.memory.exponentials import Memory, fit_memory
-from semianalytic.memory.impedance import impedance_of
-from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.sampled import Totals
-from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.advancing import advance
-from semianalytic.spacetime.grid.nodes import Grid, causal_grid
-from semianalytic.spacetime.grid.resolution import (
+from semianalytic.engine.resolution import (
     check_loads,
     check_weakening_seen,
     nodes_for_weakening,
     nodes_for_zone,
 )
-from semianalytic.spacetime.march_error import order_seen
-from semianalytic.spacetime.march_memory import check_size
-from semianalytic.spacetime.marched import Marched
-from semianalytic.spacetime.state import Extremes, MarchState, MarchStatistics
+from semianalytic.engine.scenes.advancing import advance
+from semianalytic.engine.scenes.error import order_seen
+from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.scenes.nodes import Grid, causal_grid
+from semianalytic.engine.scenes.room import check_size
+from semianalytic.engine.scenes.state import Extremes, MarchState, MarchStatistics
+from semianalytic.memory.exponentials import Memory, fit_memory
+from semianalytic.memory.impedance import impedance_of
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.sampled import Totals
+from semianalytic.scene.scene import Scene
 
 LEAST_NODES = 16
 MOST_NODES = 8000

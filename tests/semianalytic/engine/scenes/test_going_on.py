@@ -9,7 +9,7 @@ from catalogue import unit_scene
 import semianalytic as sf
 from semianalytic.engine.stepping import blocks
 from semianalytic.memory import cosines, line_memory
-from tests.semianalytic.spacetime.test_march import preloaded, relative_l1
+from tests.semianalytic.engine.scenes.test_march import preloaded, relative_l1
 
 
 @pytest.mark.thinned(6)

@@ -16,17 +16,17 @@ from itertools import islice, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.scenes.friction import SceneFriction
+from semianalytic.engine.scenes.loads import SWEEPS, FrontLoad, NodalPressure
+from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.scenes.record import MarchRecord
+from semianalytic.engine.scenes.state import MarchState
 from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.blocks import Blocks, Level, Reached
 from semianalytic.memory.line_memory import LineMemory, Past
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid.grid_loads import SWEEPS, FrontLoad, NodalPressure
-from semianalytic.spacetime.grid.scene_friction import SceneFriction
-from semianalytic.spacetime.marched import Marched
-from semianalytic.spacetime.record import MarchRecord
-from semianalytic.spacetime.state import MarchState
 
 SINGLE_SIZE = 4096
 """Nodes up to which the memory has single precision: slip rates change by 5e-6 of themselves."""
