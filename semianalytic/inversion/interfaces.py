@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from semianalytic.engine.convergence import ERROR_SAFETY
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
-from semianalytic.engine.stepping.tuning import ERROR_SAFETY, NODES
+from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.files import InterfaceFile

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.scenes.error import Departure
+from semianalytic.engine.convergence import Departure
 from semianalytic.engine.scenes.loads import (
     FrontLoad,
     FrontPressure,

@@ -8,7 +8,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from semianalytic.engine.scenes.error import Departure
+from semianalytic.engine.convergence import Departure
 from semianalytic.engine.scenes.nodes import Grid
 from semianalytic.engine.scenes.state import Extremes, MarchState, MarchStatistics
 from semianalytic.memory.exponentials import Memory

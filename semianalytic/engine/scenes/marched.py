@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies
+from semianalytic.engine.convergence import Departure, slip_rate_error
 from semianalytic.engine.resolution import Shortfall, advice, coarse_weakening, missed_zone
-from semianalytic.engine.scenes.error import Departure, slip_rate_error
 from semianalytic.engine.scenes.files import read_march, write_march
 from semianalytic.engine.scenes.nodes import Grid
 from semianalytic.engine.scenes.state import Extremes, MarchState, MarchStatistics

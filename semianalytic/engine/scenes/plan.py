@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from semianalytic.engine.convergence import Tried, more_nodes, order_seen
 from semianalytic.engine.resolution import (
     check_loads,
     check_weakening_seen,
@@ -16,7 +17,6 @@ from semianalytic.engine.resolution import (
     nodes_for_zone,
 )
 from semianalytic.engine.scenes.advancing import advance
-from semianalytic.engine.scenes.error import order_seen
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.nodes import Grid, causal_grid
 from semianalytic.engine.scenes.room import check_size
@@ -81,27 +81,19 @@ class MarchPlan:
 
         See docs/spacetime.md, "Error of a march".
         """
-        # Until two marches are known, first order is assumed, that of slip rate at edges.
         # The first march takes 0.05 s (`preloaded`, 0.6 % off).
-        nodes, order, coarser = self.enough_nodes(None, 250, memory), 1.0, None
+        nodes, coarser = self.enough_nodes(None, 250, memory), None
         while True:
             marched = self.run(nodes, memory, progress)
-            if coarser is not None:
-                seen = None
-                if coarser.end_time == marched.end_time:  # neither was stopped early
-                    before, now = ((one.grid.observed, one.departure) for one in (coarser, marched))
-                    seen = order_seen(before, now)
-                marched, order = replace(marched, order=seen), seen or 1.0
-            estimate = marched.error_estimate
             stopped = marched.end_time < self.end_time
+            tried = Tried(nodes, marched.departure.share)
+            if coarser is not None and not stopped:
+                marched = replace(marched, order=order_seen(coarser, tried))
+            estimate = marched.error_estimate
             if stopped or nodes >= MOST_NODES or estimate <= rtol:
                 return marched
-            # Error ~ nodes^-order: the nodes that bring the estimate to rtol / 1.15.
-            growth = (1.15 * estimate / rtol) ** (1 / order)
-            # The order is not known before the second march; one at a quarter of the nodes costs a
-            # sixteenth.
-            growth = float(np.clip(growth, 1.3, 4.0))
-            nodes, coarser = min(MOST_NODES, math.ceil(growth * nodes)), marched
+            nodes = more_nodes(nodes, estimate, rtol, marched.order, MOST_NODES)
+            coarser = tried
 
     def run(
         self,

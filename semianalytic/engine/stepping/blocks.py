@@ -175,6 +175,7 @@ class Blocks:
 
     def recall(self, pressure: Array) -> None:
         """Go on from a level of an earlier march, with its pressure (contact,)."""
+        self._turn_over()
         rate, traction = self._rates[0], np.empty(len(self._rates[0]))
         traction[self._kept] = self._tractions[0]
         on, state = self._balance.on, self._states[0]

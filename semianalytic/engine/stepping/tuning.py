@@ -14,8 +14,6 @@ NODES = 512
 MOST_NODES = 16384
 ZONE_NODES = 3.0
 """Nodes on mu / (fall of strength per slip) from which on a rupture is resolved."""
-ERROR_SAFETY = 1.25
-"""Estimate over the difference from half the nodes, which is 1 to 3 times the error, by order."""
 BESIDE_EDGE_ERROR = 0.3
 """Error of a singular traction beside an edge; with half pressure is off by 1.2 estimates."""
 LEAST_GAP = 0.01

@@ -18,8 +18,8 @@ from docs.studies.accuracy.march import (
     judged_march,
     rate_error,
 )
+from semianalytic.engine.convergence import ERROR_SAFETY, MEMORY_SAFETY
 from semianalytic.engine.scenes import plan as march_plan
-from semianalytic.engine.scenes.error import ERROR_SAFETY, MEMORY_SAFETY
 from semianalytic.engine.scenes.plan import MOST_NODES
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import InPlane

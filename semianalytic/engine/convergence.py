@@ -1,4 +1,4 @@
-"""The error of a march, estimated from its difference from a companion on half the nodes."""
+"""The error of a march, estimated from its difference from one on half the nodes."""
 
 from __future__ import annotations
 
@@ -32,6 +32,22 @@ class Departure:
         return self.difference / self.slip_rate if self.slip_rate else math.nan
 
 
+@dataclass(frozen=True)
+class Tried:
+    """A march of some nodes, by how far half as many are from it.
+
+    Attributes
+    ----------
+    nodes : int
+        Its number of nodes.
+    share : float
+        Difference from half the nodes, relative to the quantity itself; nan where that is 0.
+    """
+
+    nodes: int
+    share: float
+
+
 def slip_rate_error(
     departure: Departure, order: float | None, memory_error: float, missed: bool
 ) -> float:
@@ -57,26 +73,41 @@ def slip_rate_error(
     # as well, and a total one where K_II exceeds f K_I and the grid misses the zone.
     if departure.slip_rate == 0:
         return math.inf if departure.difference or missed else 0.0
-    safety = ERROR_SAFETY
-    if order is not None:
-        # difference = (2^order - 1) error, if errors fall as nodes^-order
-        # With 1.3 estimates are 1.25 to 4.2 times the errors of 50 scenes, with 1.0 at least 0.97
-        # times.  Higher orders are not believed: at 1.3 to 1.6 errors are half the difference.
-        safety = min(safety, 1.3 / (2 ** min(order, 1.6) - 1))
     # Both marches share the error of the memory's transform, which their difference does not
     # show.
-    return safety * departure.share + MEMORY_SAFETY * memory_error
+    return safety(order) * departure.share + MEMORY_SAFETY * memory_error
 
 
-def order_seen(coarse: tuple[int, Departure], fine: tuple[int, Departure]) -> float | None:
-    """Return the order at which two marches of one scene approach their companions, or None.
+def safety(order: float | None) -> float:
+    """Return the estimate over the difference from half the nodes, for an order if one was seen."""
+    if order is None:
+        return ERROR_SAFETY
+    # difference = (2^order - 1) error, if errors fall as nodes^-order
+    # With 1.3 estimates are 1.25 to 4.2 times the errors of 50 scenes, with 1.0 at least 0.97
+    # times.  Higher orders are not believed: at 1.3 to 1.6 errors are half the difference.
+    return min(ERROR_SAFETY, 1.3 / (2 ** min(order, 1.6) - 1))
 
-    Each is given by its number of observed nodes and its departure.  It is None where a march saw
-    no slip.
+
+def order_seen(coarse: Tried, fine: Tried) -> float | None:
+    """Return the order at which two marches approach those of half their nodes, or None.
+
+    It is None where one of them saw nothing.
     """
-    before, now = coarse[1].share, fine[1].share
-    if not (before > 0 and now > 0):
+    if not (coarse.share > 0 and fine.share > 0):
         return None
-    growth = math.log(fine[0] / coarse[0])
+    growth = math.log(fine.nodes / coarse.nodes)
     # Orders of 0.7 to 1.4 are measured.
-    return float(np.clip(math.log(before / now) / growth, 0.5, 2.0))
+    return float(np.clip(math.log(coarse.share / fine.share) / growth, 0.5, 2.0))
+
+
+def more_nodes(nodes: int, estimate: float, rtol: float, order: float | None, most: int) -> int:
+    """Return how many nodes to try next, up to `most`, where an estimate is above `rtol`.
+
+    Until two marches are known, first order is assumed, that of slip rate at edges.
+    """
+    # Error ~ nodes^-order: the nodes that bring the estimate to rtol / 1.15.
+    growth = (1.15 * estimate / rtol) ** (1 / (order or 1.0))
+    # The order is not known before the second march; one at a quarter of the nodes costs a
+    # sixteenth.
+    growth = float(np.clip(growth, 1.3, 4.0))
+    return min(most, math.ceil(growth * nodes))
