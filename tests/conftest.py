@@ -21,7 +21,6 @@ collect_ignore = (
         "compare/output/test_faults.py",
         "compare/records/test_bounds.py",
         "compare/tasks/test_cluster.py",
-        "docs/test_validate_trial.py",
         "fem/files/test_fem_checkpoint.py",
         "fem/files/test_fem_disk.py",
         "slipfront/cli/endings/test_endings.py",

@@ -6,7 +6,6 @@ Names are those of modules of compare and their functions, and after a slash wha
 from __future__ import annotations
 
 import contextlib
-import csv
 import importlib
 import io
 import tempfile
@@ -31,7 +30,6 @@ from compare.figures.fronts import reach
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
-from compare.figures.whole_line import line_figure
 from compare.output.field_files import record_fields
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
@@ -40,6 +38,7 @@ from docs.studies.article import __main__ as article
 from docs.studies.article.cases import run_cases
 from docs.studies.dissimilar import __main__ as dissimilar
 from docs.studies.dissimilar.pairs import SCENES as PAIRS
+from docs.studies.pages import DATA, read_data
 from docs.studies.regimes import figures as regimes
 from docs.studies.regimes.points import map_rows, trace
 from docs.studies.stability import __main__ as stability
@@ -48,8 +47,8 @@ from fem import simulate
 from semianalytic import Gauge, find, fit, solve
 from slipfront.fits.figures import fit_figure
 
-ROOT = Path(__file__).resolve().parents[1]
-DATA = ROOT / "docs" / "data"
+SMALLER = {"survey_map": {"side": 12}}
+"""What keeps an example short in a test and leaves what it prints."""
 
 
 @cache
@@ -187,8 +186,7 @@ def _openings():
 
 @cache
 def _rows_of_docs(name):
-    with (DATA / f"{name}.csv").open(encoding="utf-8") as stream:
-        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    _, rows = read_data(name)
     numbers = {"parameter", "value", "error"} & rows[0].keys()
     return [row | {one: float(row[one]) for one in numbers} for row in rows]
 
@@ -209,7 +207,7 @@ def _example(name):
         patch.object(Figure, "savefig", keep),
         contextlib.redirect_stdout(io.StringIO()),
     ):
-        main(Path(folder))
+        main(Path(folder), **SMALLER.get(name, {}))
     (figure,) = saved
     return figure
 
@@ -239,12 +237,6 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "compare.figures.interface.prediction_figure": lambda: interface.prediction_figure(
         solved("tap")
     ),
-    **{
-        f"compare.figures.whole_line.line_figure/{name}": lambda name=name: line_figure(
-            solve(find(name))
-        )
-        for name in ("whole-line-patch", "point-load")
-    },
     "compare.figures.histories.march_figure": lambda: histories.march_figure(_marched("unload")),
     "compare.figures.snapshots.snapshot_figure": _snapshots,
     "compare.figures.records.record_figure": _record,

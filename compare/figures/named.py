@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 from compare.figures.histories import march_figure
 from compare.figures.interface import prediction_figure
-from compare.figures.whole_line import line_figure
 from semianalytic import Marched, Solution
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -27,9 +26,7 @@ def _interface(answer: Any) -> Figure:
         return prediction_figure(answer)
     if isinstance(answer, Marched):
         return march_figure(answer)
-    if hasattr(answer, "pair"):
-        return answer.plot()[0].figure
-    return line_figure(answer)
+    return answer.plot()[0].figure
 
 
 OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: _interface}

@@ -30,7 +30,7 @@ _POWERS: Mapping[str, tuple[int, int, int]] = {
 
 @dataclass(frozen=True)
 class Conventions:
-    """Known units and conventions of a file; others are taken as given, or inferred and said.
+    """Known units and conventions of a file; other conventions are as given, or inferred and said.
 
     Parameters
     ----------
@@ -122,16 +122,6 @@ class Conventions:
             name: 1.0 if name in stated.units else self.scale.get(name, self._product(dimension))
             for name, dimension in DIMENSIONS.items()
         }
-
-    def settles(self, name: str, stated: Stated) -> bool:
-        """Whether the unit of a column is named by the file, or given."""
-        powers = zip(BASIC, _POWERS[DIMENSIONS[name]], strict=True)
-        needed = [basic for basic, power in powers if power]
-        return (
-            name in stated.units
-            or name in self.scale
-            or all(basic in self.scale for basic in needed)
-        )
 
     def _product(self, dimension: str) -> float:
         result = 1.0

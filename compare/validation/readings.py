@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from compare.records.record import Array, Record, Records, Stated
 from compare.validation.conventions import Conventions
 from compare.validation.exact import AT_TIME, Sampling
-from compare.validation.systems import System
 from semianalytic import Scene
 
 MOTION = ("slip_rate", "slip")
@@ -73,31 +71,19 @@ class Reading:
 
 @dataclass(frozen=True)
 class Choice:
-    """One way to read a whole file: one system of units, one sense, half or whole.
+    """Conventions of a whole file that nobody has stated.
 
     Attributes
     ----------
-    system : System
     half, turned, tension, changes : bool
         Slip and slip rate are half of the relative ones; they and shear traction point the other
         way; tension is positive; tractions are changes since t = 0.
     """
 
-    system: System = field(default_factory=System)
     half: bool = False
     turned: bool = False
     tension: bool = False
     changes: bool = False
-
-    @property
-    def turns(self) -> bool:
-        """Whether a sense, a half or a base is not as given."""
-        return self.half or self.turned or self.tension or self.changes
-
-    @property
-    def count(self) -> int:
-        """How much of it is not as given: of two that fit alike the plainer is taken."""
-        return self.system.changes + self.half + self.turned + self.tension + self.changes
 
     def words(self, names: tuple[str, ...]) -> str:
         """Description of all that is not as given, for the report.
@@ -110,7 +96,7 @@ class Choice:
         motion = _listed(name for name in ("slip", "slip_rate") if name in names)
         turned = _listed(n for n in ("slip", "slip_rate", "shear_traction") if n in names)
         tractions = _listed(name for name in TRACTIONS if name in names)
-        parts = [self.system.words] if self.system.words else []
+        parts = []
         if self.half:
             parts.append(f"{motion}: half of the relative one, doubled")
         if self.turned:
@@ -120,6 +106,16 @@ class Choice:
         if self.changes:
             parts.append(f"{tractions}: changes since t = 0, the base is added")
         return "; ".join(parts)
+
+    @property
+    def stating(self) -> Conventions:
+        """Conventions that state the choice, so that nothing has to be inferred."""
+        return Conventions(
+            sign="reversed" if self.turned else None,
+            slip="half" if self.half else None,
+            pressure="tension" if self.tension else None,
+            tractions="changes" if self.changes else None,
+        )
 
 
 def given_reading(conventions: Conventions, stated: Stated, scene: Scene) -> Reading:
@@ -163,47 +159,17 @@ def _sampling(conventions: Conventions, stated: Stated, scale: float) -> Samplin
     return AT_TIME
 
 
-def chosen_reading(
-    choice: Choice, given: Reading, conventions: Conventions, stated: Stated, scene: Scene
-) -> Reading:
-    """The reading of a choice: what is settled stays as given.
-
-    The scale of slip and slip rate of one face alone is 2 already.
-    """
-    factors, scales = dict(given.factors), conventions.scales(stated)
-    for name, size in choice.system.sizes.items():
-        if not conventions.settles(name, stated):
-            factors[name] = size * factors[name] / scales[name]
+def chosen_reading(choice: Choice, given: Reading, stated: Stated, scene: Scene) -> Reading:
+    """The reading of a choice; slip and slip rate of one face alone are doubled already."""
+    factors, offsets = dict(given.factors), dict(given.offsets)
     sign = -1.0 if choice.turned else 1.0
     for name in MOTION:
         factors[name] *= sign * (2.0 if choice.half and name not in stated.faces else 1.0)
     factors["shear_traction"] *= sign
     factors["pressure"] *= -1.0 if choice.tension else 1.0
-    offsets = dict(given.offsets)
     if choice.changes:
         offsets |= {name: base_of(scene, name) for name in TRACTIONS}
-    sampling = given.sampling
-    if sampling.step is not None:
-        step = sampling.step * factors["t"] / given.factors["t"]
-        sampling = Sampling(sampling.kind, step)
-    return Reading(factors, offsets, sampling)
-
-
-def stated_by(choice: Choice, conventions: Conventions, stated: Stated) -> Conventions:
-    """Conventions that state a choice, besides those given, so that nothing has to be inferred."""
-    given = conventions.scales(stated)
-    scale = {
-        name: size
-        for name, size in choice.system.sizes.items()
-        if not (conventions.settles(name, stated) or math.isclose(size, given[name], rel_tol=1e-12))
-    }
-    return Conventions(
-        scale=scale,
-        sign="reversed" if choice.turned else None,
-        slip="half" if choice.half else None,
-        pressure="tension" if choice.tension else None,
-        tractions="changes" if choice.changes else None,
-    )
+    return replace(given, factors=factors, offsets=offsets)
 
 
 def settings_of(conventions: Conventions) -> Iterator[tuple[str, str]]:

@@ -40,7 +40,6 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
             "offsets": dict(detection.reading.offsets),
             "left": _finite(detection.left),
             "as_given": _finite(detection.as_given),
-            "runner_up": detection.runner_up,
         },
         "notes": list(validation.notes),
         "unread": list(validation.unread),

@@ -20,7 +20,6 @@ from compare.validation.exact import Exact
 from compare.validation.grids import Grids, arranged, profile_spacing
 from compare.validation.norms import Norm, pooled
 from compare.validation.rows import quantity_norms, rows
-from compare.validation.weighing import LITTLE
 from semianalytic import Scene
 from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
@@ -28,7 +27,7 @@ from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.units import InSI
 
 CONVERTED = "agrees after conversion"
-"""The verdict where units or conventions had to be inferred."""
+"""The verdict where conventions had to be inferred."""
 MOST_STATIONS = 101
 """Most stations that are judged; of more, as many are chosen evenly.  Half and twice as many leave
 every verdict of the trial as it is."""
@@ -72,7 +71,7 @@ class Validation(HasRows[JudgedRow]):
 
     @property
     def inferred(self) -> tuple[str, ...]:
-        """Units and conventions that neither the file nor the caller has said, in words."""
+        """Conventions that neither the file nor the caller has said, in words."""
         return self.detection.inferred
 
     @cached_property
@@ -81,19 +80,15 @@ class Validation(HasRows[JudgedRow]):
         something slips if it does anywhere, and of anything where neither was recorded; else
         "unresolved".
 
-        "agrees after conversion" where that takes units or conventions which neither the file nor
-        the caller has said; "differs" where these do not explain all quantities.
+        "agrees after conversion" where that takes conventions which neither the file nor the
+        caller has said.
         """
         motion = [row for row in self.rows if row.kind in MOTION]
         # That nothing slips where nothing should is no sign that slip is right where it is.
         slips = [row for row in motion if (row.exact or 0.0) > NOTHING]
         telling = [row.verdict for row in slips or motion or self.rows]
         verdict = overall([*telling, *(row.verdict for row in self.having(DIFFERS))])
-        if not self.inferred or verdict == DIFFERS:
-            return verdict
-        if self.detection.left >= LITTLE:  # units were inferred that do not explain everything
-            return DIFFERS
-        return CONVERTED if verdict == AGREES else verdict
+        return CONVERTED if self.inferred and verdict == AGREES else verdict
 
     @property
     def unread(self) -> tuple[str, ...]:
@@ -132,7 +127,8 @@ def validate(
         Distance of the grid points of each run on the interface, in the unit of x of its file; 0
         for a gauge without any extent, whose noise is known.
     conventions : Conventions, optional
-        Units and conventions that are known; the others are inferred, and said.
+        Units and conventions that are known; other units are those of the scene, and other
+        conventions are inferred where one alone explains the records, and said.
 
     Returns
     -------

@@ -138,19 +138,20 @@ def _rounded_up(error: float) -> float:
 
 
 def written(fields: Fields, errors: Mapping[str, float]) -> dict[str, Any]:
-    """An answer as it is stored: seven digits, null for what never comes."""
-    answers = {
-        name: [_shortened(row) for row in one] if one.ndim > 1 else _shortened(one)
-        for name, one in fields.items()
-    }
+    """An answer as it is stored: to a tenth of its error, null for what never comes."""
+    answers: dict[str, Any] = {}
+    for name, one in fields.items():
+        digits = math.ceil(1 - math.log10(errors[name]))
+        rows = [_shortened(row, digits) for row in np.atleast_2d(one)]
+        answers[name] = rows if one.ndim > 1 else rows[0]
     return {
         "answers": answers,
         "errors": {name: float(f"{one:.2g}") for name, one in errors.items()},
     }
 
 
-def _shortened(row: Array) -> list[float | None]:
-    return [float(f"{one:.7g}") if math.isfinite(one) else None for one in row.tolist()]
+def _shortened(row: Array, digits: int) -> list[float | None]:
+    return [float(f"{one:.{digits}g}") if math.isfinite(one) else None for one in row.tolist()]
 
 
 def write(name: str, document: Any, folder: Path = DATA) -> None:

@@ -179,10 +179,12 @@ def past_of(kept: Mapping[str, Any], prefix: str = "") -> Past:
 
 def fingerprint(stepper: Stepper, latest: float) -> str:
     """Return a digest of everything on the grid that a run depends on until a time [time]."""
-    parts: list[Any] = [stepper.interface.material, stepper.grid, stepper.interface.plate_rate]
+    interface = stepper.interface
+    parts: list[Any] = [interface.material, stepper.grid, interface.plate_rate]
+    parts.append(interface.contact.intervals)  # ends within a cell have the same nodes
     if stepper.pair is not None:
         parts.append(stepper.pair)
-    parts += [stepper.interface.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
+    parts += [interface.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
     values: list[Any] = []
     if is_dataclass(stepper.law):
         values = [getattr(stepper.law, one.name) for one in fields(stepper.law)]

@@ -42,12 +42,19 @@ def shown(value: object) -> str:
     return " ".join(_SHOWN.repr(value).split())
 
 
+def plain(value: Any) -> Any:
+    """Return the number in a zero-dimensional array of numpy or in its scalar; other values as
+    they are."""
+    return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
+
+
 def finite(value: object) -> float | None:
     """Return a finite real number of any type, numpy's scalars included, as float; else None.
 
     Truth values and text do not count as numbers, nor do integers beyond the range of floating
     point.
     """
+    value = plain(value)
     # True is an Integral to Python; as a friction coefficient it is a mistake.
     if isinstance(value, bool) or not isinstance(value, Real):
         return None
@@ -152,6 +159,7 @@ def checked_count(what: str, value: object, least: int, required: str) -> int:
     SceneError
         "{what} must be {required} {least}, got {value}.", or that it is too large.
     """
+    value = plain(value)
     count = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else None
     if count is None or count < least:
         raise SceneError(f"{what} must be {required} {least}, got {shown(value)}.")

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from semianalytic.scene.checks import check_fields, checked_number, checked_size
-from semianalytic.scene.quantities import with_quantities
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.quantities import in_si, is_quantity, made_in_si, with_quantities
+from semianalytic.scene.units import InSI
+
+_RATIO = "lie strictly between -1 and 0.5"
+
+
+def _is_ratio(given: float) -> bool:
+    return -1 < given < 0.5
 
 
 @with_quantities
@@ -48,10 +56,91 @@ class Material:
         poisson_ratio = checked_number(
             "material: poisson_ratio",
             self.poisson_ratio,
-            "lie strictly between -1 and 0.5",
-            lambda given: -1 < given < 0.5,
+            _RATIO,
+            _is_ratio,
         )
         object.__setattr__(self, "poisson_ratio", poisson_ratio)
+
+    @classmethod
+    def from_young(cls, E: float, nu: float, rho: float) -> Material:
+        """Make a solid of Young's modulus E [stress], Poisson ratio nu and density rho.
+
+        Its shear modulus is E / (2 (1 + nu)).
+
+        Raises
+        ------
+        SceneError
+            If a number is out of range.
+
+        Examples
+        --------
+        >>> from semianalytic import Material
+        >>> Material.from_young(E=200e9, nu=0.25, rho=7800.0).shear_modulus
+        80000000000.0
+        """
+        if not is_quantity(E):
+            checked_size("material: E", E)
+        ratio = checked_number("material: nu", nu, _RATIO, _is_ratio)
+        return cls(E / (2 * (1 + ratio)), rho, ratio)
+
+    @classmethod
+    def from_speeds(cls, c_l: float, c_t: float, rho: float) -> Material:
+        """Make a solid of the speeds of its pressure and shear waves [length / time] and density.
+
+        Its shear modulus is rho c_t^2, its Poisson ratio (r - 2) / (2 r - 2), r = (c_l/c_t)^2.
+
+        Raises
+        ------
+        SceneError
+            If a number is out of range, or c_l is not above c_t sqrt(4/3), where nu is -1.
+
+        Examples
+        --------
+        >>> from semianalytic import Material
+        >>> Material.from_speeds(c_l=2000.0, c_t=1000.0, rho=1000.0)
+        Material(shear_modulus=1000000000.0, density=1000.0, poisson_ratio=0.3333333333333333)
+        """
+        given = {"c_l": (c_l, "length / time"), "c_t": (c_t, "length / time")}
+        given["rho"] = rho, "mass / length^3"
+        fast, slow, density = (
+            checked_size(f"material: {name}", in_si(f"material: {name}", value, dimension))
+            for name, (value, dimension) in given.items()
+        )
+        square = (fast / slow) ** 2
+        if not square > 4 / 3:
+            raise SceneError(
+                f"material: c_l must be above c_t sqrt(4/3) = {slow * math.sqrt(4 / 3):.6g}, where "
+                f"the Poisson ratio is -1, got {fast:.6g}."
+            )
+        modulus = density * slow**2
+        if any(map(is_quantity, (c_l, c_t, rho))):
+            modulus = InSI(modulus, "Pa", 1.0)
+        return cls(modulus, density, (square - 2) / (2 * square - 2))
+
+    def plane_stress(self) -> Material:
+        """Return the solid whose plane strain is the plane stress of a thin plate of this one.
+
+        Its Poisson ratio is nu / (1 + nu), so that its pressure waves have the speed of those of
+        the plate, sqrt(E / (rho (1 - nu^2))).
+
+        Raises
+        ------
+        SceneError
+            If nu is not above -1/2, where the plate has no such solid.
+
+        Examples
+        --------
+        >>> from semianalytic import Material
+        >>> round(Material.from_young(5e9, 0.35, 1180.0).plane_stress().longitudinal_speed)
+        2197
+        """
+        ratio = self.poisson_ratio
+        if not ratio > -0.5:
+            raise SceneError(
+                f"material: plane stress needs a Poisson ratio above -1/2, got {ratio:g}."
+            )
+        modulus = InSI(self.shear_modulus, "Pa", 1.0) if made_in_si(self) else self.shear_modulus
+        return Material(modulus, self.density, ratio / (1 + ratio))
 
     @cached_property
     def shear_speed(self) -> float:

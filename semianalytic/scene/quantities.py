@@ -6,6 +6,7 @@ method ``to``, so that no library of units is imported.
 
 from __future__ import annotations
 
+import difflib
 import functools
 import inspect
 from collections.abc import Callable
@@ -15,6 +16,14 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.units import ARGUMENTS, PARAMETERS, SI, InSI, unit
 
+_USUAL = {
+    **dict.fromkeys(("E", "youngs_modulus", "young"), "Material.from_young(E, nu, rho)"),
+    **dict.fromkeys(("mu", "G"), "shear_modulus"),
+    **dict.fromkeys(("c_l", "c_t", "vp", "vs"), "Material.from_speeds(c_l, c_t, rho)"),
+    "lower_material": "Pair(upper, lower, ...), or simulate(scene, lower_material=...)",
+    **{"nu": "poisson_ratio", "rho": "density", "f": "friction", "law": "friction_law"},
+}
+"""Usual symbols of parameters, and what they are called here."""
 Class = TypeVar("Class", bound=type)
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -74,7 +83,7 @@ def with_quantities(described: Class) -> Class:
     """Let the dataclass of a scene, or of a part of one, take quantities for its `PARAMETERS`.
 
     What was made of quantities, or of parts that were, holds numbers of the SI, and `made_in_si`
-    says so.
+    says so.  A keyword that the class does not have is refused with the one that was meant.
     """
     plain = described.__init__  # type: ignore[misc]
     names, what = list(inspect.signature(plain).parameters)[1:], described.__name__.lower()
@@ -82,6 +91,13 @@ def with_quantities(described: Class) -> Class:
     @functools.wraps(plain)
     def init(self: Any, *args: Any, **given: Any) -> None:
         values = (*args, *given.values())
+        for name in given:
+            if name not in names:
+                close = difflib.get_close_matches(name, names, n=1)
+                meant = _USUAL.get(name) or (close[0] if close else "")
+                others = f"it has {', '.join(names)} (docs/not_here.md)."
+                hint = f"did you mean {meant}?" if meant else others
+                raise SceneError(f"{what}: there is no parameter {shown(name)}; {hint}")
         if any(map(is_quantity, values)) or any(map(made_in_si, values)):
             given = {**dict(zip(names, args, strict=False)), **given}
             for name in given.keys() & PARAMETERS.keys():

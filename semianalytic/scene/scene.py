@@ -8,12 +8,11 @@ lower face), positive towards +x, or +z.  Any consistent set of units may be use
 
 from __future__ import annotations
 
-import difflib
 import math
 import sys
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -111,22 +110,6 @@ class Scene:
     mode: str = IN_PLANE
     load_on: str = SLOT
     units: str = field(default="", compare=False)
-
-    def __new__(cls, *args: Any, **given: Any) -> Scene:
-        """Make a scene to be filled; refuse unknown parameters with a hint that helps."""
-        # In __new__, before dataclass's own __init__ raises a TypeError without a hint.
-        for name in given.keys() - cls.__dataclass_fields__.keys():
-            if name == "lower_material":
-                raise SceneError(
-                    "scene: both bodies are of one material; give lower_material to simulate, or "
-                    "both materials to Pair."
-                )
-            known = [one.name for one in fields(cls)]
-            close = difflib.get_close_matches(name, known, n=1)
-            others = f"it has {', '.join(known)} (docs/not_here.md)."
-            hint = f"did you mean {close[0]}?" if close else others
-            raise SceneError(f"scene: there is no parameter {shown(name)}; {hint}")
-        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         for name, kinds in (

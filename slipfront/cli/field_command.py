@@ -27,7 +27,7 @@ from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import find_blocks, scene_folder, scene_label
 from semianalytic.scene.units import unit
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
-from slipfront.cli.marching import check_rtol
+from slipfront.cli.marching import check_resolved
 from slipfront.cli.options import (
     LOWER_OPTIONS,
     MARCH_OPTIONS,
@@ -234,7 +234,7 @@ def field_command(
         lines = [f"Written to {directory}/:", *_contents(label, of, request, scene)]
         Console(soft_wrap=True).print("\n".join(lines), highlight=False, markup=False)
     if isinstance(answer, Marched):
-        check_rtol(answer, label)
+        check_resolved(answer, label)
     else:
         check_converged(answer, label)
 

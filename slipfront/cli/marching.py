@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import typer
 from rich.console import Console
 
@@ -17,11 +18,15 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import HDF5, require
 from slipfront.cli import terminal
 from slipfront.cli.endings.interruption import INTERRUPTED
-from slipfront.cli.options import in_bytes, option_name
+from slipfront.cli.endings.refusals import in_options
+from slipfront.cli.options import MARCH_OPTIONS, in_bytes, option_name
 from slipfront.cli.scenes.points import Points, points_table
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
+
+_LITTLE = 0.1
+"""Share of a load until the end time below which an unresolved march says so."""
 
 
 def march_command(
@@ -41,7 +46,7 @@ def march_command(
     Raises
     ------
     ComputationError
-        If the error estimate is above --rtol; the result is printed before.
+        If the march is unresolved or misses --rtol; the result is printed before.
     """
     options = dict(options)
     if end_time is None and points is not None and "go_on" not in options:
@@ -85,13 +90,25 @@ def march_command(
             highlight=False,
         )
     _show(marched, label, points, as_json=as_json, save=save, draw=draw, plot=plot)
-    check_rtol(marched, label)
+    check_resolved(marched, label)
 
 
-def check_rtol(marched: Marched, label: str) -> None:
-    """Raise ComputationError if the error estimate is above --rtol; call after printing."""
+def check_resolved(marched: Marched, label: str) -> None:
+    """Raise ComputationError if a march is unresolved or misses --rtol; call after printing."""
+    why = in_options(marched.caution, MARCH_OPTIONS)
     if marched.rtol is not None and not marched.error_estimate <= marched.rtol:
-        raise ComputationError(f"{label} is not within --rtol: {marched.caution}.")
+        raise ComputationError(f"{label} is not within --rtol: {why}.")
+    if marched.status == "resolved":
+        return
+    times = np.linspace(0.0, marched.end_time, 1001)[1:]
+    for name, history in marched.scene.acting_histories.items():
+        share = float(np.abs(history.value(times)).max())
+        if share < _LITTLE:  # as where the rise time of another solid is kept
+            why += (
+                f"; until t = {marched.end_time:.4g} the {name} of the load reaches only "
+                f"{share:.2g} of its size: give a later --end-time, or a load that comes earlier"
+            )
+    raise ComputationError(f"{label} is unresolved: {why}.")
 
 
 def _gone_on(

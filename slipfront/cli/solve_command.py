@@ -97,12 +97,11 @@ def solve_command(
     each with the bar of its error; numbers may have units if the scene is in those of the SI.
 
     Step loads are self-similar and solved exactly; other load histories are marched in time, and so
-    are interfaces: contacts, fields along x and friction with state.  Whole
-    lines without a slot, and loads that grow as a power of time, are solved exactly as well, and so
-    are step loads between different bodies: the lower one is lower_material of the file,
-    or is like the upper one but for the numbers that are given.  The exit code is 4 if the solution
-    has not converged, or if the error estimate of a march exceeds --rtol; the best answer is
-    printed all the same.
+    are interfaces: contacts, fields along x and friction with state.  Whole lines without a slot,
+    and loads that grow as a power of time, are solved exactly as well, and so are step loads
+    between different bodies: the lower one is lower_material of the file, or is like the upper one
+    but for the numbers that are given.  The exit code is 4 if the solution has not converged, or a
+    march is unresolved or misses --rtol; the best answer is printed all the same.
     """
     label, kind = scene_label(scene_name), kind_of(scene_name)
     points = {"x": x, "t": t}

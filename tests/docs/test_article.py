@@ -8,8 +8,6 @@ from pathlib import Path
 import pytest
 
 from docs.studies.article.__main__ import (
-    STUDIES,
-    case_row,
     claims_table,
     figure_2,
     figure_5,
@@ -65,15 +63,10 @@ def test_claims(cases):
     assert claims_table([row | {"resolution": 32} for row in rows]) == rows
 
 
-def test_the_page_shows_all_cases_and_what_they_differ_by():
+def test_the_methods_differ_by_little_in_all_cases_of_the_page():
     rows = read_data("article-cases")[1]
-    (study,) = (one for one in STUDIES if one.name == "article-cases")
-    assert len(rows) == len(study.points(False)) == 9
+    assert len(rows) == 9
     assert max(float(row["difference"]) for row in rows) < 2e-3
-    kind, chi, _ = study.points(False)[0]
-    row = case_row(kind, chi, 20)
-    assert row["difference"] < 0.05
-    assert (row["base"], row["chi"]) == (rows[0]["base"], float(rows[0]["chi"]))
 
 
 @pytest.mark.slow

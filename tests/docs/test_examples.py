@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from figure_catalogue import SMALLER
 
 import docs.examples
 from docs.examples import __main__ as gallery
@@ -23,8 +24,6 @@ DOCS = FOLDER.parent
 SECTIONS = dict(
     re.findall(r"^## (\w+)$(.+?)(?=^## |\Z)", (DOCS / "gallery.md").read_text(), re.M | re.S)
 )
-SMALLER = {"survey_map": {"side": 12}}
-"""What keeps an example short in a test and leaves what it prints."""
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
@@ -134,25 +133,11 @@ def test_survey_is_kept_to_its_accuracy(runs):
 
 
 @pytest.mark.slow
-def test_snapshots_are_indexed(runs):
-    pictures, _, folder = runs("paraview_snapshots")
-    assert pictures == 10
-    assert (folder / "snapshots" / "fields.pvd").read_text().count(".vtu") == 10
-
-
-@pytest.mark.slow
 def test_custom_history_goes_on_from_its_file(runs):
     slip, _, folder = runs("custom_history")
     saved = Marched.load(folder / "custom_history.h5")
     assert saved.end_time == 30e-6
     assert 0 < abs(slip) < 1e-3
-
-
-@pytest.mark.slow
-def test_weakening_lets_more_slip(runs):
-    constant, rate, weakened = runs("friction_law")[0]
-    assert constant < rate
-    assert constant < weakened
 
 
 def test_scene_file_of_the_page_on_extending(tmp_path):

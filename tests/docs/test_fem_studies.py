@@ -8,35 +8,13 @@ import time
 
 import numpy as np
 import pytest
-from catalogue import solved
 from rich.console import Console
 
 from compare.output.progress import progress_bar
 from docs.studies.accuracy import fem as study
-from docs.studies.profiles import PROFILE, profile_errors
-from fem import load_simulation
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import MissingLibraryError
-from semianalytic.scene.given.named import NAMED_SCENES
 from slipfront.cli import commands as cli
-
-
-def test_errors_of_the_exact_profile_are_zero():
-    solution = solved(NAMED_SCENES["preloaded"].scene)
-    exact = solution.slip_rate(PROFILE, 1.0)
-    errors = profile_errors(solution, exact, 1.01 * exact)
-    assert errors.last == 0
-    for peak in (errors.averaged, errors.first_peak, errors.second_peak):
-        assert peak == pytest.approx(0.01)
-
-
-def test_accuracy_has_a_row_per_mesh_and_the_extrapolation():
-    coarse, fine, limit = study.slip_rates("preloaded", (20, 40))
-    assert [row["h"] for row in (coarse, fine, limit)] == ["1/20", "1/40", "extrapolated"]
-    assert np.isnan(coarse["last_order"])
-    assert fine["last_order"] == pytest.approx(np.log2(coarse["last"] / fine["last"]))
-    assert fine["last_order"] > 0.8
-    assert np.isnan(limit["seconds"])
 
 
 def test_openings_and_fields_converge():
@@ -55,23 +33,6 @@ def test_default_mesh_and_three_meshes_reach_what_is_promised():
     assert errors[1] < 3e-3
     assert errors[2] < 1e-3
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
-
-
-@pytest.mark.slow
-def test_command_resumes_and_removes_the_checkpoint(tmp_path, monkeypatch, capsys):
-    command = ["simulate", "preloaded", "--resolution", "16", "--no-snapshots", "--quiet"]
-    assert cli.main([*command, "--output", str(tmp_path / "whole")]) == 0
-    again = [*command, "--output", str(tmp_path / "run"), "--checkpoint-every", "5", "--resume"]
-    with monkeypatch.context() as patch:
-        patch.setattr("fem.record.Record.level", stop_at_level(23))
-        assert cli.main(again) == cli.INTERRUPTED
-    assert (tmp_path / "run" / "checkpoint.h5").is_file()
-    assert cli.main([*again, "--damping", "0.03"]) == 3
-    assert "its damping is 0.02, not 0.03" in capsys.readouterr().err
-    assert cli.main(again) == 0
-    assert [path.name for path in (tmp_path / "run").iterdir()] == ["simulation.h5"]
-    one, other = (load_simulation(tmp_path / name).interface for name in ("whole", "run"))
-    np.testing.assert_array_equal(one.slip_rate, other.slip_rate)
 
 
 def test_command_keeps_checkpoints_by_seconds(tmp_path, monkeypatch):

@@ -10,8 +10,7 @@ import pytest
 from docs_pages import assert_page_says, quoted_numbers, read_number
 
 import docs.studies.pages
-from docs.studies.pages import DATA, ROOT, Cell, filled, main, pages, read_data
-from semianalytic.scene.errors import DataFileError
+from docs.studies.pages import DATA, ROOT, main, pages, read_data
 
 PAGES = pages()
 FILES = sorted(path.stem for path in DATA.glob("*.csv"))
@@ -43,86 +42,6 @@ def test_every_data_file_names_a_command_there_is_and_is_shown(file):
         assert python in ("slipfront", "pytest")
     marks = (f"<!-- table: {file}", f"data/{file}.csv")
     assert any(mark in page.read_text() for page in PAGES for mark in marks)
-
-
-@pytest.mark.parametrize(
-    ("text", "form", "shown"),
-    [
-        ("0.000234", ".2e", "2.34e-4"),
-        ("-0.244", "+.1%", "−24.4 %"),
-        ("0.0734", "+.1%", "+7.3 %"),
-        ("0.0023", ".2s%", "0.23 %"),
-        ("0.12", ".3s%", "12.0 %"),
-        ("1.5967e-08", ".2p", "1.60·10⁻⁸"),
-        ("82940.0", ",.0f", "82,940"),
-        ("0.3333333333333333", "r", "1/3"),
-        ("-0.9", "r", "−0.9"),
-        ("0.8843", ".4s", "0.8843"),
-        ("1", ".3f", "1.000"),
-        ("nan", ".3f", ""),
-        ("", "", ""),
-        ("accumulated |slip|", "", r"accumulated \|slip\|"),
-    ],
-)
-def test_cells_are_typeset(text, form, shown):
-    assert format(Cell(text), form) == shown
-
-
-BLOCK = """before
-<!-- table: some{rest}
-| nu | error |
-| {{nu:r}} | {{error:.1e}} |
--->
-stale
-<!-- end -->
-after
-"""
-
-
-@pytest.fixture
-def folder(tmp_path):
-    lines = ("# python -m some", "nu,error,method", "0.5,0.001,a", "-0.5,0.02,b", "0.25,nan,a")
-    (tmp_path / "some.csv").write_text("\n".join(lines) + "\n")
-    return tmp_path
-
-
-def test_tables_are_filled_and_stay_filled(folder):
-    once = filled(BLOCK.format(rest=""), folder)
-    assert "-->\n| nu | error |\n|---|---|\n| 0.5 | 1.0e-3 |\n| −0.5 | 2.0e-2 |\n" in once
-    assert once.startswith("before")
-    assert once.endswith("| 0.25 |  |\n<!-- end -->\nafter\n")
-    assert filled(once, folder) == once
-    some = filled(BLOCK.format(rest=" where method=a; nu=0.5"), folder)
-    assert "1.0e-3" in some
-    assert "2.0e-2" not in some
-
-
-def test_tables_of_long_data_are_spread(folder):
-    lines = ("# python -m some", "nu,what,value", "1,error,0.1", "2,error,0.2", "2,order,1.5")
-    (folder / "some.csv").write_text("\n".join(lines) + "\n")
-    block = BLOCK.format(rest=" spread what by nu").replace("| error |", "| error | order |")
-    text = filled(block.replace(".1e} |", ".1f} | {order:.1f} |"), folder)
-    assert "| 1 | 0.1 |  |\n| 2 | 0.2 | 1.5 |\n" in text
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"error": "eror"}, "does not fit its table"),
-        ({"0.001": "small"}, "does not fit its table"),
-        ({"# ": ""}, "first line"),
-        ({"a\n": "c\n"}, "no row"),
-    ],
-)
-def test_data_that_do_not_fit_are_refused(folder, change, message):
-    text = (folder / "some.csv").read_text()
-    for old, new in change.items():
-        text = text.replace(old, new)
-    (folder / "some.csv").write_text(text)
-    with pytest.raises(DataFileError, match=message):
-        filled(BLOCK.format(rest=" where method=a"), folder)
-    with pytest.raises(DataFileError, match="cannot be read"):
-        filled(BLOCK.replace("some", "another").format(rest=""), folder)
 
 
 def test_command_names_a_stale_page_and_writes_it(tmp_path, monkeypatch, capsys):

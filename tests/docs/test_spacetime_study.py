@@ -7,7 +7,6 @@ import pytest
 from catalogue import unit_scene
 
 from compare.comparison.measures import relative_error
-from docs.studies.accuracy.march import accuracy, field_errors
 from semianalytic import Ramp, solve
 from semianalytic.reference import StaticZone, static_zone
 from semianalytic.scene.given.named import NAMED_SCENES
@@ -48,22 +47,6 @@ def test_slow_ramps_approach_the_static_near_field():
     slips = [slip_of_a_ramp(rise_time) for rise_time in (1.0, 4.0, 16.0)]
     assert slips[0] > 2 * slips[1] > 4 * slips[2]
     assert slips[-1] < 0.03
-
-
-def test_field_errors_fall_with_the_grid():
-    scene = NAMED_SCENES["antiplane"].scene
-    coarse, fine = (field_errors(scene, nodes, points=40) for nodes in (32, 64))
-    assert all(2 * after < before for before, after in zip(coarse, fine, strict=True))
-    assert max(fine) < 3e-3
-
-
-@pytest.mark.slow
-def test_slip_rates_converge_with_the_grid():
-    coarse, fine = accuracy("preloaded", (64, 128))
-    assert fine["order"] == pytest.approx(np.log2(coarse["error"] / fine["error"]))
-    assert fine["order"] > 0.7
-    assert np.isnan(coarse["order"])
-    assert fine["error"] < 2e-3
 
 
 def test_friction_work_peaks_at_intermediate_friction():

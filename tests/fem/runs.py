@@ -7,16 +7,9 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, SHOCK, unit_scene
 
+import semianalytic as sf
 from fem import simulate
 from fem.results import ARRAYS, HISTORIES
-from semianalytic.scene.friction import (
-    CoulombFriction,
-    RateWeakening,
-    SlipWeakening,
-    ViscousFriction,
-)
-from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step
-from semianalytic.scene.tabulated import Tabulated
 
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 MIXED = unit_scene(0.5, (1.0, 0.2), (0.5, 0.5))
@@ -33,28 +26,28 @@ SCENES = {
     "reclosing": unit_scene(0.5, (0.02, 0.0), (1.0, 0.5)),
 }
 RISING = {
-    "ramp": Ramp(0.3),
-    "rectangle": Pulse(0.37),
-    "triangle": Pulse(0.5, "triangle"),
-    "harmonic": Harmonic(2.0),
-    "jumps": Tabulated((0.05, 0.25, 0.25, 0.6), (0.0, 1.0, -1.0, 0.5)),
+    "ramp": sf.Ramp(0.3),
+    "rectangle": sf.Pulse(0.37),
+    "triangle": sf.Pulse(0.5, "triangle"),
+    "harmonic": sf.Harmonic(2.0),
+    "jumps": sf.Tabulated((0.05, 0.25, 0.25, 0.6), (0.0, 1.0, -1.0, 0.5)),
 }
 LAWS = {
-    "coulomb": CoulombFriction(),
-    "rate": RateWeakening(0.4, 1.0),
-    "viscous": ViscousFriction(0.3),
-    "slip": SlipWeakening(0.6, 0.05),
+    "coulomb": sf.CoulombFriction(),
+    "rate": sf.RateWeakening(0.4, 1.0),
+    "viscous": sf.ViscousFriction(0.3),
+    "slip": sf.SlipWeakening(0.6, 0.05),
 }
 
 
-def sheared(history=Step(), law=LAWS["coulomb"]):  # noqa: B008
+def sheared(history=sf.Step(), law=LAWS["coulomb"]):  # noqa: B008
     """Shear alone, under constant pressure."""
     return unit_scene(shear_history=history, friction_law=law)
 
 
 def mixed(history, law=LAWS["coulomb"]):
     """Shear and pressure, the pressure in waves, on an interface sheared beforehand."""
-    histories = {"pressure_history": Harmonic(1.0), "shear_history": history}
+    histories = {"pressure_history": sf.Harmonic(1.0), "shear_history": history}
     return unit_scene(0.5, (1.0, 0.2), (0.5, 0.8), friction_law=law, **histories)
 
 

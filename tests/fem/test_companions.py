@@ -6,12 +6,10 @@ import h5py
 import pytest
 from catalogue import SHOCK
 
+import semianalytic as sf
 from fem import companions, load_simulation, simulate, with_companions
 from fem.run import run_plan
-from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.loads import Harmonic, Pulse
-from semianalytic.scene.scene import Material
 from tests.fem.runs import OF_CLOCK, assert_same, sheared
 
 
@@ -47,7 +45,7 @@ def test_damaged_companion_is_an_error(carrying, tmp_path):
     carrying.save(tmp_path)
     with h5py.File(tmp_path / "simulation.h5", "a") as file:
         del file["companion/companion/state"]
-    with pytest.raises(DataFileError, match=r"simulation\.h5"):
+    with pytest.raises(sf.DataFileError, match=r"simulation\.h5"):
         load_simulation(tmp_path)
 
 
@@ -71,7 +69,7 @@ def test_companions_have_the_settings_of_the_simulation():
     run = with_companions(simulate(SHOCK, resolution=32, every=4, **options))
     assert_same_run(run.companion, simulate(SHOCK, resolution=16, every=2, **options))
     assert_same_run(run.companion.companion, simulate(SHOCK, resolution=8, **options))
-    lower = Material(2.0, 1.0, 0.3)
+    lower = sf.Material(2.0, 1.0, 0.3)
     run = with_companions(simulate(SHOCK, resolution=20, lower_material=lower))
     assert_same_run(run.companion, simulate(SHOCK, resolution=10, lower_material=lower))
     run = with_companions(simulate(SHOCK, resolution=20, every=10**6))
@@ -90,19 +88,19 @@ def test_companions_end_where_meshes_would_be_too_coarse(resolution):
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize("history", [Harmonic(2.0), Pulse(0.21)])
+@pytest.mark.parametrize("history", [sf.Harmonic(2.0), sf.Pulse(0.21)])
 def test_companions_need_not_follow_the_load(history):
     scene = sheared(history)
     run = with_companions(simulate(scene, resolution=40))
     assert run.companion.companion.resolution == 10
-    with pytest.raises(SceneError, match="faster than this mesh can follow"):
+    with pytest.raises(sf.SceneError, match="faster than this mesh can follow"):
         simulate(scene, resolution=10)
 
 
 def test_companions_end_where_a_coarse_mesh_cannot_be_run(monkeypatch):
     def refused(plan, *arguments, **options):
         if plan.settings.resolution < 10:
-            raise SceneError("friction falls faster than a node of this mesh can radiate.")
+            raise sf.SceneError("friction falls faster than a node of this mesh can radiate.")
         return run_plan(plan, *arguments, **options)
 
     monkeypatch.setattr(companions, "run_plan", refused)
@@ -113,7 +111,7 @@ def test_companions_end_where_a_coarse_mesh_cannot_be_run(monkeypatch):
 
 def test_progress_is_told_and_the_coarse_mesh_is_not_complained_about(recwarn):
     steps = []
-    slow = Material(0.16, 1.0, 1 / 3)  # 16 elements in the simulation, 8 and 4 in companions
+    slow = sf.Material(0.16, 1.0, 1 / 3)  # 16 elements in the simulation, 8 and 4 in companions
     run = simulate(SHOCK, resolution=40, lower_material=slow)
     run = with_companions(run, lambda step, of: steps.append((step, of)))
     assert not recwarn.list

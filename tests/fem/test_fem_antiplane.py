@@ -5,19 +5,18 @@ import numpy as np
 import pytest
 from catalogue import REMOTE, UNIT, solved, unit_scene
 
+import semianalytic as sf
 from fem import Settings, cost, load_simulation, simulate, with_companions
 from fem.elements.assembly import OUT_OF_PLANE, antiplane_stiffness, make_space
 from fem.elements.edge import edge_offset, surface_stiffness
 from fem.elements.families import FAMILIES
 from fem.plan import ANTIPLANE, ANTIPLANE_LOCKSTEP, TWO_MATERIALS, Plan
 from meshes import Blocks, cached_mesh
-from semianalytic import Material, SceneError, SlipWeakening, ViscousFriction, solve
 from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.reference import antiplane_slip, antiplane_slip_rate
-from semianalytic.scene.loads import Step
 from tests.fem.runs import SHEARED_ALONG_Z, interrupted, l1, run
 
-SOFT = Material(2.0, 3.0, 0.1)
+SOFT = sf.Material(2.0, 3.0, 0.1)
 LINEAR = pytest.mark.parametrize("element", ["Q1", "P1"])
 
 
@@ -67,7 +66,7 @@ def test_stuck_traction_is_seen_from_that_edge(element):
     seen = (interface.x > 0.03) & (interface.x < 0.8)
     errors = []
     for shift in (beside * sim.element_size, 0.0):
-        exact = stuck_shear(Step(), 0.01, UNIT, interface.x[seen] + shift, 1.0, "III").value
+        exact = stuck_shear(sf.Step(), 0.01, UNIT, interface.x[seen] + shift, 1.0, "III").value
         errors.append(l1(interface.shear_traction[-1, seen], exact))
     assert errors[0] < errors[1] / 15
 
@@ -95,7 +94,7 @@ def test_slip_converges_to_the_closed_form():
     ("scene", "name"),
     [
         (antiplane(1.0, **REMOTE), ANTIPLANE_LOCKSTEP),
-        (antiplane(0.5, friction_law=ViscousFriction(0.25)), ANTIPLANE),
+        (antiplane(0.5, friction_law=sf.ViscousFriction(0.25)), ANTIPLANE),
         (antiplane(0.3, (1.0, 0.3), (1.0, 0.6)), ANTIPLANE_LOCKSTEP),
     ],
     ids=["shock", "viscous", "slip from the longitudinal front"],
@@ -109,10 +108,10 @@ def test_exact_solutions_are_met(scene, name):
 
 
 def test_slip_weakening_agrees_with_a_march():
-    scene = antiplane(0.5, friction_law=SlipWeakening(0.5, 0.1))
+    scene = antiplane(0.5, friction_law=sf.SlipWeakening(0.5, 0.1))
     seen, marched = (
         simulate(scene, resolution=64).interface,
-        solve(scene, method="space-time", nodes=320),
+        sf.solve(scene, method="space-time", nodes=320),
     )
     x = seen.x[seen.x < marched.grid.x[-1]]
     assert l1(seen.slip[-1, : len(x)], marched.slip(x, 1.0)) < 3e-3
@@ -142,7 +141,7 @@ def test_two_materials_slide_under_constant_pressure_only():
     sim = simulate(antiplane(0.5), 0.5, resolution=40, lower_material=SOFT)
     assert sim.model == TWO_MATERIALS
     assert sim.energy.residual < 1e-10
-    with pytest.raises(SceneError, match="slip along x as well"):
+    with pytest.raises(sf.SceneError, match="slip along x as well"):
         simulate(antiplane(0.5, load=(0.4, 1.0)), 0.5, resolution=40, lower_material=SOFT)
 
 

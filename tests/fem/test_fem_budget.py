@@ -10,7 +10,6 @@ from catalogue import PRELOADED as SHEARED
 from catalogue import UNIT, unit_scene
 
 from fem import cost, prepare, simulate
-from fem.budget import Cost
 from fem.stepping import critical_step, highest_frequency
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
@@ -87,10 +86,7 @@ def test_unknowns_of_unstructured_triangles_are_nearly_those_of_the_run():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "resolution",
-    [60, 100, 200],
-)
+@pytest.mark.parametrize("resolution", [60, 100, 200])
 def test_memory_and_size_of_files_are_predicted(resolution, tmp_path, monkeypatch):
     """Measured in a process of its own, which nothing has used memory in before."""
     monkeypatch.setenv("SLIPFRONT_CACHE", str(tmp_path / "cache"))
@@ -153,11 +149,3 @@ def test_nearly_incompressible_blocks_cost_hours_and_gigabytes():
     assert extreme.seconds > 100 * usual.seconds
     sentence = refusal(scene=NEARLY_INCOMPRESSIBLE, resolution=40, memory=4e9)
     assert 8 <= named_number(sentence, "lower `resolution` to ") < 40
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"), [(61.0, "1 minute"), (600.0, "10 minutes"), (9000.0, "2.5 hours")]
-)
-def test_cost_is_told_in_words(seconds, words):
-    told = str(Cost(10, 20_000, 3000, 2_500_000_000, seconds, 1, 1, 1))
-    assert told == f"20,000 unknowns and 3,000 steps will take about {words} and 2.5 GB"

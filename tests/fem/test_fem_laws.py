@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, SHOCK, unit_scene
 
+import semianalytic as sf
 from fem import BACKWARD, FORWARD, OPEN, STICK, simulate
 from fem.elements.families import FAMILIES
-from fem.interface import contact_pressure, coulomb_traction, strength
-from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import CoulombFriction, RateWeakening
+from fem.interface import strength
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.scene import Material
 from tests.fem.runs import FIELDS, LAWS, RISING, SCENES, UNLOADED, mixed, run, sheared
 
 RUNS = {
@@ -30,22 +28,6 @@ any_run = pytest.mark.parametrize("name", RUNS)
 
 
 # --- the laws of the interface ----------------------------------------------------------------
-
-
-def test_pressure_closes_the_gap_or_vanishes():
-    gap, increment = np.array([0.0, 0.0, 0.3, 0.3]), np.array([-0.2, 4.0, -0.1, -0.7])
-    pressure = contact_pressure(gap, increment, 1.5, np.full(4, 2.0))
-    np.testing.assert_allclose(pressure, [1.6, 0.0, 1.4, 1.7])
-    opened = gap + increment + 2.0 * (pressure - 1.5)
-    np.testing.assert_allclose(opened, [0, 1, 0, 0], atol=1e-15)
-
-
-def test_traction_stops_the_pair_or_reaches_the_strength():
-    increment, bound = np.array([0.2, -0.2, 3.0, -3.0]), np.full(4, 0.6)
-    traction = coulomb_traction(increment, 0.1, bound, np.full(4, 2.0))
-    np.testing.assert_allclose(traction, [0.2, 0.0, 0.6, -0.6])
-    left = increment - 2.0 * (traction - 0.1)
-    np.testing.assert_allclose(left, [0, 0, 2.0, -1.6], atol=1e-15)
 
 
 @pytest.mark.thinned(7)
@@ -67,7 +49,7 @@ def test_law_holds_at_every_node_and_step(name):
     bound = law.strength(frictional, increment / sim.time_step, path)
     bound[state == OPEN] = 0.0
     rounding = 1e-13
-    slack = 1e-14 * bound if isinstance(law, CoulombFriction) else rounding
+    slack = 1e-14 * bound if isinstance(law, sf.CoulombFriction) else rounding
     assert (np.abs(shear) <= bound + slack).all()
     assert (increment * shear >= -rounding * np.abs(shear)).all()
     slips = (np.abs(increment) > rounding) & (state != OPEN)
@@ -99,7 +81,7 @@ def test_viscous_work_vanishes_without_damping_and_grows_with_it():
     assert np.diff(with_damping.damping).min() > 0
 
 
-class Halved(CoulombFriction):
+class Halved(sf.CoulombFriction):
     """A law that the finite elements have never heard of."""
 
     def strength(self, frictional, slip_rate, path):
@@ -120,7 +102,7 @@ def test_weakening_lets_more_slip():
 
 
 def test_rate_weakening_solves_its_equation():
-    law, step = RateWeakening(0.8, 0.3), 0.01
+    law, step = sf.RateWeakening(0.8, 0.3), 0.01
     static, compliance = np.full(5, 0.6), np.full(5, 0.005)
     excess = np.array([0.0, 1e-9, 0.1, 1.0, 1e6])
     stopping, impedance = static + excess, step / compliance
@@ -133,15 +115,15 @@ def test_rate_weakening_solves_its_equation():
 
 def test_weakening_the_blocks_cannot_radiate_is_refused():
     # pressure rises ahead of the edge
-    scene = unit_scene(0.5, (1.0, 0.2), (1.0, 0.8), friction_law=RateWeakening(0.45, 0.5))
-    with pytest.raises(SceneError, match="faster than a node of the interface can radiate"):
+    scene = unit_scene(0.5, (1.0, 0.2), (1.0, 0.8), friction_law=sf.RateWeakening(0.45, 0.5))
+    with pytest.raises(sf.SceneError, match="faster than a node of the interface can radiate"):
         run(scene, 40)
 
 
 def test_shorter_steps_let_nodes_radiate_more():
     """At nu = 0 a node radiates less per step than a half-plane, unless steps are shorter."""
-    scene = replace(sheared(law=RateWeakening(0.6, 0.4)), material=Material(1.0, 1.0, 0.0))
-    with pytest.raises(SceneError, match="lower `step_ratio`"):
+    scene = replace(sheared(law=sf.RateWeakening(0.6, 0.4)), material=sf.Material(1.0, 1.0, 0.0))
+    with pytest.raises(sf.SceneError, match="lower `step_ratio`"):
         run(scene, 40)
     assert run(scene, 40, step_ratio=0.7).energy.residual < 1e-13
 

@@ -10,6 +10,7 @@ from catalogue import SHOCK as REMOTE
 
 import fem.interface
 import fem.model
+import semianalytic as sf
 from fem import simulate
 from fem.elements.assembly import make_space, tributary_length
 from fem.elements.families import FAMILIES
@@ -18,15 +19,12 @@ from fem.model import build_model
 from fem.plan import LOCKSTEP, Plan
 from fem.settings import Settings
 from meshes import Blocks, cached_mesh
-from semianalytic import solve
-from semianalytic.scene.errors import SceneError, TensionError
-from semianalytic.scene.scene import Material, Scene, Tractions
 from tests.fem.runs import UNLOADED, l1
 
 
 @cache
 def exact(scene):
-    return solve(scene, rtol=1e-8)
+    return sf.solve(scene, rtol=1e-8)
 
 
 def slip_rate_error(scene, history):
@@ -112,9 +110,9 @@ def test_every_element_agrees_with_the_exact_solution(element, mesh, most):
 
 def test_gap_converges_to_the_exact_one_with_second_order():
     """It opens from the edge at a constant speed, and no node that has opened closes again."""
-    with pytest.raises(TensionError):
-        solve(UNLOADED, method="space-time", nodes=100)
-    exact, errors = solve(UNLOADED), []
+    with pytest.raises(sf.TensionError):
+        sf.solve(UNLOADED, method="space-time", nodes=100)
+    exact, errors = sf.solve(UNLOADED), []
     for resolution in (40, 80):
         run = simulate(UNLOADED, resolution=resolution)
         history = run.interface
@@ -136,7 +134,7 @@ def test_gap_converges_to_the_exact_one_with_second_order():
 def test_equal_lower_material_changes_nothing_but_the_walls():
     same = simulate(REMOTE, resolution=24, lower_material=UNIT)
     assert same.model == LOCKSTEP
-    almost = Material(1.0 + 1e-9, 1.0, 1 / 3)
+    almost = sf.Material(1.0 + 1e-9, 1.0, 1 / 3)
     run = simulate(REMOTE, resolution=24, lower_material=almost)
     assert run.model == "two blocks of different materials"
     assert run.lower_material == almost
@@ -147,7 +145,7 @@ def test_equal_lower_material_changes_nothing_but_the_walls():
 
 
 def test_slip_between_different_materials_changes_the_pressure():
-    soft = Material(0.25, 1.0, 1 / 3)
+    soft = sf.Material(0.25, 1.0, 1 / 3)
     run = simulate(PRELOADED, resolution=40, lower_material=soft)
     assert np.abs(run.interface.pressure[-1] - 1).max() > 0.1
     assert run.energy.residual < 1e-13
@@ -156,7 +154,7 @@ def test_slip_between_different_materials_changes_the_pressure():
     assert (np.abs(run.interface.shear_traction) <= strength * (1 + 1e-14)).all()
     # the same interface seen from below: the soft body on top, and shear the other way
     turned = simulate(
-        Scene(soft, 0.3, Tractions(1.0, 0.0), Tractions(0.0, -1.0)),
+        sf.Scene(soft, 0.3, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, -1.0)),
         end_time=1.0,
         resolution=20,  # h = c_t T / resolution, c_t of the upper block
         lower_material=UNIT,
@@ -170,8 +168,8 @@ def test_slip_between_different_materials_changes_the_pressure():
 
 def test_different_materials_cannot_slide_everywhere():
     scene = replace(REMOTE, friction=0.5)
-    with pytest.raises(SceneError, match="different materials"):
-        simulate(scene, lower_material=Material(2.0, 1.0, 1 / 3))
+    with pytest.raises(sf.SceneError, match="different materials"):
+        simulate(scene, lower_material=sf.Material(2.0, 1.0, 1 / 3))
 
 
 # --- loading from afar ------------------------------------------------------------------------
@@ -192,7 +190,7 @@ def remotely_loaded(resolution):
     arrival = blocks.far / UNIT.shear_speed
     end = arrival + 1.0
     # its slot loads make it two halves; they are replaced below
-    scene = Scene(UNIT, REMOTE.friction, Tractions(0.0, 0.0), REMOTE.load)
+    scene = sf.Scene(UNIT, REMOTE.friction, sf.Tractions(0.0, 0.0), REMOTE.load)
     plan = Plan(scene, end, Settings(resolution=round(end / size)))
     assert plan.name == LOCKSTEP
     assert plan.size == pytest.approx(size, rel=1e-12)

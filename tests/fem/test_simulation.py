@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, SHOCK, STEEL, UNIT, unit_scene
 
+import semianalytic as sf
 from fem import prepare, simulate
 from fem.run import drift, levels
-from semianalytic import ViscousFriction, solve
 from semianalytic.reference import slip_rate_under_shear_step
-from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.loads import Pulse
-from semianalytic.scene.scene import Tractions
 from tests.fem.runs import SCENES, l1, run
 
 
@@ -99,7 +96,8 @@ def test_reclosing_does_not_chatter():
 def test_units_do_not_matter(scene):
     stress, end = 5e6, 2e-5
     base, load = (
-        Tractions(stress * part.pressure, stress * part.shear) for part in (scene.base, scene.load)
+        sf.Tractions(stress * part.pressure, stress * part.shear)
+        for part in (scene.base, scene.load)
     )
     steel = replace(scene, material=STEEL, base=base, load=load)
     one, other = run(scene).interface, run(steel, end_time=end).interface
@@ -168,7 +166,7 @@ def test_progress_counts_every_step():
     ],
 )
 def test_options_out_of_range_are_refused(options):
-    with pytest.raises(SceneError, match=r"simulate|mesh"):
+    with pytest.raises(sf.SceneError, match=r"simulate|mesh"):
         simulate(PRELOADED, **options)
 
 
@@ -176,13 +174,13 @@ def test_overflow_names_the_step(monkeypatch):
     monkeypatch.setattr(
         "semianalytic.scene.checks.LARGEST", 1e301
     )  # else the scene refuses the load
-    with pytest.raises(ComputationError, match="at step 1 of"):
+    with pytest.raises(sf.ComputationError, match="at step 1 of"):
         simulate(unit_scene(load=(0.0, 1e300)), resolution=10)
 
 
 # --- slip rates are means over a short window, which takes the ringing out ---------------------
 
-PULSED = unit_scene(0.5, (1.0, 0.2), (0.5, 0.5), nu=0.1, shear_history=Pulse(0.6))
+PULSED = unit_scene(0.5, (1.0, 0.2), (0.5, 0.5), nu=0.1, shear_history=sf.Pulse(0.6))
 
 
 def slips(model):
@@ -231,7 +229,7 @@ def test_what_is_summed_ends_with_the_end_time():
     ],
 )
 def test_error_is_less_than_that_of_single_steps(scene, most):
-    sim, exact = simulate(scene, resolution=50), solve(scene)
+    sim, exact = simulate(scene, resolution=50), sf.solve(scene)
     x, t = sim.interface.x, sim.interface.t
     shown, rows = (x > 0.08) & (x < 1.4), range(len(t) - 30, len(t) - 1, 3)
     single = (sim.interface.slip[2:] - sim.interface.slip[:-2]) / (2 * sim.time_step)
@@ -251,6 +249,6 @@ def test_error_is_less_than_that_of_single_steps(scene, most):
 )
 def test_slip_beside_an_opening(base, load):
     """At the border slip rate is infinite, or nothing, where traction would jump."""
-    sim = run(unit_scene(0.3, base, load, friction_law=ViscousFriction(0.25)), 40)
-    exact, x = solve(sim.scene, rtol=1e-6), sim.interface.x
+    sim = run(unit_scene(0.3, base, load, friction_law=sf.ViscousFriction(0.25)), 40)
+    exact, x = sf.solve(sim.scene, rtol=1e-6), sim.interface.x
     assert l1(sim.interface.slip[-1], exact.slip(x, sim.end_time)) < 0.01

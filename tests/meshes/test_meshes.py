@@ -63,19 +63,6 @@ def test_triangles_cover_the_blocks(lower):
     np.testing.assert_allclose(mesh.p[0, on_side], 0.1 * np.arange(7), atol=1e-15)
 
 
-@pytest.mark.parametrize("pattern", ["graded", pytest.param("triangles", marks=pytest.mark.gmsh)])
-def test_graded_meshes_and_triangles_are_cached_and_checked(pattern, tmp_path):
-    blocks = replace(BLOCKS, pattern=pattern)
-    first, second = cached_mesh(blocks), cached_mesh(blocks)
-    np.testing.assert_array_equal(first.p, second.p)
-    np.testing.assert_array_equal(first.t, second.t)
-    path = tmp_path / "blocks.msh"
-    for other in (BLOCKS, replace(blocks, left=5), replace(blocks, height=4)):
-        build_mesh(other, path)
-        with pytest.raises(DataFileError, match=r"blocks\.msh"):
-            read_mesh(path, blocks)
-
-
 def cells_of(raw, kind):
     """The nodes of the first block of elements of a kind."""
     return next(block.data for block in raw.cells if block.type == kind)
@@ -190,12 +177,6 @@ def test_extents_follow_causality(speed):
     assert reach < 2 * left - reach / 2 < reach + slack + size
     full = causal_blocks(speed, end, size, full=True)
     assert full.left == full.right == full.height == blocks.right
-
-
-def test_damping_widens_the_margin():
-    sharp, smeared = (causal_blocks(2.0, 1.0, 0.01, damping_time=d) for d in (0.0, 0.01))
-    assert smeared.right > sharp.right
-    assert smeared.height > sharp.height
 
 
 @pytest.mark.parametrize(

@@ -272,7 +272,6 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "it, factors and offsets, and the largest error that is left, and as given",
                 shape(
                     "left as_given",
-                    "runner_up",
                     inferred=list_of(TEXT),
                     stated_by=list_of(list_of(TEXT)),
                     factors=named(NUMBER),

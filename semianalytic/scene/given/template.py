@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from decimal import Decimal
+from itertools import chain
 from textwrap import wrap
 from typing import Any, TypeVar
 
@@ -131,9 +132,14 @@ def _load_in(scales: Mapping[str, float], load: Load) -> Load:
 
 
 def scene_text(
-    scene: Scene, origin: str = "", remark: str = "", lower: Material | None = None
+    scene: Scene,
+    origin: str = "",
+    remark: str = "",
+    lower: Material | None = None,
+    *,
+    with_all: bool = False,
 ) -> str:
-    """Write a scene as a TOML file with comments, which also show the other laws and histories.
+    """Write a scene as a TOML file in which every number has its unit and meaning as a comment.
 
     `find` reads the same scene, or the same pair, from the file.
 
@@ -147,11 +153,20 @@ def scene_text(
         A sentence about the material.
     lower : Material, optional
         Of the lower body, where it is another one.
+    with_all : bool
+        Whether comments show the other loads, histories and laws, and a lower body.
     """
-    return "\n".join(_lines(scene, origin, remark, lower)) + "\n"
+    lines = _lines(scene, origin, remark, lower, with_all=with_all)
+    if not with_all:
+        lines = chain(
+            lines, ["", "# Other loads, histories and friction laws: slipfront init --all"]
+        )
+    return "\n".join(lines) + "\n"
 
 
-def _lines(scene: Scene, origin: str, remark: str, lower: Material | None) -> Iterator[str]:
+def _lines(
+    scene: Scene, origin: str, remark: str, lower: Material | None, *, with_all: bool
+) -> Iterator[str]:
     document = scene_document(scene)
     yield f"# A scene of slipfront{origin and f', made from {origin}'}: slipfront solve FILE."
     yield "# Contact on y = 0, x > 0, an open slot on x < 0; the load comes at t = 0."
@@ -175,27 +190,29 @@ def _lines(scene: Scene, origin: str, remark: str, lower: Material | None) -> It
         if table == "material" and remark:
             yield from (f"# {line}" for line in wrap(remark, 96))
         yield from _values(document[table], parameters, scene.units)
-    for example in (_WAVE, _MOVING):
+    for example in (_WAVE, _MOVING) if with_all else ():
         if type(example) is not type(scene.load):
             other = _load_in(_scales(scene.material, _largest(scene)), example)
             for line in _values(load_document(other), load_parameters(other), scene.units):
                 yield f"# {line}"
-    yield "\n[pressure_history]  # how the pressure of the load comes, over time"
-    yield from _part(scene, scene.pressure_history, _HISTORIES)
-    yield "\n[shear_history]  # how the shear of the load comes, over time"
-    yield from _part(scene, scene.shear_history, _HISTORIES)
-    yield "\n[friction_law]  # strength of what slips at V under the pressure p"
-    yield from _part(scene, scene.friction_law, _LAWS)
+    for name, said, examples in (
+        ("pressure_history", "how the pressure of the load comes, over time", _HISTORIES),
+        ("shear_history", "how the shear of the load comes, over time", _HISTORIES),
+        ("friction_law", "strength of what slips at V under the pressure p", _LAWS),
+    ):
+        if with_all or name in document:
+            yield f"\n[{name}]  # {said}"
+            yield from _part(scene, getattr(scene, name), examples if with_all else ())
     if lower is not None:
         yield "\n[lower_material]  # of the lower body"
         yield from _values(asdict(lower), MATERIAL, scene.units)
-        return
-    yield "\n# [lower_material]  # where it is another solid: for solve, compare and others"
-    for line in _values(document["material"], MATERIAL, scene.units):
-        yield f"# {line}"
+    elif with_all:
+        yield "\n# [lower_material]  # where it is another solid: for solve, compare and others"
+        for line in _values(document["material"], MATERIAL, scene.units):
+            yield f"# {line}"
 
 
-def _part(scene: Scene, own: Part, examples: tuple[Part, ...]) -> Iterator[str]:
+def _part(scene: Scene, own: Any, examples: tuple[Any, ...]) -> Iterator[str]:
     """Return the lines of the scene's history or law, and of the others as comments."""
     yield from _kind(own, scene.units)
     scales = _scales(scene.material, _largest(scene))

@@ -142,9 +142,9 @@ def validate_command(
 ) -> None:
     """Compare what another code recorded on the interface with the exact answer.
 
-    Units and conventions that are inferred are said first, with the options that state them.  The
-    exit code is 0 if nothing differs by more than the error bars allow, 1 if something does, 3 if a
-    file cannot be read.
+    Conventions that are inferred are said first, with the options that state them.  The exit code
+    is 0 if nothing differs by more than the error bars allow, 1 if something does, 3 if a file
+    cannot be read.
     """
     require("slipfront validate", *PLOT)
     scene = override_scene(find_scene(scene_name), **overrides)
@@ -285,16 +285,15 @@ def _show(validation: Validation, label: str, directory: Path) -> None:
 
 
 def _reading_lines(validation: Validation) -> Iterator[str]:
-    """Lines on what was inferred: what it leaves, the next best, and the options that state it."""
+    """Lines on what was inferred: what it leaves, and the options that state it."""
     found = validation.detection
     if not found.inferred:
         return
     yield f"Inferred: {'; '.join(found.inferred)}."
     if found.left < found.as_given:
-        second = f" Next best: {found.runner_up}." if found.runner_up else ""
         left = (
             f"{100 * found.left:.2g} % of a quantity at most, as given {100 * found.as_given:.2g}"
         )
-        yield f"This leaves {left} %.{second}"
+        yield f"This leaves {left} %."
     pairs = settings_of(found.stating)
     yield "To state it: " + " ".join(f"{option_name(name)} {value}" for name, value in pairs)

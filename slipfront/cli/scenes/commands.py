@@ -183,13 +183,14 @@ def init(
             autocompletion=one_of(*SOLIDS),
         ),
     ] = None,
+    with_all: Annotated[
+        bool,
+        typer.Option("--all", help="Show all loads, load histories and friction laws as comments."),
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Write a scene as a TOML file to edit, in which every number has its unit and a comment.
-
-    The file lists all load histories and friction laws as comments.
-    """
+    """Write a scene as a TOML file to edit, in which every number has its unit and a comment."""
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
     if kind_of(from_) != BODIES:
@@ -206,7 +207,8 @@ def init(
         given = scene.material
         scene = in_si_units(scene, None if solid is None else solid.material)
         lower = None if lower is None else _beside(scene.material, given, lower)
-    text = scene_text(scene, from_, f"{material}: {solid.source}." if solid else "", lower)
+    remark = f"{material}: {solid.source}." if solid else ""
+    text = scene_text(scene, from_, remark, lower, with_all=with_all)
     document = {"scene": bodies_document(scene, lower), "units": _units(scene, lower)}
     _write(file, text, document, force=force, as_json=as_json)
 

@@ -163,7 +163,7 @@ def test_stored_data_are_signed_and_a_changed_digit_is_refused(tmp_path):
     assert {f"{name}.json" for name in INTERFACES} < {line.split()[1] for line in lines}
     folder = shutil.copytree(DATA, tmp_path / "data")
     text = stored_text("tpv205.json", folder)
-    (folder / "tpv205.json").write_text(text.replace("2.803063", "2.803064", 1))
+    (folder / "tpv205.json").write_text(text.replace("2.803", "2.804", 1))
     with pytest.raises(DataFileError, match="does not fit its checksum"):
         stored_text("tpv205.json", folder)
     (folder / "tpv205.json").unlink()

@@ -27,7 +27,7 @@ ORDINARY = {
     **{f"ν = {nu}": override_scene(PRELOADED, poisson_ratio=nu) for nu in (0.29, 0, 0.45, -0.9)},
     "steel": STEEL,
 }
-"""The scenes of issue 14 that were judged wrongly."""
+"""Scenes that were once judged wrongly."""
 THIN = {"f = 0.1", "f = 0.15", "ν = 0.45", "steel"}
 """Ordinary scenes with a gap far narrower than four elements of any mesh."""
 

@@ -28,7 +28,7 @@ PRELOADED = find("preloaded")
 
 @pytest.mark.slow
 def test_friction_of_a_third_is_told_from_that_of_three_tenths():
-    """The example of issue 14, at the default resolution."""
+    """Friction 0.31 against 0.30, at the default resolution."""
     run = simulated(PRELOADED, 100)
     assert judge(solved(PRELOADED), run).verdict == "agrees"
     other = judge(solved(override_scene(PRELOADED, friction=0.31)), run)
@@ -170,7 +170,7 @@ def test_two_materials_are_refused(solution):
 
 @pytest.mark.slow
 def test_a_weakening_front_agrees_or_is_unresolved():
-    """The slip-weakening scene of issue 14: f from 0.6 to 0.2 within 0.05."""
+    """Friction falls from 0.6 to 0.2 within a slip of 0.05."""
     scene = Scene(
         Material(1.0, 1.0, 0.25),
         0.6,

@@ -160,18 +160,6 @@ def test_formats_and_places_that_are_none_are_refused(tmp_path, name, refusal, w
     assert [path.name for path in tmp_path.iterdir()] == ["taken"]
 
 
-@pytest.mark.thinned(6)
-def test_figures_say_what_scene_and_which_units(drawn):
-    solution, _, figures = drawn
-    words = scene_words(solution.scene)
-    assert f"ν = {solution.scene.material.poisson_ratio:.3g}" in words
-    assert f"f = {solution.scene.friction:.3g}" in words
-    for figure in figures.values():
-        assert figure.get_suptitle() == words
-        labels = " ".join(panel.get_ylabel() for panel in figure.axes)
-        assert "V_0" in labels or r"\tau_0" in labels
-
-
 def test_units_are_named_by_the_traction_they_are():
     scene = NAMED_SCENES["preloaded"].scene
     assert "τ₀ = shear of the load = 1" in scene_words(scene)

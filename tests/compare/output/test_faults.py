@@ -88,25 +88,6 @@ def test_a_result_that_does_not_fit_is_kept_elsewhere(tmp_path, monkeypatch):
     assert identity_of(InterfaceHistory.load(kept)) == identity_of(history())
 
 
-def flip_and_read(kind, folder, count, seed):
-    """Number of damaged files that were refused; all others must read as if nothing was."""
-    kind.write(folder)
-    path, rng = folder / kind.path, randomness(seed)
-    intact, sound = path.read_bytes(), identity_of(kind.read(path))
-    refused = 0
-    for trial in range(count):
-        path.write_bytes(
-            intact[: rng.randrange(len(intact))] if trial % 8 == 7 else flip_bits(intact, 3, rng)
-        )
-        try:
-            found = identity_of(kind.read(path))
-        except DataFileError:
-            refused += 1
-        else:
-            assert found == sound
-    return refused
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_flipped_bits_are_refused_or_change_nothing(name, kinds, tmp_path):
     """All files that are not refused read as if nothing was; a mesh is built again."""

@@ -94,6 +94,3 @@ def test_infinite_values_stay_infinite_in_tables(solution, tmp_path):
     assert np.isinf(record.velocity[0]).tolist() == [False, True, False]
     write_record(tmp_path / "one.csv", record, "", "slipfront field")
     assert "inf" in (tmp_path / "one.csv").read_text().splitlines()[3]
-
-
-# --- written whole or not at all ------------------------------------------------------------------

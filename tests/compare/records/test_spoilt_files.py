@@ -111,10 +111,6 @@ def sentence_of(paths, options=None):
     return one_sentence(caught.value)
 
 
-def test_there_are_forty():
-    assert len(FILES) >= 40
-
-
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(("name", "content", "words"), FILES.values(), ids=FILES)
 def test_a_spoilt_file_ends_in_one_sentence(name, content, words, tmp_path):
@@ -239,10 +235,3 @@ def test_flipped_bits_end_in_one_sentence_if_they_are_seen(name, tmp_path):
         except DataFileError as error:
             message = one_sentence(error)
             assert str(path) in message
-
-
-def test_a_damaged_file_is_exit_code_three(tmp_path, refused):
-    data = bytearray(FLIPPED["packed.npz"])
-    data[90:100] = b"\xff" * 10
-    (tmp_path / "run.npz").write_bytes(bytes(data))
-    refused(f"fit {tmp_path / 'run.npz'} --scene preloaded --parameters friction --noise 0.1", 3)

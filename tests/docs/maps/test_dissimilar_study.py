@@ -7,7 +7,6 @@ from docs.studies.dissimilar.__main__ import (
     STUDIES,
     growth_figure,
     map_rows,
-    slot_row,
     threshold_row,
 )
 from docs.studies.dissimilar.errors import fields_rows, honesty, stated_rows
@@ -75,14 +74,6 @@ def test_errors_of_random_pairs_are_held_against_their_estimates():
     for row in rows:
         assert row["below"] == row["compared"] > 0
         assert row["worst_error"] <= 10 * row["rtol"]
-
-
-@pytest.mark.slow
-def test_zones_are_told_from_the_slot_outward():
-    _, rows = read_data("dissimilar-slots")
-    zones = {row["scene"]: row["zones"] for row in rows}
-    assert zones["slip and opening"].startswith("open 0 to 0.15748621, slip + 0.15748621 to 0.557")
-    assert slot_row("slip from the slot")["zones"] == zones["slip from the slot"]
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Regimes: classification, boundary curves against solved scenes, maps and tables of docs."""
+"""Regimes: classification, boundary curves against solved scenes, maps, order of thresholds."""
 
 import math
 
@@ -8,20 +8,13 @@ from scipy.integrate import quad
 from compare.tasks.workers import run_tasks
 from docs.studies.regimes.__main__ import (
     map_points,
-    opening_points,
-    regime_rows,
     reverse_row,
     threshold_row,
-    viscous_points,
 )
-from docs.studies.regimes.figures import MAPS, openings_figure, viscosity_figure
 from docs.studies.regimes.points import (
-    frictions,
     map_rows,
     opening_row,
-    opening_rows,
     trace,
-    viscous_rows,
 )
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -186,16 +179,6 @@ def test_a_remote_load_never_reverses_slip(poisson_ratio):
         assert name in ("one", "two", "slow", "front")
 
 
-def test_map_column_is_ascending_and_solved():
-    column = map_rows("map", "preload", THIRD, frictions("preload", THIRD, 4))
-    assert [row["chi"] for row in column] == sorted(row["chi"] for row in column)
-    assert "failed" not in {row["regime"] for row in column}
-    inner, outer, sense = column[-1]["zones"][0]
-    assert (inner, sense) == (0.0, 1)
-    exact = edge_speed_under_shear_step(Material(1.0, 1.0, THIRD), column[-1]["chi"])
-    assert outer == pytest.approx(exact, rel=1e-6)
-
-
 @pytest.mark.parametrize("poisson_ratio", [-0.5, THIRD])
 def test_the_contact_opens_below_its_threshold_and_from_the_edge(poisson_ratio):
     threshold, material = opening_threshold(poisson_ratio), Material(1.0, 1.0, poisson_ratio)
@@ -217,23 +200,6 @@ def test_points_of_a_map_are_in_the_regimes_that_the_traced_curves_allow():
             levels = {name: 10**value for name, value in curves.items()}
             for row in map_rows(part, loading, nu, chi):
                 assert row["regime"] in expected(loading, row["chi"], levels)
-
-
-@pytest.mark.slow
-def test_figures_of_regimes_show_their_points():
-    """A few points of each part; curves that are not there are left out."""
-    chosen = {(part, loading): () for part, loading, *_ in map_points(True)}
-    for part, loading, nu, chi in map_points(True):
-        chosen[part, loading] += ((part, loading, nu, chi[:3]),)
-    points = [point for several in chosen.values() for point in several[-8:]]
-    rows = [row for point in points for row in regime_rows(*point)]
-    assert sum(row["part"] == "map" for row in rows) == 2 * 8 * 3
-    for draw in MAPS.values():
-        assert all(panel.lines or panel.collections for panel in draw(rows).axes)
-    opened = [row for point in opening_points(True) for row in opening_rows(*point)]
-    assert len(openings_figure(opened).axes) == 5  # a map, its colour bar, three Poisson ratios
-    few = [point for point in viscous_points(True) if point[0] == "curves" or point[1] > 0.1]
-    assert len(viscosity_figure([row for one in few for row in viscous_rows(*one)]).axes) == 2
 
 
 def test_tables_of_regimes():

@@ -1,25 +1,15 @@
-"""The stability study: its own methods, its closed forms, its rows, figures and table."""
+"""The stability study: its own methods, its closed forms, its rows and table."""
 
 import math
 
 import mpmath
-import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from docs.studies.pages import read_data
-from docs.studies.stability.__main__ import (
-    grids_figure,
-    limits_figure,
-    rules_figure,
-    thresholds_figure,
-)
 from docs.studies.stability.grids import (
-    GridProblem,
     by_active_set,
     by_pivoting,
     grid_problem,
-    zigzag,
 )
 from docs.studies.stability.solver import (
     closed_form,
@@ -29,11 +19,8 @@ from docs.studies.stability.solver import (
     narrow_gap_rows,
     near_rayleigh_rows,
     rule_rows,
-    solver_points,
-    solver_rows,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.regimes import edge_threshold
 
 THIRD = 1 / 3
 
@@ -52,18 +39,6 @@ def test_pivoting_and_active_set_agree_where_both_end():
     assert pivoted.status == active.status == "solved"
     assert active.slip_rate == pytest.approx(pivoted.slip_rate, abs=1e-12)
     assert active.rounds < pivoted.rounds
-
-
-def test_active_set_of_a_problem_solved_by_hand():
-    xi = np.array([0.0, 1.0, 2.0])
-    answer = by_active_set(GridProblem(xi, np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-4, 1.0])))
-    assert answer.status == "solved"
-    assert answer.slip_rate == pytest.approx([2.0, 0.0, 0.0])
-    singular = by_active_set(GridProblem(xi, np.zeros((2, 2)), np.array([-1.0, 1.0])))
-    assert singular.status == "singular"
-    # -w = V1 + ... has no solution: the lone node swaps in and out.
-    cycling = by_active_set(GridProblem(xi, -np.eye(2), np.array([-1.0, 1.0])))
-    assert cycling.status == "cycles (period 2)"
 
 
 def test_collocation_at_nodes_carries_an_odd_even_mode_that_galerkin_does_not():
@@ -85,14 +60,6 @@ def test_active_set_does_not_end_on_fine_grids_where_pivoting_does():
     problem = grid_problem("preload", THIRD, 0.5, 320, "galerkin")
     assert by_pivoting(problem).status == "solved"
     assert by_active_set(problem).status != "solved"
-
-
-def test_odd_even_mode_is_told_from_smooth_error():
-    xi = np.linspace(0, 1, 101)
-    exact = np.maximum(0.8 - xi, 0)
-    alternating = np.where(exact > 0, 0.01 * (-1.0) ** np.arange(101), 0)
-    assert zigzag(xi, exact + alternating, exact) == pytest.approx(0.01 / 0.8, rel=1e-6)
-    assert zigzag(xi, exact * (1 + 0.1 * xi), exact) < 1e-4
 
 
 def test_closed_form_of_the_slip_rate_at_the_edge():
@@ -151,56 +118,6 @@ def test_limits_of_the_poisson_ratio_are_solved():
         rows = limit_rows(limit, 4)
         assert {row["status"] for row in rows} == {"converged"}
         assert max(values(rows, "edge error") + values(rows, "slip rate error")) < 1e-10
-
-
-SMALL = [
-    ("grid", "preload", THIRD, 0.2, 20, "galerkin", True),
-    ("grid", "preload", THIRD, 0.2, 40, "galerkin", True),
-    ("grid", "preload", THIRD, 0.2, 40, "nodes", True),
-    ("limit", "0.5", 1),
-    ("limit", "0.5", 2),
-    ("limit", "-1", 1),
-    ("threshold", "edge slips", "remote", THIRD, math.sqrt(2)),
-    ("estimate", "preload", THIRD, 1.0),
-    ("rule", 0.0),
-    ("near c_R", 0.0),
-    ("narrow gap", 0.0),
-]
-
-
-@pytest.fixture(scope="module")
-def rows():
-    return [row for point in SMALL for row in solver_rows(*point)]
-
-
-@pytest.mark.slow
-def test_next_to_a_threshold_the_solver_ends_in_a_status(rows):
-    rows = [row for row in rows if row["study"] == "threshold"]
-    assert edge_threshold(THIRD) == pytest.approx(math.sqrt(2), rel=1e-14)
-    assert len({row["parameter"] for row in rows}) == 21
-    far_below = [row for row in rows if row["parameter"] == -0.01]
-    assert {row["status"] for row in far_below} == {"converged"}
-    assert values(far_below, "zones") == [1.0]
-    assert values(rows, "zones", parameter=0.01) == [0.0]
-    for row in rows:
-        assert row["status"] == "converged" or math.isnan(row["value"]) or row["status"]
-
-
-@pytest.mark.slow
-def test_figures_hold_finite_data(rows):
-    for draw in (limits_figure, thresholds_figure, grids_figure, rules_figure):
-        figure = draw(rows)
-        assert isinstance(figure, Figure)
-        for panel in figure.axes:
-            for line in panel.get_lines():
-                assert np.isfinite(np.asarray(line.get_ydata(), dtype=float)).all()
-
-
-def test_a_quick_study_is_a_part_of_the_whole():
-    quick, whole = solver_points(True), solver_points(False)
-    assert set(quick) < set(whole)
-    assert len(quick) < len(whole) / 2
-    assert {kind for kind, *_ in quick} == {kind for kind, *_ in whole}
 
 
 # --- what docs/stability.md says, in its table ------------------------------------------------

@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from docs.studies.pages import read_data
@@ -13,7 +12,6 @@ from docs.studies.supershear import (
     onsets,
     rupture_rows,
     transition,
-    transition_row,
 )
 
 MARCHED = {0.8: (8.44, 8.47), 0.9: (11.88, 11.88), 1.0: (16.50, 16.09)}
@@ -23,18 +21,6 @@ MARCHED = {0.8: (8.44, 8.47), 0.9: (11.88, 11.88), 1.0: (16.50, 16.09)}
 
 def found_transition(strength, nodes, farthest):
     return transition(*front_speeds(*onsets(strength, nodes, farthest)))
-
-
-def test_the_speed_of_a_front_is_read_from_the_first_onset_at_or_beyond():
-    """A front at 0.5 that is overtaken, from x = 4 on, by slip which begins ahead at 2."""
-    x = np.arange(0, 10.01, 0.125)
-    begun = np.minimum(x / 0.5, np.where(x >= 5, 8 + (x - 5) / 2, math.inf))
-    places, speeds = front_speeds(x, begun)
-    assert speeds[places < 3.5] == pytest.approx(0.5)
-    assert np.isinf(speeds[(places > 4.5) & (places < 4.51)]).all()
-    assert speeds[places > 5.5] == pytest.approx(2.0)
-    assert transition(places, speeds) == pytest.approx(4 - 0.5 + 0.5, abs=0.5)
-    assert math.isnan(transition(*front_speeds(x, x / 0.9)))
 
 
 def test_a_weak_fault_is_overtaken_soon():
@@ -80,9 +66,3 @@ def test_transitions_of_docs_change_by_less_than_three_per_cent_between_grids():
             assert float(row["coarse"]) == pytest.approx(
                 MARCHED[float(row["strength"])][1], rel=0.03
             )
-
-
-@pytest.mark.slow
-def test_the_table_of_docs_is_what_its_command_makes():
-    row, kept = transition_row(0.8, 12.0, 32, 32), read_data("supershear-transitions")[1][0]
-    assert row["coarse"] == row["fine"] == pytest.approx(float(kept["coarse"]), abs=1 / 32)

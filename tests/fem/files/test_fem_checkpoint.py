@@ -15,20 +15,17 @@ import numpy as np
 import pytest
 from faults import ROOT
 
+import semianalytic as sf
 from fem import load_simulation, simulate
 from fem.checkpoint import Keeper
 from fem.settings import Pace
-from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
-from semianalytic.scene.friction import RateWeakening, SlipWeakening
-from semianalytic.scene.loads import Harmonic, Pulse
-from semianalytic.scene.scene import Material
 from tests.fem.runs import MIXED, UNLOADED, assert_same, interrupted
 
 PULSED = dataclasses.replace(
     MIXED,
-    pressure_history=Harmonic(2.0),
-    shear_history=Pulse(0.4, "triangle"),
-    friction_law=SlipWeakening(0.6, 0.02),
+    pressure_history=sf.Harmonic(2.0),
+    shear_history=sf.Pulse(0.4, "triangle"),
+    friction_law=sf.SlipWeakening(0.6, 0.02),
 )
 OPTIONS = {"resolution": 24, "frames": 5}
 
@@ -134,7 +131,7 @@ def test_resumed_run_equals_an_uninterrupted_one(options, tmp_path):
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize("law", [SlipWeakening(0.6, 0.02), RateWeakening(0.4, 1.0)])
+@pytest.mark.parametrize("law", [sf.SlipWeakening(0.6, 0.02), sf.RateWeakening(0.4, 1.0)])
 @pytest.mark.parametrize("stopped", [11, 37])
 def test_resumed_run_remembers_load_path_and_law(law, stopped, tmp_path):
     path = tmp_path / "checkpoint.h5"
@@ -170,7 +167,7 @@ def test_pace_has_a_default_and_bounds():
     assert Pace() == Pace(steps=100)
     assert Pace(seconds=5.0).steps is None
     for given in ({"steps": 0}, {"seconds": 0.0}, {"seconds": np.nan}, {"seconds": "1"}):
-        with pytest.raises(SceneError, match="simulate: checkpoint_"):
+        with pytest.raises(sf.SceneError, match="simulate: checkpoint_"):
             Pace(**given)
 
 
@@ -196,17 +193,19 @@ def test_without_a_checkpoint_resume_starts_at_the_beginning(tmp_path):
         ({"every": 2}, "every"),
         ({"mesh": "graded"}, "mesh"),
         ({"element": "P1"}, "element"),
-        ({"lower_material": Material(2.0, 1.0, 0.2)}, "lower material"),
+        ({"lower_material": sf.Material(2.0, 1.0, 0.2)}, "lower material"),
     ],
 )
 def test_checkpoint_of_another_run_is_refused(kept, changes, named):
-    with pytest.raises(DataFileError, match=rf"checkpoint\.h5 is of another run: its {named} is"):
+    with pytest.raises(
+        sf.DataFileError, match=rf"checkpoint\.h5 is of another run: its {named} is"
+    ):
         resume(kept, **changes)
 
 
 def test_checkpoint_of_another_version_is_refused(kept, monkeypatch):
     monkeypatch.setattr("fem.checkpoint._versions", lambda: {"slipfront version": "99.0"})
-    with pytest.raises(DataFileError, match="slipfront version is"):
+    with pytest.raises(sf.DataFileError, match="slipfront version is"):
         resume(kept)
 
 
@@ -230,13 +229,13 @@ def test_damaged_checkpoint_is_refused(damage, kept, tmp_path):
     path = tmp_path / "checkpoint.h5"
     path.write_bytes(kept.read_bytes())
     damage(path)
-    with pytest.raises(DataFileError, match=r"checkpoint\.h5 .*delete it"):
+    with pytest.raises(sf.DataFileError, match=r"checkpoint\.h5 .*delete it"):
         resume(path)
 
 
 def test_file_in_place_of_the_folder_is_named(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(DataFileError, match=r"Cannot write .*checkpoint\.h5"):
+    with pytest.raises(sf.DataFileError, match=r"Cannot write .*checkpoint\.h5"):
         resume(tmp_path / "file" / "checkpoint.h5", checkpoint_every=1)
 
 
@@ -258,7 +257,7 @@ def test_failed_write_keeps_the_checkpoint_before(tmp_path, monkeypatch):
 def test_unstable_run_stops_and_keeps_what_was_written(ratio, damping, tmp_path):
     path = tmp_path / "checkpoint.h5"
     reached = []
-    with pytest.raises(ComputationError, match=r"unstable at step \d+ of .*lower `step_ratio`"):
+    with pytest.raises(sf.ComputationError, match=r"unstable at step \d+ of .*lower `step_ratio`"):
         simulate(
             MIXED,
             resolution=100,

@@ -12,7 +12,7 @@ from catalogue import PRELOADED as SCENE
 from faults import FULL, ROOM, full_disk, small_disk
 
 from compare.comparison.fields.frames import last_frame
-from fem import load_simulation, prepare, simulate
+from fem import load_simulation, simulate
 from fem.checkpoint import Keeper
 from fem.settings import Pace
 from semianalytic.results.files import check_seal
@@ -190,46 +190,10 @@ def test_history_that_finds_no_room_is_kept_elsewhere(whole, tmp_path, monkeypat
 # --- one folder, several runs -----------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_one_run_has_one_identity(whole, tmp_path):
-    run = simulate(SCENE, **SMALL, snapshots=tmp_path)
-    assert run.run == whole.run
-    run.save(tmp_path)
-    assert load_simulation(tmp_path).run == run.run
-    assert last_frame(tmp_path, run.run).time == run.end_time
-    for changed in ({"resolution": 17}, {"end_time": 0.9}, {"damping": 0.0}):
-        options = {**SMALL, **changed}
-        assert simulate(SCENE, **options, snapshots=tmp_path / "other").run != run.run
-    assert simulate(SCENE, **SMALL).run != run.run  # another mesh: only what the interface needs
-
-
-@pytest.mark.slow
-def test_run_without_snapshots_removes_those_of_the_run_before(tmp_path):
-    assert command(tmp_path) == 0
-    (tmp_path / "snapshots" / "mine.txt").write_text("notes")
-    (tmp_path / "snapshots" / "fields-mine.vtu").write_text("not a frame of slipfront")
-    assert command(tmp_path, "--no-snapshots", "--end-time", "0.8") == 0
-    left = {path.name for path in (tmp_path / "snapshots").iterdir()}
-    assert left == {"mine.txt", "fields-mine.vtu"}
-
-
 def test_fewer_frames_leave_none_of_the_run_before(tmp_path):
     simulate(SCENE, resolution=12, frames=6, snapshots=tmp_path)
     simulate(SCENE, **SMALL, snapshots=tmp_path)
     assert sorted(path.name for path in tmp_path.glob("*.vtu")) == listed(tmp_path)
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
-def test_snapshots_of_an_unfinished_run_are_not_compared_with_the_one_before(tmp_path, capsys):
-    assert command(tmp_path) == 0
-    other = load_simulation(tmp_path).scene
-    middle = prepare(other, resolution=20).steps // 2 + 1
-    interrupted(other, middle, resolution=20, snapshots=tmp_path / "snapshots")
-    capsys.readouterr()
-    assert main(["compare", "--from", str(tmp_path), "--quiet"]) == 3
-    assert "of another run" in sentence(capsys)
-    assert main(["compare", "--from", str(tmp_path), "--quiet", "--no-snapshots"]) in (0, 1)
 
 
 def test_frame_put_in_from_another_run_is_refused(tmp_path):
@@ -250,9 +214,13 @@ def test_report_and_figures_go_with_the_simulation_they_belong_to(tmp_path):
     assert command(tmp_path, "--quiet") == 0  # the same run once more
     assert (tmp_path / "report.json").is_file()
     assert (tmp_path / "slip_rate.png").is_file()
-    assert command(tmp_path, "--quiet", "--end-time", "0.9") == 0
+    (tmp_path / "snapshots" / "mine.txt").write_text("notes")
+    (tmp_path / "snapshots" / "fields-mine.vtu").write_text("not a frame of slipfront")
+    assert command(tmp_path, "--quiet", "--no-snapshots", "--end-time", "0.9") == 0
     left = {path.name for path in tmp_path.iterdir()}
     assert left == {"mine.png", "simulation.h5", "snapshots"}
+    left = {path.name for path in (tmp_path / "snapshots").iterdir()}
+    assert left == {"mine.txt", "fields-mine.vtu"}
 
 
 def test_another_run_leaves_a_checkpoint_alone(whole, tmp_path):

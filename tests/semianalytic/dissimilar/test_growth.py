@@ -143,23 +143,6 @@ def test_a_delay_bounds_growth():
     assert fastest_delayed_growth(compliance_of(ROCK, ROCK), 0.5) is None
 
 
-@pytest.mark.slow
-def test_a_delay_lets_waves_grow_that_decay_without_one():
-    """Gouge on rock is well posed below 0.53, and unstable at 0.5 under a delay all the same."""
-    bodies = compliance_of(*GOUGE_ON_ROCK)
-    fastest = fastest_delayed_growth(bodies, 0.5)
-    assert fastest.rate == pytest.approx(0.0040085025, rel=1e-7)
-    wave = growing_waves(bodies, 0.5, fastest.wave_number)[0]
-    assert wave.growth * fastest.wave_number == pytest.approx(fastest.rate, rel=1e-9)
-    delayed = 0.5 / (1 + 1j * fastest.wave_number / wave.slowness)
-    entries = bodies.at(np.array([wave.slowness]))
-    assert abs(entries.frictional(delayed)[0]) < 1e-9 * abs(entries.frictional(0.0)[0])
-    # the fastest of aluminium on steel is none of those that grow without delay either
-    assert growing_waves(compliance_of(*ALUMINIUM_ON_STEEL), 0.5)[-1].velocity > 0
-    fastest = fastest_delayed_growth(compliance_of(*ALUMINIUM_ON_STEEL), 0.5)
-    assert (fastest.rate, fastest.velocity) == pytest.approx((0.00312889520, -1.98268530))
-
-
 @pytest.mark.parametrize(
     ("ratio", "speed"),
     [
@@ -217,33 +200,6 @@ def test_thresholds(ratio, ahead, behind, below, above):
         assert below < thresholds.growth_threshold(bodies, -1) < above
 
 
-@pytest.mark.parametrize(
-    ("ratio", "friction", "count"),
-    [
-        (1.35, 0.05, 1),
-        (1.5, 0.5, 0),
-        (1.9, 0.7, 0),
-        (2.0, 0.8, 0),
-        (2.5, 0.08, 0),
-        (2.5, 0.09, 1),
-        (2.6, 0.08, 1),
-    ],
-)
-def test_the_window_without_growing_waves(ratio, friction, count):
-    """Contrasts of 1.36 to 2, and of 2.5 at most under friction below 0.08."""
-    assert len(growing_waves(contrast(ratio), friction)) == count
-
-
-@pytest.mark.parametrize(
-    ("ratio", "friction", "least", "most"),
-    [(1.1, 0.32, 1.7, 1.91), (1.2, 0.3, 1.7, 2.08), (2.2, 0.3, 1.7, 2.2), (3.0, 0.1, 1.7, 1.75)],
-)
-def test_waves_against_the_slower_body_run_near_a_longitudinal_wave(ratio, friction, least, most):
-    """Near c_l of the slower body, sqrt(3) c_t, or c_t to c_l of the faster one."""
-    wave = growing_waves(contrast(ratio), friction)[-1]
-    assert least < -wave.velocity < most
-
-
 def test_thresholds_of_named_pairs():
     gouge = compliance_of(*GOUGE_ON_ROCK)
     assert thresholds.growth_threshold(gouge, 1) == pytest.approx(0.5314169, abs=6e-8)
@@ -295,43 +251,9 @@ def test_verdicts():
     known = sf.sliding_stability(*GOUGE_ON_ROCK, 0.5)
     assert known.well_posed
     assert known.verdict.endswith("under friction below 0.5314.")
-    assert known.delayed_growth > 0  # a delay makes waves grow that decay without it
+    # a delay makes waves grow that decay without it
+    assert known.delayed_growth == pytest.approx(0.0040085025, rel=1e-6)
     assert sf.sliding_stability(ROCK, ROCK, 3.0).verdict.endswith("slide under any friction.")
-
-
-@pytest.mark.slow
-def test_verdicts_on_pairs_between_which_waves_grow():
-    verdict = sf.sliding_stability(*ALUMINIUM_ON_STEEL, 0.2).verdict
-    assert "with the upper body grow by 0.855 % over every wavelength" in verdict
-    assert "no friction is too low" in verdict
-    verdict = sf.sliding_stability(*PAIRS["PMMA on aluminium"], 0.2).verdict
-    assert "against the upper body grow by 3.09 %" in verdict
-    assert "lower it below 0.00954" in verdict
-    assert "no friction is too low" in sf.sliding_stability(*RUBBER_ON_STEEL, 0.2).verdict
-
-
-@pytest.mark.slow
-def test_from_below_waves_with_the_upper_body_run_against_it():
-    one, other = (sf.sliding_stability(*pair, 0.3) for pair in (PAIRS["C"], PAIRS["C"][::-1]))
-    assert one.threshold_with == other.threshold_against
-    assert one.threshold_against == pytest.approx(other.threshold_with, rel=1e-12)
-    assert one.dundurs == pytest.approx(-other.dundurs, rel=1e-12)
-    assert one.delayed_growth == pytest.approx(other.delayed_growth, rel=1e-9)
-    here, there = one.waves[0], other.waves[0]
-    assert here.velocity == pytest.approx(-there.velocity, rel=1e-9)
-    assert here.growth == pytest.approx(there.growth, rel=1e-8)
-
-
-@pytest.mark.slow
-def test_units_of_the_bodies():
-    scaled = [
-        Material(4e9 * one.shear_modulus, 1e3 * one.density, one.poisson_ratio)
-        for one in PAIRS["C"]
-    ]
-    known, plain = (sf.sliding_stability(*pair, 0.2) for pair in (scaled, PAIRS["C"]))
-    assert known.generalised_rayleigh_speed == pytest.approx(2000 * 0.95866882, rel=1e-8)
-    assert known.waves[0].growth == pytest.approx(2000 * plain.waves[0].growth, rel=1e-9)
-    assert known.waves[0].per_wavelength == pytest.approx(plain.waves[0].per_wavelength, rel=1e-12)
 
 
 @pytest.mark.parametrize(

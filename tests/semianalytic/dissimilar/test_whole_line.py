@@ -10,7 +10,6 @@ import semianalytic as sf
 from semianalytic.dissimilar import whole_line
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.phase import slip_phase
-from semianalytic.dissimilar.thresholds import stoneley_speed
 
 SOLID = sf.Material(1.0, 1.0, 1 / 3)
 ALIKE = compliance_of(SOLID, SOLID)
@@ -121,22 +120,6 @@ def test_the_limit_of_the_phase_tells_whether_waves_grow(ratio, friction, regula
     limit = np.pi / 2 + np.arctan(friction * bodies.dundurs) - (0 if regular else 2 * np.pi)
     assert phase.limit == pytest.approx(limit, abs=1e-6)
     assert phase.is_regular(friction) == regular
-
-
-def test_the_phase_of_random_pairs_tends_to_one_of_two_limits():
-    rng = np.random.default_rng(20)
-    limits = []
-    for _ in range(10):
-        bodies = compliance_of(
-            sf.Material(1.0, 1.0, rng.uniform(0.0, 0.45)),
-            sf.Material(*np.exp(rng.uniform(-0.9, 0.9, 2)), rng.uniform(0.0, 0.45)),
-        )
-        if stoneley_speed(bodies) is None:
-            limits += [slip_phase(bodies, f).limit / np.pi for f in (0.15, -0.15)]
-    nearest = np.array([0.5, -1.5])[np.abs(np.subtract.outer(limits, [0.5, -1.5])).argmin(axis=1)]
-    assert len(limits) >= 16
-    assert set(nearest) == {0.5, -1.5}
-    np.testing.assert_allclose(limits, nearest, atol=0.02)
 
 
 def test_dundurs_parameter_is_that_of_the_moduli():

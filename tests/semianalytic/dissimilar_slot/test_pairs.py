@@ -12,7 +12,7 @@ from docs.studies.dissimilar.errors import error_of
 from docs.studies.dissimilar.pairs import SCENES, random_pair
 from semianalytic.dissimilar_slot.solver import coupled
 from semianalytic.scene.given.finding import find_blocks, find_scene, scene_label
-from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_PAIRS
 from slipfront.cli.scenes.completion import scene_names
 
 X = np.linspace(0.02, 1.95, 160)
@@ -181,14 +181,6 @@ def test_a_march_converges_to_the_answer(name, reach, rate, pressure):
 
 
 @pytest.mark.slow
-def test_both_senses():
-    answer = sf.solve(SCENES["both senses"], rtol=1e-6)
-    assert [zone.sense for zone in answer.zones] == [1, -1, 1]
-    assert answer.status == "converged"
-    assert len(answer.openings) == 0
-
-
-@pytest.mark.slow
 def test_a_stuck_edge_of_different_bodies_slips_within_a_strip():
     """The tractions turn like x^(i eps) there: they leave every cone of friction."""
     answer = sf.solve(scene("0", 0.4, (0.7, 0.0), (5.5, -1.0)))
@@ -274,21 +266,6 @@ def test_nothing_moves_without_a_load_or_before_it():
         answer.slip(-1.0, 1.0)
 
 
-@pytest.mark.slow
-def test_history_holds_all_fields():
-    answer = sf.solve(SCENES["slip and opening"], rtol=1e-5)
-    history = answer.history([0.05, 0.3], [0.5, 1.0])
-    assert history.slip_rate.shape == (2, 2)
-    assert history.gap[1, 0] > 0 == history.gap[1, 1]
-    assert answer.frictional_power(1.0) > 0
-    assert answer.accumulated_slip(2.0) == pytest.approx(4 * answer.accumulated_slip(1.0))
-
-
-def test_no_name_is_taken_twice():
-    assert not set(NAMED_PAIRS) & {*NAMED_SCENES, *LINES}
-    assert all(one.lower is None for one in NAMED_SCENES.values())
-
-
 @every_name
 def test_a_name_is_that_of_both_bodies(name):
     pair, (scene, lower) = sf.find(name), find_blocks(name)
@@ -317,11 +294,6 @@ def test_what_knows_identical_bodies_only_names_what_can(name):
             function(name)
     with pytest.raises(sf.SceneError, match="space-time is for a Scene or Interface"):
         sf.solve(name, method="space-time", end_time=1.0)
-
-
-def test_a_misspelt_name_is_guessed():
-    with pytest.raises(sf.SceneError, match="did you mean pair-opening"):
-        sf.find("pair-openin")
 
 
 def test_the_list_has_both_bodies(printed):

@@ -102,10 +102,7 @@ def test_two_zones():
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("load", "sense", "slip", "opening"),
-    [
-        ((0.5, 1.0), 1, 0.5570204652, 0.1574862063),
-        ((-0.5, 1.0), -1, 0.5528459861, 0.1245261371),
-    ],
+    [((0.5, 1.0), 1, 0.5570204652, 0.1574862063), ((-0.5, 1.0), -1, 0.5528459861, 0.1245261371)],
 )
 def test_opening_with_slip_ahead(load, sense, slip, opening):
     start = (Zone(1 / 0.556, 1 / 0.14, sense), Zone(1 / 0.14, None, sense, True))
@@ -114,47 +111,6 @@ def test_opening_with_slip_ahead(load, sense, slip, opening):
     assert_no_constant_is_free(known, result.zones, 0.277)
     speeds = 1 / np.array(edges_of(result.zones))
     np.testing.assert_allclose(speeds, [slip, opening], atol=7e-11)
-
-
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize(
-    ("pressure", "load", "edges", "rate", "digits"),
-    [
-        (1.0, (1.0, 0.0), (2 / 3,), 2 * 0.37095364419, 2e-11),
-        (2.0, (1.0, 0.0), (0.375,), 2 * 0.29320313118, 2e-11),
-        (1.6, (1.0, 0.0), (25 / 54,), 0.64079319, 6e-9),
-        (2.0, (1.0, -0.3), (0.346425107747,), 0.50757203, 6e-9),
-        (2.4, (1.0, 0.2), (0.32690877, 0.00443787), None, 6e-9),
-    ],
-)
-def test_like_bodies(pressure, load, edges, rate, digits):
-    """Edges of slip and of the opening behind it, and slip rate at the contact edge, that closed
-    forms have (the first two) and that the solver for identical bodies found, with nu = 1/3."""
-    solid = Material(1.0, 1.0, 1 / 3)
-    known = interface((solid, solid), 0.5, pressure, load)
-    ends = [1.02 / one for one in edges]
-    zones = [Zone(ends[0], None if len(ends) == 1 else ends[1], 1)]
-    zones += [Zone(end, None, 1, True) for end in ends[1:]]
-    result = placed(known, tuple(zones))
-    speeds = 1 / np.array(edges_of(result.zones))
-    np.testing.assert_allclose(speeds, edges, rtol=0, atol=TOLERANCE if load[1] == 0 else 6e-9)
-    if rate is not None:
-        assert result.density.change(0)[0] == pytest.approx(rate, abs=digits)
-
-
-def test_phases_of_like_bodies_are_those_of_their_edges():
-    """Phi between a and b, -1/2 to c_R and +1/2 behind: the edges of `solve`, without cases."""
-    solid = Material(1.0, 1.0, 1 / 3)
-    known = interface((solid, solid), 0.5, 2.0, (1.0, 0.0))
-    for v in (0.55, 0.8, 0.97):
-        # 1/K = mu R / beta: the phase of R, whose imaginary part comes from alpha
-        root = np.sqrt((v * v - 0.25) * (1 - v * v))
-        phase = np.arctan2(4 * v * v * root, (1 - 2 * v * v) ** 2)
-        assert known.slip_turn(1, v) == pytest.approx(phase / np.pi, abs=1e-10)
-    rayleigh = 1 / solid.rayleigh_speed
-    for v, turn in ((1.01, -0.5), (rayleigh - 1e-6, -0.5), (rayleigh + 1e-6, 0.5), (9.0, 0.5)):
-        assert known.slip_turn(1, v) == pytest.approx(turn, abs=1e-10)
-    assert known.edge_decay(1) == 0.5
 
 
 def test_far_apart_edges_do_not_spoil_the_equations():

@@ -8,6 +8,7 @@ import pytest
 
 import semianalytic as sf
 from semianalytic.engine.stepping.steps import Stepper
+from tests.semianalytic.engine.runs import one_run
 
 ROCK = sf.Material(1.0, 1.0, 0.25)
 
@@ -32,7 +33,7 @@ def test_faces_under_uniform_tension_part_as_in_closed_form():
     face, t = pulled(3.0, sf.Adhesion(1.0, 0.5)), np.linspace(0.02, 0.6, 30)
     errors = []
     for nodes in (32, 64):
-        done = sf.solve(face, end_time=0.6, nodes=nodes, times=t, estimate=False)
+        done = one_run(face, 0.6, nodes, times=t)
         gap = parting(face, 3.0, t)
         errors.append(np.abs(done.gap[:, 0] - gap).max() / gap.max())
         held = gap < 0.5
@@ -48,22 +49,17 @@ def test_faces_under_uniform_tension_part_as_in_closed_form():
 
 def test_tension_below_the_strength_is_carried():
     face = pulled(1.49, sf.Adhesion(1.0, 0.5))
-    done = sf.solve(face, end_time=0.5, nodes=16, estimate=False)
+    done = one_run(face, 0.5, 16)
     assert done.gap.max() == 0.0
     assert done.pressure[1:] == pytest.approx(-0.99, abs=1e-12)
-    assert (
-        sf.solve(
-            pulled(1.51, sf.Adhesion(1.0, 0.5)), end_time=0.5, nodes=16, estimate=False
-        ).gap.max()
-        > 0.01
-    )
+    assert one_run(pulled(1.51, sf.Adhesion(1.0, 0.5)), 0.5, 16).gap.max() > 0.01
 
 
 def test_under_tension_only_cohesion_resists_slip():
     for shear, slips in ((0.19, False), (0.21, True)):
         law = sf.Coulomb(0.3, cohesion=0.2)
         face = pulled(1.0, sf.Adhesion(1.0, 0.5), law=law, shear=shear)
-        done = sf.solve(face, end_time=0.5, nodes=16, estimate=False)
+        done = one_run(face, 0.5, 16)
         assert (done.slip.max() > 0) == slips
         assert done.gap.max() == 0.0
 
@@ -75,7 +71,7 @@ def test_adhesion_without_strength_is_none():
     runs = []
     for adhesion in (None, sf.Adhesion(0.0, 0.1)):
         face = sf.Interface(ROCK, sf.Coulomb(0.3), 16.0, 1.0, 0.1, loads=[burst], adhesion=adhesion)
-        runs.append(sf.solve(face, end_time=2.5, nodes=64, estimate=False))
+        runs.append(one_run(face, 2.5, 64))
     assert runs[0].gap.max() > 0.1
     for name in ("gap", "pressure", "slip", "shear_traction"):
         assert np.array_equal(getattr(runs[0], name), getattr(runs[1], name))
@@ -89,7 +85,7 @@ def test_what_has_parted_carries_no_tension_when_it_has_closed():
         loads=[sf.InterfaceLoad(pressure=-3.0, history=pull), again],
         adhesion=sf.Adhesion(1.0, 0.1),
     )
-    done = sf.solve(face, end_time=5.0, nodes=16, times=[0.5, 3.9, 5.0], estimate=False)
+    done = one_run(face, 5.0, 16, times=[0.5, 3.9, 5.0])
     assert done.gap[0].min() > 0.1
     assert done.gap[1].max() == 0.0
     assert done.gap[2].min() > 0.05
@@ -144,9 +140,7 @@ def griffith(strength, nodes, ramp=60.0):
         contact=beside,
         even=True,
     )
-    done = sf.solve(
-        face, end_time=ramp, nodes=nodes, times=np.linspace(0, ramp, 601), estimate=False
-    )
+    done = one_run(face, ramp, nodes, times=np.linspace(0, ramp, 601))
     edge = np.flatnonzero(done.touching)[0]
     return 1.2 * done.t[np.argmax(done.gap[:, edge] >= length)] / ramp
 
@@ -160,15 +154,15 @@ def test_slots_grow_under_the_tension_of_griffith():
 
 def test_grids_that_cannot_follow_it_are_told():
     with pytest.raises(sf.SceneError, match=r"cannot follow; take \d+ nodes or more"):
-        sf.solve(pulled(3.0, sf.Adhesion(1.0, 1e-3)), end_time=0.5, nodes=16, estimate=False)
+        one_run(pulled(3.0, sf.Adhesion(1.0, 1e-3)), 0.5, 16)
     # the number is that of the whole period, of an even line as well, and is enough
     for even in (False, True):
         face = pulled(3.0, sf.Adhesion(1.0, 1e-2), even=even)
         with pytest.raises(sf.SceneError, match=r"take \d+ nodes") as refused:
-            sf.solve(face, end_time=1e-3, nodes=16, estimate=False)
+            one_run(face, 1e-3, 16)
         enough = int(re.search(r"take (\d+) nodes", str(refused.value))[1])
         assert enough > 16
-        sf.solve(face, end_time=1e-3, nodes=enough, estimate=False)
+        one_run(face, 1e-3, enough)
     # tension that falls within two node distances: mu / (strength / length) is 2 h
-    coarse = sf.solve(pulled(3.0, sf.Adhesion(1.0, 0.25)), end_time=0.1, nodes=8, estimate=False)
+    coarse = one_run(pulled(3.0, sf.Adhesion(1.0, 0.25)), 0.1, 8)
     assert "falls over 2 node distances" in coarse.status

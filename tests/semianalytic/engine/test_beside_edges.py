@@ -7,6 +7,7 @@ import pytest
 from dissimilar_pairs import PAIRS, ROCK
 
 import semianalytic as sf
+from tests.semianalytic.engine.runs import one_run
 
 PRESSURE = 1e4
 """So large that nothing slips or opens: the bodies are glued."""
@@ -17,7 +18,7 @@ def slotted(upper, friction, length, parts, nodes, load=(0.0, 1.0), **given):
     loads = [sf.InterfaceLoad(load[1], on="slot", **({"pressure": load[0]} if load[0] else {}))]
     given = {"pressure": PRESSURE, "contact": sf.Contact(parts), "loads": loads, **given}
     face = sf.Interface(upper, sf.Coulomb(friction), length, **given)
-    return sf.solve(face, end_time=1.0, nodes=nodes, estimate=False, times=[1.0])
+    return one_run(face, 1.0, nodes, times=[1.0])
 
 
 def held(pair, load, nodes, side=1, friction=0.005):
@@ -62,27 +63,6 @@ def test_tractions_of_pmma_on_aluminium(side):
     assert raw[0] > 0.4
     assert found[0] < 0.024
     assert found[1:].max() < 0.011
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("load", "double"), [((0.0, 1.0), 1.0), ((-1.0, 0.0), 2.7)])
-def test_tractions_on_1024_nodes(load, double):
-    """0.47, 0.07, 0.13, 0.06 % where raw values are off by 40, 13, 13, 9 %; 4,096 nodes left 0.5,
-    0.12, 0.06, 0.02 % in another march."""
-    found, raw = errors(PAIRS["PMMA on aluminium"], load, 1024)
-    np.testing.assert_array_less(raw, [0.45, 0.16, 0.16, 0.12, 0.11, 0.11, 0.1, 0.1])
-    np.testing.assert_array_less([0.35, 0.12, 0.12, 0.08, 0.08, 0.07, 0.06, 0.06], raw)
-    known = [0.006, 0.0025, 0.0025, 0.0015, 0.0015, 0.0012, 0.0012, 0.0012]
-    np.testing.assert_array_less(found, double * np.array(known))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("side", [1, -1])
-def test_bodies_that_change_places(side):
-    """The wrong body above leaves 20 % (the sign of nu)."""
-    pair, load = PAIRS["0"][::-1], (0.5, 1.0)
-    found, _ = errors(pair, load, 512, side, friction=0.3)
-    assert found.max() < 0.01
 
 
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])

@@ -14,6 +14,7 @@ from semianalytic.engine.stepping.balance import freed_rate
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.interface.contact import Contact
 from semianalytic.interface.fields import Table, at_nodes, moving, sampled
+from tests.semianalytic.engine.runs import one_run
 
 STRIP = Contact([(-2.0, 2.0)])
 END = 1.5
@@ -38,7 +39,7 @@ def off(one, truth):
 
 @pytest.fixture(scope="module")
 def truth():
-    return sf.solve(punch(), end_time=END, nodes=2560, times=[END], estimate=False)
+    return one_run(punch(), END, 2560, times=[END])
 
 
 def test_a_grid_knows_ends_between_its_nodes():
@@ -114,21 +115,6 @@ def test_a_grid_is_moved_with_the_interface(nodes):
         assert error == pytest.approx(other.error_estimates[name], rel=1e-3), name
 
 
-def test_a_moved_run_is_saved_read_and_continued(tmp_path):
-    face = replace(punch(), even=False, contact=Contact([(-2.03, 1.9)]))
-    half, whole = (
-        sf.solve(face, end_time=end, nodes=200, latest=END, times=[end]) for end in (END / 2, END)
-    )
-    assert half.shift != 0
-    half.save(tmp_path / "half.npz")
-    read = sf.Run.load(tmp_path / "half.npz", face)
-    done = sf.solve(face, end_time=END, go_on=read, times=[END])
-    # the step that ended the first run was cut
-    np.testing.assert_allclose(done.slip[-1], whole.slip[-1], atol=1e-4)
-    with pytest.raises(sf.SlipfrontError, match="run of another interface"):
-        sf.Run.load(tmp_path / "half.npz", replace(face, contact=Contact([(-2.04, 1.9)])))
-
-
 @pytest.mark.slow
 def test_slip_between_ends_anywhere_is_within_its_error():
     rng = np.random.default_rng(7)
@@ -147,7 +133,7 @@ def test_slip_between_ends_anywhere_is_within_its_error():
         most = face.contact.fitting_nodes(16.0, 2900, 1, movable=True)
         done, truth = (
             sf.solve(face, end_time=2.0, times=[2.0]),
-            sf.solve(face, end_time=2.0, nodes=most, times=[2.0], estimate=False),
+            one_run(face, 2.0, most, times=[2.0]),
         )
         assert done.contact_misfit < 0.05
         x = np.linspace(ends[0] + 0.1, ends[1] - 0.1, 200)
@@ -178,8 +164,8 @@ def test_displaced_ends_are_told_and_estimated(truth):
             assert 1e-2 < error < done.error_estimates["slip"]
     assert "choose 520 nodes" in done.caution
     odd = replace(punch(), length=7.3, even=False, contact=Contact([(-1, 2**0.5)]))
-    assert "choose 72 nodes" in sf.solve(odd, end_time=0.1, nodes=68, estimate=False).caution
-    assert "choose a period" in sf.solve(odd, end_time=0.1, nodes=64, estimate=False).caution
+    assert "choose 72 nodes" in one_run(odd, 0.1, 68).caution
+    assert "choose a period" in one_run(odd, 0.1, 64).caution
 
 
 def test_a_contact_of_few_nodes_is_unresolved_and_gets_enough_by_default():
@@ -195,7 +181,7 @@ def test_a_contact_of_few_nodes_is_unresolved_and_gets_enough_by_default():
     slot = sf.Interface(
         material, law, 16.0, loads=[push], contact=sf.Contact([(-6, -0.05), (0.05, 6)])
     )
-    assert "has 0.8 nodes" in sf.solve(slot, end_time=0.2, nodes=128, estimate=False).status
+    assert "has 0.8 nodes" in one_run(slot, 0.2, 128).status
 
 
 def test_nothing_is_known_beyond_the_period():
@@ -224,8 +210,7 @@ def test_slots_carry_nothing_whatever_the_contact_does(even):
 
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
-    ("contact", "plate"),
-    [([(-6.0, -1.0), (1.0, 6.0)], 0.0), ([(-3.0, 7.0)], 1e-6)],
+    ("contact", "plate"), [([(-6.0, -1.0), (1.0, 6.0)], 0.0), ([(-3.0, 7.0)], 1e-6)]
 )
 def test_long_steps_beside_slots_give_the_answer_of_short_ones(contact, plate):
     push = sf.InterfaceLoad(lambda x: 3e5 * (abs(x) < 3), history=lambda t: min(t / 0.1, 1.0))
@@ -235,8 +220,8 @@ def test_long_steps_beside_slots_give_the_answer_of_short_ones(contact, plate):
         contact=sf.Contact(contact),
     )
     times = [0.02, 0.05]
-    found = sf.solve(face, end_time=0.05, nodes=32, estimate=False, times=times)
-    fine = sf.solve(face, end_time=0.05, nodes=32, estimate=False, times=times, longest=6e-5)
+    found = one_run(face, 0.05, 32, times=times)
+    fine = one_run(face, 0.05, 32, times=times, longest=6e-5)
     assert np.diff(fine.step_times).max() < 6.1e-5  # the shortest steps, which need no solution
     assert found.steps < fine.steps / 5
     on = found.touching
@@ -329,10 +314,10 @@ def patch(contact, friction=0.4):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("contact", [sf.Contact.half_line(), sf.Contact()], ids=["slot", "line"])
 def test_slip_of_a_patch_does_not_depend_on_where_its_ends_meet_the_grid(contact):
-    truth = sf.solve(patch(contact), end_time=END, nodes=2048, times=[END], estimate=False)
+    truth = one_run(patch(contact), END, 2048, times=[END])
 
     def error(interface, nodes):
-        done = sf.solve(interface, end_time=END, nodes=nodes, times=[END], estimate=False)
+        done = one_run(interface, END, nodes, times=[END])
         exact = np.interp(done.x, truth.x, truth.slip[-1])[done.touching]
         return np.abs(done.slip[-1][done.touching] - exact).sum() / np.abs(exact).sum()
 

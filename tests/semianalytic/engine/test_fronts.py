@@ -7,6 +7,7 @@ import semianalytic as sf
 from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.interface.hilbert import comes_back, transformed
+from tests.semianalytic.engine.runs import one_run
 
 THIRD = sf.Material(1.0, 1.0, 1 / 3)
 HALF = sf.Contact.half_line()
@@ -25,9 +26,7 @@ def beside_slot(load, mode="in-plane", nodes=512, at=0.0, length=12.0):
     begun = -load.slowness(THIRD) * at
     loads = [sf.FrontLoad(load, at=at)]
     face = sf.Interface(THIRD, sf.Coulomb(0.3), length, 1.0, 0.0, loads, HALF, mode)
-    return sf.solve(
-        face, end_time=begun + 1, nodes=nodes, times=[begun + 1], estimate=False
-    ), sf.solve(scene)
+    return one_run(face, begun + 1, nodes, times=[begun + 1]), sf.solve(scene)
 
 
 @pytest.mark.parametrize(
@@ -58,7 +57,7 @@ def test_a_wave_at_no_angle_is_a_load_of_the_line():
     runs = []
     for load in (wave, sf.InterfaceLoad(shear)):
         face = sf.Interface(THIRD, sf.Coulomb(0.3), 8.0, loads=[load], contact=HALF, even=False)
-        runs.append(sf.solve(face, end_time=1.0, nodes=64, estimate=False))
+        runs.append(one_run(face, 1.0, 64))
     assert runs[0].slip.max() > 0.01 or runs[0].slip.min() < -0.01
     assert runs[0].slip == pytest.approx(runs[1].slip, abs=1e-12)
 
@@ -170,7 +169,7 @@ def test_a_wave_meets_faces_that_slide_freely(wave):
     at, length, end, nodes = 6.0, 16.0, 1.2, 1024
     load = sf.FrontLoad(wave, at=at)
     face = sf.Interface(HARD, sf.Coulomb(0.0), length, loads=[load], lower_material=SOFT)
-    done = sf.solve(face, end_time=end, nodes=nodes, times=[end], estimate=False)
+    done = one_run(face, end, nodes, times=[end])
     assert done.gap.max() == 0.0
     slow, width = wave.slowness(SOFT), length / nodes
     near = np.abs(done.x - at - end / slow) < 1.0
@@ -187,7 +186,7 @@ def test_a_wave_beyond_a_critical_angle_shows_before_its_front():
     load = sf.FrontLoad(wave, sf.Pulse(0.6, "triangle"), at=at)
     stuck = sf.Coulomb(0.1, cohesion=9.0)
     face = sf.Interface(HARD, stuck, 16.0, loads=[load], lower_material=SOFT)
-    done = sf.solve(face, end_time=end, nodes=256, times=[end], estimate=False)
+    done = one_run(face, end, 256, times=[end])
     assert np.abs(done.slip).max() == 0.0
     t = (np.arange(2**16) - 2**15) / 256
     lines = np.fft.fft(sf.Pulse(0.6, "triangle").value(t))

@@ -17,6 +17,7 @@ CREEPING = {
     "shear": 3e6,
 }
 PULL = sf.InterfaceLoad(pressure=-3.0)
+LATE = sf.InterfaceLoad(lambda x, t: 0.1 * (x > 1) * (t > 0.3), history=None)
 
 
 def face(**changes):
@@ -58,37 +59,6 @@ def wave_beyond_a_critical_angle(history):
             ({"loads": under_history(text)}, "history must always be finite, got")
             for text in ("1/t", "log(t-1)")
         ),
-        # what is called even has to be
-        (
-            {"loads": [sf.InterfaceLoad(lambda x: 0.5 * (x > 1))], "even": True},
-            "the shear of a load is not even in x",
-        ),
-        ({"contact": sf.Contact([(1, 3)]), "even": True}, "the contact is not even in x"),
-        ({"shear": lambda x: 0.1 * x, "even": True}, "the shear is not even in x"),
-        ({"pressure": lambda x: 1 + (x > 1), "even": True}, "the pressure is not even in x"),
-        (
-            {**CREEPING, "rate": lambda x: 1e-9 * (1 + (x > 1)), "even": True},
-            "the rate is not even in x",
-        ),
-        (
-            {"law": sf.Coulomb(lambda x: 0.8 - 0.3 * (x > 0)), "even": True},
-            "the friction: friction is not even in x",
-        ),
-        (
-            {
-                "loads": [sf.InterfaceLoad(pressure=-3.0)],
-                "adhesion": sf.Adhesion(lambda x: 1 + (x > 0), 0.3),
-                "even": True,
-            },
-            "the adhesion: strength is not even in x",
-        ),
-        (
-            {
-                "loads": [sf.InterfaceLoad(lambda x, t: 0.1 * (x > 1) * (t > 0.3), history=None)],
-                "even": True,
-            },
-            "the shear of a load is not even in x",
-        ),
         # loads of pressure
         ({"mode": "antiplane", "loads": [PULL]}, "antiplane interface have no pressure"),
         (
@@ -113,6 +83,27 @@ def test_bad_interfaces_are_refused(changes, said):
 
 
 @pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"loads": [sf.InterfaceLoad(lambda x: 0.5 * (x > 1))]}, "shear of a load"),
+        ({"loads": [LATE]}, "shear of a load"),
+        ({"contact": sf.Contact([(1, 3)])}, "contact"),
+        ({"shear": lambda x: 0.1 * x}, "shear"),
+        ({"pressure": lambda x: 1 + (x > 1)}, "pressure"),
+        ({**CREEPING, "rate": lambda x: 1e-9 * (1 + (x > 1))}, "rate"),
+        ({"law": sf.Coulomb(lambda x: 0.8 - 0.3 * (x > 0))}, "friction: friction"),
+        (
+            {"loads": [PULL], "adhesion": sf.Adhesion(lambda x: 1 + (x > 0), 0.3)},
+            "adhesion: strength",
+        ),
+    ],
+)
+def test_what_is_called_even_has_to_be(changes, what):
+    with pytest.raises(sf.SceneError, match=f"the {what} is not even in x"):
+        sf.solve(face(**changes, even=True), end_time=0.5, nodes=128)
+
+
+@pytest.mark.parametrize(
     ("make", "said"),
     [
         (lambda: sf.Contact([(0, 2), (1, 3)]), "overlap"),
@@ -125,6 +116,10 @@ def test_bad_interfaces_are_refused(changes, said):
         (lambda: sf.InterfaceLoad(pressure="low"), "load: pressure must be a number"),
         (lambda: sf.ForcedFront(0.6, 0.2, arrival=1.0, fall=-1.0), "fall must be 0 or more"),
         (lambda: sf.solve(face(), end_time=-1.0), "end_time must be positive"),
+        (
+            lambda: sf.solve(face(), end_time=1.0, nodes=64, times=[math.nan]),
+            "times must lie between 0 and the end time",
+        ),
         (
             lambda: sf.solve(face(), end_time=0.1, nodes=128, longest=0.001),
             "`longest` must be 0.05 or more on this grid, got 0.001",

@@ -10,6 +10,7 @@ from semianalytic.memory import cosines, line_memory
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Antiplane, InPlane
 from semianalytic.memory.line_memory import LineMemory, phi
+from tests.semianalytic.engine.runs import one_run
 
 mpmath = pytest.importorskip("mpmath")
 UNIT = sf.Material(1.0, 1.0, 1 / 3)
@@ -112,9 +113,7 @@ def test_odd_sweeps_are_unstable_on_a_free_face_and_even_ones_are_not():
         scene = sf.Interface(
             UNIT, sf.Coulomb(9.0), 8.0, loads=[slot], contact=sf.Contact([(1.0, 3.0)])
         )
-        done = sf.solve(
-            scene, end_time=8.0, nodes=64, step_ratio=0.6, estimate=False, sweeps=sweeps
-        )
+        done = one_run(scene, 8.0, 64, step_ratio=0.6, sweeps=sweeps)
         return np.abs(done.slip_rate).max()
 
     assert largest(2) < 10
@@ -132,10 +131,7 @@ def test_steps_beyond_the_stable_range_are_refused(poisson, stable):
         contact=sf.Contact([(-2.0, -0.5), (0.5, 2.0)]),
         loads=[sf.InterfaceLoad(0.5, on="slot")],
     )
-    fine, coarse = (
-        sf.solve(scene, end_time=4.0, nodes=64, step_ratio=one, estimate=False)
-        for one in (0.2, stable)
-    )
+    fine, coarse = (one_run(scene, 4.0, 64, step_ratio=one) for one in (0.2, stable))
     largest = np.abs(fine.slip_rate).max()
     assert np.abs(coarse.slip_rate).max() < 1.1 * largest
     assert np.abs(coarse.slip[-1] - fine.slip[-1]).max() < 0.01 * fine.slip.max()

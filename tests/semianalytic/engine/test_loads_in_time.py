@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.stepping.pace import LoadPace, nodes_for_histories
+from semianalytic.engine.stepping.pace import nodes_for_histories
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.interface.fields import Expression
+from tests.semianalytic.engine.runs import one_run
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
 ROCK = sf.Material(30e9, 2700.0, 0.25)
@@ -27,10 +28,7 @@ def slow(load, law=STRENGTHENING, **given):
 
 def with_short_steps(face, end, nodes, longest):
     """A run as long as it likes its steps, and one of short steps alone."""
-    return (
-        sf.solve(face, end_time=end, nodes=nodes, estimate=False, **given)
-        for given in ({}, {"longest": longest})
-    )
+    return (one_run(face, end, nodes, **given) for given in ({}, {"longest": longest}))
 
 
 @pytest.mark.parametrize(
@@ -42,7 +40,7 @@ def with_short_steps(face, end, nodes, longest):
 )
 def test_a_history_that_turns_within_a_step_is_unresolved(history):
     face = struck(history)
-    coarse = sf.solve(face, end_time=1.0, nodes=128, estimate=False)
+    coarse = one_run(face, 1.0, 128)
     assert coarse.status.startswith("unresolved: the history of a load turns faster than 128 nodes")
     needed = int(coarse.status.split("use ")[1].split()[0])
     assert needed == pytest.approx(nodes_for_histories(face, 1.0), abs=4)
@@ -87,29 +85,6 @@ def test_long_steps_do_not_pass_over_a_load(load):
     assert fine.slip[-1].max() > 1000 * 1e-9 * 7
 
 
-def test_a_pace_counts_all_that_a_function_does():
-    """Up and down within a step is twice the range, at the node where it is most."""
-    wave = sf.InterfaceLoad(lambda x, t: np.cos(x) * np.sin(2 * np.pi * t), history=None)
-    face = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, loads=[wave])
-    pace = LoadPace(face, np.linspace(-8, 7.75, 64), 10.0)
-    # a tenth of the range 2 in each direction: sin rises by .2 within asin(.2) / 2 pi
-    assert pace.longest(0.0) == pytest.approx(np.arcsin(0.2) / (2 * np.pi), rel=0.02)
-    assert pace.longest(0.25) == pytest.approx(np.arccos(0.8) / (2 * np.pi), rel=0.02)
-    assert pace.longest(9.99) == np.inf
-    still = sf.InterfaceLoad(lambda x, t: np.cos(x), history=None)
-    face = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, loads=[still])
-    assert LoadPace(face, np.linspace(-8, 7.75, 64), 10.0).longest(0.0) == np.inf
-
-
-def test_a_wave_that_passes_is_followed_from_node_to_node():
-    late = sf.Tabulated([0, 400, 400.5, 401, 1000], [0, 0, 1, 0, 0])
-    wave = sf.FrontLoad(sf.IncidentWave("SV", -20.0, stress=2e6), history=late)
-    pace = LoadPace(slow(wave), np.linspace(-8, 7.75, 64), 1000.0)
-    crossing = abs(np.sin(np.radians(20)) / ROCK.shear_speed)
-    assert pace.longest(400.2) == pytest.approx(0.25 * crossing, rel=1e-12)
-    assert pace.longest(1100.0) == np.inf
-
-
 def test_a_wave_that_arrives_in_a_quiet_phase_sets_off_its_rupture():
     """The front is at the line from 10 to 13 s, when steps last seconds."""
     law = sf.RateAndState(a=0.012, b=0.006, f0=0.6, v0=1e-6, distance=1e-3)
@@ -138,8 +113,8 @@ def test_friction_that_damps_less_as_it_speeds_up_does_not_let_short_waves_grow(
         return len(steps) > 3000
 
     end = 1.5 * period
-    done = sf.solve(face, end_time=end, nodes=64, estimate=False, progress=gives_up)
-    fine = sf.solve(face, end_time=end, nodes=64, estimate=False, longest=period / 200, times=[end])
+    done = one_run(face, end, 64, progress=gives_up)
+    fine = one_run(face, end, 64, longest=period / 200, times=[end])
     assert done.status == "done"
     assert done.peak_rates.max() < 1e-3
     assert done.slip[-1] == pytest.approx(fine.slip[-1], rel=0.02, abs=2e-3 * fine.slip.max())
@@ -150,14 +125,14 @@ def test_a_step_that_ends_beyond_convergence_is_repeated(monkeypatch):
     law = sf.RateAndState(a=0.012, b=0.006, f0=0.6, v0=1e-6, distance=1e-5)
     load = sf.InterfaceLoad(lambda x: 1.9e6 * (abs(x) < 1), lambda t: np.sin(np.pi * t / 500))
     face = sf.Interface(ROCK, law, 16.0, 5e6, 1e6, [load], rate=1e-9, mode="antiplane")
-    right, chosen = sf.solve(face, end_time=500.0, nodes=64, estimate=False), Stepper.length
+    right, chosen = one_run(face, 500.0, 64), Stepper.length
 
     def too_long(stepper, now):
         rung = chosen(stepper, now)[1] + 2
         return stepper.ladder.length(rung), rung
 
     monkeypatch.setattr(Stepper, "length", too_long)
-    done = sf.solve(face, end_time=500.0, nodes=64, estimate=False)
+    done = one_run(face, 500.0, 64)
     assert done.steps < right.steps / 3
     assert done.slip[-1] == pytest.approx(right.slip[-1], abs=0.01 * right.slip[-1].max())
 
@@ -172,8 +147,7 @@ def test_a_stiffness_of_a_wave_shorter_than_the_grid_bounds_steps_too(held):
         **{"rate": 1e-6, "plate_rate": 1e-6, "held": held, "mode": "antiplane"},
     )
     few, many = (
-        sf.solve(face, end_time=10.0, nodes=count, estimate=False, times=[10.0])
-        for count in (16, round(64 / held / 4) * 4)
+        one_run(face, 10.0, count, times=[10.0]) for count in (16, round(64 / held / 4) * 4)
     )
     assert few.slip[-1] == pytest.approx(many.slip[-1, 0], rel=1e-3)
     assert few.peak_rates.max() == pytest.approx(many.peak_rates.max(), rel=0.02)
@@ -187,7 +161,7 @@ def test_slots_take_no_work_of_adhesion():
         face = sf.Interface(
             *(UNIT, glued, 16.0), loads=[pull], adhesion=sf.Adhesion(1.0, 0.5), contact=contact
         )
-        done = sf.solve(face, end_time=1.0, nodes=256, estimate=False)
+        done = one_run(face, 1.0, 256)
         assert np.isfinite(done.pressure).all()
         works.append(done.work["closing"])
     assert works[0] == pytest.approx(works[1], rel=0.01)

@@ -10,6 +10,7 @@ import semianalytic as sf
 from docs.studies.accuracy.engine import freund_slip, kostrov_slip
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, InPlane
+from tests.semianalytic.engine.runs import one_run
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
 COULOMB = sf.Coulomb(0.5)
@@ -26,12 +27,7 @@ def test_even_and_whole_lines_agree(contact, opens):
     pull = {"pressure": lambda x: -2 * np.exp(-2 * x**2)} if opens else {}
     loads = [sf.InterfaceLoad(lambda x: np.exp(-(x**2)), sf.Pulse(0.5), **pull)]
     half, whole = (
-        sf.solve(
-            sf.Interface(UNIT, COULOMB, 8.0, 1.0, 0.1, loads, contact, even=even),
-            end_time=1.5,
-            nodes=64,
-            estimate=False,
-        )
+        one_run(sf.Interface(UNIT, COULOMB, 8.0, 1.0, 0.1, loads, contact, even=even), 1.5, 64)
         for even in (True, False)
     )
     right = whole.x >= 0
@@ -49,7 +45,7 @@ def test_the_estimate_covers_the_error_and_rtol_is_met():
     load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)), history=sf.Ramp(1.0))
     fault = sf.Interface(UNIT, sf.SlipDependent(0.6, 0.2, 1.0), 8.0, loads=[load], even=True)
     times = [0.5, 1.0, 2.0]
-    best = sf.solve(fault, end_time=2.0, nodes=1024, times=times, estimate=False)
+    best = one_run(fault, 2.0, 1024, times=times)
     done = sf.solve(fault, end_time=2.0, nodes=32, rtol=5e-3, times=times)
     assert done.nodes > 32
     assert done.error_estimates["slip"] <= 5e-3
@@ -71,7 +67,7 @@ def test_two_edges_against_the_exact_solver():
     )
     errors = []
     for nodes in (1024, 2048):
-        done = sf.solve(fault, end_time=1.0, nodes=nodes, times=[1.0], estimate=False)
+        done = one_run(fault, 1.0, nodes, times=[1.0])
         near = (done.x > 0) & (done.x < 3)
         rate = exact.slip_rate(done.x[near], 1.0)
         errors.append(np.abs(done.slip_rate[0][near] - rate).sum() / np.abs(rate).sum())
@@ -83,14 +79,7 @@ def test_two_edges_against_the_exact_solver():
 def test_cattaneo_and_mindlin_in_the_slow_limit():
     """Stick |x| < c of a contact |x| < 1 under uniform pressure, on a periodic line of 8."""
     found = sf.find("cattaneo")
-    done = sf.solve(
-        found.interface,
-        end_time=found.end_time,
-        nodes=256,
-        step_ratio=0.5,
-        times=[62.0],
-        estimate=False,
-    )
+    done = one_run(found.interface, found.end_time, 256, step_ratio=0.5, times=[62.0])
     tan = lambda x: np.tan(np.pi * x / 8)  # noqa: E731
     edge = 8 / np.pi * np.arccos(np.cos(np.pi / 8) / np.cos(np.pi * 0.15 / 2))
     assert edge == pytest.approx(0.807586, abs=1e-6)
@@ -108,12 +97,7 @@ def test_a_jump_of_strength_does_not_make_slip():
     """A barrier beside a slipping patch stays stuck, and its neighbour slips no faster."""
     strength = lambda x: np.where(np.abs(x) < 1, 0.5, 1e6)  # noqa: E731
     load = sf.InterfaceLoad(1.0)
-    done = sf.solve(
-        sf.Interface(UNIT, sf.Coulomb(strength), 8.0, loads=[load]),
-        end_time=1.0,
-        nodes=128,
-        estimate=False,
-    )
+    done = one_run(sf.Interface(UNIT, sf.Coulomb(strength), 8.0, loads=[load]), 1.0, 128)
     assert np.abs(done.slip_rate[:, np.abs(done.x) >= 1]).max() == 0
     # (load - strength) / (mu / 2 c_t) = 1, and what waves add; as if strength were linear: 1e5
     assert done.slip_rate.max() < 1.1
@@ -121,40 +105,17 @@ def test_a_jump_of_strength_does_not_make_slip():
 
 def test_slow_grids_are_called_unresolved():
     fault = sf.Interface(UNIT, sf.SlipDependent(0.6, 0.1, 0.01), 8.0, shear=0.3)
-    done = sf.solve(fault, end_time=0.1, nodes=32, estimate=False)
+    done = one_run(fault, 0.1, 32)
     assert done.status.startswith("unresolved")
     least = int(done.status.split("use ")[1].split()[0])
-    assert sf.solve(fault, end_time=0.1, nodes=least, estimate=False).status == "done"
-
-
-def test_to_xarray_has_units_and_errors():
-    load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
-    data = sf.solve(
-        sf.Interface(UNIT, COULOMB, 8.0, loads=[load]), end_time=0.5, nodes=32
-    ).to_xarray()
-    assert data["slip"].dims == ("t", "x")
-    assert data["slip_rate"].attrs["units"] == "length / time"
-    assert data.attrs["error_slip"] > 0
-
-
-def test_references_have_the_digits_and_the_intensity_of_others():
-    """Kostrov's amplitudes are those of the notes; Freund's K_III is sqrt(1 - v/c_t) K(0)."""
-    for impedance, known in ((InPlane(0.5), 0.5882685), (Antiplane(), 0.8257256)):
-        slip = kostrov_slip(np.array([0.0]), SPEED, impedance)[0]
-        assert slip / (2 * SPEED) == pytest.approx(known, abs=1e-7)
-    for speed in (0.2, 0.5, 0.8):
-        x = speed * (1 - np.array([1e-6]))
-        slip = freund_slip(x, speed, rayleigh_factors(1 / 3, "III"), "III")[0]
-        # slip behind a tip is 4 K / (mu sqrt(1 - v^2)) sqrt(d / 2 pi), K(0) = 2 sqrt(2 c_t t / pi)
-        near = math.sqrt((speed - x[0]) / (2 * math.pi)) * 4 / math.sqrt(1 - speed**2)
-        assert slip / near == pytest.approx(2 * math.sqrt(2 / math.pi * (1 - speed)), rel=2e-3)
+    assert one_run(fault, 0.1, least).status == "done"
 
 
 @pytest.mark.parametrize(("mode", "off"), [("in-plane", 0.0055), ("antiplane", 0.004)])
 def test_a_forced_front_is_kostrovs_crack(mode, off):
     impedance = InPlane(0.5) if mode == "in-plane" else Antiplane()
     line = sf.Interface(THIRD, FRONT, 5.0, shear=1.0, mode=mode, even=True)
-    done = sf.solve(line, end_time=1.0, nodes=1024, times=[1.0], estimate=False)
+    done = one_run(line, 1.0, 1024, times=[1.0])
     known = kostrov_slip(done.x, SPEED, impedance)
     assert np.abs(done.slip[0] - known).sum() < off * known.sum()
     slower = kostrov_slip(done.x, 0.48, impedance)
@@ -166,7 +127,7 @@ def test_a_forced_front_beside_a_slot_is_freunds_crack():
     line = sf.Interface(
         THIRD, FRONT, 10.0, shear=1.0, loads=loads, contact=beside, mode="antiplane"
     )
-    done = sf.solve(line, end_time=1.0, nodes=1024, times=[1.0], estimate=False)
+    done = one_run(line, 1.0, 1024, times=[1.0])
     near = (done.x > 0) & (done.x < SPEED)
     known = freund_slip(done.x[near], SPEED, rayleigh_factors(1 / 3, "III"), "III")
     assert np.abs(done.slip[0][near] - known).sum() < 0.006 * known.sum()
@@ -176,7 +137,7 @@ def test_a_forced_front_may_let_strength_fall_slowly():
     """Slip begins before strength has fallen to the end, not before the front can be felt."""
     law = sf.ForcedFront(0.6, 0.2, arrival=lambda x: np.abs(x), fall=0.5)
     fault = sf.Interface(THIRD, law, 8.0, shear=0.4, even=True, mode="antiplane")
-    done, h = sf.solve(fault, end_time=2.0, nodes=64, estimate=False), 8.0 / 64
+    done, h = one_run(fault, 2.0, 64), 8.0 / 64
     at = done.x < 1.5
     assert (done.onset[at] <= done.x[at] + 0.5).all()
     assert (done.onset[at] >= done.x[at] - 2 * h).all()

@@ -12,13 +12,11 @@ import semianalytic as sf
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.growth import growing_waves
 from semianalytic.dissimilar.kernels import PairImpedance
-from semianalytic.dissimilar.whole_line import (
-    half_line_slip_rate,
-    patch_speeds,
-)
+from semianalytic.dissimilar.whole_line import half_line_slip_rate
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory.exponentials import fit_shared
 from semianalytic.memory.impedance import InPlane, Opening
+from tests.semianalytic.engine.runs import one_run
 
 FASTER = sf.Material(2.25, 1.0, 0.25)
 """A body of 1.5 times the wave speeds of `ROCK`."""
@@ -93,7 +91,7 @@ def slipping_half_line(ratio, nodes):
     """A run to t = 1 of a patch with ends like a half-line's; ratio is missing over excess."""
     load = sf.InterfaceLoad(lambda x: 0.04 * (1 + ratio) * (abs(x) < 2.5))
     face = patch(ROCK, FASTER, loads=[load], shear=0.2 - 0.04 * ratio)
-    return sf.solve(face, end_time=1.0, nodes=nodes, estimate=False, times=[1.0])
+    return one_run(face, 1.0, nodes, times=[1.0])
 
 
 @pytest.mark.thinned(2)
@@ -121,10 +119,7 @@ def test_slip_rate_of_a_half_line_converges_to_the_exact_profile():
 
 
 def test_bodies_that_change_places_give_the_mirrored_answer():
-    one, other = (
-        sf.solve(patch(*pair), end_time=1.0, nodes=256, estimate=False)
-        for pair in ((ROCK, FASTER), (FASTER, ROCK))
-    )
+    one, other = (one_run(patch(*pair), 1.0, 256) for pair in ((ROCK, FASTER), (FASTER, ROCK)))
     for name in FIELDS:
         mirrored = np.roll(getattr(other, name)[:, ::-1], 1, axis=1)
         size = np.abs(getattr(one, name)).max()
@@ -171,7 +166,7 @@ def test_a_slot_is_met_by_the_exact_answer(load, pressure, friction):
         loads=[sf.InterfaceLoad(load[1], on="slot", pressure=load[0])],
         lower_material=lower,
     )
-    done = sf.solve(given, end_time=1.0, nodes=768, estimate=False, times=[1.0])
+    done = one_run(given, 1.0, 768, times=[1.0])
     seen = (done.x > 0.1) & (done.x < 3.0)
     for name, limit in (("slip_rate", 0.03), ("pressure", 0.03), ("shear_traction", 0.03)):
         field = getattr(done, name)[-1]
@@ -253,7 +248,7 @@ def test_delayed_friction_follows_a_pressure_exactly_over_steps_of_any_length(la
 def test_a_short_delay_is_none_and_a_long_one_lets_friction_feel_less_of_a_change():
     """Within the window a delay far below the step gives the answer without one."""
     plain, short, long = (
-        sf.solve(patch(ROCK, FASTER, **given), end_time=1.0, nodes=256, estimate=False)
+        one_run(patch(ROCK, FASTER, **given), 1.0, 256)
         for given in ({}, {"law": sf.Coulomb(0.2, delay=1e-9)}, {"law": sf.Coulomb(0.2, delay=3.0)})
     )
     np.testing.assert_allclose(short.slip, plain.slip, rtol=0, atol=1e-9 * plain.slip.max())
@@ -293,18 +288,16 @@ def test_friction_that_no_grid_follows_is_refused_with_what_would_do(law, words)
 
 def test_what_would_do_does():
     for law in (sf.Coulomb(0.6, delay=0.0654), sf.Coulomb(0.6, viscosity=3.0)):
-        done = sf.solve(patch_of(law), end_time=1.0, nodes=64, estimate=False)
+        done = one_run(patch_of(law), 1.0, 64)
         assert done.status == "done"
         assert done.slip.max() > 0
 
 
 def test_runs_in_which_the_grid_let_waves_grow_say_so():
-    quick = sf.solve(
-        patch_of(sf.Coulomb(0.6, delay_slip=1e-4)), end_time=1.0, nodes=64, estimate=False
-    )
+    quick = one_run(patch_of(sf.Coulomb(0.6, delay_slip=1e-4)), 1.0, 64)
     assert "friction follows pressure within" in quick.status
     law = sf.RateAndState(a=0.01, b=0.015, f0=0.6, v0=1e-6, distance=1e-2)
-    fast = sf.solve(patch_of(law), end_time=1.0, nodes=64, estimate=False)
+    fast = one_run(patch_of(law), 1.0, 64)
     assert "friction rises too little with slip rate" in fast.status
 
 
@@ -313,33 +306,12 @@ def test_rate_and_state_between_two_bodies_needs_no_short_steps():
     law = sf.RateAndState(a=0.02, b=0.012, f0=0.4, v0=1e-3, distance=0.05)
     push = sf.InterfaceLoad(lambda x: 0.05 * np.exp(-(x**2)), history=lambda t: min(t / 5, 1.0))
     given = patch(ROCK, FASTER, law=law, shear=0.4, rate=1e-3, plate_rate=1e-3, loads=[push])
-    done = sf.solve(given, end_time=6.0, nodes=32, estimate=False, times=[6.0])
-    fine = sf.solve(
-        given, end_time=6.0, nodes=32, estimate=False, times=[6.0], step_ratio=0.2, longest=0.0521
-    )
+    done = one_run(given, 6.0, 32, times=[6.0])
+    fine = one_run(given, 6.0, 32, times=[6.0], step_ratio=0.2, longest=0.0521)
     assert done.steps < fine.steps / 4
     size = (fine.slip - 6e-3).max()
     np.testing.assert_allclose(done.slip, fine.slip, rtol=0, atol=5e-3 * size)
     assert np.abs(done.pressure - 1.0).max() > 1e-4
-
-
-@pytest.mark.slow
-def test_the_patch_of_rock_on_gouge_spreads_as_the_exact_one():
-    found = sf.find("rock-on-gouge")
-    given = found.interface
-    done = sf.solve(
-        given, end_time=found.end_time, nodes=512, estimate=False, times=[found.end_time]
-    )
-    assert done.status == "done"
-    speed = given.material.shear_speed
-    exact = patch_speeds(compliance_of(given.material, given.lower_material), 0.4, 0.5, 600 / speed)
-    slips = done.x[done.slip_rate[-1] > 1e-3 * done.slip_rate[-1].max()]
-    spacing = given.length / 512
-    np.testing.assert_allclose(
-        [slips.max() + spacing / 2, -slips.min() + spacing / 2],
-        np.array(exact) * speed * found.end_time,
-        atol=1.5 * spacing,
-    )
 
 
 @pytest.mark.slow

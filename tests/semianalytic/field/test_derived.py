@@ -47,17 +47,14 @@ def test_fringes_are_dark_where_the_order_is_whole():
     stress = np.array([[0.0, 1.0, 0.5, 2.0], [0.0, -1.0, 0.0, 2.0], [0.0, 0.0, 0.0, 1.0]])
     assert fringe_order(stress, 3.0, 2.0) == pytest.approx([0, 3, 0.75, 3])
     assert fringes(stress, 3.0, 2.0) == pytest.approx([0, 0, 0.5, 0], abs=1e-15)
+    infinite = np.array([np.inf, 0.0, 0.0])  # which has no intensity
+    assert fringe_order(infinite, 1.0, 1.0) == np.inf
+    assert np.isnan(fringes(infinite, 1.0, 1.0))
 
 
 def test_what_acts_along_z_does_not_turn_light():
     stress = np.random.default_rng(2).normal(size=(5, 4))
     assert np.array_equal(fringes(stress, 1.0, 1.0), fringes(stress[:3], 1.0, 1.0))
-
-
-def test_infinite_stress_has_no_intensity():
-    stress = np.array([np.inf, 0.0, 0.0])
-    assert fringe_order(stress, 1.0, 1.0) == np.inf
-    assert np.isnan(fringes(stress, 1.0, 1.0))
 
 
 @pytest.mark.parametrize(

@@ -2,18 +2,14 @@
 
 import math
 
-import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.optimize import brentq
 
 from semianalytic import Material, Tractions
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stress_intensity, stuck_traction
-from semianalytic.halfplane.stuck_histories import near_field, stuck_shear
-from semianalytic.scene.loads import Step
 
 # theory.md section 3: nu = 1/3, b = 1, eleven digits.
 SLOWNESS = np.array([0.7, 0.9, 1.0, 1.05, 2.0, 10.0])
@@ -21,7 +17,6 @@ PRESSURE = [-0.03233403875, -0.03734705151, -0.04779901602]
 PRESSURE += [-0.05051788325, 0.03649483924, 0.85334755328]
 SHEAR = [0.03540244618, 0.12028263144, 0.18225079615, 0.14854006368, 0.32195310512, 1.55886620083]
 UNIT = Material(1.0, 1.0, 1 / 3)
-PLACES = (1 + 1e-6, 1.03999, 1.04001, 1.5, 2.0, 30.0)
 TABLE = [  # p, mode, M_+(-p), q_p* or p_p* at u = 0.7, 1, 2, 10, nu = 1/3
     (-2.0, "II", 1.650307999637, (0.00416302, 0.02613857, 0.05823778, 0.49265632)),
     (-2.0, "I", 1.807821836465, (-0.00431393, -0.00742553, 0.01667952, 0.38899258)),
@@ -96,6 +91,8 @@ def test_stress_intensity_is_the_limit_at_the_edge():
     assert 1.5 * float(stuck_traction(0.3, "I")(u)) * near == pytest.approx(mode_one, rel=1e-5)
     assert -0.5 * float(stuck_traction(0.3, "II")(u)) * near == pytest.approx(mode_two, rel=1e-5)
     assert stress_intensity(material, Tractions(1.0, 1.0), -1.0) == (0.0, 0.0)
+    _, sheared = stress_intensity(material, Tractions(0.0, 1.5), 4.0, "III")
+    assert 1.5 * float(stuck_traction(0.3, "III")(u)) * near == pytest.approx(sheared, rel=1e-5)
 
 
 def test_edge_sticks_from_the_ratio_of_wave_speeds_on():
@@ -112,25 +109,7 @@ def test_least_pressure_is_at_the_rayleigh_front():
     assert u[np.argmin(traction(u))] == pytest.approx(traction.factors.c, abs=u[1] - u[0])
 
 
-def slope(v):
-    """Im M(-v + i0) / (pi v M_+(0) M_+(v)), M = sqrt(1 - k^2), M_+ = sqrt(1 + k)."""
-    return mp.sqrt(v - 1) / (mp.pi * v)
-
-
-@pytest.mark.parametrize("u", PLACES)
-def test_traction_and_primitive_against_quadrature(u):
-    traction, primitive = stuck_traction(0.2, "III"), stuck_primitive(0.2, "III")
-    exact = mp.quad(lambda r: 2 * r * slope(1 + r * r), [0, mp.sqrt(mp.mpf(u) - 1)])
-    assert float(traction(u)) == pytest.approx(float(exact), rel=1e-11)
-    assert float(traction.derivative(u)) == pytest.approx(float(slope(mp.mpf(u))), rel=1e-11)
-    once = mp.quad(
-        lambda r: 2 * r * (mp.mpf(u) - 1 - r * r) * slope(1 + r * r),
-        [0, mp.sqrt(mp.mpf(u) - 1)],
-    )
-    assert float(primitive(u)) == pytest.approx(float(once), rel=1e-11)
-
-
-def test_intensity_is_the_limit_at_the_edge():
+def test_intensity_out_of_the_plane_in_closed_form():
     """K_III = 2 Q_0 sqrt(2 c_t t/pi), of every solid; K_II and K_III are as M_+(0) of the modes."""
     for nu in (-0.5, 0.0, 0.45):
         material = Material(4.0, 1.0, nu)
@@ -139,8 +118,6 @@ def test_intensity_is_the_limit_at_the_edge():
         _, in_plane = stress_intensity(material, Tractions(0.0, 1.5), 3.0)
         at_zero = rayleigh_factors(nu).m_plus_at_zero
         assert sheared / in_plane == pytest.approx(at_zero["II"] / at_zero["III"], rel=1e-11)
-    traction = stuck_shear(Step(), 1.5, material, 1e-9, 3.0, "III").value
-    assert traction == pytest.approx(near_field(sheared, 1e-9), rel=1e-4)
 
 
 @pytest.mark.parametrize(("p", "mode", "at_load", "values"), TABLE)
@@ -150,59 +127,9 @@ def test_the_table_of_the_notes(p, mode, at_load, values):
     assert stuck(np.array([0.7, 1.0, 2.0, 10.0])) == pytest.approx(values, abs=1e-8)
 
 
-def second(poisson_ratio, mode, p, u):
-    """q_p* or p_p* by Gauss's rule from the definitions, with a Rayleigh slowness of its own."""
-    a2 = (1 - 2 * poisson_ratio) / (2 * (1 - poisson_ratio))
-    a, (node, weight) = math.sqrt(a2), np.polynomial.legendre.leggauss(400)
-    angle, weight = (node + 1) * np.pi / 4, weight * np.pi / 4
-
-    def cubic(r):
-        return ((r - 8) * r + 24 - 16 * a2) * r - 16 * (1 - a2)
-
-    c = 1 / math.sqrt(brentq(cubic, 0.05, 1.0, xtol=1e-15))
-
-    def nodes(low, high):  # square roots at both ends removed
-        return low + (high - low) * np.sin(angle) ** 2, weight * (high - low) * np.sin(2 * angle)
-
-    w, of_w = nodes(a, 1.0)
-    root = np.sqrt((w * w - a2) * (1 - w * w))
-    phase = np.arctan2(4 * w * w * root, (1 - 2 * w * w) ** 2)
-
-    def m_plus(k):  # for k > -a
-        s = np.exp(-(1 / (w + np.reshape(k, (-1, 1)))) @ (of_w * phase) / np.pi)
-        return (c + k) * s / np.sqrt((1 if mode == "II" else a) + k)
-
-    def part(low, high):
-        v, of_v = nodes(low, high)
-        plain, square = (1 - 2 * v * v) ** 2, 4 * v * v
-        behind = np.sqrt(np.maximum(v * v - 1, 0))
-        ahead = np.sqrt(v * v - a2)
-        if mode == "II":
-            imag = square * ahead - (plain / np.maximum(behind, 1e-300) if low >= 1 else 0)
-        else:
-            imag = -plain / ahead + square * behind
-        return float(imag / ((v - p) * m_plus(v)) @ of_v)
-
-    total = part(a, min(u, 1.0)) + (part(1.0, u) if u > 1 else 0.0)
-    return total / (np.pi * 2 * (1 - a2) * float(m_plus(-p)[0]))
-
-
-@pytest.mark.parametrize(
-    ("poisson_ratio", "mode", "p", "u"),
-    [(1 / 3, "II", 0.4, 0.7), (0.1, "I", -0.9, 2.0), (-0.4, "II", 0.5, 3.0)],
-)
-def test_a_second_evaluation_agrees(poisson_ratio, mode, p, u):
-    expected = second(poisson_ratio, mode, p, u)
-    assert float(stuck_traction(poisson_ratio, mode, p)(u)) == pytest.approx(expected, rel=1e-10)
-    # another front is seen
-    assert float(stuck_traction(poisson_ratio, mode, p + 1e-6)(u)) != pytest.approx(
-        expected, rel=1e-8
-    )
-
-
 def test_the_closed_form_out_of_the_plane():
-    u = np.array([0.9, 1.0, 1.2, 3.0, 40.0])
-    for p in (-3.0, 0.6):
+    u = np.array([0.9, 1.0, 1 + 1e-6, 1.03999, 1.04001, 1.2, 3.0, 40.0])
+    for p in (-3.0, 0.0, 0.6):
         r = np.sqrt(np.maximum(u - 1, 0) / (1 - p))
         expected = 2 / math.pi * (r - np.arctan(r))
         assert stuck_traction(0.2, "III", p)(u) == pytest.approx(expected, abs=1e-14)

@@ -34,7 +34,7 @@ HISTORIES = [
 STUCK = {"I": stuck_pressure, "II": stuck_shear, "III": partial(stuck_shear, shear_mode="III")}
 
 
-@pytest.mark.parametrize("mode", ["I", "II"])
+@pytest.mark.parametrize("mode", ["I", "II", "III"])
 @pytest.mark.parametrize("nu", [-0.4, 1 / 3, 0.45])
 def test_primitive(nu, mode):
     primitive, stuck = stuck_primitive(nu, mode), stuck_traction(nu, mode)
@@ -48,6 +48,7 @@ def test_primitive(nu, mode):
 
     assert primitive(a) == 0
     assert primitive(1.0) == pytest.approx(integral(a, 1.0), rel=1e-11)
+    assert primitive(1.03) - primitive(1.0) == pytest.approx(integral(1.0, 1.03), rel=1e-10)
     assert primitive(1.6) - primitive(1.0) == pytest.approx(integral(1.0, 1.6), rel=1e-10)
     assert primitive(30.0) - primitive(1.6) == pytest.approx(integral(1.6, 30.0), rel=1e-10)
 
@@ -141,10 +142,7 @@ def test_values():
     for shape in PULSE_SHAPES:
         pulse = Pulse(2.0, shape)
         np.testing.assert_allclose(pulse.value([-1, 1.0, 2.5]), [0, 1, 0], atol=1e-12)
-
-
-def test_very_short_ramps_keep_their_digits():
-    ramp = Ramp(1e-13)
+    ramp = Ramp(1e-13)  # which keeps its digits
     assert ramp.value(0.7) == 1.0
     assert ramp.mean(0.5, 0.50001) == pytest.approx(1.0, rel=1e-10)
     assert ramp.value(5e-14) == pytest.approx(0.5)

@@ -164,30 +164,19 @@ def test_named_interfaces_begin(name):
         (WAVE, "at = 4.0", "on = 4.0", "unknown key load.on"),
         (WAVE, "length = 8.0", "length = 8.0\neven = true", "not even in x"),
         (WAVE, "material", f"{SOFTER_BELOW}material", "beyond a critical angle"),
+        (TABLE, "[kPa]", "[furlnog]", "must be a name and a unit"),
+        (TABLE, "1e-3\n4000", "nan\n4000", "must hold finite numbers"),
+        (TABLE, TABLE, "x [m], pressure [Pa]\n", "has no row of numbers"),
     ],
 )
 def test_mistakes_in_files_end_in_one_sentence(folder, capsys, text, old, new, said):
     assert old in text
-    (folder / "a.toml").write_text(text.replace(old, new))
+    (folder / ("p.csv" if text is TABLE else "a.toml")).write_text(text.replace(old, new))
     assert main(["solve", "a.toml", "--save", "b.npz"]) == 2
     shown = capsys.readouterr()
     assert said in " ".join(shown.err.split())
     assert not shown.out
     assert not (folder / "b.npz").exists()
-
-
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        (TABLE.replace("[kPa]", "[furlnog]"), "must be a name and a unit"),
-        (TABLE.replace("4000, 0, 1e-3\n4000", "4000, 0, nan\n4000"), "must hold finite numbers"),
-        ("x [m], pressure [Pa]\n", "has no row of numbers"),
-    ],
-)
-def test_mistakes_in_tables_end_in_one_sentence(folder, capsys, table, said):
-    (folder / "p.csv").write_text(table)
-    assert main(["solve", "a.toml"]) == 2
-    assert said in " ".join(capsys.readouterr().err.split())
 
 
 def test_the_command_saves_and_goes_on(folder, capsys):

@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.special import wrightomega
 
 import semianalytic as sf
 from semianalytic.interface.law import balanced
-from semianalytic.interface.rate_and_state import _wright_omega
 
 IMPEDANCE, SIGMA = 4.6e6, 5e7
 
@@ -46,11 +44,6 @@ def test_without_pressure_slip_is_free():
             warnings.simplefilter("error")
             found = law.slip_speed(stopping, np.full(3, pressure), IMPEDANCE, np.full(3, 10.0))
         assert found == pytest.approx(stopping / IMPEDANCE, rel=1e-12)
-
-
-def test_start_of_the_balance_is_the_wright_omega_function():
-    y = np.concatenate([np.linspace(-60, 60, 2001), [-1e4, -800, 700, 1e6]])
-    assert _wright_omega(y) == pytest.approx(wrightomega(y), rel=1e-4, abs=1e-290)
 
 
 @pytest.mark.parametrize(

@@ -103,12 +103,6 @@ def test_units_and_edge_intensity():
     assert near == pytest.approx(antiplane_edge_intensity(STEEL, 2e6, 0.5), rel=1e-7)
 
 
-def test_without_friction_the_slip_rate_is_an_arccosine():
-    xi = np.linspace(0.0, 1.0, 7)
-    expected = 2 / np.pi * np.arccos(xi)
-    np.testing.assert_allclose(antiplane_slip_rate(UNIT, 1.0, 0.0, xi), expected, atol=1e-15)
-
-
 def canonical(v, edge, eta):
     """exp of -(1/pi) PV int theta(w) (1/(w - v) - 1/w) dw from u_s on, over sqrt(edge)."""
     start = 1 / mp.mpf(edge)
@@ -138,17 +132,11 @@ def test_canonical_product_of_viscosity(edge, eta):
         assert found == pytest.approx(float(exact), rel=1e-11)
 
 
-def test_viscous_zone_on_a_finer_rule(monkeypatch):
-    """The front at 0.40730 c_t of theory-beyond, section 3; twice the nodes change nothing."""
+def test_viscosity_slows_the_front_to_that_of_the_theory():
+    """theory-beyond, section 3: 0.40730 c_t."""
     edge = viscous_antiplane_edge_speed(UNIT, 0.5, 0.25)
     assert edge == pytest.approx(0.40730, abs=5e-6)
-    xi = [0.0, 0.1, 0.3, 0.4]
-    rate = viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, 0.25, xi)
-    monkeypatch.setattr(antiplane, "_GAUSS", 2 * antiplane._GAUSS)
-    monkeypatch.setattr(antiplane, "_SPACING", antiplane._SPACING / 2)
-    assert viscous_antiplane_edge_speed(UNIT, 0.5, 0.25) == pytest.approx(edge, rel=1e-11)
-    finer = viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, 0.25, xi)
-    np.testing.assert_allclose(rate, finer, rtol=1e-11)
+    assert edge < antiplane_edge_speed(UNIT, 0.5)
 
 
 @pytest.mark.parametrize("chi", [0.01, 0.5, 3.0])
@@ -158,13 +146,6 @@ def test_without_viscosity_the_product_is_the_closed_form(chi):
     xi = edge * np.array([0.0, 0.2, 0.7, 0.99, 1.5])
     found = viscous_antiplane_slip_rate(UNIT, 1.0, chi, 0.0, xi)
     np.testing.assert_allclose(found, antiplane_slip_rate(UNIT, 1.0, chi, xi), atol=1e-11)
-
-
-def test_viscosity_slows_front_and_slip():
-    edges = [viscous_antiplane_edge_speed(UNIT, 0.5, viscosity) for viscosity in (0.0, 0.1, 1.0)]
-    rates = [viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, one, 0.0) for one in (0.0, 0.1, 1.0)]
-    assert edges == sorted(edges, reverse=True)
-    assert rates == sorted(rates, reverse=True)
 
 
 @pytest.mark.parametrize(

@@ -20,13 +20,6 @@ from semianalytic.reference import (
 from semianalytic.reference.viscous_zone import _viscous_zone
 
 
-def test_nothing_slips_ahead_of_the_zone_and_most_at_the_contact_edge():
-    edge = edge_speed_under_shear_step(UNIT, 1.0)
-    rate = slip_rate_under_shear_step(UNIT, 1.0, 1.0, [0.0, 0.5 * edge, edge, 1.1 * edge])
-    assert rate[2] == rate[3] == 0.0
-    assert rate[0] > rate[1] > 0
-
-
 @pytest.mark.parametrize(
     "slip_rate",
     [

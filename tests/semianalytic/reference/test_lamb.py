@@ -6,7 +6,8 @@ import pytest
 
 from docs.studies.article.prescribed import half_plane, march
 from semianalytic import Material
-from semianalytic.reference.lamb import (
+from semianalytic.scene.errors import SceneError
+from tests.semianalytic.reference.lamb import (
     lamb_functions,
     lamb_u1,
     lamb_u2,
@@ -15,7 +16,6 @@ from semianalytic.reference.lamb import (
     rayleigh_pulse,
     surface_displacement,
 )
-from semianalytic.scene.errors import SceneError
 
 SOLID = Material(shear_modulus=2.0, density=0.5, poisson_ratio=0.3)
 

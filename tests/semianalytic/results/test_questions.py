@@ -46,6 +46,7 @@ def test_fields_and_totals_are_functions(name):
         values = getattr(one, field)(X, T)
         assert values.shape == (2, 2)
         assert np.isfinite(values).all(), field
+        assert getattr(one, field)(0.1, 0.4).shape == ()
     assert (one.path(X, T) >= np.abs(one.slip(X, T)) * (1 - 1e-9)).all()
     assert (one.work_density(X, T) >= 0).all()
     for total in TOTALS:

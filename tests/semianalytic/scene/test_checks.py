@@ -65,7 +65,9 @@ def stored(made):
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize("make", TAKES_A_NUMBER.values(), ids=TAKES_A_NUMBER)
 @pytest.mark.parametrize(
-    "value", [np.float64(0.25), np.float32(0.25), np.float16(0.25), Fraction(1, 4)], ids=repr
+    "value",
+    [np.float64(0.25), np.float32(0.25), np.float16(0.25), np.array(0.25), Fraction(1, 4)],
+    ids=repr,
 )
 def test_numbers_of_other_types_are_the_same_number(make, value):
     made = make(value)
@@ -231,7 +233,7 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
         (lambda: slipfront.read_gauges(7), "read_gauges: paths must be a path or several, got 7"),
         (
             lambda: unit_scene(lower_material=PRELOADED.material),
-            "lower_material to simulate, or both materials to Pair",
+            "did you mean Pair",
         ),
         (lambda: unit_scene(step=3), "no parameter 'step'; it has material, friction, base, load"),
     ],

@@ -84,17 +84,6 @@ def test_a_scene_refuses_a_law_that_is_not_known_by_name():
         replace(SCENE, friction_law=complete()())
 
 
-def test_a_new_law_is_followed_by_the_march_without_being_told_of(monkeypatch):
-    law = complete()
-    monkeypatch.setitem(kinds.FRICTION_LAWS, "new", law)
-    new, old, constant = (
-        sf.solve(replace(SCENE, friction_law=one), method="space-time", nodes=64).interface.slip
-        for one in (law(), sf.SlipWeakening(0.3, 0.5), sf.CoulombFriction())
-    )
-    np.testing.assert_array_equal(new, old)
-    assert np.abs(new - constant).max() > 0.01
-
-
 def test_a_new_law_is_refused_where_it_is_ill_posed_or_too_sharp(monkeypatch):
     steep, sharp = complete(fall_with_rate=1e3), complete(fall_with_slip=1e6)
     monkeypatch.setitem(kinds.FRICTION_LAWS, "steep", steep)

@@ -32,6 +32,11 @@ def test_scene_of_quantities_is_one_in_si_units():
     assert repr(scene.material) == repr(STEEL)
     assert sf.Scene(scene.material, 0.25, PLAIN.base, PLAIN.load).units == "SI"
     assert sf.Scene(STEEL, 0.25, sf.Tractions(5e6, 0.0), PLAIN.load).units == ""
+    for solid in (
+        sf.Material.from_young(206.4 * UNITS.GPa, 0.29, 7800.0),
+        sf.Material.from_speeds(5.9 * UNITS.km / UNITS.s, 3200.0, 7800.0),
+    ):
+        assert sf.Scene(solid.plane_stress(), 0.25, PLAIN.base, PLAIN.load).units == "SI"
 
 
 def test_histories_and_laws_take_quantities():

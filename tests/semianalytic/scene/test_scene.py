@@ -4,6 +4,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from catalogue import REMOTE, unit_scene
+from hypothesis import given
+from hypothesis import strategies as st
 
 import semianalytic as sf
 from semianalytic.scene.given.documents import scene_document, scene_from_document
@@ -41,6 +43,35 @@ def test_material_names_the_bad_parameter(field, value):
     good = {"shear_modulus": 1.0, "density": 1.0, "poisson_ratio": 0.3}
     with pytest.raises(sf.SceneError, match=field):
         sf.Material(**(good | {field: value}))
+
+
+@given(st.floats(-0.95, 0.49), st.floats(0.1, 10.0), st.floats(0.1, 10.0))
+def test_a_solid_is_the_same_by_young_speeds_and_modulus(nu, modulus, density):
+    solid = sf.Material(modulus, density, nu)
+    young = sf.Material.from_young(E=2 * modulus * (1 + nu), nu=nu, rho=density)
+    by_speeds = sf.Material.from_speeds(solid.longitudinal_speed, solid.shear_speed, density)
+    for other in (young, by_speeds):
+        assert other.shear_modulus == pytest.approx(modulus, rel=1e-12)
+        assert other.poisson_ratio == pytest.approx(nu, abs=1e-12)
+    if nu > -0.49:  # waves of a plate: E / (rho (1 - nu^2))
+        plate = math.sqrt(2 * modulus / (density * (1 - nu)))
+        assert solid.plane_stress().longitudinal_speed == pytest.approx(plate, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: sf.Material(E=1.0, nu=0.3, rho=1.0), r"did you mean Material.from_young"),
+        (lambda: sf.Material(mu=1.0, density=1.0, poisson_ratio=0.3), "mean shear_modulus"),
+        (lambda: sf.Material.from_speeds(1.1, 1.0, 1.0), "c_l must be above c_t sqrt"),
+        (lambda: sf.Material.from_young("5 GPa", 0.3, 1.0), "E must be positive and finite"),
+        (lambda: sf.Material(1.0, 1.0, -0.6).plane_stress(), "ratio above -1/2"),
+        (lambda: sf.Tractions(presure=1.0, shear=0.0), "did you mean pressure"),
+    ],
+)
+def test_other_ways_to_a_solid_are_named_and_checked(make, said):
+    with pytest.raises(sf.SceneError, match=said):
+        make()
 
 
 def test_scene_refuses_negative_friction_and_a_tensile_base():

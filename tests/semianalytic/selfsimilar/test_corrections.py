@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import UNIT, unit_scene
+from catalogue import unit_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,7 +13,6 @@ from semianalytic import ComputationError, Material, Scene, Tractions, solve
 from semianalytic.cut.load import Load, Opened, common_load, scaled_load
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.reference import edge_speed_under_shear_step, slip_rate_under_shear_step
 from semianalytic.selfsimilar.zones.collocation import lemke, slip_grid, slip_on_grid
 from semianalytic.selfsimilar.zones.corrections import corrected, rearranged
 from semianalytic.selfsimilar.zones.coulomb import Violation
@@ -58,12 +57,10 @@ def test_new_zones_wait_until_the_present_ones_are_sound():
     violations = [wrong(-1, 1.2, 1.5), wrong(0, 2.2, 2.4)]
     zones = corrected([Zone(at(2.0), at(3.0), 1)], violations, LOAD)
     assert ends(zones) == [(2.0, 2.2, 1), (2.4, 3.0, 1)]
-
-
-@pytest.mark.parametrize(("sense", "left"), [(1, None), (-1, 1.2)])
-def test_under_a_critical_base_the_first_zone_starts_at_the_front(sense, left):
-    critical = replace(LOAD, base_shear=0.3)
-    assert ends(corrected([], [wrong(-1, 1.2, 1.5, sense=sense)], critical)) == [(left, 1.5, sense)]
+    critical = replace(LOAD, base_shear=0.3)  # under which the first zone starts at the front
+    for sense, left in ((1, None), (-1, 1.2)):
+        zones = corrected([], [wrong(-1, 1.2, 1.5, sense=sense)], critical)
+        assert ends(zones) == [(left, 1.5, sense)]
 
 
 def test_what_newtons_method_fails_on_is_rearranged():
@@ -76,6 +73,9 @@ def test_what_newtons_method_fails_on_is_rearranged():
     near = Zone(at(2.0), at(3.8), 1)
     assert ends(rearranged(FACTORS, [near, far], LOAD)) == [(2.0, None, 1)]
     assert rearranged(FACTORS, [near, replace(far, sense=-1)], LOAD) is None
+    factors = rayleigh_factors(1 / 3, "III")  # out of the plane too
+    (crossed,) = rearranged(factors, [Zone(factors.cut([1 - 1e-6]), None, 1)], LOAD)
+    assert crossed.left.v[0] == pytest.approx(1.1)
 
 
 def test_what_slips_behind_an_opening_is_joined_to_it_once_it_vanishes():
@@ -90,13 +90,6 @@ def test_what_slips_behind_an_opening_is_joined_to_it_once_it_vanishes():
     (turned,) = rearranged(FACTORS, [replace(held, left=at(0.599))], load)
     assert (turned.sense, turned.last_sense) == (-1, 1)
     assert rearranged(FACTORS, [replace(held, left=at(0.599))], load, may_turn=False) is None
-
-
-def test_out_of_the_plane_too_edges_cross_the_shear_front():
-    factors = rayleigh_factors(1 / 3, "III")
-    ahead = Zone(factors.cut([1 - 1e-6]), None, 1)
-    (crossed,) = rearranged(factors, [ahead], LOAD)
-    assert crossed.left.v[0] == pytest.approx(1.1)
 
 
 def test_a_narrow_gap_around_the_rayleigh_front_is_joined_where_slip_meets_resistance():
@@ -134,16 +127,6 @@ def test_loads_know_whether_friction_counts_and_is_reached():
 
 
 # --- the piecewise-linear first stage: right to the width of a grid cell --------------------------
-
-
-@pytest.mark.parametrize("strength", [1.0, 0.5])
-def test_shear_step_on_constant_strength(strength):
-    grid = slip_on_grid(1 / 3, Load(strength, 1.0, 0.0, 0.0, 1.0, 0.0), 96)
-    slipping = np.flatnonzero(grid.slip_rate)
-    edge = edge_speed_under_shear_step(UNIT, strength)
-    assert grid.xi[slipping[-1]] < edge < grid.xi[slipping[-1] + 2]
-    at_edge = slip_rate_under_shear_step(UNIT, 1.0, strength, np.array(0.0)) / 2
-    assert grid.slip_rate[0] == pytest.approx(float(at_edge), rel=0.01)
 
 
 def test_slip_rate_converges_to_the_exact_zones():
@@ -201,15 +184,9 @@ def test_positive_definite_problems_are_solved(n, seed):
     assert abs(w @ solved.z) < 1e-9 * scale**2
 
 
-def test_nothing_to_do():
+def test_problems_with_nothing_to_do_without_solution_and_over_the_limit_of_pivots():
     assert lemke(np.eye(3), np.ones(3)).pivots == 0
-
-
-def test_a_problem_without_solution_ends_on_a_ray():
     with pytest.raises(ComputationError, match="ray"):
         lemke(np.array([[-1.0]]), np.array([-1.0]))
-
-
-def test_a_limit_on_pivots_is_reported():
     with pytest.raises(ComputationError, match="over 1 pivots"):
         lemke(np.eye(4), -np.arange(1.0, 5.0), most_pivots=1)

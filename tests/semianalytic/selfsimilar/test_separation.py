@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import unit_scene
+from catalogue import REMOTE, unit_scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from laws import check_invariants, opening_scene
@@ -143,6 +143,7 @@ FILM = {"friction_law": ViscousFriction(0.25)}
         tapped(shear=0.5, mode="antiplane", **FILM),
         tapped(shear=0.5, friction_law=ViscousFriction(0.5)),
         tapped(shear=0.5, **FILM),
+        unit_scene(0.5, **REMOTE, **FILM),
     ],
 )
 def test_slip_agrees_with_complementarity_on_a_grid(scene):
@@ -198,6 +199,11 @@ FIELDS = ("slip", "path", "work_density", "gap")
 TOTALS = ("frictional_power", "frictional_work", "accumulated_slip", "max_slip")
 
 
+def relative(found, known):
+    """The largest difference over the largest known value."""
+    return float(np.abs(found - known).max() / max(np.abs(known).max(), 1e-300))
+
+
 def errors(solution, exact):
     """Errors that an estimate is to bound, by name."""
     scene, speed = exact.scene, exact.scene.material.longitudinal_speed
@@ -218,8 +224,7 @@ def errors(solution, exact):
     x = x[x > 0]
     far = np.abs(x[:, None] - marks).min(axis=1) >= 0.999 * CLEAR
     for name in ("slip_rate", "gap_rate"):
-        found, known = (getattr(one, name)(x, 1.0)[far] for one in (solution, exact))
-        result[name] = np.abs(found - known).max() / max(np.abs(known).max(), 1e-300)
+        result[name] = relative(*(getattr(one, name)(x, 1.0)[far] for one in (solution, exact)))
     found, known = (one.shear_traction(x, 1.0)[far] for one in (solution, exact))
     result["shear"] = (np.abs(found - known) / (exact.stress_unit + np.abs(known))).max()
     found, known = (one.pressure(x, 1.0)[far] for one in (solution, exact))
@@ -228,22 +233,16 @@ def errors(solution, exact):
     parts = (*exact.zones, *exact.openings)  # they may lie between two positions
     x = np.concatenate([x, *(np.linspace(part.inner, part.outer, 42)[1:-1] for part in parts)])
     for name in FIELDS:
-        found, known = (getattr(one, name)(x, 1.0) for one in (solution, exact))
-        result[name] = np.abs(found - known).max() / max(np.abs(known).max(), 1e-300)
+        result[name] = relative(*(getattr(one, name)(x, 1.0) for one in (solution, exact)))
     for name in TOTALS:
-        found, known = (float(getattr(one, name)(1.0)) for one in (solution, exact))
-        result[name] = abs(found - known) / max(known, 1e-300)
+        result[name] = relative(*(getattr(one, name)(1.0) for one in (solution, exact)))
     found, known = (one.frictional_power(1.0, x[x < 2.2][::20]) for one in (solution, exact))
     result["power of a part"] = np.abs(found - known).max() / max(
         float(exact.frictional_power(1.0)), 1e-300
     )
-    found, known = solution.edge_slip_rate, exact.edge_slip_rate
-    result["edge slip rate"] = abs(found - known) / max(abs(known), 1e-300)
-    for mode, (found, known) in enumerate(
-        zip(solution.stress_intensity(1.0), exact.stress_intensity(1.0), strict=True)
-    ):
-        result[f"K {mode}"] = abs(float(found - known)) / max(abs(float(known)), 1e-300)
-    return result
+    result["edge slip rate"] = relative(solution.edge_slip_rate, exact.edge_slip_rate)
+    pairs = zip(*(one.stress_intensity(1.0) for one in (solution, exact)), strict=True)
+    return result | {f"K {mode}": relative(*pair) for mode, pair in enumerate(pairs)}
 
 
 def check_estimates(seeds):
@@ -264,14 +263,10 @@ def check_estimates(seeds):
 
 
 @pytest.mark.thinned(4)
-@pytest.mark.parametrize("seed", [1058, 1074, 1121, 1258])
+@pytest.mark.parametrize("seed", [1058, 1074, 1121, 1258, 1176])
 def test_estimates_bound_work_on_narrow_slip_ahead_of_an_opening(seed):
-    """Pressure is small there, and friction works nowhere else."""
+    """Pressure is small there, and friction works nowhere else; the last works between nodes."""
     check_estimates([seed])
-
-
-def test_estimates_bound_work_between_nodes():
-    check_estimates([1176])
 
 
 @pytest.mark.slow

@@ -3,7 +3,6 @@ sweep as a sequence with slip rates and a dataset."""
 
 from collections import Counter
 from dataclasses import replace
-from time import process_time
 
 import numpy as np
 import pytest
@@ -17,7 +16,6 @@ from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
-from semianalytic.sweeps.neighbours import Neighbourhood
 from semianalytic.sweeps.predictions import Followed, Footing, predicted
 from semianalytic.sweeps.sweep import Sweep, sweep
 
@@ -89,13 +87,6 @@ def test_sweeps_of_films_and_of_antiplane_shear_agree_with_single_solutions(name
     check_against_single(sweep(find_scene(name), np.linspace(0.15, 1.0, 6), 1e-8), 1e-8)
 
 
-def start_of(nu, remote, low):
-    """A shear step or a remote load, and where a sweep over friction may start: under the second
-    above 1, its base being at friction there."""
-    start = unit_scene(2.0, **REMOTE if remote else {}, nu=nu)
-    return start, 1.001 + low / 4 if remote else low
-
-
 def test_fields_are_those_of_single_solutions():
     friction = np.linspace(1.15, 1.25, 9)
     swept = sweep(SHOCK, friction)
@@ -161,7 +152,8 @@ def test_changes_of_zones_are_not_smeared(start, low, high):
 )
 def test_error_estimates_hold_for_every_origin(nu, remote, low, width, count, rtol):
     """Also where the rule of a batch is longer than one friction needs: beside narrow gaps."""
-    start, low = start_of(nu, remote, low)
+    start = unit_scene(2.0, **REMOTE if remote else {}, nu=nu)
+    low = 1.001 + low / 4 if remote else low  # the base of a remote load is at friction at 1
     swept = sweep(start, low + width * np.linspace(0, 1, count), rtol)
     assert set(swept.origin) <= {FROM_SCRATCH, COMPUTED, INTERPOLATED}
     for origin in (COMPUTED, INTERPOLATED):
@@ -179,13 +171,10 @@ def test_error_estimates_hold_for_every_origin(nu, remote, low, width, count, rt
             assert abs(one.edge_slip_rate - exact.edge_slip_rate) <= one.error_estimate * scale
 
 
-def test_frictionless_points_and_empty_sweeps():
+def test_frictionless_points_empty_sweeps_and_refusals():
     swept = sweep(PRELOADED, [0.0, 0.3])
     assert len(swept.solutions[0].zones) == 3
     assert sweep(PRELOADED, []).solutions == ()
-
-
-def test_refusals():
     with pytest.raises(SceneError, match="one-dimensional"):
         sweep(PRELOADED, [[0.3]])
     with pytest.raises(SceneError, match="friction"):
@@ -207,7 +196,7 @@ def swept():
     return sweep(PRELOADED, [0.9, 0.2, 0.5], 1e-6)
 
 
-def test_a_sweep_is_a_sequence_of_its_solutions(swept):
+def test_a_sweep_is_a_sequence_of_its_solutions_and_a_slice_one_over_some_frictions(swept):
     assert len(swept) == 3
     assert list(swept) == list(swept.solutions)
     assert [one.scene.friction for one in swept] == [0.9, 0.2, 0.5]
@@ -216,9 +205,6 @@ def test_a_sweep_is_a_sequence_of_its_solutions(swept):
     for beyond in (3, -4):
         with pytest.raises(IndexError):
             swept[beyond]
-
-
-def test_a_slice_is_the_sweep_over_some_frictions(swept):
     part = swept[::-2]
     assert isinstance(part, Sweep)
     assert part.friction.tolist() == [0.5, 0.9]
@@ -226,6 +212,11 @@ def test_a_slice_is_the_sweep_over_some_frictions(swept):
     assert part.origin == (swept.origin[2], swept.origin[0])
     assert part.scene == swept.scene
     assert len(swept[3:]) == 0
+    shown = repr(swept)
+    assert "3 friction coefficients from 0.2 to 0.9" in shown
+    assert "3 converged" in shown
+    assert "\n" not in shown
+    assert repr(swept[3:]) == "<Sweep: no friction coefficients>"
 
 
 def test_slip_rates_have_friction_first_and_broadcast(swept):
@@ -264,14 +255,6 @@ def test_the_dataset_has_a_dimension_friction_and_units(swept):
     assert data.origin.values.tolist() == list(swept.origin)
     assert data.status.values.tolist() == ["converged"] * 3
     assert swept[3:].to_xarray(X, T).sizes["friction"] == 0
-
-
-def test_a_sweep_says_in_one_line_what_it_is(swept):
-    shown = repr(swept)
-    assert "3 friction coefficients from 0.2 to 0.9" in shown
-    assert "3 converged" in shown
-    assert "\n" not in shown
-    assert repr(swept[3:]) == "<Sweep: no friction coefficients>"
 
 
 # --- friction and Poisson ratio -------------------------------------------------------------------
@@ -367,19 +350,6 @@ def test_interpolated_tables_are_exact_to_rounding(low):
             )
 
 
-def test_polynomials_between_neighbours_reproduce_their_degree():
-    random = np.random.default_rng(3)
-    places, to = random.random((60, 2)), random.random((5, 2))
-
-    def cubic(at):
-        x, y = at.T
-        return np.stack([1 + x * y * y - 2 * x**3, y], axis=-1)
-
-    value, other = Neighbourhood(places).stencils(to).best(cubic(places))(cubic(places))
-    np.testing.assert_allclose(value, cubic(to), atol=1e-10)
-    assert np.all(np.abs(value - other) < 0.1)
-
-
 def test_edges_near_the_end_of_their_segment_are_predicted_by_their_shares():
     """A share that is a polynomial is met where it is 1, and its logit infinite, close by; another
     edge has a logit that is one, over all scales of shares."""
@@ -398,17 +368,3 @@ def test_edges_near_the_end_of_their_segment_are_predicted_by_their_shares():
     predictions = predicted(known, places, np.arange(20), to, RTOL)
     np.testing.assert_allclose(predictions.unknowns, unknowns(to), atol=1e-8)
     assert predictions.doubt.max() < 1e-7
-
-
-@pytest.mark.slow
-def test_neighbours_of_other_ratios_save_most_of_the_time():
-    """Over 1,600 points a seventh of what `solve` takes for each is left."""
-    friction, ratio = np.linspace(0.05, 1.0, 40), np.linspace(0.0, 0.45, 40)[:, None]
-    start = process_time()
-    swept = sweep(PRELOADED, friction, RTOL, poisson_ratio=ratio)
-    quick = process_time() - start
-    some = swept[::40]
-    start = process_time()
-    for one in some:
-        solve(one.scene, rtol=RTOL)
-    assert quick < (process_time() - start) * len(swept) / len(some) / 4

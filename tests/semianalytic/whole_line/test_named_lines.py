@@ -5,7 +5,7 @@ import pytest
 from semianalytic import GrowingSlot, SceneError, WholeLine, find
 from semianalytic.parameters.overriding import override_line
 from semianalytic.scene.given.finding import BODIES, LINE, find_scene, kind_of
-from semianalytic.scene.given.named import LINES, NAMED_SCENES
+from semianalytic.scene.given.named import LINES, NAMED_PAIRS, NAMED_SCENES
 from semianalytic.whole_line.named import (
     NAMED_LINES,
     line_document,
@@ -37,9 +37,10 @@ shear = 1.0
 """
 
 
-def test_names_are_those_that_scenes_know_of():
+def test_names_are_those_that_scenes_know_of_and_none_is_taken_twice():
     assert tuple(NAMED_LINES) == LINES
-    assert not set(LINES) & set(NAMED_SCENES)
+    names = [*LINES, *NAMED_PAIRS, *NAMED_SCENES]
+    assert len({*names}) == len(names)
 
 
 @pytest.mark.parametrize("name", LINES)

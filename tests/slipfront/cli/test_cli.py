@@ -31,27 +31,11 @@ def test_what_is_printed(line, words, shown):
     assert [word for word in words if word not in said] == []
 
 
-def test_viscosity_is_an_option_like_others(printed):
-    named = printed("solve viscous")
-    given = printed("solve preloaded --friction 0.2 --viscosity 0.1")
-    assert given["scene"]["friction_law"] == {"kind": "viscous", "viscosity": 0.1}
-    assert given["scene"] == named["scene"]
-    assert given["zones"] == named["zones"]
-
-
 def test_an_open_contact_edge_has_no_intensity_and_no_minus(shown):
     said = shown("solve lift-off-shear --load-shear -1").out
     (line,) = [line for line in said.splitlines() if "K_I" in line]
     assert "0, 0" in line
     assert "-0" not in line
-
-
-def test_solve_json_is_nothing_but_json(printed):
-    document = printed("solve preloaded --friction 1")
-    (zone,) = document["zones"]
-    # Closed form of theory.md, section 4: c_t / ((1 - nu) (1 + chi)^2).
-    assert zone["outer"] == pytest.approx(0.375, rel=0.01)
-    assert zone["outer_regime"] == "sub-Rayleigh"
 
 
 def test_solve_draws_a_plot(tmp_path, shown):

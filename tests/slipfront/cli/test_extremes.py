@@ -143,25 +143,6 @@ def test_what_is_less_than_nothing_agrees_with_nothing(share, verdict):
     assert row.simulated == row.difference == pytest.approx(share)
 
 
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize("name", ["more friction", "frictionless"])
-def test_edges_that_the_mesh_cannot_show_are_unresolved(name):
-    """A zone of a third of an element, and reverse slip beside c_R without friction."""
-    solution = solved(scene_of(name))
-    assert solution.zones
-    rows = edges_of(solution)
-    assert rows
-    for row in rows:
-        assert row.verdict == "unresolved"
-        assert "elements" in row.obstacle
-        assert row.resolution is None or row.resolution > 60
-
-
-def edges_of(solution, resolution=60):
-    rows = judge(solution, faultless(solution, resolution)).rows
-    return [row for row in rows if row.kind == "zone edge"]
-
-
 def test_numbers_of_a_table_keep_their_digits_whatever_their_size():
     values = (None, 0.0, 0.5, -2.0, 1e-6, -2.3456e-5, 3202.5)
     written = ["—", "0", "0.5000", "-2.000", "1.000e-06", "-2.346e-05", "3202"]

@@ -274,7 +274,7 @@ def test_what_is_wrong_with_a_law_is_said_at_once(
     assert old in LAW
     text = LAW.replace(old, new)
     installed(packages.brought("lawless", "lawless", laws=["mine = S"]), {"lawless.py": text})
-    shown("init scene.toml")
+    shown("init scene.toml --all")
     path = tmp_path / "scene.toml"
     mine = '"mine"\nreduction = 0.5\ndistance = 1.0'
     path.write_text(path.read_text().replace('"coulomb"', mine))
@@ -310,7 +310,7 @@ def test_what_is_wrong_with_a_history_is_said_at_once(
 ):
     text = HISTORY.replace("PIECES", pieces)
     installed(packages.brought("pushy", "pushy", histories=["mine = H"]), {"pushy.py": text})
-    shown("init scene.toml")
+    shown("init scene.toml --all")
     path = tmp_path / "scene.toml"
     path.write_text(path.read_text().replace('"step"', '"mine"'))
     assert reason in refused(["solve", path], code)

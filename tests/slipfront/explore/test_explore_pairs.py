@@ -71,21 +71,6 @@ def test_a_move_is_answered_by_the_exact_solver_of_pairs(name, alone):
     assert len(alone) == 2 or session._asked_field is not None
 
 
-@pytest.mark.slow
-def test_friction_without_an_answer_is_said_in_the_sentence_of_the_product():
-    pair = sf.find("pair-slip")
-    session = Session(Document(), pair, "")
-    session._show(controls.defaults(pair) | {"friction": 0.6}, True, 0.0)
-    told = told_by(session)
-    assert (told["status"], told["stale"], told["readings"]) == ("no answer", True, [])
-    with pytest.raises(sf.SceneError) as refusal:
-        sf.solve(sf.Pair(pair.upper, pair.lower, 0.6, pair.base, pair.load))
-    assert told["message"] == str(refusal.value)
-    assert "waves that run ahead grow" in told["message"]
-    session._show(controls.defaults(pair), True, 0.0)
-    assert told_by(session)["status"] == "converged"
-
-
 def test_pictures_are_those_of_the_answer_and_reach_beyond_the_faster_body():
     answer = sf.solve("pair-opening", rtol=1e-5)
     view, zones = interface_view(answer, 50), space_time_view(answer)

@@ -256,7 +256,7 @@ def test_all_frames_are_compared_and_progress_is_told(tmp_path):
     assert found.frames[0][0].whole > found.frames[-1][0].whole
 
 
-def test_a_frame_that_cannot_be_read_or_holds_nan_is_refused(tmp_path):
+def test_a_frame_that_holds_nan_is_refused(tmp_path):
     run, folder = simulated(tmp_path, SCENE, 10)
     ((_, path),) = listed_frames(folder, run.run)
     frame = meshio.read(path)
@@ -264,9 +264,6 @@ def test_a_frame_that_cannot_be_read_or_holds_nan_is_refused(tmp_path):
     with new_file(path, seal=Seal.XML) as part:
         meshio.write(part, frame, file_format="vtu")
     with pytest.raises(DataFileError, match="not finite"):
-        read_frame(1.0, path)
-    path.write_bytes(b"")
-    with pytest.raises(DataFileError, match="cannot be read"):
         read_frame(1.0, path)
 
 
@@ -318,23 +315,23 @@ def test_a_frame_has_both_bodies_and_tells_their_faces_apart(folder):
     assert elements.area.sum() == nodes.area.sum() == pytest.approx(6.0)
 
 
-@pytest.mark.parametrize("text", [None, "", "<VTKFile/>", PVD.replace("1.5", "soon")])
-def test_a_damaged_or_missing_index_is_named(folder, text):
-    index = folder / "fields.pvd"
-    index.unlink()
+DAMAGED = [None, "", "<VTKFile/>"]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        *(("fields.pvd", text, "lists no snapshot") for text in DAMAGED),
+        ("fields.pvd", PVD.replace("1.5", "soon"), "lists no snapshot"),
+        *(("last.vtu", text, "cannot be read") for text in DAMAGED),
+    ],
+)
+def test_a_damaged_or_missing_file_is_named(folder, name, text, words):
+    path = folder / name
+    path.unlink()
     if text is not None:
-        write_bytes(index, text.encode(), Seal.XML)
-    with pytest.raises(DataFileError, match=r"fields\.pvd lists no snapshot"):
-        last_frame(folder)
-
-
-@pytest.mark.parametrize("content", [None, b"", b"<VTKFile/>"])
-def test_a_damaged_or_missing_frame_is_named(folder, content):
-    frame = folder / "last.vtu"
-    frame.unlink()
-    if content is not None:
-        write_bytes(frame, content, Seal.XML)
-    with pytest.raises(DataFileError, match=r"last\.vtu cannot be read"):
+        write_bytes(path, text.encode(), Seal.XML)
+    with pytest.raises(DataFileError, match=rf"{name} {words}"):
         last_frame(folder)
 
 

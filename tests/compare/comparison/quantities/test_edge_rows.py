@@ -18,6 +18,7 @@ from compare.comparison.quantities.edge_rows import (
     read_off_bar,
     zone_rows,
 )
+from compare.comparison.quantities.history_rows import sense_rows
 from compare.comparison.quantities.profile_rows import gap_rows
 from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
@@ -74,13 +75,18 @@ def test_a_zone_that_no_mesh_shows_differs(solution):
         assert rows[name].verdict == "differs"
 
 
-def test_slip_the_other_way_is_no_zone(solution):
-    rows = edge_rows(solution, on_all_meshes(sampled_run(solution), lambda _, rate: -rate))
+def test_slip_the_other_way_is_no_zone_and_a_difference_of_the_maps(solution):
+    run = on_all_meshes(sampled_run(solution), lambda _, rate: -rate)
+    rows = edge_rows(solution, run)
     assert [rows[name].verdict for name in EDGES] == 3 * ["differs"]
     unpredicted = [row for name, row in rows.items() if name.startswith("unpredicted slip")]
     assert [row.verdict for row in unpredicted] == 2 * ["differs"]
     # From the edge to 0.884 c_t, and from 0.977 to 1.061 c_t.
     assert [row.simulated for row in unpredicted] == pytest.approx([0.884, 0.084], abs=0.01)
+    forward, reverse, other = sense_rows(side_by_side(solution, run))
+    assert (forward.simulated, reverse.at_nodes, other.at_nodes) == (0.0, 0.0, 0.0)
+    assert forward.at_nodes == reverse.simulated == other.difference
+    assert {row.verdict for row in (forward, reverse, other)} == {"differs"}
 
 
 def unpredicted(solution, run):

@@ -13,7 +13,6 @@ from compare.comparison.prediction import predict_like
 from compare.comparison.quantities.history_rows import (
     beside_edges,
     event_rows,
-    sense_rows,
     slip_sense,
 )
 from compare.comparison.rows import ALARM
@@ -88,19 +87,6 @@ def test_onset_comes_earlier_when_speeds_are_larger(solution):
     assert row.obstacle.endswith("of the threshold")
     (row,) = event_rows(side_by_side(solution, sampled_run(solution, **run, growth=2.0)))
     assert row.verdict == "agrees"
-
-
-@pytest.mark.slow
-def test_slip_the_other_way_is_a_difference_of_the_maps(solution):
-    def backward(run):
-        seen = replace(run.interface, slip_rate=-run.interface.slip_rate)
-        return replace(run, interface=seen, companion=run.companion and backward(run.companion))
-
-    rows = tuple(sense_rows(side_by_side(solution, backward(sampled_run(solution)))))
-    forward, reverse, other = rows
-    assert (forward.simulated, reverse.at_nodes, other.at_nodes) == (0.0, 0.0, 0.0)
-    assert forward.at_nodes == reverse.simulated == other.difference
-    assert {row.verdict for row in rows} == {"differs"}
 
 
 def test_sense_and_what_lies_beside_its_edges():

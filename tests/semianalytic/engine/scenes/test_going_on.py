@@ -8,8 +8,8 @@ from catalogue import unit_scene
 
 import semianalytic as sf
 from semianalytic.engine.stepping import blocks
-from semianalytic.memory import cosines, line_memory
-from tests.semianalytic.engine.scenes.test_march import preloaded, relative_l1
+from semianalytic.memory import line_memory
+from tests.semianalytic.engine.scenes.runs import march, preloaded, relative_l1
 
 
 @pytest.mark.thinned(6)
@@ -26,8 +26,8 @@ from tests.semianalytic.engine.scenes.test_march import preloaded, relative_l1
 def test_continued_march_equals_one_march(history, tmp_path):
     """Its fields, totals, extremes and companion; from a file as from memory, to the bit."""
     scene = preloaded(shear_history=history)
-    whole = sf.solve(scene, method="space-time", end_time=1.0, nodes=200, length=1.0)
-    part = sf.solve(scene, method="space-time", end_time=0.5, nodes=200, length=1.0, latest=1.0)
+    whole = march(scene, end_time=1.0, nodes=200, length=1.0)
+    part = march(scene, end_time=0.5, nodes=200, length=1.0, latest=1.0)
     part.save(tmp_path / "march.h5")
     loaded = sf.Marched.load(tmp_path / "march.h5")
     assert loaded.scene == scene
@@ -47,9 +47,7 @@ def test_continued_march_equals_one_march(history, tmp_path):
 
 
 def test_what_a_march_cannot_go_on_to_is_refused(tmp_path):
-    part = sf.solve(
-        preloaded(), method="space-time", end_time=0.5, nodes=100, latest=0.8, companion=False
-    )
+    part = march(preloaded(), end_time=0.5, nodes=100, latest=0.8, companion=False)
     part.save(tmp_path / "alone.h5")
     assert np.isnan(sf.march_on(sf.Marched.load(tmp_path / "alone.h5"), 0.8).error_estimate)
     with pytest.raises(sf.SceneError, match=r"end_time must be above 0\.5"):
@@ -64,9 +62,7 @@ def test_blocks_of_steps_change_nothing(steps, monkeypatch):
     scene = preloaded(shear_history=sf.Pulse(0.5), friction_law=sf.SlipWeakening(0.5, 0.5))
 
     def marches():
-        stopped = sf.solve(
-            scene, method="space-time", nodes=60, every=5, progress=lambda done, steps: done == 33
-        )
+        stopped = march(scene, nodes=60, every=5, progress=lambda done, steps: done == 33)
         return stopped, sf.march_on(stopped, 1.0)
 
     found = marches()
@@ -83,24 +79,9 @@ def test_blocks_of_steps_change_nothing(steps, monkeypatch):
                 np.testing.assert_allclose(values, wanted, rtol=1e-10, atol=1e-12, err_msg=name)
 
 
-def test_march_does_without_the_private_transform(monkeypatch):
-    def missing(name):
-        raise ImportError(name)
-
-    direct = sf.solve(preloaded(), method="space-time", nodes=60).interface.slip_rate
-    monkeypatch.setattr(cosines, "import_module", missing)
-    cosines._transform.cache_clear()
-    try:
-        public = sf.solve(preloaded(), method="space-time", nodes=60).interface.slip_rate
-        assert "pypocketfft" not in repr(cosines._transform())
-    finally:
-        cosines._transform.cache_clear()
-    np.testing.assert_allclose(public, direct, atol=1e-12)
-
-
 def test_damaged_file_is_refused(tmp_path):
     path = tmp_path / "march.h5"
-    sf.solve(preloaded(), method="space-time", end_time=0.5, nodes=50).save(path)
+    march(preloaded(), end_time=0.5, nodes=50).save(path)
     data = path.read_bytes()
     path.write_bytes(data[: len(data) // 2])
     with pytest.raises(sf.DataFileError, match="march again"):
@@ -110,7 +91,7 @@ def test_damaged_file_is_refused(tmp_path):
 
 
 def test_solver_is_chosen_by_the_scene():
-    exact, forced = sf.solve(preloaded()), sf.solve(preloaded(), nodes=50, method="space-time")
+    exact, forced = sf.solve(preloaded()), march(preloaded(), nodes=50)
     assert isinstance(exact, sf.Solution)
     assert isinstance(forced, sf.Marched)
     x = forced.interface.x
@@ -142,7 +123,7 @@ def test_solver_is_chosen_by_the_scene():
 )
 def test_bad_options(options, message):
     with pytest.raises(sf.SceneError, match=message):
-        sf.solve(preloaded(), method="space-time", **options)
+        march(preloaded(), **options)
 
 
 @pytest.mark.parametrize(
@@ -156,5 +137,5 @@ def test_bad_options(options, message):
 def test_tension_is_refused_and_sends_nobody_to_a_solver_that_refuses(options, solved):
     scene = unit_scene(0.3, (0.02, 0.0), (1.0, 0.0), **options)
     with pytest.raises(sf.TensionError, match=r"turn tensile at x.*docs/limits") as refusal:
-        sf.solve(scene, method="space-time", nodes=100)
+        march(scene, nodes=100)
     assert ("use `solve`" in str(refusal.value)) == solved

@@ -21,18 +21,11 @@ from semianalytic.memory.impedance import Antiplane, InPlane
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import MODES
-
-
-def preloaded(friction=0.3, shear=1.0, **parts):
-    return unit_scene(friction, load=(0.0, shear), **parts)
-
-
-def relative_l1(found, wanted):
-    return np.abs(found - wanted).sum() / np.abs(wanted).sum()
+from tests.semianalytic.engine.scenes.runs import march, preloaded, relative_l1
 
 
 def error_of_step(scene, nodes, **options):
-    marched = sf.solve(scene, method="space-time", nodes=nodes, every=10**6, **options)
+    marched = march(scene, nodes=nodes, every=10**6, **options)
     x = marched.grid.x
     seen = (x > 0.02) & (x < 1.9)
     return relative_l1(
@@ -109,7 +102,7 @@ def test_step_converges_to_the_self_similar_solution(name, finest, order):
 def test_step_at_other_poisson_ratios(nu, error):
     """Measured 0.20, 0.087, 0.025 %; worst where the step is small next to c_l dt = h."""
     scene = replace(preloaded(0.4), material=sf.Material(1.0, 1.0, nu))
-    marched = sf.solve(scene, method="space-time", nodes=600, length=1.5, every=10**6)
+    marched = march(scene, nodes=600, length=1.5, every=10**6)
     x = marched.grid.x[5:]
     found = marched.interface.slip_rate[-1, 5:]
     assert relative_l1(found, sf.solve(scene).slip_rate(x, 1.0)) < error
@@ -130,8 +123,8 @@ def test_short_waves_are_damped(step_ratio):
 def test_units_do_not_matter():
     steel = sf.Material(80e9, 7800.0, 1 / 3)
     scene = sf.Scene(steel, 0.3, sf.Tractions(5e6, 0.0), sf.Tractions(0.0, 5e6))
-    unit = sf.solve(preloaded(), method="space-time", nodes=64)
-    real = sf.solve(scene, method="space-time", end_time=1e-4, nodes=64)
+    unit = march(preloaded(), nodes=64)
+    real = march(scene, end_time=1e-4, nodes=64)
     scale = 5e6 / steel.shear_impedance
     # the memory of a small grid has single precision, 1.2e-7 of each number
     np.testing.assert_allclose(
@@ -142,7 +135,7 @@ def test_units_do_not_matter():
 def test_everything_slips_below_unit_strength():
     """Remote load with friction below shear over pressure: uniform sliding ahead of all waves."""
     scene = replace(find_scene("remote-shock"), friction=0.5)
-    marched = sf.solve(scene, method="space-time", nodes=400, every=10**6)
+    marched = march(scene, nodes=400, every=10**6)
     x = marched.grid.x
     ahead = x > 1.02 * scene.material.longitudinal_speed
     assert relative_l1(marched.interface.slip_rate[-1], sf.solve(scene).slip_rate(x, 1.0)) < 3e-3
@@ -157,7 +150,7 @@ def test_everything_slips_below_unit_strength():
 def stuck_error(history, where, mode):
     """Shear traction of a stuck interface by the grid against (3.20), x = where(n) h."""
     scene = preloaded(1e6, shear_history=history, mode=mode)
-    marched = sf.solve(scene, method="space-time", nodes=300, every=10**6, companion=False)
+    marched = march(scene, nodes=300, every=10**6, companion=False)
     assert not marched.interface.slip_rate.any()
     offset, factors = edge_offset_and_factors()
     x = (np.arange(60) + (offset if where is None else where)) * marched.grid.spacing
@@ -213,7 +206,7 @@ HISTORIES = st.one_of(
 def test_stuck_traction_of_any_history(history):
     """High friction: shear traction is the exact stuck one, and nothing moves."""
     scene = sf.Scene(UNIT, 1e3, sf.Tractions(5.0, 0.0), sf.Tractions(0.1, 1.0), history, history)
-    marched = sf.solve(scene, method="space-time", nodes=200, every=10**6)
+    marched = march(scene, nodes=200, every=10**6)
     assert not marched.interface.slip_rate.any()
     x = marched.grid.x[20:]
     shear = stuck_shear(history, 1.0, UNIT, x, 1.0).value
@@ -244,7 +237,7 @@ def in_excess(marched, strength):
 def test_invariants(history, friction, share, nu):
     """Coulomb's inequality, dissipation, causality, for shear from rest under any history."""
     scene = unit_scene(friction, (1.0, share * friction), nu=nu, shear_history=history)
-    marched = sf.solve(scene, method="space-time", nodes=240, length=2.5)
+    marched = march(scene, nodes=240, length=2.5)
     fields = marched.interface
     strength = friction * fields.pressure
     assert (np.abs(fields.shear_traction) <= strength + 1e-12).all()
@@ -263,24 +256,19 @@ def test_invariants(history, friction, share, nu):
 
 
 def test_direction_of_the_load_is_that_of_the_slip():
-    one = sf.solve(preloaded(shear_history=sf.Harmonic(1.0)), method="space-time", nodes=100)
-    other = sf.solve(
-        preloaded(shear=-1.0, shear_history=sf.Harmonic(1.0)), method="space-time", nodes=100
-    )
+    one = march(preloaded(shear_history=sf.Harmonic(1.0)), nodes=100)
+    other = march(preloaded(shear=-1.0, shear_history=sf.Harmonic(1.0)), nodes=100)
     np.testing.assert_array_equal(one.interface.slip_rate, -other.interface.slip_rate)
 
 
 def test_ramp_without_rise_is_a_step():
-    step, ramp = (
-        sf.solve(preloaded(), method="space-time", nodes=50),
-        sf.solve(preloaded(shear_history=sf.Ramp(0.0)), method="space-time", nodes=50),
-    )
+    step, ramp = (march(preloaded(shear_history=one), nodes=50) for one in (sf.Step(), sf.Ramp(0)))
     np.testing.assert_array_equal(step.interface.slip, ramp.interface.slip)
 
 
 def test_jump_within_the_run_falls_on_a_time_level():
     """A rectangle pulse is a step until it ends, whatever the spacing."""
-    pulse = sf.solve(preloaded(shear_history=sf.Pulse(0.371)), method="space-time", nodes=300)
+    pulse = march(preloaded(shear_history=sf.Pulse(0.371)), nodes=300)
     end = int(np.argmin(np.abs(pulse.interface.t - 0.371)))
     assert pulse.interface.t[end] == pytest.approx(0.371, abs=1e-14)
     x = pulse.grid.x
@@ -293,10 +281,10 @@ def test_jump_within_the_run_falls_on_a_time_level():
 def test_second_order_for_smooth_loads():
     """Against a grid four times finer than the last one, errors of a smooth pulse fall fast."""
     scene = preloaded(shear_history=sf.Pulse(0.8, "haversine"))
-    fine = sf.solve(scene, method="space-time", nodes=4096, every=10**6, companion=False)
+    fine = march(scene, nodes=4096, every=10**6, companion=False)
     errors = []
     for nodes in (128, 256, 512, 1024):
-        coarse = sf.solve(scene, method="space-time", nodes=nodes, every=10**6, companion=False)
+        coarse = march(scene, nodes=nodes, every=10**6, companion=False)
         wanted = np.interp(coarse.grid.x, fine.grid.x, fine.interface.slip[-1])
         errors.append(relative_l1(coarse.interface.slip[-1], wanted))
     assert errors[-1] < 1e-4
@@ -317,7 +305,7 @@ def test_second_order_for_smooth_loads():
     ids=["rate", "slip", "viscous"],
 )
 def test_friction_laws_hold_at_every_point(law, least_gain, most_gain):
-    marched = sf.solve(preloaded(friction_law=law), method="space-time", nodes=300)
+    marched = march(preloaded(friction_law=law), nodes=300)
     fields = marched.interface
     rate = fields.slip_rate
     step = np.diff(fields.t)[:, None]
@@ -328,17 +316,15 @@ def test_friction_laws_hold_at_every_point(law, least_gain, most_gain):
     slips = (np.abs(rate) > 1e-3) & in_excess(marched, law.strength(0.3, 0.0, path))
     assert slips.sum() > 0.9 * (np.abs(rate) > 1e-3).sum()
     np.testing.assert_allclose(np.abs(fields.shear_traction[slips]), strength[slips], atol=2e-3)
-    constant = sf.solve(
-        preloaded(friction_law=sf.CoulombFriction()), method="space-time", nodes=300
-    )
+    constant = march(preloaded(friction_law=sf.CoulombFriction()), nodes=300)
     gain = marched.final_path.sum() / constant.final_path.sum()
     assert least_gain < gain < most_gain
 
 
 def test_laws_without_reduction_are_coulombs():
-    constant = sf.solve(preloaded(), method="space-time", nodes=100).interface.slip
+    constant = march(preloaded(), nodes=100).interface.slip
     for law in (sf.RateWeakening(0.0, 1.0), sf.SlipWeakening(0.0, 1.0), sf.ViscousFriction(0.0)):
-        found = sf.solve(preloaded(friction_law=law), method="space-time", nodes=100).interface.slip
+        found = march(preloaded(friction_law=law), nodes=100).interface.slip
         np.testing.assert_allclose(found, constant, atol=1e-13)
 
 
@@ -349,14 +335,12 @@ def test_too_steep_rate_weakening_is_refused():
     law = sf.RateWeakening(0.5, 0.5)
     scene = unit_scene(0.3, load=(1.0, 1.0), friction_law=law)
     with pytest.raises(sf.SceneError, match="faster than radiation can balance"):
-        sf.solve(scene, method="space-time", nodes=400)
+        march(scene, nodes=400)
 
 
 def test_slip_weakening_below_the_grid_is_refused():
     with pytest.raises(sf.SceneError, match=r"raise `nodes` [\d.]+ times"):
-        sf.solve(
-            preloaded(friction_law=sf.SlipWeakening(0.9, 1e-4)), method="space-time", nodes=100
-        )
+        march(preloaded(friction_law=sf.SlipWeakening(0.9, 1e-4)), nodes=100)
 
 
 # --- antiplane shear ------------------------------------------------------------------------------
@@ -378,8 +362,8 @@ def test_grid_is_as_large_as_shear_waves_reach():
     pressed = replace(shear, load=sf.Tractions(0.5, 1.0))
     sizes = [causal_grid(scene, 1.0, 1.0, 200).size for scene in (shear, pressed)]
     assert sizes[1] > 1.3 * sizes[0]
-    assert sf.solve(shear, method="space-time", nodes=100).grid.x[-1] < UNIT.shear_speed
-    assert sf.solve(pressed, method="space-time", nodes=100).grid.x[-1] > 1.9 * UNIT.shear_speed
+    assert march(shear, nodes=100).grid.x[-1] < UNIT.shear_speed
+    assert march(pressed, nodes=100).grid.x[-1] > 1.9 * UNIT.shear_speed
 
 
 @pytest.mark.thinned(6)
@@ -390,9 +374,7 @@ def test_marches_converge_to_exact_solutions(problem):
     """Pressure that changes, viscosity, slip everywhere and ahead of the shear wave."""
     exact, errors = sf.solve(problem.scene, method="self-similar"), []
     for nodes in (250, 500):
-        marched = sf.solve(
-            problem.scene, method="space-time", nodes=nodes, companion=False, every=10**6
-        )
+        marched = march(problem.scene, nodes=nodes, companion=False, every=10**6)
         x = marched.interface.x
         wanted = exact.slip_rate(x, marched.end_time)
         found = marched.interface.slip_rate[-1]

@@ -6,18 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED, SHOCK, over, problems, unit_scene
+from catalogue import PRELOADED, SHOCK, over, unit_scene
 
 import semianalytic as sf
 from compare.comparison.documents import march_document
-from docs.studies.accuracy.march import (
-    WEAKENING,
-    error_points,
-    error_scene,
-    judged,
-    judged_march,
-    rate_error,
-)
+from docs.studies.accuracy.march import WEAKENING, error_points, judged, judged_march, rate_error
 from semianalytic.engine.convergence import ERROR_SAFETY, MEMORY_SAFETY
 from semianalytic.engine.scenes import plan as march_plan
 from semianalytic.engine.scenes.plan import MOST_NODES
@@ -27,6 +20,7 @@ from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
+from tests.semianalytic.engine.scenes.runs import march
 
 WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, friction_law=sf.SlipWeakening(2 / 3, 0.05))
 
@@ -48,7 +42,7 @@ def test_error_is_honest(problem):
     solution = sf.solve(scene)
     end = 1 / scene.material.shear_speed
     for nodes in (128, 300):
-        marched = sf.solve(scene, method="space-time", end_time=end, nodes=nodes)
+        marched = march(scene, end_time=end, nodes=nodes)
         if solution.zones:
             check_honest(marched, solution)
         else:
@@ -58,12 +52,7 @@ def test_error_is_honest(problem):
 @pytest.mark.slow
 @over("march")
 def test_error_of_histories_and_of_slip_weakening_is_honest(problem):
-    check_honest(
-        *(
-            sf.solve(problem.scene, method="space-time", end_time=1.0, nodes=nodes)
-            for nodes in (96, 768)
-        )
-    )
+    check_honest(*(march(problem.scene, end_time=1.0, nodes=nodes) for nodes in (96, 768)))
 
 
 @pytest.mark.slow
@@ -84,19 +73,13 @@ def test_errors_of_random_scenes_are_honest():
 
 def test_error_counts_the_memory_of_both():
     """March and companion share the transform, so its error does not show in their difference."""
-    rough, fine = (
-        sf.solve(PRELOADED, method="space-time", end_time=1.0, nodes=512, tolerance=one)
-        for one in (1e-3, 1e-6)
-    )
+    rough, fine = (march(PRELOADED, end_time=1.0, nodes=512, tolerance=one) for one in (1e-3, 1e-6))
     assert rate_error(rough, sf.solve(PRELOADED)) <= rough.error_estimate
     assert rough.error_estimate - fine.error_estimate > rough.memory.error
 
 
 def test_error_of_any_reading():
-    marched, solution = (
-        sf.solve(SHOCK, method="space-time", end_time=1.0, nodes=200),
-        sf.solve(SHOCK),
-    )
+    marched, solution = (march(SHOCK, end_time=1.0, nodes=200), sf.solve(SHOCK))
     found = {row.quantity: row for row in judged("", marched, solution)}
     assert {"slip", "shear traction", "largest slip", "frictional work"} <= found.keys()
     for quantity in ("slip", "shear traction", "largest slip"):
@@ -108,10 +91,7 @@ def test_error_of_any_reading():
 
 def test_error_does_not_depend_on_what_is_stored():
     scene = find_scene("pulse")
-    whole, thin = (
-        sf.solve(scene, method="space-time", end_time=1.0, nodes=101),
-        sf.solve(scene, method="space-time", end_time=1.0, nodes=101, every=10**6),
-    )
+    whole, thin = (march(scene, end_time=1.0, nodes=101, every=one) for one in (1, 10**6))
     assert whole.error_estimate == thin.error_estimate > 0
     assert len(thin.companion.interface.t) <= 3
 
@@ -121,7 +101,7 @@ def test_error_is_the_difference_from_the_companion():
     scene = unit_scene(
         0.2, shear_history=sf.Tabulated((0.05, 0.27, 0.27, 0.6), (0.0, 1.0, -1.0, 0.5))
     )
-    marched = sf.solve(scene, method="space-time", end_time=1.0, nodes=201)
+    marched = march(scene, end_time=1.0, nodes=201)
     own, coarse = marched.interface, marched.companion.interface
     np.testing.assert_allclose(coarse.x[0], 2 * own.x[0])
     x, t = own.x[:-1].reshape(-1, 2).mean(axis=1), coarse.t
@@ -134,9 +114,9 @@ def test_error_is_the_difference_from_the_companion():
 
 
 def test_nothing_slips_and_something_must():
-    stuck = sf.solve(find_scene("stuck"), method="space-time", end_time=1.0, nodes=64)
+    stuck = march(find_scene("stuck"), end_time=1.0, nodes=64)
     assert (stuck.error_estimate, stuck.status) == (0.0, "resolved")
-    unseen = sf.solve(unit_scene(30.0), method="space-time", end_time=1.0, nodes=64)
+    unseen = march(unit_scene(30.0), end_time=1.0, nodes=64)
     assert (unseen.error_estimate, unseen.status) == (math.inf, "unresolved")
     assert json.loads(json.dumps(march_document(unseen)["caution"]))
 
@@ -148,7 +128,7 @@ def test_a_strip_narrower_than_the_grid_is_told_wherever_it_is():
     zones = sf.solve(scene).zones
     assert len(zones) == 2
     assert max(zone.outer - zone.inner for zone in zones) < 2e-3
-    marched = sf.solve(scene, method="space-time", end_time=1.0, nodes=256)
+    marched = march(scene, end_time=1.0, nodes=256)
     assert marched.status == "unresolved"
     assert "the error of the slip rate is estimated as" in marched.caution
 
@@ -158,8 +138,7 @@ def test_a_strip_narrower_than_the_grid_is_told_wherever_it_is():
 
 def test_companion_changes_nothing():
     with_one, alone = (
-        sf.solve(SHOCK, method="space-time", end_time=1.0, nodes=100, companion=one)
-        for one in (True, False)
+        march(SHOCK, end_time=1.0, nodes=100, companion=one) for one in (True, False)
     )
     np.testing.assert_array_equal(with_one.interface.slip_rate, alone.interface.slip_rate)
     assert alone.companion is None
@@ -171,17 +150,9 @@ def test_companion_changes_nothing():
 
 @pytest.mark.parametrize("nodes", [120, 121])
 def test_companion_is_the_march_at_half_the_nodes(nodes):
-    marched, half = (
-        sf.solve(SHOCK, method="space-time", end_time=1.0, nodes=nodes),
-        (nodes + 1) // 2,
-    )
-    alone = sf.solve(
-        SHOCK,
-        method="space-time",
-        end_time=1.0,
-        nodes=half,
-        length=2 * marched.grid.spacing * half,
-        companion=False,
+    marched, half = (march(SHOCK, end_time=1.0, nodes=nodes), (nodes + 1) // 2)
+    alone = march(
+        SHOCK, end_time=1.0, nodes=half, length=2 * marched.grid.spacing * half, companion=False
     )
     assert marched.companion.statistics.steps == (marched.statistics.steps + 1) // 2
     assert marched.companion.end_time == marched.end_time
@@ -201,9 +172,7 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
         return done == stop
 
     options = {"end_time": 1.0, "nodes": 100, "every": every, "step_ratio": 0.5}
-    part, whole = (
-        sf.solve(scene, method="space-time", progress=one, **options) for one in (progress, None)
-    )
+    part, whole = (march(scene, progress=one, **options) for one in (progress, None))
     assert counted == [(done, 100) for done in range(1, stop + 1)]
     assert part.companion.end_time == part.companion.interface.t[-1] == part.end_time
     assert (np.diff(part.companion.interface.t) > 0).all()
@@ -224,8 +193,7 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
 def test_companion_is_counted_in_the_memory():
     scene = find_scene("ramp")
     alone, with_one = (
-        sf.solve(scene, method="space-time", nodes=400, memory=4_000_000, companion=one)
-        for one in (False, True)
+        march(scene, nodes=400, memory=4_000_000, companion=one) for one in (False, True)
     )
     assert with_one.every > alone.every > 1
     kept = sum(32 * one.interface.slip.size for one in (with_one, with_one.companion))
@@ -239,21 +207,19 @@ def test_companion_is_counted_in_the_memory():
 @pytest.mark.parametrize("rtol", [2e-2, 5e-3])
 @pytest.mark.parametrize("name", ["preloaded", "remote-shock", "pulse"])
 def test_march_within_an_rtol(name, rtol):
-    marched = sf.solve(find_scene(name), method="space-time", end_time=1.0, rtol=rtol, every=10**6)
+    marched = march(find_scene(name), end_time=1.0, rtol=rtol, every=10**6)
     assert marched.error_estimate <= rtol
     assert marched.status == "resolved"
     assert marched.error_estimate > rtol / 10 or marched.grid.observed == 250
     if name != "pulse":
-        fields = sf.solve(
-            find_scene(name), method="space-time", end_time=1.0, nodes=marched.grid.observed
-        )
+        fields = march(find_scene(name), end_time=1.0, nodes=marched.grid.observed)
         assert rate_error(fields, sf.solve(find_scene(name))) <= rtol
 
 
 @pytest.mark.slow
 def test_out_of_reach_of_the_nodes(monkeypatch, capsys):
     monkeypatch.setattr(march_plan, "MOST_NODES", 300)
-    marched = sf.solve(PRELOADED, method="space-time", end_time=1.0, rtol=1e-4, every=10**6)
+    marched = march(PRELOADED, end_time=1.0, rtol=1e-4, every=10**6)
     assert marched.grid.observed == 300
     assert marched.status == "unresolved"
     assert "above the `rtol` of 1.0e-04; raise `nodes`" in marched.caution
@@ -267,13 +233,7 @@ def test_out_of_reach_of_the_nodes(monkeypatch, capsys):
 
 
 def test_a_stop_ends_the_search():
-    marched = sf.solve(
-        PRELOADED,
-        method="space-time",
-        end_time=1.0,
-        rtol=1e-4,
-        progress=lambda done, steps: done == 40,
-    )
+    marched = march(PRELOADED, end_time=1.0, rtol=1e-4, progress=lambda done, steps: done == 40)
     assert 0 < marched.end_time < 1
     assert marched.grid.observed == 250
 
@@ -296,21 +256,16 @@ def in_zone(scene, nodes, end_time=1.0):
 
 
 def test_coarse_weakening_is_unresolved_with_what_would_do():
-    coarse = sf.solve(WEAK, method="space-time", end_time=1.0, nodes=in_zone(WEAK, 3.0))
+    coarse = march(WEAK, end_time=1.0, nodes=in_zone(WEAK, 3.0))
     assert coarse.status == "unresolved"
     assert (
         "weakens within about 0.17 of length, over 3.1 nodes where 8 resolve it" in coarse.caution
     )
     times = float(coarse.caution.split("raise `nodes` ")[1].split()[0])
-    assert (
-        sf.solve(
-            WEAK, method="space-time", end_time=1.0, nodes=int(times * coarse.grid.observed)
-        ).status
-        == "resolved"
-    )
+    assert march(WEAK, end_time=1.0, nodes=int(times * coarse.grid.observed)).status == "resolved"
     with pytest.raises(sf.SceneError, match="do not resolve; raise `nodes` 6 times"):
-        sf.solve(WEAK, method="space-time", end_time=1.0, nodes=in_zone(WEAK, 1.5))
-    assert sf.solve(PRELOADED, method="space-time", end_time=1.0, nodes=50).status == "resolved"
+        march(WEAK, end_time=1.0, nodes=in_zone(WEAK, 1.5))
+    assert march(PRELOADED, end_time=1.0, nodes=50).status == "resolved"
 
 
 @pytest.mark.slow
@@ -318,14 +273,10 @@ def test_coarse_weakening_is_unresolved_with_what_would_do():
 def test_weakening_that_is_called_resolved_is_right_to_a_percent(name):
     """In slip and frictional work; and the limit is not far from where that ends."""
     scene, end = WEAKENING[name]
-    truth = sf.solve(
-        scene, method="space-time", end_time=end, nodes=in_zone(scene, 64, end), companion=False
-    )
+    truth = march(scene, end_time=end, nodes=in_zone(scene, 64, end), companion=False)
     errors = {}
     for count in (3, 8):
-        marched = sf.solve(
-            scene, method="space-time", end_time=end, nodes=in_zone(scene, count, end)
-        )
+        marched = march(scene, end_time=end, nodes=in_zone(scene, count, end))
         assert (marched.status == "resolved") == (count == 8)
         errors[count] = {row.quantity: row for row in judged("", marched, truth)}
         assert errors[count]["slip rate"].true < marched.error_estimate
@@ -338,20 +289,13 @@ def test_weakening_that_is_called_resolved_is_right_to_a_percent(name):
 def test_nodes_are_chosen_for_the_process_zone():
     sharp = replace(WEAK, friction_law=sf.SlipWeakening(2 / 3, 7e-4))
     assert in_zone(sharp, 8, 0.2) > 1000
-    chosen = sf.solve(sharp, method="space-time", end_time=0.2, every=10**6)
+    chosen = march(sharp, end_time=0.2, every=10**6)
     assert chosen.grid.observed == in_zone(sharp, 8, 0.2)
     assert chosen.status == "resolved"
     sharper = replace(WEAK, friction_law=sf.SlipWeakening(2 / 3, 5e-5))
     assert in_zone(sharper, 8, 0.2) > MOST_NODES
     with pytest.raises(sf.SceneError, match="do not resolve"):
-        sf.solve(sharper, method="space-time", end_time=0.2)
-
-
-def test_scenes_of_the_measurement_are_of_every_kind():
-    scenes = [error_scene(*point) for point in error_points(False)]
-    assert {scene.is_self_similar for scene in scenes} == {True, False}
-    assert {type(one.friction_law) for one in scenes} >= {sf.RateWeakening, sf.SlipWeakening}
-    assert len(problems("exact")) > 15
+        march(sharper, end_time=0.2)
 
 
 @pytest.mark.parametrize(("nu", "growth"), [(1 / 3, 0.055), (0.1, 0.107)])

@@ -8,6 +8,7 @@ from catalogue import UNIT
 from line_march import march as line_march
 
 import semianalytic as sf
+from tests.semianalytic.engine.scenes.runs import march
 
 PRESSED = sf.Tractions(1.0, 0.0)
 SCENES = {
@@ -33,7 +34,7 @@ def in_error(marched, exact):
 
 def test_a_wave_at_an_angle_is_marched_and_a_wrong_angle_is_seen():
     scene = SCENES["SV from ahead"]
-    marched, exact = sf.solve(scene, method="space-time", nodes=120), sf.solve(scene)
+    marched, exact = march(scene, nodes=120), sf.solve(scene)
     rate, shear, pressure = in_error(marched, exact)
     assert rate < 0.02
     assert shear < 0.002
@@ -51,7 +52,7 @@ def test_a_wave_at_an_angle_is_marched_and_a_wrong_angle_is_seen():
 def test_marches_of_moving_fronts_come_to_the_exact_answer(name):
     exact, errors = sf.solve(SCENES[name]), []
     for nodes in (100, 400):
-        marched = sf.solve(SCENES[name], method="space-time", nodes=nodes)
+        marched = march(SCENES[name], nodes=nodes)
         errors.append(list(in_error(marched, exact)))
         assert errors[-1][0] < marched.error_estimate
     rate, shear, pressure = errors[-1]
@@ -61,11 +62,8 @@ def test_marches_of_moving_fronts_come_to_the_exact_answer(name):
     # orders of 0.6 to 1.2, but 0.3 for the slip rate of the sub-sonic load, which few nodes hold
     # better already; `remote-shock`, which acts everywhere at once, has 0.9 to 1.0 here
     least = (1.4, 2.2, 2.2)
-    assert all(
-        coarse > factor * fine
-        for factor, coarse, fine in zip(least, *errors, strict=True)
-        if coarse
-    )
+    for factor, coarse, fine in zip(least, *errors, strict=True):
+        assert not coarse or coarse > factor * fine
 
 
 def front(t, x, slowness, spacing, entry):
@@ -80,15 +78,7 @@ def march_and_witness(scene, nodes, mode, held, strength):
     `held(come, x)` is the traction of a glued line over which so much of the front has come.
     """
     p, entry, end, length = scene.front_slowness, 0.7, 0.5, 8.0
-    marched = sf.solve(
-        scene,
-        method="space-time",
-        end_time=end,
-        nodes=nodes,
-        length=1.0,
-        entry=entry,
-        companion=False,
-    )
+    marched = march(scene, end_time=end, nodes=nodes, length=1.0, entry=entry, companion=False)
     assert marched.interface.t[0] == marched.begins == -p * entry
 
     def glued(x, t):
@@ -146,10 +136,8 @@ def test_a_pulse_at_an_angle_is_a_step_less_a_later_one(wave):
     entry = 1.0 if wave.angle == 50.0 else None
     settings = {"end_time": 0.6, "nodes": 60, "entry": entry, "companion": False}
     pulse = sf.Pulse(0.25)
-    pulsed = sf.solve(
-        replace(scene, pressure_history=pulse, shear_history=pulse), method="space-time", **settings
-    )
-    step = sf.solve(scene, method="space-time", **settings)
+    pulsed = march(replace(scene, pressure_history=pulse, shear_history=pulse), **settings)
+    step = march(scene, **settings)
     x = step.grid.x
     for name in ("pressure", "shear_traction"):
         base = getattr(scene.base, name.partition("_")[0])
@@ -163,17 +151,12 @@ def test_a_pulse_at_an_angle_is_a_step_less_a_later_one(wave):
 def test_a_wave_of_normal_incidence_is_a_remote_step_and_may_have_a_history():
     wave = sf.Scene(UNIT, 1.2, PRESSED, sf.IncidentWave("P", 0.0, stress=1.0))
     remote = replace(wave, load=sf.Tractions(1.0, 0.0), load_on="remote")
-    one, other = (
-        sf.solve(scene, method="space-time", nodes=60, companion=False) for scene in (wave, remote)
-    )
-    np.testing.assert_allclose(one.interface.pressure, other.interface.pressure, atol=1e-13)
-    np.testing.assert_allclose(
-        one.interface.shear_traction, other.interface.shear_traction, atol=1e-13
-    )
+    one, other = (march(scene, nodes=60, companion=False) for scene in (wave, remote))
+    for name in ("pressure", "shear_traction"):
+        mine, right = (getattr(run.interface, name) for run in (one, other))
+        np.testing.assert_allclose(mine, right, atol=1e-13)
     # a slow ramp far from the edge: the contact carries base and wave as they are
-    ramped = sf.solve(
-        replace(wave, pressure_history=sf.Ramp(0.5)), method="space-time", nodes=60, companion=False
-    )
+    ramped = march(replace(wave, pressure_history=sf.Ramp(0.5)), nodes=60, companion=False)
     ahead = ramped.grid.x > 1.1  # waves from the slot have come to 0.5 at t = 0.25
     np.testing.assert_allclose(ramped.pressure(ramped.grid.x[ahead], 0.25), 1.5, atol=1e-3)
 
@@ -181,9 +164,7 @@ def test_a_wave_of_normal_incidence_is_a_remote_step_and_may_have_a_history():
 def test_a_contact_that_slips_from_the_front_of_a_wave_on_follows_it_as_a_plane_wave():
     """V = 2 (Q - f P) / M(p), with M = sqrt(1 - p^2) in mode III, ahead of the waves of the tip."""
     scene = sf.Scene(UNIT, 0.2, PRESSED, sf.IncidentWave("SH", 30.0, 0.4), mode="antiplane")
-    marched = sf.solve(
-        scene, method="space-time", end_time=0.5, nodes=60, length=1.2, companion=False
-    )
+    marched = march(scene, end_time=0.5, nodes=60, length=1.2, companion=False)
     excess = 0.2 - abs(scene.superposition.in_place.shear)
     assert marched.slip_rate(0.7, 0.5) == pytest.approx(2 * excess / np.sqrt(0.75), rel=0.01)
     assert marched.slip_rate(1.05, 0.5) == 0  # the front has come to t / p = 1
@@ -192,8 +173,8 @@ def test_a_contact_that_slips_from_the_front_of_a_wave_on_follows_it_as_a_plane_
 @pytest.mark.slow
 def test_marches_of_fronts_go_on_and_are_kept(tmp_path):
     scene = SCENES["SV along the slot"]
-    whole = sf.solve(scene, method="space-time", end_time=0.6, nodes=40, length=1.2)
-    part = sf.solve(scene, method="space-time", end_time=0.3, nodes=40, length=1.2, latest=0.6)
+    whole = march(scene, end_time=0.6, nodes=40, length=1.2)
+    part = march(scene, end_time=0.3, nodes=40, length=1.2, latest=0.6)
     part.save(tmp_path / "part.h5")
     longer = sf.march_on(sf.Marched.load(tmp_path / "part.h5"), 0.6)
     assert longer.entry == whole.entry > 0
@@ -206,7 +187,7 @@ def test_marches_of_fronts_go_on_and_are_kept(tmp_path):
 def test_zones_below_the_grid_are_told_by_the_intensity_of_the_moving_front():
     scene = sf.Scene(UNIT, 0.6, PRESSED, sf.IncidentWave("SV", -60.0, stress=0.4))
     edge = sf.solve(scene).zones[0].outer
-    marched = sf.solve(scene, method="space-time", nodes=60)
+    marched = march(scene, nodes=60)
     assert marched.status == "unresolved"
     told = float(marched.caution.partition("length of about ")[2].split(",")[0])
     assert told == pytest.approx(edge, rel=0.1)
@@ -215,21 +196,10 @@ def test_zones_below_the_grid_are_told_by_the_intensity_of_the_moving_front():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
+        (lambda: march(SCENES["SV from ahead"], nodes=20, entry=1.0), "comes along the slot"),
+        (lambda: march(SCENES["SV along the slot"], nodes=20, entry=-1.0), "entry must be"),
         (
-            lambda: sf.solve(SCENES["SV from ahead"], method="space-time", nodes=20, entry=1.0),
-            "comes along the slot",
-        ),
-        (
-            lambda: sf.solve(
-                SCENES["SV along the slot"], method="space-time", nodes=20, entry=-1.0
-            ),
-            "entry must be",
-        ),
-        (
-            lambda: sf.solve(
-                sf.Scene(UNIT, 0.3, PRESSED, sf.IncidentWave("SV", -10.0, stress=1.0)),
-                method="space-time",
-            ),
+            lambda: march(sf.Scene(UNIT, 0.3, PRESSED, sf.IncidentWave("SV", -10.0, stress=1.0))),
             "the wave alone exceeds friction",
         ),
         (
@@ -239,9 +209,7 @@ def test_zones_below_the_grid_are_told_by_the_intensity_of_the_moving_front():
             "with `method` space-time",
         ),
         (
-            lambda: sf.solve(SCENES["SH"], method="space-time", end_time=0.1, nodes=20).stress(
-                0.1, 0.1, 0.05
-            ),
+            lambda: march(SCENES["SH"], end_time=0.1, nodes=20).stress(0.1, 0.1, 0.05),
             "not known from a march",
         ),
     ],

@@ -1,6 +1,6 @@
 """Fields in the bodies after a march: against exact ones, the interface, and the laws of solids."""
 
-from functools import cache, partial
+from functools import cache
 
 import meshio
 import numpy as np
@@ -10,13 +10,17 @@ from catalogue import STEEL, unit_scene
 import semianalytic as sf
 from fem import simulate
 from semianalytic.engine.bodies import wavefield
-from semianalytic.engine.scenes.march import march
 from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.scene.given.finding import find_scene
+from tests.semianalytic.engine.scenes.runs import march
 
 QUANTITIES = ("velocity", "stress", "displacement")
-marched_once = cache(partial(march, companion=False))
 HARD = {"friction": 300.0, "base": (3.0, 0.3)}
+
+
+@cache
+def marched_once(scene, end_time, nodes):
+    return march(scene, end_time=end_time, nodes=nodes, companion=False)
 
 
 def points(scene, count, seed=0):
@@ -92,7 +96,7 @@ def test_stress_stays_bounded_beside_an_edge_that_slips():
 def test_stress_beside_an_edge_that_sticks_is_exact():
     scene = find_scene("stuck")
     at = 1e-4 * np.cos([0.3, 1.5, -2.8]), 1e-4 * np.sin([0.3, 1.5, -2.8]), 1.0
-    stress = sf.solve(scene, method="space-time", nodes=64, companion=False).stress(*at)
+    stress = march(scene, nodes=64, companion=False).stress(*at)
     np.testing.assert_allclose(stress, sf.solve(scene).stress(*at), rtol=1e-3)
 
 
@@ -115,7 +119,7 @@ def test_faces_move_apart_by_slip():
 
 def test_slot_faces_carry_the_load():
     scene = unit_scene(0.15, shear_history=sf.Pulse(0.6, "triangle"))
-    marched = sf.solve(scene, method="space-time", nodes=256, companion=False)
+    marched = march(scene, nodes=256, companion=False)
     x, t = np.linspace(-2, -0.1, 50), np.array([[0.2], [0.5], [0.9]])
     _, normal, shear = marched.stress(x, 0.0, t)
     load = np.broadcast_to(-scene.shear_history.value(t), shear.shape)
@@ -148,10 +152,7 @@ def test_kinks_on_a_stuck_interface_are_superposed(mode):
         shear_history=sf.Pulse(0.6, "triangle"),
         pressure_history=sf.Tabulated((0.0, 0.2, 0.2, 0.5), (0.0, 1.0, 0.5, 0.9)),
     )
-    marched, (x, y) = (
-        sf.solve(scene, method="space-time", nodes=256, companion=False),
-        points(scene, 60),
-    )
+    marched, (x, y) = (march(scene, nodes=256, companion=False), points(scene, 60))
     velocity = marched.velocity(x, y, 0.93)
     assert marched.interface.slip.max() == 0
     assert off_by(velocity, superposed(scene, x, y, 0.93), 0.0) < 1e-3
@@ -161,7 +162,7 @@ def test_far_behind_the_edge_the_slot_sends_plane_waves():
     scene = unit_scene(
         **HARD, load=(0.4, 1.0), shear_history=sf.Ramp(0.5), pressure_history=sf.Ramp(0.25)
     )
-    marched, solid = sf.solve(scene, method="space-time", nodes=64, companion=False), scene.material
+    marched, solid = march(scene, nodes=64, companion=False), scene.material
     y = np.array([0.6, -0.6, 1.9])
     v_x, v_y = marched.velocity(-50.0, y, 0.9)
     sheared = scene.load.shear * scene.shear_history.value(0.9 - np.abs(y))
@@ -184,7 +185,7 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
         pressure_history=sf.Ramp(0.7),
         friction_law=sf.SlipWeakening(0.5, 0.1),
     )
-    marched = sf.solve(scene, method="space-time", nodes=64, companion=False)
+    marched = march(scene, nodes=64, companion=False)
     x, y, step = *np.array([[-0.6, -0.3, 0.7], [0.3, -0.35, -0.25]]), 1e-3
 
     def slope(dx, dy, dt):
@@ -207,7 +208,7 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
 
 @pytest.mark.slow
 def test_many_depths_are_interpolated(monkeypatch):
-    marched = sf.solve(find_scene("ramp"), method="space-time", nodes=128, companion=False)
+    marched = march(find_scene("ramp"), nodes=128, companion=False)
     x, y = points(marched.scene, 270)
     each = marched.stress(x, y, 1.0)
     monkeypatch.setattr(wavefield, "FIELD_LEVELS", 200)
@@ -225,7 +226,7 @@ def test_points_of_many_times_are_those_of_one_time():
 
 
 def test_before_the_load_there_is_the_base():
-    marched = sf.solve(find_scene("remote-shock"), method="space-time", nodes=32, companion=False)
+    marched = march(find_scene("remote-shock"), nodes=32, companion=False)
     np.testing.assert_array_equal(marched.stress(0.3, [0.1, -0.1], 0.0).T, [[0, -1, 1]] * 2)
     assert marched.velocity(0.3, np.zeros((4, 1)), np.zeros(5)).shape == (2, 4, 5)
 
@@ -235,13 +236,13 @@ def test_before_the_load_there_is_the_base():
 def test_error_of_fields_is_bounded_by_its_estimate(name, nodes):
     scene = find_scene(name)
     _, error, _ = errors(scene, nodes)
-    assert error < sf.solve(scene, method="space-time", nodes=nodes).field_error < 6 * error
+    assert error < march(scene, nodes=nodes).field_error < 6 * error
 
 
 def test_estimates_tell_how_close_to_an_edge_stress_is_known():
     """The sum over wavelengths limits it there, on march and companion alike."""
     scene = find_scene("preloaded")
-    exact, marched = sf.solve(scene), sf.solve(scene, method="space-time", end_time=1.0, nodes=200)
+    exact, marched = sf.solve(scene), march(scene, end_time=1.0, nodes=200)
     angle, cut = np.linspace(-3.1, 3.1, 8), scene.fastest_speed / 64
     shares = []
     for circle in (1, 2, 3, 10):
@@ -266,7 +267,7 @@ def test_finite_elements_under_slip_weakening_come_to_the_same_fields(tmp_path, 
         shear_history=sf.Pulse(0.8, "triangle"),
         friction_law=sf.SlipWeakening(0.4, 0.05),
     )
-    marched, off = sf.solve(scene, method="space-time", nodes=400, companion=False), []
+    marched, off = march(scene, nodes=400, companion=False), []
     for resolution in (16, 32):
         folder = tmp_path / str(resolution)
         simulate(scene, 1.0, resolution=resolution, snapshots=folder, frames=1)
@@ -291,23 +292,14 @@ def test_finite_elements_under_slip_weakening_come_to_the_same_fields(tmp_path, 
     ],
 )
 def test_what_the_march_does_not_determine_is_refused(at, reason):
-    marched = sf.solve(
-        find_scene("preloaded"),
-        method="space-time",
-        end_time=1.0,
-        nodes=32,
-        length=0.5,
-        companion=False,
-    )
+    marched = march(find_scene("preloaded"), end_time=1.0, nodes=32, length=0.5, companion=False)
     with pytest.raises(sf.SceneError, match=reason):
         marched.velocity(*at)
 
 
 def test_a_short_contact_determines_what_waves_from_beyond_have_not_reached():
     scene = find_scene("preloaded")
-    short = sf.solve(
-        scene, method="space-time", end_time=1.0, nodes=64, length=0.8, companion=False
-    )
+    short = march(scene, end_time=1.0, nodes=64, length=0.8, companion=False)
     x, y, t = np.array([0.2, -0.4, 0.9]), np.array([0.3, -0.5, 0.9]), np.array([0.5, 0.9, 0.8])
     exact = sf.solve(scene).velocity(x, y, t)
     assert np.abs(short.velocity(x, y, t) - exact).max() < 5e-3
@@ -319,10 +311,7 @@ def test_any_units_will_do():
     time = length / solid.shear_speed
     base, load = sf.Tractions(stress, 0.0), sf.Tractions(0.2 * stress, stress)
     large = sf.Scene(solid, 0.3, base, load, shear_history=sf.Ramp(0.5 * time))
-    one, other = (
-        sf.solve(scene, method="space-time", end_time=1.0, nodes=32),
-        sf.solve(large, method="space-time", end_time=time, nodes=32),
-    )
+    one, other = (march(scene, end_time=1.0, nodes=32), march(large, end_time=time, nodes=32))
     x, y = points(scene, 10)
     units = {"velocity": stress / solid.shear_impedance, "stress": stress}
     for name in QUANTITIES:

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -13,9 +12,10 @@ from compare.comparison.documents import march_document
 from semianalytic.engine.resolution import nodes_for_loads, zone_at_edge
 from semianalytic.engine.scenes import loads as grid_loads_module
 from semianalytic.engine.scenes.loads import GridPressure
-from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
+from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
+from tests.semianalytic.engine.scenes.runs import march
 
 
 def sheared(history, friction=0.1, **parts):
@@ -109,49 +109,34 @@ def test_what_turns_too_fast_is_refused(history, load):
     scene = sheared(history)
     if load == "pressure":
         scene = unit_scene(0.1, (2.0, 0.0), (0.5, 1.0), pressure_history=history)
-    with pytest.raises(
-        sf.SceneError, match=rf"the {load} history turns faster .* raise `nodes` to [0-9.e+]+,"
-    ):
-        sf.solve(scene, method="space-time", nodes=200)
+    words = rf"the {load} history turns faster .* raise `nodes` to [0-9.e+]+,"
+    with pytest.raises(sf.SceneError, match=words):
+        march(scene, nodes=200)
 
 
 def test_nodes_that_are_asked_for_are_enough():
     scene = sheared(sf.Harmonic(40.0))
     with pytest.raises(sf.SceneError, match="raise `nodes` to 310"):
-        sf.solve(scene, method="space-time", end_time=0.5, nodes=100)
-    assert (
-        sf.solve(scene, method="space-time", end_time=0.5, nodes=310, every=10**6).statistics.steps
-        >= 310
-    )
+        march(scene, end_time=0.5, nodes=100)
+    assert march(scene, end_time=0.5, nodes=310, every=10**6).statistics.steps >= 310
 
 
 @pytest.mark.parametrize("step_ratio", [0.1, 0.5])
 def test_refused_by_the_grid_whatever_the_step(step_ratio):
     with pytest.raises(sf.SceneError, match="turns faster"):
-        sf.solve(
-            sheared(sf.Harmonic(10.0)),
-            method="space-time",
-            end_time=0.5,
-            nodes=50,
-            step_ratio=step_ratio,
-        )
+        march(sheared(sf.Harmonic(10.0)), end_time=0.5, nodes=50, step_ratio=step_ratio)
 
 
 @pytest.mark.slow
 def test_more_nodes_by_default():
     scene = sheared(sf.Harmonic(400.0), friction=0.5)
     assert nodes_for_loads(scene, 0.2, 0.4, 1000)[0] == pytest.approx(1230, rel=0.02)
-    assert sf.solve(scene, method="space-time", end_time=0.2, every=10**6).grid.observed > 1200
-    assert (
-        sf.solve(
-            sheared(sf.Harmonic(3.0)), method="space-time", end_time=0.2, every=10**6
-        ).grid.observed
-        == 1000
-    )
+    assert march(scene, end_time=0.2, every=10**6).grid.observed > 1200
+    assert march(sheared(sf.Harmonic(3.0)), end_time=0.2, every=10**6).grid.observed == 1000
     steel = sf.Material(80e9, 7800.0, 0.3)
     fast = replace(scene, material=steel, shear_history=sf.Harmonic(3.2e6))
     with pytest.raises(sf.SceneError, match="than 8000 nodes"):
-        sf.solve(fast, method="space-time")
+        march(fast)
 
 
 @pytest.mark.thinned(3)
@@ -164,12 +149,11 @@ def test_what_is_not_refused_is_right(history):
     scene = sheared(history)
     least, _ = nodes_for_loads(scene, 0.5, 1.0, 16)
     coarse, fine = (
-        sf.solve(scene, method="space-time", end_time=0.5, nodes=nodes, every=10**6)
-        for nodes in (least, 8 * least)
+        march(scene, end_time=0.5, nodes=nodes, every=10**6) for nodes in (least, 8 * least)
     )
     assert total_work(coarse) == pytest.approx(total_work(fine), rel=0.04)
     with pytest.raises(sf.SceneError, match="turns faster"):
-        sf.solve(scene, method="space-time", end_time=0.5, nodes=int(0.9 * least))
+        march(scene, end_time=0.5, nodes=int(0.9 * least))
 
 
 def test_dense_tables_take_the_mean_of_a_step():
@@ -178,9 +162,7 @@ def test_dense_tables_take_the_mean_of_a_step():
     ripple = 0.03 * (-1.0) ** np.arange(801) * ((np.arange(801) % 4 == 0) | (t > 2))
     rough = sf.Tabulated(tuple(t), tuple(np.minimum(2 * t, 1) + np.where(t > 0, ripple, 0)))
     smooth = sf.Tabulated((0.0, 0.5), (0.0075, 1.0075))
-    found, wanted = (
-        sf.solve(sheared(h), method="space-time", nodes=200, every=10**6) for h in (rough, smooth)
-    )
+    found, wanted = (march(sheared(h), nodes=200, every=10**6) for h in (rough, smooth))
     gap = np.abs(found.interface.slip[-1] - wanted.interface.slip[-1]).sum()
     assert gap < 2e-3 * np.abs(wanted.interface.slip[-1]).sum()
 
@@ -188,11 +170,9 @@ def test_dense_tables_take_the_mean_of_a_step():
 def test_march_on_needs_no_other_check():
     """The loads are looked at until `latest`, for which the grid is made."""
     late = sf.Tabulated((0.0, 0.1, 0.8, 0.8, 0.801, 0.801), (0.0, 1.0, 1.0, 0.2, 0.2, 1.0))
-    sf.solve(sheared(late), method="space-time", end_time=0.5, nodes=100, length=1.0)
+    march(sheared(late), end_time=0.5, nodes=100, length=1.0)
     with pytest.raises(sf.SceneError, match="turns faster"):
-        sf.solve(
-            sheared(late), method="space-time", end_time=0.5, nodes=100, length=1.0, latest=1.0
-        )
+        march(sheared(late), end_time=0.5, nodes=100, length=1.0, latest=1.0)
 
 
 # --- pressure from tables -----------------------------------------------------------------------
@@ -217,28 +197,6 @@ def test_pressure_of_tables_is_that_of_the_exact_sum(monkeypatch):
     assert np.abs(found - exact).mean() < 2e-6
 
 
-@pytest.mark.slow
-def test_tabulated_pressure_costs_what_shear_does():
-    """It took 140 times as long; now twice."""
-    random = np.random.default_rng(1)
-    t = np.sort(random.uniform(0, 1, 100))
-    table = sf.Tabulated(tuple(t), tuple(0.3 * np.sin(7 * t)))
-
-    def seconds(history, pressure):
-        scene = sf.Scene(
-            UNIT, 0.3, sf.Tractions(3.0, 0.0), sf.Tractions(pressure, 0.5), history, table
-        )
-        times = []
-        for _ in range(2):
-            started = perf_counter()
-            sf.solve(scene, method="space-time", nodes=500, every=10**6)
-            times.append(perf_counter() - started)
-        return min(times)
-
-    seconds(table, 0.3)  # fits, tables
-    assert seconds(table, 0.3) < 6 * seconds(sf.Step(), 0.0)
-
-
 # --- slip below the grid ------------------------------------------------------------------------
 
 
@@ -247,7 +205,7 @@ def test_tabulated_pressure_costs_what_shear_does():
 )
 def test_slip_below_the_grid_is_not_called_none(history, friction):
     scene = sheared(history, friction)
-    marched = sf.solve(scene, method="space-time", nodes=64)
+    marched = march(scene, nodes=64)
     x = marched.grid.x[0] / 50
     stuck = stuck_shear(history, 1.0, UNIT, x, marched.interface.t[1:]).value
     assert np.abs(stuck).max() > friction  # it must slip
@@ -257,47 +215,6 @@ def test_slip_below_the_grid_is_not_called_none(history, friction):
     document = march_document(marched)
     assert document["status"] == "unresolved"
     assert document["caution"] == marched.caution
-
-
-def random_history(random):
-    times = np.sort(random.uniform(0, 1.2, random.integers(1, 12)))
-    return [
-        sf.Step(),
-        sf.Ramp(random.uniform(0, 1.5)),
-        sf.Pulse(
-            10 ** random.uniform(-1, 0.2), random.choice(["rectangle", "triangle", "half-sine"])
-        ),
-        sf.Harmonic(10 ** random.uniform(-1, 0.8)),
-        sf.Tabulated(tuple(times), tuple(random.uniform(-1, 1, len(times)))),
-    ][random.integers(5)]
-
-
-@pytest.mark.slow
-def test_no_slip_is_only_said_where_the_first_node_holds():
-    """Of 3,260 such scenes none was missed; here 120, against the exact stuck tractions."""
-    random, said = np.random.default_rng(7), 0
-    for _ in range(120):
-        friction = 10 ** random.uniform(-0.5, 1.6)
-        scene = sf.Scene(
-            sf.Material(1.0, 1.0, random.uniform(-0.6, 0.48)),
-            friction,
-            sf.Tractions(2.0, random.uniform(-0.9, 0.9) * friction),
-            sf.Tractions(random.choice([0.0, 0.3, -0.3]), random.uniform(-1, 1)),
-            random_history(random),
-            random_history(random),
-        )
-        if nodes_for_loads(scene, 1.0, scene.material.longitudinal_speed, 64)[0] > 64:
-            continue
-        marched = sf.solve(scene, method="space-time", nodes=64)
-        if marched.seen.slip_rate.any() or marched.status == "unresolved":
-            continue
-        x, t, solid, step = marched.grid.x[0], marched.interface.t[1:], scene.material, scene.load
-        shear = stuck_shear(scene.shear_history, step.shear, solid, x, t).value
-        pressure = stuck_pressure(scene.pressure_history, step.pressure, solid, x, t).value
-        strength = friction * (scene.base.pressure + pressure)
-        assert (np.abs(scene.base.shear + shear) <= strength).all()
-        said += 1
-    assert said > 3
 
 
 @pytest.mark.parametrize("pressure", [-0.05, 0.0, 0.05])
@@ -310,32 +227,15 @@ def test_zone_beside_the_edge_is_as_long_as_the_exact_one(pressure):
 @pytest.mark.slow
 def test_nodes_that_a_caution_asks_for_resolve_the_zone():
     scene = sheared(sf.Step(), 5.0)
-    coarse = sf.solve(scene, method="space-time", end_time=0.5, nodes=36)
+    coarse = march(scene, end_time=0.5, nodes=36)
     times = float(coarse.caution.split("raise `nodes` ")[1].split()[0])
     assert coarse.status == "unresolved"
     fine, finest = (
-        sf.solve(
-            scene, method="space-time", end_time=0.5, nodes=int(36 * times * more), every=10**6
-        )
-        for more in (1, 5)
+        march(scene, end_time=0.5, nodes=int(36 * times * more), every=10**6) for more in (1, 5)
     )
     assert fine.status == "resolved"
     assert total_work(fine) == pytest.approx(total_work(finest), rel=0.05)
     assert total_work(coarse) < 0.9 * total_work(finest)
-
-
-@pytest.mark.slow
-def test_zone_of_the_default_march_is_resolved():
-    assert (
-        sf.solve(sheared(sf.Step(), 16.0), method="space-time", end_time=0.1, every=10**6).status
-        == "resolved"
-    )
-    assert (
-        sf.solve(
-            sheared(sf.Step(), 16.0), method="space-time", end_time=0.1, nodes=1000, every=10**6
-        ).status
-        == "unresolved"
-    )
 
 
 @pytest.mark.thinned(2)
@@ -343,9 +243,7 @@ def test_zone_of_the_default_march_is_resolved():
     "name", ["stuck", "preloaded", "ramp", "pulse", "harmonic", "remote-shock"]
 )
 def test_named_scenes_are_resolved(name):
-    assert (
-        sf.solve(find_scene(name), method="space-time", nodes=200, every=10**6).status == "resolved"
-    )
+    assert march(find_scene(name), nodes=200, every=10**6).status == "resolved"
     assert (zone_at_edge(find_scene(name), 1.0) == 0) == (name == "stuck")
 
 
@@ -356,10 +254,7 @@ def test_named_scenes_are_resolved(name):
 @pytest.mark.parametrize("name", ["pulse", "harmonic", "remote-shock"])
 def test_summary_does_not_depend_on_what_is_stored(name):
     scene = find_scene(name)
-    whole, thin = (
-        sf.solve(scene, method="space-time", nodes=150),
-        sf.solve(scene, method="space-time", nodes=150, every=10**6),
-    )
+    whole, thin = (march(scene, nodes=150), march(scene, nodes=150, every=10**6))
     wanted, found = march_document(whole), march_document(thin)
     for document in (wanted, found):
         del document["statistics"], document["stored_levels"]
@@ -375,7 +270,7 @@ def test_summary_does_not_depend_on_what_is_stored(name):
 
 
 def test_onset_is_when_the_rate_passes_a_share_of_the_largest_until_then():
-    marched = sf.solve(find_scene("ramp"), method="space-time", nodes=150)
+    marched = march(find_scene("ramp"), nodes=150)
     speed, t = np.abs(marched.interface.slip_rate), marched.interface.t
     until = np.maximum.accumulate(speed.max(axis=1))
     fast = speed > 0.01 * until[:, None]
@@ -417,8 +312,8 @@ def test_too_large_marches_are_refused_at_once(options, capsys):
 
 def test_stored_history_is_thinned_to_fit(capsys, tmp_path):
     scene = find_scene("ramp")
-    whole = sf.solve(scene, method="space-time", nodes=200)
-    thin = sf.solve(scene, method="space-time", nodes=200, memory=2_000_000)
+    whole = march(scene, nodes=200)
+    thin = march(scene, nodes=200, memory=2_000_000)
     assert thin.every > 1
     assert 32 * len(thin.interface.t) * 200 < 1_500_000
     assert thin.interface.t[-1] == 1.0
@@ -426,13 +321,13 @@ def test_stored_history_is_thinned_to_fit(capsys, tmp_path):
     np.testing.assert_array_equal(thin.interface.slip[1], whole.interface.slip[thin.every])
     assert main(["solve", "ramp", "--nodes", "200", "--memory", "0.002"]) == 0
     assert f"Every {thin.every}th level is stored" in capsys.readouterr().err
-    part = sf.solve(scene, method="space-time", end_time=0.5, nodes=200, length=2.0, latest=1.0)
+    part = march(scene, end_time=0.5, nodes=200, length=2.0, latest=1.0)
     with pytest.raises(sf.SceneError, match="GB of memory"):
         sf.march_on(part, 1.0, memory=500_000)
 
 
 def test_json_says_what_is_unresolved(capsys):
-    assert main(["solve", "ramp", "--friction", "30", "--nodes", "50", "--json"]) == 0
+    assert main(["solve", "ramp", "--friction", "30", "--nodes", "50", "--json"]) == 4
     assert json.loads(capsys.readouterr().out)["status"] == "unresolved"
-    assert main(["solve", "ramp", "--friction", "30", "--nodes", "50"]) == 0
+    assert main(["solve", "ramp", "--friction", "30", "--nodes", "50"]) == 4
     assert "unresolved" in capsys.readouterr().out

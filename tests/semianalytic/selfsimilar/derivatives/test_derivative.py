@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED, REMOTE, SHOCK, STEEL, UNIT, over, unit_scene
+from catalogue import PRELOADED, REMOTE, SHOCK, STEEL, over, unit_scene
 from laws import random_scenes
 
 from semianalytic import Material, RateWeakening, Scene, SceneError, Tractions, ViscousFriction
 from semianalytic.parameters.overriding import override_scene
-from semianalytic.reference import edge_speed_under_shear_step, slip_rate_under_shear_step
+from semianalytic.reference import edge_speed_under_shear_step
 from semianalytic.selfsimilar.derivatives.parameters import parameter
 from semianalytic.selfsimilar.solver import solve
 
@@ -119,20 +119,9 @@ def test_edge_of_the_only_zone_moves_as_its_closed_form(nu, strength):
         assert derivative.zones[0].outer == pytest.approx(moved, rel=1e-10)
         assert derivative.zones[0].inner == 0
         assert derivative.error_estimate < 1e-8
-
-
-def test_slip_rate_of_the_only_zone_changes_as_its_closed_form():
-    solution, x = solve(unit_scene(1.2), rtol=1e-11), np.array([0.02, 0.1, 0.2, 0.26])
-    derivative, step = solution.derivative("friction"), 1e-3
-    expected = sum(
-        sign * weight / step * slip_rate_under_shear_step(UNIT, 1.0, 1.2 + sign * n * step, x)
-        for n, weight in EIGHTH_ORDER
-        for sign in (1, -1)
-    )
-    np.testing.assert_allclose(derivative.slip_rate(x, 1.0), expected, rtol=1e-9)
-    assert derivative.edge_slip_rate == pytest.approx(
-        float(derivative.slip_rate(1e-8, 1.0)), rel=1e-6
-    )
+    derivative = solution.derivative("friction")
+    at_edge = float(derivative.slip_rate(1e-8, 1.0))
+    assert derivative.edge_slip_rate == pytest.approx(at_edge, rel=1e-6)
 
 
 @pytest.mark.thinned(27)
@@ -173,49 +162,51 @@ def unpressed(scene, name):
     return name in ("base_pressure", "load_pressure") and not scene.superposition.in_place.pressure
 
 
-def check_random_scenes(count, names_of):
-    """Derivatives in random scenes against differences, and how many of them there were."""
-    compared = 0
-    for index, exact in enumerate(random_scenes(count, rtol=1e-11)):
-        for name in names_of(index):
-            if unpressed(exact.scene, name):
-                continue
-            found = errors(exact, name)
-            if found is not None:
-                compared += 1
-                assert max(found.values()) < 1e-8, (name, found, exact.scene)
-    return compared
-
-
 @pytest.mark.slow
 def test_differences_of_solutions_agree_in_random_scenes():
     """With respect to two of the parameters in each, in turn."""
-    count = len(NAMES)
-    pairs = [(NAMES[i], NAMES[(i + count // 2) % count]) for i in range(count)]
-    assert check_random_scenes(25, lambda index: pairs[index % count]) >= 20
+    count, compared = len(NAMES), 0
+    for index, exact in enumerate(random_scenes(25, rtol=1e-11)):
+        for name in (NAMES[index % count], NAMES[(index + count // 2) % count]):
+            found = None if unpressed(exact.scene, name) else errors(exact, name)
+            if found is not None:
+                compared += 1
+                assert max(found.values()) < 1e-8, (name, found, exact.scene)
+    assert compared >= 20
+
+
+def check_homogeneity(solution, x):
+    """Slip and shear are of degree 1 in all tractions, and functions of friction times pressure,
+    within what the error estimates of the derivatives allow."""
+    scene, names = solution.scene, [n for n in TRACTIONS if parameter(solution.scene, n)]
+    parts = {name: solution.derivative(name) for name in names}
+    if scene.friction and solution.zones:
+        parts["friction"] = solution.derivative("friction")
+    assert max(one.error_estimate for one in parts.values()) < 1e-5
+    for field in ("slip_rate", "slip", "shear_traction"):
+        own = getattr(solution, field)(x, 1.0)
+        each = {n: parameter(scene, n) * getattr(one, field)(x, 1.0) for n, one in parts.items()}
+        size = np.abs(own).max(initial=0.0)
+        allowed = {
+            n: one.error_estimate * max(np.abs(each[n]).max(initial=0.0), size)
+            for n, one in parts.items()
+        }
+        rest = sum(each[name] for name in names) - own
+        assert np.abs(rest).max() <= sum(allowed[name] for name in names), (field, scene)
+        if "friction" in parts:
+            pressed = [name for name in names if name.endswith("pressure")]
+            rest = each["friction"] - sum(each[name] for name in pressed)
+            bound = allowed["friction"] + sum(allowed[name] for name in pressed)
+            assert np.abs(rest).max() <= bound, (field, scene)
 
 
 @pytest.mark.thinned(9)
 @over("exact", without="stuck")
 def test_shear_is_homogeneous_in_tractions(problem):
-    """Shear is of degree 1 in all tractions, and a function of friction times pressure."""
-    solution = solve(problem.scene)
-    scene, x = problem.scene, clear_positions(solution)
-    parts = {name: solution.derivative(name) for name in TRACTIONS}
-    for field, size in (
-        ("slip_rate", solution._rate_unit),
-        ("shear_traction", solution.stress_unit),
-    ):
-        each = {n: parameter(scene, n) * getattr(one, field)(x, 1.0) for n, one in parts.items()}
-        expected, tolerance = getattr(solution, field)(x, 1.0), 3e-7 * size
-        np.testing.assert_allclose(sum(each.values()), expected, rtol=0, atol=tolerance)
-        if scene.friction:
-            by_friction = scene.friction * getattr(solution.derivative("friction"), field)(x, 1.0)
-            pressures = each["base_pressure"] + each["load_pressure"]
-            scale = 1 + np.abs(by_friction).max() / size
-            np.testing.assert_allclose(by_friction, pressures, rtol=0, atol=scale * tolerance)
-    edges = sum(parameter(scene, name) * edges_of(one) for name, one in parts.items())
-    np.testing.assert_allclose(edges, 0, atol=1e-7 * scene.material.shear_speed)
+    solution, scene = solve(problem.scene), problem.scene
+    check_homogeneity(solution, clear_positions(solution))
+    moves = [parameter(scene, name) * edges_of(solution.derivative(name)) for name in TRACTIONS]
+    np.testing.assert_allclose(sum(moves), 0, atol=1e-7 * scene.material.shear_speed)
 
 
 FILM = unit_scene(0.5, friction_law=ViscousFriction(0.2))
@@ -357,10 +348,6 @@ def test_slip_rate_changes_infinitely_fast_at_its_edges():
     slow, fast = solution.derivative("friction").slip_rate(just_behind, 1.0)
     assert slow < -1e4
     assert fast < -10
-    unit = solve(unit_scene(1.0), rtol=1e-12)  # at 3/8 c_t, which is no rounded number
-    edge = unit.profile.fields.zones[0].left.v
-    assert unit.derivative("friction").varied.slip_rate(edge) == -np.inf
-    assert unit.derivative("load_shear").varied.slip_rate(edge) == np.inf
 
 
 def test_before_the_load_only_the_base_changes():

@@ -47,10 +47,11 @@ def test_error_estimates_bound_errors(name, rtol):
         assert error_over_size(derivative, exact, right) <= derivative.error_estimate
 
 
-def check_estimates(count):
-    """Estimates bound errors in random scenes at several accuracies, and not by much too much."""
+@pytest.mark.slow
+def test_error_estimates_bound_errors_in_random_scenes():
+    """At several accuracies, and not by much too much."""
     shares = []
-    for index, exact in enumerate(random_scenes(count)):
+    for index, exact in enumerate(random_scenes(60)):
         name = NAMES[index % len(NAMES)]
         if unpressed(exact.scene, name):
             continue
@@ -62,12 +63,7 @@ def check_estimates(count):
         assert error <= derivative.error_estimate, (name, exact.scene)
         shares.append(derivative.error_estimate / max(error, 1e-11))
     assert np.median(shares) < 100  # 20, of which 5 are `SAFETY`
-    return len(shares)
-
-
-@pytest.mark.slow
-def test_error_estimates_bound_errors_in_random_scenes():
-    assert check_estimates(60) >= 45
+    assert len(shares) >= 45
 
 
 @pytest.mark.thinned(12)

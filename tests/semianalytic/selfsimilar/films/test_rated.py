@@ -1,15 +1,14 @@
 """Strength that depends on slip rate: Newton's method, what it agrees with, what it refuses."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 from catalogue import REMOTE, unit_scene
 from laws import check_march_converges
 
-from semianalytic import CoulombFriction, RateWeakening, SceneError, ViscousFriction
-from semianalytic.reference import viscous_edge_speed, viscous_slip_rate
-from semianalytic.scene.scene import Material
+from semianalytic import CoulombFriction, RateWeakening, SceneError
 from semianalytic.selfsimilar.rated import approach, newton
 from semianalytic.selfsimilar.rated.approach import approached, settled_zones, unsettled
 from semianalytic.selfsimilar.rated.law import unit_law
@@ -33,19 +32,6 @@ def test_newtons_method_converges_quadratically():
     _, first, second, *_ = rated.moves
     assert first > 1e-5
     assert second < 10 * first**2
-
-
-def test_a_linear_law_is_one_step_to_the_closed_form():
-    law = ViscousFriction(0.25)
-    scene, start = unit_scene(1.0, friction_law=law), dry(ONE_ZONE)
-    profile = start.profile
-    rated = rated_zones(profile, profile.fields.zones, unit_law(scene, start.stress_unit), 1e-10)
-    assert max(rated.moves[1:]) < 1e-11
-    material = Material(1.0, 1.0, 1 / 3)
-    (zone,) = rated.placement.zones
-    assert 1 / zone.left.v[0] == pytest.approx(viscous_edge_speed(material, 1.0, 0.25), abs=1e-10)
-    at_edge = viscous_slip_rate(material, 1.0, 1.0, 0.25, 0.0)
-    assert 2 * rated.profile.edge_slip_rate == pytest.approx(float(at_edge), abs=1e-9)
 
 
 @pytest.mark.thinned(3)
@@ -88,9 +74,7 @@ def test_weakening_across_the_rayleigh_front_is_refused():
     ):
         with pytest.raises(SceneError, match="cover the Rayleigh front"):
             solve(scene)
-
-
-def test_weakening_that_pressure_makes_steeper_than_radiation_is_refused():
+    # pressure makes it steeper than radiation
     scene = unit_scene(1.0, (1.0, 0.0), (0.5, 1.5), friction_law=RateWeakening(0.45, 1.0))
     with pytest.raises(SceneError, match="makes pressure infinite at the contact edge"):
         solve(scene)
@@ -115,23 +99,21 @@ def test_slip_rate_too_steep_for_any_rule_is_said():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("reduction", [0.314, 0.4])
-@pytest.mark.parametrize("load", [-10.4, 10.1])
-def test_falling_friction_is_answered_or_refused(reduction, load):
-    """Zone edges pass the shear front on the way, and leave the nodes of slip rate behind."""
+@pytest.mark.parametrize(
+    ("nu", "friction", "reduction", "load", "answered"),
+    [  # zone edges pass the shear front on the way, and leave the nodes of slip rate behind
+        *((1 / 3, 0.33, *case, True) for case in product((0.314, 0.4), (-10.4, 10.1))),
+        # a zone edge comes so close to c_R that slip rate has the power 0 beside it
+        (0.25, 0.6, 0.314, -10.4, False),
+        (1 / 3, 0.05, 0.314, -10.4, False),
+    ],
+)
+def test_falling_friction_is_answered_or_refused(nu, friction, reduction, load, answered):
     law = RateWeakening(0.33, reduction)
-    solution = solve(unit_scene(0.33, (0.13, 0.0), (0.0, load), friction_law=law), rtol=1e-5)
-    assert solution.zones
-    assert solution.status == "converged" or "which no rule resolves" in solution.status
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("nu", "friction"), [(0.25, 0.6), (1 / 3, 0.05)])
-def test_falling_friction_whose_exponent_rounds_to_zero_is_told(nu, friction):
-    """A zone edge comes so close to c_R that slip rate has the power 0 beside it."""
-    law = RateWeakening(0.33, 0.314)
-    scene = unit_scene(friction, (0.13, 0.0), (0.0, -10.4), nu=nu, friction_law=law)
-    assert "which no rule resolves" in solve(scene).status
+    scene = unit_scene(friction, (0.13, 0.0), (0.0, load), nu=nu, friction_law=law)
+    solution = solve(scene, rtol=1e-5 if answered else 1e-8)
+    refused = "which no rule resolves" in solution.status
+    assert refused or (answered and solution.zones and solution.status == "converged")
 
 
 @pytest.fixture

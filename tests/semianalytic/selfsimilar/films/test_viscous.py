@@ -23,7 +23,7 @@ from semianalytic.regimes import (
     viscous_nucleation,
 )
 from semianalytic.scene.given.named import NAMED_SCENES
-from semianalytic.scene.scene import Material, Tractions
+from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.zones.placement import locate_edges
 from tests.semianalytic.selfsimilar.test_solution import integral, power_density, singular_speeds
 
@@ -75,9 +75,7 @@ def test_no_viscosity_is_constant_friction_and_little_is_near_it():
     np.testing.assert_array_equal(none.edge_speeds, constant.edge_speeds)
     np.testing.assert_allclose(little.edge_speeds, constant.edge_speeds, atol=1e-6)
     assert np.abs(little.edge_speeds - constant.edge_speeds).max() > 1e-9
-
-
-def test_little_viscosity_alone_is_lambs_problem():
+    # alone it is nearly Lamb's problem
     x = np.array([0.3, 0.7, 1.2, 1.7])
     solution = solve(unit_scene(0.0, friction_law=ViscousFriction(1e-8)))
     lamb = slip_rate_without_friction(Material(1.0, 1.0, 1 / 3), 1.0, x)
@@ -131,12 +129,6 @@ def test_slip_below_rounding_is_refused():
         solve(too_thick)
 
 
-def test_work_of_opposite_loads_is_the_same():
-    turned = replace(LOADED, base=Tractions(1.0, -0.1), load=Tractions(0.8, -1.0))
-    one, other = solve(LOADED), solve(turned)
-    assert float(one.frictional_work(1.0)) == float(other.frictional_work(1.0)) > 0
-
-
 # --- any viscosity ------------------------------------------------------------------------------
 
 ANSWERED = ("converged", "the error estimate ", "no set of slip zones ")
@@ -167,19 +159,13 @@ def check_honest(exact, rtol=1e-8):
     return True
 
 
-def drawn(seed, rtol):
-    return solve(viscous_scene(np.random.default_rng(seed)), rtol=rtol)
-
-
-@pytest.mark.thinned(16)
-@pytest.mark.parametrize("seed", range(12))
-def test_films_are_answered_lawfully_and_honestly(seed):
-    assert check_honest(drawn(seed, 1e-10))
-
-
-@pytest.mark.slow
-def test_films_are_answered_or_say_why_not():
-    assert sum(check_honest(drawn(seed, 1e-12)) for seed in range(40)) >= 38
+@pytest.mark.parametrize(
+    ("count", "answered"), [(1, 1), pytest.param(40, 38, marks=pytest.mark.slow)]
+)
+def test_films_are_answered_lawfully_and_honestly(count, answered):
+    """Of the others the status says why not."""
+    scenes = (viscous_scene(np.random.default_rng(seed)) for seed in range(count))
+    assert sum(check_honest(solve(scene, rtol=1e-12)) for scene in scenes) >= answered
 
 
 @pytest.mark.thinned(2)

@@ -112,24 +112,19 @@ def test_little_viscosity_is_nearly_none():
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", EVERY)
 def test_estimates_bound_errors(scene):
+    """And power of the whole is that of its parts."""
     exact = solve(scene, rtol=1e-10)
+    whole = float(exact.frictional_power(1.0))
+    ends = [0.0, *sorted(v for zone in exact.zones for v in (zone.inner, zone.outer) if v), 9.0]
+    parts = [float(exact.frictional_power(1.0, *pair)) for pair in pairwise(ends)]
+    assert sum(parts) == pytest.approx(whole, rel=1e-9)
+    assert whole > 0
     for rtol in (1e-4, 1e-6, 1e-8):
         assert check_honest(exact, rtol)
         solution = solve(scene, rtol=rtol)
         for name in ("frictional_power", "frictional_work", "accumulated_slip", "max_slip"):
             value, known = (float(getattr(one, name)(1.0)) for one in (solution, exact))
             assert value == pytest.approx(known, rel=solution.error_estimate), name
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", [STRONG, TAPPED, HELD])
-def test_power_of_the_whole_is_that_of_its_parts(scene):
-    solution = solve(scene)
-    whole = float(solution.frictional_power(1.0))
-    ends = [0.0, *sorted(v for zone in solution.zones for v in (zone.inner, zone.outer) if v), 9.0]
-    parts = [float(solution.frictional_power(1.0, *pair)) for pair in pairwise(ends)]
-    assert sum(parts) == pytest.approx(whole, rel=1e-9)
-    assert whole > 0
 
 
 def test_friction_that_falls_with_slip_rate_is_refused_where_the_contact_opens():

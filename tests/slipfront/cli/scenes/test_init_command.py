@@ -58,7 +58,8 @@ def test_weakening_laws_are_the_same_in_si_units():
 
 @pytest.mark.parametrize("units", ["", "--units SI"])
 def test_each_alternative_works_once_its_marks_are_moved(units, shown):
-    text = shown(f"init - {units}").out
+    short, text = (shown(f"init - {units} {every}").out for every in ("", "--all"))
+    assert len(short.splitlines()) <= 40
     kinds = {"shear_history": HISTORY_KINDS, "friction_law": FRICTION_LAWS}
     for table, known in kinds.items():
         before, head, part = text.partition(f"[{table}]")
@@ -80,7 +81,7 @@ def test_each_alternative_works_once_its_marks_are_moved(units, shown):
 def test_every_number_has_its_unit_and_meaning():
     for units, expected in (("", ("[stress]", "[time]", "[1/time]")), ("SI", ("[Pa]", "[s]"))):
         scene = find("harmonic")
-        text = scene_text(in_si_units(scene) if units else scene)
+        text = scene_text(in_si_units(scene) if units else scene, with_all=True)
         for measure in expected:
             assert measure in text
         for line in text.splitlines():

@@ -75,8 +75,8 @@ def test_a_half_line_is_solved_as_the_slot_that_moves_alike(tmp_path, printed):
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("whole-line-patch", ("shear traction", "strength f p", "excess of the patch")),
-        ("growing-load", ("shear traction", "strength f p", "Q₀ t^1")),
+        ("whole-line-patch", ("shear traction", "strength f p")),
+        ("growing-load", ("shear traction", "strength f p")),
         ("pair-slip", ("slip rate", "shear traction", "pressure")),
     ],
 )

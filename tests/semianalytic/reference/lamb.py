@@ -27,11 +27,38 @@ from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, rayleigh_factors
-from semianalytic.halfplane.velocities import principal_panels
+from semianalytic.halfplane.velocities import square_root_panels
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
 Field = Callable[[Array, Array], Array]
+
+
+def principal_panels(factors: RayleighFactors, order: int) -> tuple[Array, Array]:
+    """Return nodes and weights on 0 < xi < c_l for densities with a simple pole at c_R.
+
+    The panel around c_R is symmetric and of even order, which makes it a principal value; the
+    panels beside it grow in proportion to their distance from the pole.
+
+    Parameters
+    ----------
+    factors : RayleighFactors
+    order : Gauss nodes per panel, even.
+    """
+    rayleigh, longitudinal = 1 / factors.c, 1 / factors.a
+    reach = (1 - rayleigh) / 2
+    widths = reach * 3.0 ** np.arange(40)
+    left = [0.0, *(rayleigh - widths[widths < 0.8 * rayleigh])[::-1]]
+    right = [rayleigh + reach, 1.0, longitudinal]
+    nodes_left, weights_left = square_root_panels(left, order)
+    nodes_right, weights_right = square_root_panels(right, order)
+    t, weight = gauss(order)
+    # Gauss nodes of even order are symmetric about the pole and miss it: its two sides cancel.
+    middle = rayleigh + reach * (2 * t - 1)
+    return (
+        np.concatenate([nodes_left, middle, nodes_right]),
+        np.concatenate([weights_left, 2 * reach * weight, weights_right]),
+    )
 
 
 def _direct(factors: RayleighFactors, v: Array, mode: Mode) -> Array:
