@@ -173,8 +173,8 @@ def checkpoint(stepper: Stepper, record: Record, now: State, print_of: str) -> d
 
 def past_of(kept: Mapping[str, Any], prefix: str = "") -> Past:
     """Return the memory in a checkpoint: that of slip, or of opening with "normal_"."""
-    modes, lasting, rates, last, repeated = (kept[f"{prefix}{one.name}"] for one in fields(Past))
-    return Past(modes, lasting, rates, float(last), int(repeated))
+    modes, lasting, last = (kept[f"{prefix}{one.name}"] for one in fields(Past))
+    return Past(modes, lasting, float(last))
 
 
 def fingerprint(stepper: Stepper, latest: float) -> str:

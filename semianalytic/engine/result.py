@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
-FORMAT = "slipfront interface run 7"
+FORMAT = "slipfront interface run 8"
 _UNITS = {
     "slip": ("length", "relative slip, upper minus lower side"),
     "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),

@@ -10,19 +10,12 @@ steps may have any length.  The memory knows nothing of contacts, slots or frict
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass, field
-from functools import cached_property
-from itertools import pairwise
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.memory.exponentials import Memory, SharedMemory
-
-MEMORY_STEPS = 4
-"""Steps between updates of a large memory: 2 take 1.5 times as long, 8 three quarters."""
-MEMORY_SIZE = 20_000
-"""Poles times wavenumbers of a large memory: without it 1,000 nodes take 1.2 times as long."""
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -38,20 +31,14 @@ class Past:
         Convolutions with the exponentials, at the time up to which they are known.
     lasting : (rows, size) array
         Convolution with the static part of the kernel.
-    rates : (steps, rows, size) array
-        Amplitudes of the rates at the beginnings of the steps since then.
     last : float
         c_t times the length of the last step [length], whose end value is left out of all of these;
         0 where nothing is left out.
-    repeated : int
-        Steps of that length so far.
     """
 
     modes: Complex
     lasting: Array
-    rates: Array = field(default_factory=lambda: np.empty(0))
     last: float = 0.0
-    repeated: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,36 +118,12 @@ class StepTable:
             factors.astype(kind, copy=False) for factors in (self.decay, self.end, self.gain)
         )
 
-    @cached_property
-    def decays(self) -> Complex:
-        """Factors on the numbers m over 1, 2, ... steps, (`MEMORY_STEPS`, p, size)."""
-        decays = np.empty((MEMORY_STEPS, *self.decay.shape), dtype=complex)
-        decays[0] = self.decay
-        for earlier, later in pairwise(decays):
-            np.multiply(earlier, self.decay, out=later)
-        return decays
-
-    @cached_property
-    def kernel(self) -> Array:
-        """What the start value of a step exerts at its end and later, (`MEMORY_STEPS`, size).
-
-        The last row is the end of the step itself, so that rates of increasing time meet rows in
-        order.  Lasting slip is not part of it.
-        """
-        later = [self.gain, *(self.gain * decay for decay in self.decays[:-1])]
-        return np.array([one.real.sum(axis=0) for one in reversed(later)])
-
 
 class LineMemory:
     """The memory of past slip on a line, carried over steps of any length.
 
     The end value of a step is still to be found when its memory is needed: `advance` returns the
     convolution without it, and `feedback` is its share per unit.
-
-    Where the numbers m do not fit into the cache of a processor, and steps of equal length follow
-    each other, they are brought up to date after every `MEMORY_STEPS` of them.  In between, what
-    they exert is known ahead but for the rates of those few steps, for which the sum over poles is
-    made once: a step then reads half of the numbers that it would have to read otherwise.
 
     Parameters
     ----------
@@ -206,10 +169,6 @@ class LineMemory:
         # convolutions, without the share of the newest rate where a last step is noted
         self._modes = np.zeros((rows, poles, size), dtype=self._kind)
         self._lasting, self._last = np.zeros((rows, size)), 0.0
-        # rates that the numbers m have not got yet, and what those numbers exert without them
-        self._rates, self._taken = np.empty((MEMORY_STEPS, rows, size)), 0
-        self._free, self._repeated = np.empty((MEMORY_STEPS, rows, size)), 0
-        self._is_large = kernels.reads is None and not single and poles * size >= MEMORY_SIZE
         self._scratch = np.empty((poles, size), dtype=self._kind)
         self._tables: OrderedDict[float, StepTable] = OrderedDict()
 
@@ -242,27 +201,17 @@ class LineMemory:
             # the table of this step has another share, which its `gain` adds.
             self.settle(amplitudes)
             self._add(self.table(step), -amplitudes)
-            self._last, self._repeated = step, 0
+            self._last = step
         table = self.table(step)
         # half as the start of this step, half as the end value left out of the one before
         self._lasting += table.whole * amplitudes
-        self._repeated += 1
-        if self._is_large and self._repeated > 2:  # equal steps of which more are expected
-            if self._taken == MEMORY_STEPS:
-                self._catch_up()
-            if not self._taken:
-                self._look_ahead(table)
-            self._rates[self._taken] = amplitudes
-            self._taken += 1
-        else:
-            for modes, row in zip(self._modes, self._as_numbers(amplitudes), strict=True):
-                modes *= table.decay
-                modes += np.multiply(table.gain, row, out=self._scratch)
+        for modes, row in zip(self._modes, self._as_numbers(amplitudes), strict=True):
+            modes *= table.decay
+            modes += np.multiply(table.gain, row, out=self._scratch)
         return self._exerted()
 
     def settle(self, amplitudes: Array) -> None:
         """Complete the memory with the newest rate (rows, size), so that nothing is left out."""
-        self._catch_up()
         if self._last:
             self._add(self.table(self._last), amplitudes)
             self._last = 0.0
@@ -278,32 +227,20 @@ class LineMemory:
         """Change the newest rate by amplitudes (rows, size), with the convolution as it is."""
         # The memory lacks the share of the newest rate, which the next step adds from the rate; a
         # jump changes that rate, so the share that is missing has to change with it.
-        self._catch_up()
         if self._last:
             self._add(self.table(self._last), -change)
 
     def past(self) -> Past:
         """Return copies of everything that steps change, for `put_back`."""
-        rates = self._rates[: self._taken].copy()
-        return Past(self._modes.copy(), self._lasting.copy(), rates, self._last, self._repeated)
+        return Past(self._modes.copy(), self._lasting.copy(), self._last)
 
     def put_back(self, past: Past) -> None:
         """Take up a memory that `past` returned, to the last bit."""
-        self._modes[:], self._lasting[:] = past.modes, past.lasting
-        self._last, self._repeated, self._taken = past.last, past.repeated, len(past.rates)
-        if self._taken:
-            self._look_ahead(self.table(self._last))
-            self._rates[: self._taken] = past.rates
+        self._modes[:], self._lasting[:], self._last = past.modes, past.lasting, past.last
 
     def _exerted(self) -> Array:
         """Return the convolutions now but for a share that is left out, (k, rows, size)."""
         exerted = np.empty((len(self._kernels.lasting), *self._lasting.shape))
-        if self._taken:
-            np.add(self._free[self._taken - 1], self._lasting, out=exerted[0])
-            kernel = self.table(self._last).kernel[-self._taken :]
-            for row, found in enumerate(exerted[0]):
-                found += np.einsum("ks,ks->s", kernel, self._rates[: self._taken, row])
-            return exerted
         for row, (modes, lasting) in enumerate(zip(self._modes, self._lasting, strict=True)):
             self._kernels.exerted(modes, lasting, exerted[:, row])
         return exerted
@@ -316,35 +253,6 @@ class LineMemory:
         for modes, row in zip(self._modes, self._as_numbers(amplitudes), strict=True):
             modes += np.multiply(table.end, row, out=self._scratch)
         self._lasting += table.half * amplitudes
-
-    def _look_ahead(self, table: StepTable) -> None:
-        """Find what the numbers m exert after each of the steps to come."""
-        for row, modes in enumerate(self._modes):
-            # The real part of a product is that of the real parts less that of the imaginary
-            # parts, which lie side by side.
-            both = np.einsum("kps,ps->ks", table.decays.view(float), modes.view(float))
-            np.subtract(both[:, ::2], both[:, 1::2], out=self._free[:, row])
-
-    def _catch_up(self) -> None:
-        """Bring the numbers m to the end of the steps that were taken."""
-        taken, scratch = self._taken, self._scratch
-        if not taken:
-            return
-        table = self.table(self._last)
-        for row, modes in enumerate(self._modes):
-            rates = self._rates[:taken, row]
-            if taken > 1:
-                # The rate at the start of step j has decayed over taken - 1 - j steps since its
-                # end; each is there twice, for the real and the imaginary part.
-                older, twice = table.decays[taken - 2 :: -1], np.repeat(rates[:-1], 2, axis=1)
-                np.einsum("kps,ks->ps", older.view(float), twice, out=scratch.view(float))
-                scratch.real += rates[-1]
-            else:
-                scratch[:] = rates[-1]
-            scratch *= table.gain
-            modes *= table.decays[taken - 1]
-            modes += scratch
-        self._taken = 0
 
 
 class CoupledMemory(LineMemory):

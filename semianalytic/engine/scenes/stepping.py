@@ -256,6 +256,15 @@ class Walk:
             yield level
 
 
+def _is_of_usual_size(scene: Scene, latest: float) -> bool:
+    """Return whether slip rates until a time are far from the ends of single precision."""
+    load, largest = scene.superposition.taken_off, 0.0
+    for name, history in scene.acting_histories.items():
+        times = np.append(np.linspace(0.0, latest, 50), history.pieces.breaks)
+        largest = max(largest, float(np.abs(getattr(load, name) * history.value(times)).max()))
+    return 1e-20 < largest / scene.material.shear_impedance < 1e20
+
+
 def _shear_loads(scene: Scene, levels: Array) -> Array:
     """Return Q_0 f at evenly spaced levels (n,) [stress].
 

@@ -8,7 +8,6 @@ from catalogue import unit_scene
 
 import semianalytic as sf
 from semianalytic.engine.stepping import blocks
-from semianalytic.memory import line_memory
 from tests.semianalytic.engine.scenes.runs import march, preloaded, relative_l1
 
 
@@ -67,9 +66,6 @@ def test_blocks_of_steps_change_nothing(steps, monkeypatch):
 
     found = marches()
     monkeypatch.setattr(blocks, "BLOCK_STEPS", steps)
-    # so many steps are seen ahead by a memory that counts as large
-    monkeypatch.setattr(line_memory, "MEMORY_SIZE", 0)
-    monkeypatch.setattr(line_memory, "MEMORY_STEPS", steps)
     for one, other in zip(found, marches(), strict=True):
         assert one.statistics.steps == other.statistics.steps
         assert one.error_estimate == pytest.approx(other.error_estimate, rel=1e-10)
