@@ -138,7 +138,7 @@ def check_levels(
         return
     for segment in segments:
         for level in islice(_levels(scene, segment, pressure, front), 1, None):
-            _check_pressure(scene, level, pressure.spacing)
+            _checked_pressure(scene, level, pressure.spacing)
 
 
 class Walk:
@@ -250,10 +250,11 @@ class Walk:
         self._blocks.settle()
 
     def _checked(self) -> Iterator[Level]:
-        """Yield the levels to come, each once its pressure is checked."""
-        for level in self._levels:
-            _check_pressure(self._marched.scene, level, self.grid.spacing)
-            yield level
+        """Return the levels to come, each of which is checked if loads change the pressure."""
+        scene = self._marched.scene
+        if not scene.superposition.taken_off.pressure:
+            return self._levels
+        return (_checked_pressure(scene, level, self.grid.spacing) for level in self._levels)
 
 
 def _is_of_usual_size(scene: Scene, latest: float) -> bool:
@@ -284,10 +285,8 @@ def _shear_loads(scene: Scene, levels: Array) -> Array:
     return np.asarray(scene.superposition.taken_off.shear * loads)
 
 
-def _check_pressure(scene: Scene, level: Level, spacing: float) -> None:
-    """Raise if the contact would open, or if friction weakens too fast under its pressure."""
-    if scene.superposition.taken_off.pressure == 0:
-        return
+def _checked_pressure(scene: Scene, level: Level, spacing: float) -> Level:
+    """Return a level; raise if the contact would open or friction weakens too fast under it."""
     pressure = level.pressure
     node = int(np.argmin(pressure))
     if pressure[node] < 0:
@@ -298,3 +297,4 @@ def _check_pressure(scene: Scene, level: Level, spacing: float) -> None:
             "or simulate the scene with finite elements (docs/limits.md)."
         )
     scene.check_weakening(float(pressure.max()))
+    return level

@@ -55,6 +55,7 @@ class Balance:
         self._mirror = (0 if grid.between else 1) if grid.even else None
         self.on, self.slots = _nodes(touching), _nodes(~touching)
         self._steady = law.steady_slope()
+        self._is_dry = self._steady is not None and not np.any(self._steady)
         self._resisting = None if self._steady is None else impedance + self._steady
         self._felt = self._rest = np.zeros(0)
         self._follows = law.follows_state
@@ -113,16 +114,20 @@ class Balance:
             speed = np.maximum(excess, 0.0)
             speed /= self._resisting
         # Slip has the sense of the traction it relaxes; adding 0.0 keeps +0.0 where it sticks.
-        speed = np.copysign(speed, on)
-        speed += 0.0
-        out[self.on] = speed
+        moving = out[self.on]
+        np.copysign(speed, on, out=moving)
+        moving += 0.0
+        if not isinstance(self.on, slice):
+            out[self.on] = moving
         if len(on) < len(out):
             out[self.slots] = (stopping[self.slots] - slot) / self._impedance
 
     def strength(self, speed: Array, state: Array, felt: Array) -> Array:
-        """Return the strength at a speed (contact,), after `closed` at this level [stress]."""
+        """Return the strength at speeds (contact,) under a state and a pressure [stress]."""
         if self._steady is None:
             return self._law.strength(felt, speed, state)
+        if self._is_dry:
+            return self._strength_at_rest(felt, state)
         return self._strength_at_rest(felt, state) + self._steady * speed
 
     def _strength_at_rest(self, felt: Array, state: Array) -> Array:
