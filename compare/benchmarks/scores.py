@@ -44,13 +44,7 @@ LONGEST_STEP = 1 / 32
 NOTHING = 1e-9
 """An exact norm below this, relative to that of the reference value, is zero; and rounding of
 times."""
-_STATED = Conventions(
-    scale={"length": 1.0, "time": 1.0, "stress": 1.0},
-    sign="as-given",
-    slip="relative",
-    pressure="compression",
-    tractions="total",
-)
+_STATED = Conventions(sign="as-given", slip="relative", pressure="compression", tractions="total")
 """What a sheet asks for, so that nothing is inferred."""
 
 

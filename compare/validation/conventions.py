@@ -1,4 +1,4 @@
-"""Units and conventions of a file that are given beforehand, so that nothing is inferred."""
+"""Units and conventions of a file that are given beforehand."""
 
 from __future__ import annotations
 
@@ -30,7 +30,10 @@ _POWERS: Mapping[str, tuple[int, int, int]] = {
 
 @dataclass(frozen=True)
 class Conventions:
-    """Known units and conventions of a file; other conventions are as given, or inferred and said.
+    """Known units and conventions of a file.
+
+    Units that neither the file nor a scale states are those of the scene.  Conventions that neither
+    states are as given, or the only ones that explain the records, which is then said.
 
     Parameters
     ----------

@@ -1,65 +1,49 @@
-"""The reading of a file: one for all of its numbers.
+"""How the numbers of a file are read.
 
-Numbers are in the units that the file or conventions name, else in those of the scene.  Conventions
-that neither says are taken as given where that leaves less than `LITTLE` of every quantity
-unexplained.  Elsewhere all of them are tried on all quantities together; one is inferred, and said,
-where it alone leaves less than `LITTLE`, and the records make sense by themselves
-(`checks.nonsense`).  No quantity is mended by itself.
+Units are those that the file or the conventions state, else those of the scene.  Conventions that
+neither states are as given where that leaves less than `LITTLE` of every quantity unexplained.
+Elsewhere another sense, half of the slip and changes of tractions are weighed on all quantities
+together, and are taken if exactly one combination explains them.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
-import scipy
 
-from compare.records.record import AFTER, BEFORE, QUANTITIES, Record, Records
-from compare.validation.checks import nonsense
-from compare.validation.conventions import Conventions
-from compare.validation.exact import POINT, Array, Exact, Sampling, exact_answer
-from compare.validation.norms import quantity_norm, weights
+from compare.records.record import AFTER, BEFORE, Record, Records
+from compare.validation.conventions import WORDS, Conventions
+from compare.validation.exact import POINT, Exact, Sampling, exact_answer
+from compare.validation.norms import quantity_norm
 from compare.validation.readings import (
-    MOTION,
     TRACTIONS,
-    Choice,
+    TURNS,
     Reading,
     base_of,
-    chosen_reading,
     given_reading,
+    turn_words,
 )
+from compare.validation.weighing import LITTLE, Columns, columns_of, left_by
 from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError
 
-LITTLE = 0.25
-"""Relative error of a quantity above which a reading does not explain it.
-
-Right runs of UGUCA and SEM2DPACK on 40 to 200 cells leave up to 0.16, and one half, another sense
-or a base that is left out leaves 0.47 at least."""
-CLOSE = 5.0
-"""Ratio of what two readings leave, below which either may be meant: the next one leaves 20 times
-as much in the trial (docs/validate.md)."""
-TELLING = 1e-5
-"""Mean of a quantity over its unit below which it says nothing of conventions."""
 SHARP = 0.02
 """Error of slip rates above which means over steps are not told from values at their times."""
 CLEARLY = 5.0
 """Factor by which they have to be nearer to a mean: the exact record on 41 steps is 9 times, and
 noise of 1 % makes no difference between them."""
+FAR_OFF = 1.9
+"""Factor by which a quantity has to be off for another unit to be mentioned as a cause."""
+NEAREST = 0.01
+"""Least position of the outermost station, over c_l T, at which no unit is mentioned."""
 LOOKED_AT = 6
-"""Number of stations on which readings are tried."""
+"""Number of stations on which conventions are weighed."""
 SAMPLES = 300
-"""Samples of a record that are enough to tell readings apart."""
-SHIFTS = 41
-FEW = 60
-"""Samples of a record, enough for the time origin."""
-FITS = 1e-5
-"""Relative error of slip rates that have no better time origin: one that is 1e-5 T off, to which
-the search is exact, leaves 2e-5 on the scene `preloaded`.  No run on a grid comes near it."""
-LARGEST_SHIFT = 0.2
-"""Largest shift of the time origin that is tried, over T."""
+"""Samples of a record that are enough to tell conventions apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,189 +54,46 @@ class Detection:
     ----------
     exact : Exact
     reading : Reading
+    stating : mapping from str to str
+        Conventions that neither the file nor the caller states, as `Conventions` takes them; none
+        if all is as given.
     inferred : tuple of str
-        What neither the file nor conventions say, in words; none if all is as given.
-    stating : Conventions
-        What would state it.
+        The same in words.
     left, as_given : float
         Largest relative error of a quantity that the reading leaves, and the one as given; nan
-        where nothing was compared.
+        where nothing was weighed.
     notes : tuple of str
     """
 
     exact: Exact
     reading: Reading
+    stating: Mapping[str, str] = field(default_factory=dict)
     inferred: tuple[str, ...] = ()
-    stating: Conventions = field(default_factory=Conventions)
     left: float = np.nan
     as_given: float = np.nan
     notes: tuple[str, ...] = ()
 
 
 def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
-    """How a run is to be read; what is stated is obeyed, whatever is inferred is said.
+    """How a run is to be read; what is stated holds, and what is inferred is said.
 
     Raises
     ------
     DataFileError
-        If no station lies where anything happens.
+        If nothing was recorded after t = 0.
     SceneError
         If a scale is given for a column whose unit the file names.
     """
     given = given_reading(conventions, run.stated, scene)
-    read = given.apply(run)
+    read, looked_at = given.apply(run), replace(run, stations=_some(run.stations))
     end = last_time(read)
     exact = exact_answer(scene, end, _reach(read, scene, end))
-    sample = replace(run, stations=tuple(map(_thinned, _some(run.stations))))
-    found = _explained(sample, exact, given, conventions)
+    sample = replace(looked_at, stations=tuple(map(_thinned, looked_at.stations)))
+    found = _weighed(columns_of(sample, exact, given), Detection(exact, given), run, conventions)
     found = replace(found, notes=(*_given_notes(conventions), *found.notes))
     if conventions.rate is None and not run.stated.mean:
-        found = _with_means(found, replace(run, stations=_some(run.stations)))
-    return replace(found, notes=(*found.notes, *_shift(found.reading.apply(sample), exact)))
-
-
-class _Residuals:
-    """Errors that readings leave of each quantity at the places and times of one of them."""
-
-    def __init__(self, sample: Records, exact: Exact, reading: Reading) -> None:
-        self.exact = exact
-        self._columns: dict[str, tuple[Array, Array, Array]] = {}
-        for name in QUANTITIES:
-            parts = list(self._parts(sample, name, reading))
-            if parts:
-                values, weight, expected = map(np.concatenate, zip(*parts, strict=True))
-                self._columns[name] = values, weight, expected
-
-    def _parts(
-        self, sample: Records, name: str, reading: Reading
-    ) -> Iterator[tuple[Array, Array, Array]]:
-        """Numbers of the file, weights and exact values at each station that waves may reach."""
-        for record in sample.stations:
-            values = record.values.get(name)
-            x, t = reading.place(record), reading.times(record)
-            if values is None or x > self.exact.scene.material.longitudinal_speed * t[-1]:
-                continue
-            weight = weights(t, values)
-            if weight.any():
-                expected = self.exact.record(name, x, t)
-                yield np.where(weight > 0, values, 0.0), weight, expected
-
-    def tells(self, name: str, base: float = 0.0) -> bool:
-        """Whether the answer has something to say of a quantity, besides its base."""
-        if name not in self._columns:
-            return False
-        _, weight, expected = self._columns[name]
-        size = float(weight @ np.abs(expected - base))
-        return size > TELLING * self.exact.unit(name) * float(weight.sum())
-
-    def left(self, name: str, factor: float, base: float = 0.0) -> float:
-        """Relative error of a quantity, of what the file would hold of it without a base.
-
-        Where that is nothing, over the quantity with its base, or over its unit.
-        """
-        values, weight, expected = self._columns[name]
-        wrong = float(weight @ np.abs(factor * values + base - expected))
-        size = float(weight @ np.abs(expected - base))
-        if not self.tells(name, base):
-            unit = self.exact.unit(name) * float(weight.sum())
-            size = max(float(weight @ np.abs(expected)), unit)
-        return wrong / size
-
-    def largest(self, reading: Reading) -> float:
-        """Largest error that a reading leaves of a quantity."""
-        parts = [self.left(name, *_read_by(reading, name)) for name in self._columns]
-        return max(parts, default=np.inf)
-
-    def admits(self, choice: Choice, reading: Reading) -> bool:
-        """Whether the records may speak for a choice at all.
-
-        Slip is whole where the answer does not slip.  Tractions are changes only if one that has a
-        base changes, and does not begin with its base.
-        """
-        if choice.half and not any(self.tells(name) for name in MOTION):
-            return False
-        return not choice.changes or any(self._is_change(name, reading) for name in TRACTIONS)
-
-    def _is_change(self, name: str, reading: Reading) -> bool:
-        base, factor = base_of(self.exact.scene, name), reading.factor(name)
-        if name not in self._columns or not base or not self.tells(name, base):
-            return False
-        return self.left(name, factor, base) < LITTLE < self.left(name, factor)
-
-    def alike(self, one: Reading, other: Reading) -> bool:
-        """Whether two readings are the same of all that the answer has something to say of."""
-        told = [name for name in self._columns if self.tells(name, one.offset(name))]
-        return all(_read_by(one, name) == _read_by(other, name) for name in told)
-
-    def scale(self, name: str, reading: Reading) -> float | None:
-        """Return the factor that would explain a quantity which a reading does not."""
-        values, weight, expected = self._columns[name]
-        factor, base = _read_by(reading, name)
-        square = float(weight @ np.square(values))
-        if not square or self.left(name, factor, base) < LITTLE:
-            return None
-        size = float(weight @ (values * (expected - base))) / square
-        return size if self.left(name, size, base) < LITTLE else None
-
-    def hints(self, reading: Reading, settled: Sequence[str]) -> Iterator[str]:
-        """Yield by what each quantity is off, with the option that would state it as its unit."""
-        for name in self._columns:
-            size = self.scale(name, reading)
-            if size is not None and name not in settled:
-                times = reading.factor(name) / size
-                yield (
-                    f"{name.replace('_', ' ')} is {times:.3g} times the exact one; if it is in "
-                    f"another unit, give scale {name}={size:.6g}"
-                )
-
-
-def _read_by(reading: Reading, name: str) -> tuple[float, float]:
-    return reading.factor(name), reading.offset(name)
-
-
-def _explained(
-    sample: Records, exact: Exact, given: Reading, conventions: Conventions
-) -> Detection:
-    """The reading as given if it explains all quantities, else the only one that does."""
-    residuals = _Residuals(sample, exact, given)
-    as_given = residuals.largest(given)
-    found = Detection(exact, given, left=as_given, as_given=as_given)
-    if as_given < LITTLE or np.isinf(as_given):
-        return found
-    fitting: list[tuple[float, Choice, Reading]] = []
-    for choice in _choices(sample, conventions):
-        reading = chosen_reading(choice, given, sample.stated, exact.scene)
-        left = residuals.largest(reading)
-        fits = left < LITTLE and residuals.admits(choice, reading)
-        if fits and not any(residuals.alike(reading, other) for _, _, other in fitting):
-            fitting.append((left, choice, reading))
-    if not fitting:
-        return replace(found, notes=tuple(residuals.hints(given, tuple(sample.stated.units))))
-    fitting.sort(key=lambda one: one[0])
-    (left, choice, reading), *others = fitting
-    names = tuple(name for name in QUANTITIES if any(name in r.values for r in sample.stations))
-    words = choice.words(names)
-    if others and others[0][0] < CLOSE * max(left, np.finfo(float).eps):
-        both = f"{words}, or {others[0][1].words(names)}"
-        return replace(
-            found, notes=(f"conventions: as given; two readings fit, {both}: give one of them",)
-        )
-    if wrong := nonsense(reading.apply(sample), exact.scene):
-        return replace(found, notes=(f"conventions: as given; with {words} {wrong[0]}",))
-    return Detection(exact, reading, (words,), choice.stating, left, as_given)
-
-
-def _choices(sample: Records, said: Conventions) -> Iterator[Choice]:
-    """All choices among what neither the file nor conventions settle, the plainest first."""
-    stated, names = sample.stated, {name for one in sample.stations for name in one.values}
-    free = (
-        said.slip is None and not stated.faces and bool(names & set(MOTION)),
-        said.sign is None,
-        said.pressure is None and "pressure" in names,
-        said.tractions is None and not stated.changes and bool(names & set(TRACTIONS)),
-    )
-    flags = itertools.product(*((False, True) if one else (False,) for one in free))
-    yield from (Choice(*one) for one in sorted(flags, key=sum) if any(one))
+        found = _with_means(found, looked_at)
+    return found
 
 
 def last_time(run: Records) -> float:
@@ -290,10 +131,101 @@ def _some(stations: Sequence[Record]) -> tuple[Record, ...]:
     return tuple(right[place] for place in chosen) if right else ()
 
 
-def _thinned(record: Record, most: int = SAMPLES) -> Record:
-    every = max(len(record.t) // most, 1)
+def _thinned(record: Record) -> Record:
+    every = max(len(record.t) // SAMPLES, 1)
     values = {name: column[::every] for name, column in record.values.items()}
     return Record(record.x, record.t[::every], values)
+
+
+def _weighed(
+    columns: Columns, given: Detection, run: Records, conventions: Conventions
+) -> Detection:
+    """The conventions that alone explain all quantities, if those as given do not."""
+    if not columns:
+        return given
+    as_given = left_by(given.reading, columns)
+    largest = max(as_given.values())
+    found = replace(given, left=largest, as_given=largest)
+    if largest < LITTLE:
+        return found
+    fitting: list[tuple[dict[str, Any], Reading]] = []
+    for words in _combinations(run, conventions):
+        reading = given_reading(replace(conventions, **words), run.stated, given.exact.scene)
+        known = any(_alike(reading, other, columns) for _, other in fitting)
+        if not known and _explains(reading, words, columns, given.exact.scene):
+            fitting.append((words, reading))
+    if len(fitting) == 1:
+        ((words, reading),) = fitting
+        said = tuple(turn_words(words, columns))
+        left = max(left_by(reading, columns).values())
+        return replace(found, reading=reading, stating=words, inferred=said, left=left)
+    if fitting:
+        both = ", or ".join("; ".join(turn_words(words, columns)) for words, _ in fitting)
+        return replace(
+            found, notes=(f"conventions: as given; several fit, {both}: state one of them",)
+        )
+    return replace(found, notes=tuple(_hint(given, as_given, columns, run)))
+
+
+def _combinations(run: Records, conventions: Conventions) -> Iterator[dict[str, Any]]:
+    """Conventions that neither the file nor the caller rules out; those with fewest turns first."""
+    stated = run.stated
+    by_file = {"slip": bool(stated.faces), "tractions": bool(stated.changes)}
+    free = [n for n in TURNS if getattr(conventions, n) is None and not by_file.get(n, False)]
+    for count in range(1, len(free) + 1):
+        for names in itertools.combinations(free, count):
+            yield {name: WORDS[name][1] for name in names}
+
+
+def _explains(reading: Reading, words: Mapping[str, str], columns: Columns, scene: Scene) -> bool:
+    """Whether a reading leaves little of every quantity.
+
+    Tractions are changes only if one with a base changes, and its numbers alone do not explain it.
+    """
+    if max(left_by(reading, columns).values()) >= LITTLE:
+        return False
+    return "tractions" not in words or any(
+        columns[name].tells(base) and columns[name].left(reading.factor(name)) > LITTLE
+        for name in TRACTIONS
+        if name in columns and (base := base_of(scene, name))
+    )
+
+
+def _alike(one: Reading, other: Reading, columns: Columns) -> bool:
+    """Whether two readings are the same in all that the answer has something to say of."""
+    return all(
+        (one.factor(name), one.offset(name)) == (other.factor(name), other.offset(name))
+        or not column.tells(other.offset(name))
+        for name, column in columns.items()
+    )
+
+
+def _hint(
+    given: Detection, as_given: Mapping[str, float], columns: Columns, run: Records
+) -> Iterator[str]:
+    """One sentence on positions, times or quantities that are off by a factor, if any are."""
+    reading, exact = given.reading, given.exact
+    farthest = exact.scene.material.longitudinal_speed * exact.end_time
+    nearness = max(map(reading.place, run.stations), default=0.0) / farthest
+    if 0 < nearness < NEAREST:
+        yield (
+            f"the outermost station lies at {nearness:.2g} of the distance that waves travel until "
+            "the last time; if positions or times are in another unit, state it (scale x=, t=)"
+        )
+        return
+    ratios = {
+        name: column.ratio(reading.factor(name), reading.offset(name))
+        for name, column in columns.items()
+        if as_given[name] >= LITTLE and column.tells()
+    }
+    off = {n: r for n, r in ratios.items() if r > FAR_OFF or 0 < r < 1 / FAR_OFF}
+    if off:
+        sizes = ", ".join(f"{name.replace('_', ' ')} {ratio:.3g}" for name, ratio in off.items())
+        scales = ", ".join(f"{name}={1 / ratio:.3g}" for name, ratio in off.items())
+        yield (
+            f"size over that of the exact answer: {sizes}; if another unit is the cause, state it "
+            f"(scale {scales})"
+        )
 
 
 def _with_means(found: Detection, run: Records) -> Detection:
@@ -307,55 +239,12 @@ def _with_means(found: Detection, run: Records) -> Detection:
     best = min(errors, key=errors.__getitem__)
     if best == POINT or errors[best] > min(SHARP, errors[POINT] / CLEARLY):
         return found
-    words = f"slip rate: the mean over the step {best} its time"
     return replace(
         found,
         reading=replace(found.reading, sampling=kinds[best]),
-        inferred=(*found.inferred, words),
-        stating=replace(found.stating, rate=best),
+        stating={**found.stating, "rate": best},
+        inferred=(*found.inferred, f"slip rate: the mean over the step {best} its time"),
     )
-
-
-def _shift(run: Records, exact: Exact) -> tuple[str, ...]:
-    """Report a time origin that is not that of the load, without correcting it."""
-    name = next(
-        (name for name in MOTION if any(name in record.values for record in run.stations)), None
-    )
-    if name is None or (norm := quantity_norm(run, name, exact)) is None:
-        return ()
-    if norm.exact == 0 or norm.L1 < FITS:
-        return ()
-    few = replace(run, stations=tuple(_thinned(record, FEW) for record in run.stations))
-    end = exact.end_time
-
-    def error(part: float) -> float:
-        return _shifted_error(few, exact, name, part * end)
-
-    parts = np.linspace(-LARGEST_SHIFT, LARGEST_SHIFT, SHIFTS)
-    for record in few.stations:
-        if name in record.values:
-            exact.know(name, record.x, record.t + parts[:, None] * end)
-    nearest = float(parts[np.argmin([error(float(part)) for part in parts])])
-    room = 2 * LARGEST_SHIFT / (SHIFTS - 1)
-    # Over parts of T, as the tolerance of the search is a number without a unit.
-    best = scipy.optimize.minimize_scalar(
-        error, bounds=(nearest - room, nearest + room), method="bounded"
-    )
-    if best.fun > min(LITTLE, norm.L1 / CLEARLY):
-        return ()
-    shift = f"{best.x * end:.3g}"
-    return (
-        f"times: the records fit best if {shift} is added to them; they are left as they are "
-        f"(time_shift {shift} would move them)",
-    )
-
-
-def _shifted_error(run: Records, exact: Exact, name: str, shift: float) -> float:
-    moved = replace(
-        run, stations=tuple(replace(record, t=record.t + shift) for record in run.stations)
-    )
-    norm = quantity_norm(moved, name, exact)
-    return np.inf if norm is None else norm.L1
 
 
 def _given_notes(conventions: Conventions) -> Iterator[str]:
@@ -363,7 +252,7 @@ def _given_notes(conventions: Conventions) -> Iterator[str]:
     if conventions.scale:
         sizes = ", ".join(f"{name} times {size:.6g}" for name, size in conventions.scale.items())
         yield f"units, as given: {sizes}"
-    for name in ("sign", "slip", "pressure", "tractions", "rate"):
+    for name in WORDS:
         if getattr(conventions, name) is not None:
             yield f"{name}, as given: {getattr(conventions, name)}"
     if conventions.time_shift:

@@ -70,15 +70,6 @@ class Exact:
             self._known[key] = self._record(name, x, np.minimum(t, self.end_time), sampling)
         return self._known[key]
 
-    def know(self, name: str, x: float, times: Array) -> None:
-        """Compute records at each row of times (k, n) at once, which `record` then only looks up.
-
-        Half a hundred short records, one by one, take several times as long.
-        """
-        answer = self._record(name, x, np.minimum(times, self.end_time).ravel(), AT_TIME)
-        for t, values in zip(times, answer.reshape(times.shape), strict=True):
-            self._known[name, x, t.tobytes(), AT_TIME] = values
-
     def _record(self, name: str, x: float, t: Array, sampling: Sampling) -> Array:
         if name == "slip_rate" and sampling.kind != POINT:
             return self._mean_rate(x, t, sampling)

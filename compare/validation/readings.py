@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from compare.records.record import Array, Record, Records, Stated
@@ -12,6 +12,13 @@ from semianalytic import Scene
 
 MOTION = ("slip_rate", "slip")
 TRACTIONS = ("shear_traction", "pressure")
+TURNS: Mapping[str, tuple[tuple[str, ...], str]] = {
+    "sign": (("slip", "slip_rate", "shear_traction"), "the sign is the other way"),
+    "slip": (("slip", "slip_rate"), "half of the relative one, doubled"),
+    "pressure": (("pressure",), "tension is positive"),
+    "tractions": (TRACTIONS, "changes since t = 0, the base is added"),
+}
+"""Quantities that each convention turns, and what the second of its `WORDS` means."""
 
 
 @dataclass(frozen=True)
@@ -69,53 +76,12 @@ class Reading:
         )
 
 
-@dataclass(frozen=True)
-class Choice:
-    """Conventions of a whole file that nobody has stated.
-
-    Attributes
-    ----------
-    half, turned, tension, changes : bool
-        Slip and slip rate are half of the relative ones; they and shear traction point the other
-        way; tension is positive; tractions are changes since t = 0.
-    """
-
-    half: bool = False
-    turned: bool = False
-    tension: bool = False
-    changes: bool = False
-
-    def words(self, names: tuple[str, ...]) -> str:
-        """Description of all that is not as given, for the report.
-
-        Parameters
-        ----------
-        names : tuple of str
-            Quantities that were recorded.
-        """
-        motion = _listed(name for name in ("slip", "slip_rate") if name in names)
-        turned = _listed(n for n in ("slip", "slip_rate", "shear_traction") if n in names)
-        tractions = _listed(name for name in TRACTIONS if name in names)
-        parts = []
-        if self.half:
-            parts.append(f"{motion}: half of the relative one, doubled")
-        if self.turned:
-            parts.append(f"{turned}: the sign is the other way")
-        if self.tension:
-            parts.append("pressure: tension is positive")
-        if self.changes:
-            parts.append(f"{tractions}: changes since t = 0, the base is added")
-        return "; ".join(parts)
-
-    @property
-    def stating(self) -> Conventions:
-        """Conventions that state the choice, so that nothing has to be inferred."""
-        return Conventions(
-            sign="reversed" if self.turned else None,
-            slip="half" if self.half else None,
-            pressure="tension" if self.tension else None,
-            tractions="changes" if self.changes else None,
-        )
+def turn_words(conventions: Mapping[str, str], recorded: Collection[str]) -> Iterator[str]:
+    """Describe conventions that are not as given, for the quantities that were recorded."""
+    for name in conventions:
+        quantities, words = TURNS[name]
+        there = (quantity.replace("_", " ") for quantity in quantities if quantity in recorded)
+        yield f"{' and '.join(there)}: {words}"
 
 
 def given_reading(conventions: Conventions, stated: Stated, scene: Scene) -> Reading:
@@ -157,30 +123,3 @@ def _sampling(conventions: Conventions, stated: Stated, scale: float) -> Samplin
     if stated.mean:
         return Sampling(stated.mean, None if stated.step is None else stated.step * scale)
     return AT_TIME
-
-
-def chosen_reading(choice: Choice, given: Reading, stated: Stated, scene: Scene) -> Reading:
-    """The reading of a choice; slip and slip rate of one face alone are doubled already."""
-    factors, offsets = dict(given.factors), dict(given.offsets)
-    sign = -1.0 if choice.turned else 1.0
-    for name in MOTION:
-        factors[name] *= sign * (2.0 if choice.half and name not in stated.faces else 1.0)
-    factors["shear_traction"] *= sign
-    factors["pressure"] *= -1.0 if choice.tension else 1.0
-    if choice.changes:
-        offsets |= {name: base_of(scene, name) for name in TRACTIONS}
-    return replace(given, factors=factors, offsets=offsets)
-
-
-def settings_of(conventions: Conventions) -> Iterator[tuple[str, str]]:
-    """Names and values of what conventions settle, as options have them."""
-    for name, size in conventions.scale.items():
-        yield "scale", f"{name}={size:.12g}"
-    for name in ("sign", "slip", "pressure", "tractions", "rate"):
-        value = getattr(conventions, name)
-        if value is not None:
-            yield name, value
-
-
-def _listed(names: Iterator[str]) -> str:
-    return " and ".join(name.replace("_", " ") for name in names)

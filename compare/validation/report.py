@@ -11,7 +11,6 @@ from typing import Any
 from compare.comparison.documents import SCENE_DIMENSIONS, json_text, row_units, units_document
 from compare.comparison.prediction import method_of
 from compare.output.files import write_text
-from compare.validation.readings import settings_of
 from compare.validation.validation import Validation
 from semianalytic.scene.given.documents import scene_document
 
@@ -35,7 +34,7 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
         "counts": validation.counts,
         "reading": {
             "inferred": list(detection.inferred),
-            "stated_by": [list(pair) for pair in settings_of(detection.stating)],
+            "stated_by": [list(pair) for pair in detection.stating.items()],
             "factors": dict(detection.reading.factors),
             "offsets": dict(detection.reading.offsets),
             "left": _finite(detection.left),

@@ -127,8 +127,7 @@ def validate(
         Distance of the grid points of each run on the interface, in the unit of x of its file; 0
         for a gauge without any extent, whose noise is known.
     conventions : Conventions, optional
-        Units and conventions that are known; other units are those of the scene, and other
-        conventions are inferred where one alone explains the records, and said.
+        Units and conventions that are known; units are else those of the scene.
 
     Returns
     -------
@@ -254,8 +253,8 @@ def _in_reach(run: Records, detection: Detection) -> tuple[Records, tuple[str, .
         raise DataFileError(
             f"{run.source or 'validate'}: no station lies on the contact where waves come until "
             f"t = {exact.end_time:.4g} (positions {min(places, default=0):.4g} to "
-            f"{max(places, default=0):.4g}, of 0 to {farthest:.4g}); give the units of the file "
-            "(scale)."
+            f"{max(places, default=0):.4g}, of 0 to {farthest:.4g}); give the unit of "
+            "positions or of times (scale)."
         )
     dropped = len(run.stations) - len(kept)
     notes = []

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.interface.alike import Alike
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.law import not_negative, positive
 from semianalytic.scene.checks import shown
@@ -190,7 +191,7 @@ class Contact:
 
 
 @dataclass(frozen=True, eq=False)
-class Adhesion:
+class Adhesion(Alike):
     """Tension that a contact carries before it opens.
 
     Faces that touch and have never parted carry tension up to the strength.  Where they part, the

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.interface.alike import Alike
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.tables.columns import read_columns
@@ -53,7 +54,7 @@ DEEPEST = 250
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class Table(Alike):
     """A quantity given at positions x, linear between them; a position given twice is a jump.
 
     Parameters
@@ -81,7 +82,7 @@ class Table:
     def __post_init__(self) -> None:
         for name in ("x", "values"):
             try:
-                given = np.asarray(getattr(self, name), dtype=float)
+                given = np.array(getattr(self, name), dtype=float)  # the caller keeps its own
             except (TypeError, ValueError):  # words, or rows of different lengths
                 given = np.empty(0)
             if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all():
@@ -134,7 +135,7 @@ class Table:
 
 
 @dataclass(frozen=True, eq=False)
-class Scaled:
+class Scaled(Alike):
     """A field, or a function of time, times a factor.
 
     Parameters
@@ -355,6 +356,15 @@ class Expression:
 
     def __repr__(self) -> str:
         return self.text
+
+    def __reduce__(self) -> Any:
+        return Expression, (self.text, self.variables, self.numbers)  # parts are closures
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Expression) and self.__reduce__() == other.__reduce__()
+
+    def __hash__(self) -> int:
+        return hash((self.text, self.variables))
 
     def _part(self, node: ast.AST) -> _Part:
         """Return the function that a part of the expression is, or raise SceneError.

@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from semianalytic.interface.alike import Alike
 from semianalytic.interface.contact import Adhesion, Contact
 from semianalytic.interface.coulomb import Coulomb
 from semianalytic.interface.documents import interface_document
@@ -46,7 +47,7 @@ _TRACTIONS = ("shear", "pressure")
 
 
 @dataclass(frozen=True, eq=False)
-class InterfaceFile:
+class InterfaceFile(Alike):
     """An interface, and how it is to be run.
 
     Attributes

@@ -8,6 +8,7 @@ from typing import Any
 
 from semianalytic.dissimilar.kernels import BodyPair
 from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
+from semianalytic.interface.alike import Alike
 from semianalytic.interface.contact import Adhesion, Contact
 from semianalytic.interface.fields import check_field
 from semianalytic.interface.hilbert import comes_back
@@ -21,7 +22,7 @@ from semianalytic.scene.scene import MODES
 
 
 @dataclass(frozen=True, eq=False)
-class Interface:
+class Interface(Alike):
     """A frictional interface between two half-planes, with fields that vary along x.
 
     Pressure, base shear, loads and all parameters of the law are fields: numbers, functions of x,

@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.interface.alike import Alike
 from semianalytic.interface.fields import BARRIER, sampled
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
@@ -19,7 +20,7 @@ SLOWEST = 1e-300
 """Slip rate below which a law counts as one that sticks."""
 
 
-class InterfaceLaw(ABC):
+class InterfaceLaw(Alike, ABC):
     """The friction of an interface: strength at a slip speed and a state that evolves with slip.
 
     Derive a class, best a frozen dataclass, and define `strength`.  The state is one number per

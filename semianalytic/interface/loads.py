@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.bonded import bonded_tractions
+from semianalytic.interface.alike import Alike
 from semianalytic.interface.fields import check_field
 from semianalytic.interface.hilbert import transformed
 from semianalytic.scene.checks import checked_number, shown
@@ -24,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class InterfaceLoad:
+class InterfaceLoad(Alike):
     """Tractions that act from t = 0 on: fields along x times a history of time.
 
     Parameters
@@ -123,7 +124,7 @@ class InterfaceLoad:
 
 
 @dataclass(frozen=True, eq=False)
-class FrontLoad:
+class FrontLoad(Alike):
     """A plane wave that arrives at an angle, or a load that moves, as a load of an interface.
 
     The traction is S f(t - p (x - at)), with the step S and the slowness p of the front, and a

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -74,11 +75,15 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
         tuple((of_mode(edge), amount) for edge, amount in normal.opening.closing),
         load.base_pressure,
         load.load_pressure,
-        lambda at: normal.pressure(factors.seen_in_plane(at)),
+        partial(_pressure, normal, factors),  # a function that can be pickled
         normal.known_pressure(),
         load.slowness,
     )
     return replace(load, opened=opened), normal
+
+
+def _pressure(normal: Normal, factors: RayleighFactors, at: CutPoints) -> Array:
+    return normal.pressure(factors.seen_in_plane(at))
 
 
 def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | None:

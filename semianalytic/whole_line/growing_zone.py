@@ -12,9 +12,10 @@ slip: integrals over them are finite parts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from math import factorial, prod
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -99,6 +100,9 @@ class GrowingZone:
     power: int
     ratio: float
     edge: float
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {one.name: getattr(self, one.name) for one in fields(self)}  # integrals are closures
 
     @cached_property
     def polynomial(self) -> Array:

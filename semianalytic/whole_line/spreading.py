@@ -12,8 +12,9 @@ strength (docs/whole_line.md).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -53,6 +54,9 @@ class Spreading:
     patch: float
     edge: float
     lead: float = np.inf
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {one.name: getattr(self, one.name) for one in fields(self)}  # integrals are closures
 
     @cached_property
     def beyond(self) -> float:

@@ -111,23 +111,32 @@ def slipfront(
     _show_messages(context, log)
 
 
-COMMANDS: Mapping[str, tuple[str, str]] = {
-    "compare": ("compare_command", "compare_command"),
-    "solve": ("solve_command", "solve_command"),
-    "simulate": ("simulate_command", "simulate_command"),
-    "field": ("field_command", "field_command"),
-    "explore": ("explore_command", "explore_command"),
-    "benchmark": ("measured.benchmark_command", "app"),
-    "validate": ("measured.validate_command", "validate_command"),
-    "fit": ("measured.fit_command", "fit_command"),
-    "survey": ("survey_command", "survey_command"),
-    "scenes": ("scenes.commands", "scenes"),
-    "init": ("scenes.commands", "init"),
-    "docs": ("docs_command", "docs"),
-    "sliding": ("scenes.sliding", "sliding"),
-    "chart": ("chart_command", "chart"),
+_GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
+    "Solve and look": {
+        "solve": ("solve_command", "solve_command"),
+        "field": ("field_command", "field_command"),
+        "explore": ("explore_command", "explore_command"),
+        "sliding": ("scenes.sliding", "sliding"),
+    },
+    "Simulate and compare": {
+        "compare": ("compare_command", "compare_command"),
+        "simulate": ("simulate_command", "simulate_command"),
+        "chart": ("chart_command", "chart"),
+    },
+    "Data": {
+        "validate": ("measured.validate_command", "validate_command"),
+        "fit": ("measured.fit_command", "fit_command"),
+        "benchmark": ("measured.benchmark_command", "app"),
+    },
+    "Many scenes": {
+        "survey": ("survey_command", "survey_command"),
+        "scenes": ("scenes.commands", "scenes"),
+        "init": ("scenes.commands", "init"),
+    },
+    "Documentation": {"docs": ("docs_command", "docs")},
 }
 """Commands in the order of the help, with the module of this package and the name in it."""
+COMMANDS = {name: at for group in _GROUPS.values() for name, at in group.items()}
 
 
 def command_for(arguments: Sequence[str]) -> Any:
@@ -172,10 +181,11 @@ def _group(called: str) -> Any:
     for name in [called] if called else COMMANDS:
         module, attribute = COMMANDS[name]
         command = getattr(import_module(f"slipfront.cli.{module}"), attribute)
+        panel = next(title for title, group in _GROUPS.items() if name in group)
         if isinstance(command, typer.Typer):
-            app.add_typer(command, name=name)
+            app.add_typer(command, name=name, rich_help_panel=panel)
         else:
-            app.command(name, help=_help_of(command))(command)
+            app.command(name, help=_help_of(command), rich_help_panel=panel)(command)
     return typer.main.get_command(app)
 
 

@@ -194,7 +194,9 @@ def write_comparison(judgement: Judgement, label: str, directory: Path, form: st
 
 def _show(judgement: Judgement, label: str, directory: Path) -> None:
     console = Console()
-    console.print(terminal.judgement_table(judgement, label))
+    title = f"Semi-analytic against finite elements: {label}"
+    headings = {"exact": "exact", "at_nodes": "at nodes", "simulated": "FEM"}
+    console.print(terminal.judged_table(title, judgement.rows, **headings))
     console.print(terminal.references_line(judgement), highlight=False)
     console.print(terminal.verdict_text(judgement), highlight=False)
     console.print(f"Written to {directory}/", highlight=False)

@@ -20,7 +20,7 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import FEM, XARRAY, require
 from semianalytic.scene.units import InSI
 from slipfront.cli.endings.interruption import INTERRUPTED
-from slipfront.cli.terminal import interface_table, print_json, verdict_text
+from slipfront.cli.terminal import judged_table, print_json, verdict_text
 
 if TYPE_CHECKING:
     from compare.interfaces.judging import InterfaceJudgement
@@ -99,7 +99,12 @@ def compare_interfaces(
         print_json("compare", document, status=judgement.verdict)
     else:
         Console().print(_table(judgement.run, source))
-        Console().print(interface_table(judgement, source))
+        finest = judgement.simulations[0]
+        title = (
+            f"{source}: {judgement.run.nodes} nodes against finite elements, {finest.nodes} along "
+            f"the interface, {finest.steps} steps"
+        )
+        Console().print(judged_table(title, judgement.rows, at_nodes="run", simulated="FEM"))
         Console().print(verdict_text(judgement, ("nodes", "mesh_nodes")), highlight=False)
     if judgement.verdict == DIFFERS:
         raise typer.Exit(1)

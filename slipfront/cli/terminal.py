@@ -242,67 +242,26 @@ def error_line(simulation: Simulation) -> str:
     return f"slip rate at the end within {rate}, slip within {slip}, by coarser meshes"
 
 
-def judgement_table(judgement: Judgement, label: str) -> Table:
-    """Return the rows of a judgement with units; differences in red, norms' errors in per cent."""
-    title = f"Semi-analytic against finite elements: {label}"
-    table = _rows_table(title, "exact", "at nodes", "FEM", "differ by", "bar ±")
-    for row in judgement.rows:
-        table.add_row(
-            escape(row.label),
-            *(shown_number(value, DIGITS) for value in (row.exact, row.at_nodes, row.simulated)),
-            *_differing(row),
-            _verdict(row),
-        )
-    return table
+def judged_table(title: str, rows: Sequence[Row], **numbers: str) -> Table:
+    """Return judged rows with units; differences in red, errors of norms in per cent.
 
-
-def interface_table(judgement: InterfaceJudgement, label: str) -> Table:
-    """Return the rows of an interface by both methods, with errors of norms in per cent."""
-    finest = judgement.simulations[0]
-    title = (
-        f"{label}: {judgement.run.nodes} nodes against finite elements, {finest.nodes} along the "
-        f"interface, {finest.steps} steps"
-    )
-    table = _rows_table(escape(title), "run", "FEM", "differ by", "bar ±", "order")
-    for row in judgement.rows:
-        table.add_row(
-            escape(f"{row.name} [{row.unit}]"),
-            *(shown_number(value, DIGITS) for value in (row.at_nodes, row.simulated)),
-            *_differing(row),
-            "" if row.order is None else f"{row.order:.1f}",
-            _verdict(row),
-        )
-    return table
-
-
-def validation_table(validation: Validation, label: str) -> Table:
-    """Return the rows of a validation; differences in red, errors of norms in per cent."""
-    title = f"{label}: {validation.source or 'records'} against the exact answer"
-    table = _rows_table(escape(title), "exact", "recorded", "differ by", "bar ±", "order")
-    for row in validation.rows:
-        table.add_row(
-            escape(row.name if row.unit == "exact" else f"{row.name} [{row.unit}]"),
-            *(shown_number(value, DIGITS) for value in (row.exact, row.simulated)),
-            *_differing(row),
-            "" if row.order is None else f"{row.order:.1f}",
-            _verdict(row),
-        )
-    return table
-
-
-def _rows_table(title: str, *numbers: str) -> Table:
-    """Return an empty table of judged rows, with the headings of its columns of numbers."""
-    table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    Headings are given by the numbers of the rows that stand below them.
+    """
+    table = Table(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("quantity", min_width=14)  # the whole table fits into 80 columns
-    for heading in numbers:
+    orders = [getattr(row, "order", None) for row in rows]  # at which three meshes converge
+    # three numbers and the order do not fit into 80 columns
+    known = len(numbers) < 3 and any(order is not None for order in orders)
+    for heading in (*numbers.values(), "differ by", "bar ±", *(["order"] if known else [])):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
+    for row, order in zip(rows, orders, strict=True):
+        label = row.name if row.unit in ("1", "exact") else f"{row.name} [{row.unit}]"
+        cells = [shown_number(getattr(row, name), DIGITS) for name in numbers]
+        cells += [row.shown_share(row.difference), row.shown_share(row.bar)]
+        cells += ["" if order is None else f"{order:.1f}"] if known else []
+        table.add_row(escape(label), *cells, _verdict(row))
     return table
-
-
-def _differing(row: Row) -> tuple[str, str]:
-    """Return the cells of the difference of a row and of its bar."""
-    return row.shown_share(row.difference), row.shown_share(row.bar)
 
 
 def norms_table(validation: Validation) -> Table:

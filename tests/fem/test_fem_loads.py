@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from catalogue import UNIT, unit_scene
 
+from docs.studies.article.stuck import stuck_pressure, stuck_shear
 from fem.elements.edge import edge_offset
 from fem.elements.families import FAMILIES
 from fem.loading import kick_means
-from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step
 from tests.fem.runs import FIELDS, LAWS, RISING, l1, mixed, run, sheared
 

@@ -1,15 +1,19 @@
 """The verb `solve`: who answers, which settings are known, and what is refused."""
 
 import inspect
+import pickle
+from copy import deepcopy
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import slipfront as sf
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.methods import METHODS, chosen
+from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.given.finding import names
 
 PAGE = (Path(__file__).parents[2] / "docs" / "methods.md").read_text()
@@ -58,6 +62,27 @@ def test_there_is_one_catalogue_of_names():
         assert chosen(sf.find(name)).name in ("self-similar", "space-time")
     with pytest.raises(sf.SceneError, match=r"no scene called 'tpv206'; did you mean tpv205\?"):
         sf.solve("tpv206")
+
+
+@pytest.mark.parametrize("name", names())
+def test_equal_inputs_are_equal_problems_that_travel(name):
+    """Scenes of numbers, tables and expressions; one number more makes another problem."""
+    one = sf.find(name)
+    for other in (sf.find(name), pickle.loads(pickle.dumps(one)), deepcopy(one)):
+        assert other == one
+        assert hash(other) == hash(one)
+    number = next(key for key, known in numbers_of(one).items() if known.value)
+    moved = with_numbers(one, {number: 0.99 * numbers_of(one)[number].value})
+    assert moved != one
+
+
+def test_a_table_keeps_its_own_numbers():
+    x, values = np.array([0.0, 1.0]), np.array([2.0, 3.0])
+    table, again = sf.Table(x, values), sf.Table(x, values)
+    values[0] = 7.0
+    assert table == again
+    assert table(0.0) == 2.0
+    assert table != sf.Table(x, values)
 
 
 @pytest.mark.parametrize(

@@ -28,8 +28,8 @@ from docs.studies.article.cases import (
     slot_rows,
 )
 from docs.studies.article.claims import CLAIMS, METHODS
+from docs.studies.article.stuck import stuck_pressure, stuck_shear
 from docs.studies.runner import Row, Study, drawn, main
-from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.reference import DEFAULT_READING, published_slip
 from semianalytic.scene.loads import Step
 

@@ -16,7 +16,6 @@ from compare.records.names import not_read
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
 from compare.validation.conventions import BASIC, Conventions
-from compare.validation.readings import settings_of
 from compare.validation.report import validation_document, write_validation
 from compare.validation.validation import CONVERTED, Validation, validate
 from semianalytic.parameters.overriding import override_scene
@@ -40,7 +39,7 @@ from slipfront.cli.options import (
 from slipfront.cli.scenes.completion import scene_names
 
 FIGURE = "validation"
-_UNITS = "Units and conventions of the file (inferred and said unless given)"
+_UNITS = "Units and conventions of the file (of the scene, and as given, unless stated)"
 
 
 def _option(type_: Any, text: str, *, metavar: str | None = None) -> Any:
@@ -119,7 +118,7 @@ def validate_command(
         ),
     ] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Return 1 if units or conventions were inferred.")
+        bool, typer.Option("--strict", help="Return 1 if conventions were inferred.")
     ] = False,
     rate_from_slip: Annotated[
         bool, typer.Option("--rate-from-slip", help="Make a slip rate of differences of slip.")
@@ -142,9 +141,9 @@ def validate_command(
 ) -> None:
     """Compare what another code recorded on the interface with the exact answer.
 
-    Conventions that are inferred are said first, with the options that state them.  The exit code
-    is 0 if nothing differs by more than the error bars allow, 1 if something does, 3 if a file
-    cannot be read.
+    Conventions that are inferred are said first, with the options that state them; units never are.
+    The exit code is 0 if nothing differs by more than the error bars allow, 1 if something does, 3
+    if a file cannot be read.
     """
     require("slipfront validate", *PLOT)
     scene = override_scene(find_scene(scene_name), **overrides)
@@ -273,7 +272,9 @@ def _show(validation: Validation, label: str, directory: Path) -> None:
         console.print(line, highlight=False, markup=False)
     for note in validation.notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
-    console.print(terminal.validation_table(validation, label))
+    title = f"{label}: {validation.source or 'records'} against the exact answer"
+    headings = {"exact": "exact", "simulated": "recorded"}
+    console.print(terminal.judged_table(title, validation.rows, **headings))
     console.print(terminal.references_line(validation), highlight=False)
     console.print(terminal.norms_table(validation))
     text = terminal.verdict_text(validation, ("spacing",))
@@ -291,9 +292,7 @@ def _reading_lines(validation: Validation) -> Iterator[str]:
         return
     yield f"Inferred: {'; '.join(found.inferred)}."
     if found.left < found.as_given:
-        left = (
-            f"{100 * found.left:.2g} % of a quantity at most, as given {100 * found.as_given:.2g}"
-        )
-        yield f"This leaves {left} %."
-    pairs = settings_of(found.stating)
+        left, as_given = (f"{100 * part:.2g} %" for part in (found.left, found.as_given))
+        yield f"This leaves {left} of a quantity at most, as given {as_given}."
+    pairs = found.stating.items()
     yield "To state it: " + " ".join(f"{option_name(name)} {value}" for name, value in pairs)

@@ -10,6 +10,7 @@ import semianalytic as sf
 from semianalytic.dissimilar import whole_line
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.phase import slip_phase
+from tests.semianalytic.dissimilar.half_line import half_line_slip_rate
 
 SOLID = sf.Material(1.0, 1.0, 1 / 3)
 ALIKE = compliance_of(SOLID, SOLID)
@@ -89,7 +90,7 @@ def test_slip_rate_of_like_bodies_is_that_beside_a_slot():
     scene = sf.Scene(SOLID, 0.5, sf.Tractions(2.0, 0.0), sf.Tractions(0.0, 1.0))
     x = np.array([0.02, 0.1, 0.3, 0.37, 0.4])
     # the slot of chi_b = 1 takes 1 of the 2 that are too much and missing together
-    rate = 2 * whole_line.half_line_slip_rate(ALIKE, 0.0, 1.0, x)
+    rate = 2 * half_line_slip_rate(ALIKE, 0.0, 1.0, x)
     np.testing.assert_allclose(rate, sf.solve(scene, rtol=1e-11).slip_rate(x, 1.0), rtol=1e-9)
 
 

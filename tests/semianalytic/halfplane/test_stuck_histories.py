@@ -10,16 +10,12 @@ import pytest
 from catalogue import UNIT
 from scipy.integrate import quad
 
+from docs.studies.article.stuck import near_field, stuck_pressure, stuck_shear
 from semianalytic import Tractions
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stress_intensity, stuck_traction
-from semianalytic.halfplane.stuck_histories import (
-    intensity_history,
-    near_field,
-    stuck_pressure,
-    stuck_shear,
-)
+from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import PULSE_SHAPES, Harmonic, Pulse, Ramp, Step
 from semianalytic.scene.tabulated import Tabulated

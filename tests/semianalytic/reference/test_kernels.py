@@ -6,10 +6,10 @@ import pytest
 from catalogue import unit_scene
 
 from docs.studies.article.cases import slot_errors, slot_rows
+from docs.studies.article.stuck import stuck_pressure, stuck_shear
 from semianalytic import Material
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.halfplane.velocities import square_root_panels
 from semianalytic.reference.kernels import (
     SlipHistory,

@@ -1,5 +1,6 @@
 """Every answer takes the same questions, and refuses in one sentence what it cannot say."""
 
+import pickle
 from functools import cache
 
 import matplotlib
@@ -94,6 +95,8 @@ def test_what_is_not_known_is_refused_in_one_sentence(name, tmp_path):
         else:
             with pytest.raises(sf.SceneError, match=f"{field}: a {type(one).__name__} does not"):
                 getattr(one, field)(0.3, 0.2, 0.5)
+    travelled = pickle.loads(pickle.dumps(one))
+    assert travelled.slip(X, T).tolist() == one.slip(X, T).tolist()
     if name in ("march", "simulation"):
         one.save(tmp_path / "saved")
         assert any(tmp_path.iterdir())

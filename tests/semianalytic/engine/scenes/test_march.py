@@ -12,10 +12,10 @@ from scipy.integrate import quad
 from scipy.special import j1
 
 import semianalytic as sf
+from docs.studies.article.stuck import stuck_pressure, stuck_shear
 from semianalytic.engine.scenes.nodes import causal_grid
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Antiplane, InPlane
 from semianalytic.scene.contact import process_zone

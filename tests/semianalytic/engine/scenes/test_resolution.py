@@ -9,10 +9,10 @@ from catalogue import UNIT, unit_scene
 
 import semianalytic as sf
 from compare.comparison.documents import march_document
+from docs.studies.article.stuck import stuck_shear
 from semianalytic.engine.resolution import nodes_for_loads, zone_at_edge
 from semianalytic.engine.scenes import loads as grid_loads_module
 from semianalytic.engine.scenes.loads import GridPressure
-from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
 from tests.semianalytic.engine.scenes.runs import march

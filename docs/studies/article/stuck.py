@@ -1,0 +1,147 @@
+"""The stuck interface under any load history, (3.20).
+
+A remote load P_0 f(t) makes the stuck pressure P_0 int f'(s) p*((t - s)/x) ds, with the unit
+step's p*(u) of (3.10); likewise shear with q*.  Jumps and straight pieces of f are exact: they
+need p* and its primitive in slowness.  Smooth histories take, on the slowness axis,
+
+    f(0) p*(t/x) + int_a^{t/x} [f(t - v x) - f(0)] dp*/dv dv,
+
+with the inverse square roots of dp*/dv at the wave fronts removed by substitution.  Tractions
+are what the load adds to the base; with base = P_0 f remote, add P_0 f(t) itself (the constant
+of (3.10)).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.halfplane.primitives import stuck_primitive
+from semianalytic.halfplane.rayleigh import Array, Mode
+from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
+from semianalytic.halfplane.stuck_histories import superposed
+from semianalytic.halfplane.velocities import square_root_panels
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loads import LoadHistory, Wave
+from semianalytic.scene.scene import Material
+
+
+@dataclass(frozen=True, eq=False)
+class StuckHistory:
+    """Stuck traction at positions and times [stress], and an estimate of its largest error.
+
+    The error is 0 if there are no waves: everything is then in closed form, up to tables that are
+    exact to rounding.
+    """
+
+    value: Array
+    error: float
+
+
+def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) -> float:
+    """Return int_a^u wave(t - v per) dp*/dv dv, u = (t - start)/per; `per` = x b."""
+    a, u = stuck.factors.a, (t - wave.start) / per
+    if u <= a:
+        return 0.0
+    if abs(u - 1) < 1e-12:
+        u = 1.0  # no panel of rounding beside the root of dq*/dv
+    # Gauss points follow half a period of the wave, however many of them lie between the fronts.
+    longest = 1 / (2 * wave.frequency * per)
+    ends = [a, min(u, 1.0)]
+    if u > 1:
+        ends += [min(u, 2.0)]
+    if u > 2:
+        count = int(np.ceil(np.log2(u / 2))) + 1
+        ends += list(2 * (u / 2) ** (np.arange(1, count + 1) / count))
+    split = [
+        np.linspace(left, right, int(np.ceil((right - left) / longest)) + 1)[:-1]
+        for left, right in pairwise(ends)
+    ]
+    v, weight = square_root_panels([*np.concatenate(split).tolist(), u], order)
+    # weights vanish at the fronts like the square roots that slope has there
+    return float((weight * stuck.derivative(v)) @ wave.value(t - v * per))
+
+
+def _stuck(
+    history: LoadHistory,
+    amplitude: float,
+    material: Material,
+    x: ArrayLike,
+    t: ArrayLike,
+    mode: Mode,
+) -> StuckHistory:
+    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+    if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))) or np.any(x <= 0):
+        raise SceneError(
+            "the contact is x > 0; ask for finite positive positions and finite times."
+        )
+    stuck = stuck_traction(material.poisson_ratio, mode)
+    per = x / material.shear_speed
+    pieces = history.pieces
+    primitive = stuck_primitive(material.poisson_ratio, mode)
+    total = superposed(pieces.jumps, lambda lag: stuck(lag / per), t)
+    total += superposed(pieces.kinks, lambda lag: per * primitive(lag / per), t)
+    error = 0.0
+    if pieces.waves:
+        points = list(zip(t.ravel(), per.ravel(), strict=True))
+        rough, fine = (
+            np.array(
+                [sum(_wave(w, stuck, *point, order) for w in pieces.waves) for point in points]
+            )
+            for order in (24, 36)
+        )
+        error = abs(amplitude) * float(np.abs(fine - rough).max(initial=0.0))
+        total += fine.reshape(x.shape)
+    return StuckHistory(amplitude * total, error)
+
+
+def stuck_pressure(
+    history: LoadHistory, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
+) -> StuckHistory:
+    """Return the pressure that a slot load P_0 f(t) adds to a stuck interface, (3.10), (3.20).
+
+    Parameters
+    ----------
+    history : LoadHistory
+    amplitude : P_0 [stress], compression positive.
+    material : Material
+    x, t : positions x > 0 [length] and times [time]; they broadcast.
+
+    Raises
+    ------
+    SceneError
+        If a position is not positive, or a position or time not finite.
+    """
+    return _stuck(history, amplitude, material, x, t, "I")
+
+
+def stuck_shear(
+    history: LoadHistory,
+    amplitude: float,
+    material: Material,
+    x: ArrayLike,
+    t: ArrayLike,
+    shear_mode: Literal["II", "III"] = "II",
+) -> StuckHistory:
+    """Return the shear traction that a slot load Q_0 f(t) adds to a stuck interface.
+
+    The equations are (3.14), (3.20).
+
+    Parameters and errors are those of `stuck_pressure`; `shear_mode` is "III" for antiplane shear.
+    """
+    return _stuck(history, amplitude, material, x, t, shear_mode)
+
+
+def near_field(intensity: ArrayLike, x: ArrayLike) -> Array:
+    """Return the traction K / sqrt(2 pi x) near the edge, with the remote load f(t) [stress].
+
+    The equation is (3.13).
+
+    The traction that a load on the slot adds (`stuck_pressure`) is smaller by the load itself; the
+    next term is of order sqrt(x).
+    """
+    return np.asarray(intensity, dtype=float) / np.sqrt(2 * np.pi * np.asarray(x, dtype=float))
