@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.stepping.pace import TURN_RATIO, longest_following
+from semianalytic.engine.stepping.pace import TURN_RATIO, nodes_following
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.contact import process_zone
@@ -66,16 +66,14 @@ def nodes_for_loads(
     # step times nodes: a step of step_ratio h / c_t with h = length / nodes
     times_nodes = max(step_ratio, TURN_RATIO) * length / scene.material.shear_speed
     for name, history in scene.acting_histories.items():
-        step = times_nodes / nodes
-        enough = longest_following(history, step, latest)
-        if enough == step:
-            continue
-        if enough == 0:
+        needed = nodes_following(history, times_nodes, latest, nodes)
+        if needed == math.inf:
             raise SceneError(
                 f"march: the {name} history turns back within no time at all; "
                 "smooth it, or take out samples that lie beside each other (docs/limits.md)."
             )
-        nodes, reason = math.ceil(times_nodes / enough), name
+        if needed > nodes * (1 + 1e-12):
+            nodes, reason = math.ceil(needed), name
     return nodes, reason
 
 

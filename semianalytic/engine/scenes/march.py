@@ -29,24 +29,22 @@ from os import PathLike
 from semianalytic.engine.resolution import check_weakening_seen
 from semianalytic.engine.scenes.advancing import TOLERANCES, advance, loads_on_grid
 from semianalytic.engine.scenes.marched import Marched
-from semianalytic.engine.scenes.plan import LEAST_NODES, MarchPlan
+from semianalytic.engine.scenes.plan import (
+    LEAST_NODES,
+    MarchPlan,
+    check_held,
+    checked_entry,
+    default_damping,
+)
 from semianalytic.engine.scenes.stepping import check_levels, segments_between
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
+from semianalytic.engine.stepping.tuning import STEP_RATIO
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
-from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene, of_scene
 from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 
-STEP_RATIO = 0.4
-"""Default c_t dt / h: with 0.5 slip rates of pulses are 20 % less exact (1,000 nodes)."""
-DAMPING, WEAKENING_DAMPING = 0.6, 0.7
-"""Default least feedback of the shortest wave, and that under slip weakening.
-
-Without any, small steps leave an odd-even mode.  With 0.5 slip weakening is 1.4 times less exact;
-0.7 instead of 0.6 makes pulses 3 % less exact.
-"""
 TOLERANCE = 1e-6
 """Default tolerance of the memory's transform: for 1024 nodes as good as 1e-10."""
 
@@ -184,7 +182,7 @@ def march(
     # The feedback refuses 0.5 to 0.7 or more, by Poisson ratio.
     step_ratio = _check_range("step_ratio", step_ratio, 0.0, 2.0)
     if damping is None:
-        damping = _damping(scene)
+        damping = default_damping(scene)
     damping = checked_number(
         "march: damping",
         damping,
@@ -201,8 +199,8 @@ def march(
             raise SceneError("march: `rtol` chooses the nodes; leave out `nodes`, or `rtol`.")
         if not companion:
             raise SceneError("march: `rtol` needs the companion; leave `companion` out.")
-    entry = _checked_entry(scene, latest, length, entry)
-    _check_held(scene, latest + length * abs(scene.front_slowness))
+    entry = checked_entry(scene, latest, length, entry)
+    check_held(scene, latest + length * abs(scene.front_slowness))
     plan = MarchPlan(
         scene,
         end_time,
@@ -250,9 +248,9 @@ def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> Non
     TensionError
         If the pressure turns tensile at a node.
     """
-    entry = _checked_entry(scene, end_time, length, None)
-    _check_held(scene, end_time + length * abs(scene.front_slowness))
-    ranges = (scene, end_time, end_time, length, STEP_RATIO, _damping(scene), 1, TOLERANCE)
+    entry = checked_entry(scene, end_time, length, None)
+    check_held(scene, end_time + length * abs(scene.front_slowness))
+    ranges = (scene, end_time, end_time, length, STEP_RATIO, default_damping(scene), 1, TOLERANCE)
     at_rest = MarchPlan(*ranges, None, False, entry).at_rest(nodes)
     check_weakening_seen(scene, at_rest.grid.spacing)
     segments = segments_between(scene, at_rest.begins, end_time, STEP_RATIO, at_rest.grid.spacing)
@@ -314,49 +312,6 @@ def march_on(
         )
     # the order was seen until the time that the march had reached, under its loads alone
     return advance(replace(marched, order=None), end_time, memory, 0.0, progress)
-
-
-def _damping(scene: Scene) -> float:
-    """Return the default damping of a march."""
-    return WEAKENING_DAMPING if scene.friction_law.fall_with_slip else DAMPING
-
-
-def _checked_entry(scene: Scene, latest: float, length: float, entry: float | None) -> float:
-    """Return where a load that comes along the slot begins [length]; 0 for any other load.
-
-    Raises
-    ------
-    SceneError
-        If it is given for another load, or is not a positive number.
-    """
-    slowness = scene.front_slowness
-    if slowness <= 0:
-        if entry is not None:
-            raise SceneError(
-                "march: `entry` is for a load that comes along the slot, a wave at a positive "
-                "angle or a moving load of negative speed; leave it out."
-            )
-        return 0.0
-    if entry is not None:
-        return checked_size("march: entry", entry, "be above 0")
-    if scene.front_too_slow:
-        return length
-    # the first wave of the beginning reaches the tip at `latest`
-    return latest / (1 / scene.fastest_speed - slowness)
-
-
-def _check_held(scene: Scene, until: float) -> None:
-    """Raise SceneError if a wave that meets the contact first makes it slip behind its front.
-
-    The wave has passed all of the contact before the march begins.  `until` is the time after its
-    front to which its history matters [time].
-    """
-    if scene.front_slowness < 0 and wave_slips_ahead(scene, until):
-        raise SceneError(
-            "march: the wave alone exceeds friction, so that the contact slips from its front "
-            "on, before anything comes from the slot; lower the wave, or raise friction or the "
-            "base pressure (docs/limits.md)."
-        )
 
 
 def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> float:

@@ -179,17 +179,23 @@ def nodes_for_histories(interface: Interface, end_time: float) -> float:
     """
     speed = interface.material.shear_speed if interface.pair is None else interface.pair.speed
     most = TURN_RATIO * interface.length / speed  # step times nodes
-    needed = 1.0
     given = [history for _, history in _histories(interface)]
     for load in interface.loads:
         if isinstance(load, InterfaceLoad) and load.is_timed:
             given.append(_sampled(load, end_time))
+    needed = 1.0
     for history in given:
-        step = longest_following(history, most / needed, end_time)
-        if step == 0:
-            return math.inf
-        needed = max(needed, most / step)
+        needed = nodes_following(history, most, end_time, needed)
     return needed
+
+
+def nodes_following(history: LoadHistory, most: float, latest: float, least: float) -> float:
+    """Return how many nodes, `least` or more, follow a history until a time; inf if none do.
+
+    `most` is the longest step h / (2 c_t) times the number of nodes [time].
+    """
+    step = longest_following(history, most / least, latest)
+    return max(least, most / step) if step else math.inf
 
 
 def _sampled(load: InterfaceLoad, end_time: float) -> LoadHistory:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 STEP_RATIO = 0.4
-"""Shortest step c_t dt / h, the lowest rung of the ladder of step lengths."""
+"""Shortest step c_t dt / h; with 0.5 slip rates of pulses are 10 to 15 % less exact."""
 LADDER = 2.0
 """Ratio of two rungs: with sqrt(2) errors are the same, and twice as many tables are kept."""
 BOUND_SHARE = 0.7
