@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import logging
 from collections.abc import Callable, Iterator
 from functools import partial
 from importlib import import_module
@@ -59,10 +60,9 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
 
     Raises
     ------
-    SceneError
-        If there is no such problem, method or setting, or no method takes the problem.
-    TensionError, ComputationError
-        If the contact would open without end, or a march fails.
+    SceneError, TensionError, ComputationError
+        If there is no such problem, method or setting, or no method takes the problem; if the
+        contact would open without end, or a march fails.
 
     Examples
     --------
@@ -73,17 +73,17 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     problem = find(problem) if isinstance(problem, str | PathLike) else problem
     name, solver = chosen(problem, method)
     known = [*inspect.signature(solver.solve).parameters.values()][1:]
-    for setting in sorted(settings.keys() - {one.name for one in known}):
-        if all(one.kind is not one.VAR_KEYWORD for one in known):
-            takes = ", ".join(one.name for one in known) or "none"
-            what = f"{name} for a {type(problem).__name__}"
-            raise SceneError(f"solve: {setting} is no setting of {what}, which knows {takes}.")
-    return solver.solve(problem, **settings)
+    unknown = sorted(settings.keys() - {one.name for one in known})
+    if unknown and all(one.kind is not one.VAR_KEYWORD for one in known):
+        takes = ", ".join(one.name for one in known) or "none"
+        what = f"{name} for a {type(problem).__name__}"
+        raise SceneError(f"solve: {unknown[0]} is no setting of {what}, which knows {takes}.")
+    answer = solver.solve(problem, **settings)
+    logging.getLogger(__name__).info("a %s by %s: %r", type(problem).__name__, name, answer)
+    return answer
 
 
-class Chosen(NamedTuple):
-    """The method that answers a problem, and its module."""
-
+class Chosen(NamedTuple):  # the method that answers a problem, and its module
     name: str
     solver: Any
 

@@ -40,7 +40,7 @@ from docs.studies.dissimilar import __main__ as dissimilar
 from docs.studies.dissimilar.pairs import SCENES as PAIRS
 from docs.studies.pages import DATA, read_data
 from docs.studies.regimes import figures as regimes
-from docs.studies.regimes.points import map_rows, trace
+from docs.studies.regimes.__main__ import map_rows, trace
 from docs.studies.stability import __main__ as stability
 from docs.studies.supershear import rupture_figure
 from fem import simulate

@@ -25,6 +25,9 @@ def test_a_program_hears_what_it_asks_for(caplog):
     with caplog.at_level(logging.DEBUG, logger="semianalytic"):
         sf.solve(sf.find("preloaded"))
     assert any(one.message.startswith("solve: converged, 2 zones") for one in caplog.records)
+    said = caplog.records[-1]
+    assert said.levelno == logging.INFO
+    assert said.message.startswith("a Scene by self-similar: <Solution: slip at")
 
 
 def test_a_level_on_the_command_line_prints_messages_once(shown, refused):

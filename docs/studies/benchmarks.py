@@ -111,10 +111,9 @@ def simulated(sheet: Sheet, cells: int) -> Records:
         line = simulate_line(line_of(file.interface, nodes), file.end_time, samples=samples)
         stations = []
         for x in sheet.stations:
-            rows = {name: getattr(line, name) for name in sheet.report}
             values = {
-                name: np.array([np.interp(x, line.x, row) for row in one])
-                for name, one in rows.items()
+                name: np.array([np.interp(x, line.x, row) for row in getattr(line, name)])
+                for name in sheet.report
             }
             stations.append(Record(x, line.t, values))
     return Records(tuple(stations), source=f"fem {cells}", spacing=sheet.extent / cells)
@@ -187,9 +186,7 @@ def main() -> None:
         for sheet in _chosen(options.names, interfaces=True):
             write(f"{sheet.name}.json", written(*extrapolated(sheet, sheet.nodes)))
         return
-    known: dict[str, Any] = {
-        sheet.name: sheet.classes for sheet in sheets().values() if sheet.classes
-    }
+    known: dict[str, Any] = {one.name: one.classes for one in sheets().values() if one.classes}
     for sheet in _chosen(options.names, interfaces=False):
         known[sheet.name] = bounds(sheet)
     write("classes.json", known)

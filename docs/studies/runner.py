@@ -116,6 +116,14 @@ def as_row(found: Any) -> Row:
     return {k: v.item() if isinstance(v, np.generic) else v for k, v in row.items()}
 
 
+def grouped(rows: Sequence[Row], *names: str) -> list[tuple[Point, list[Row]]]:
+    """Return rows by their values in some columns, in the order of the first row of each group."""
+    groups: dict[Point, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(tuple(row[name] for name in names), []).append(row)
+    return list(groups.items())
+
+
 def written(study: Study, rows: list[Row], output: Path, command: str) -> None:
     """Print and write the table of a study, and write its figures."""
     table = [as_row(row) for row in study.table(rows)]
@@ -125,20 +133,27 @@ def written(study: Study, rows: list[Row], output: Path, command: str) -> None:
         save_figure(draw(rows), output / "figures" / f"{name}.png")
     if not table:
         return
-    stream = io.StringIO()
-    writer = csv.DictWriter(stream, list(table[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(table)
-    write_text(output / "data" / f"{study.name}.csv", f"# {command}\n{stream.getvalue()}")
+    write_table(output / "data" / f"{study.name}.csv", table, command)
     shown = Table(*(name.replace("_", " ") for name in table[0]), title=study.name)
     for row in table[:60]:  # a map of ten thousand points is for the file
         shown.add_row(*(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values()))
     Console(width=140).print(shown, f"{len(table)} rows written to {output}", highlight=False)
 
 
+def write_table(path: Path, rows: Sequence[Row], command: str) -> None:
+    """Write rows as CSV behind a line with the command that makes them."""
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_text(path, f"# {command}\n{stream.getvalue()}")
+
+
 @styled
-def drawn(rows: Sequence[Row], panels: Sequence[Mapping[str, Any]], words: str) -> Figure:
-    """Draw panels, given by arguments of `draw`, "where" (values of columns), settings of axes."""
+def drawn(rows: Sequence[Row], panels: Sequence[Row], words: str, **common: Any) -> Figure:
+    """Draw panels, given by arguments of `draw`, "where" (values of columns), settings of axes, and
+    by what they have in common."""
+    panels = [common | panel for panel in panels]
     lines, columns = -(-len(panels) // 2), min(2, len(panels))
     figure = describe(new_figure(4.8 * columns, 3.6 * lines + 0.4), words)
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
@@ -186,8 +201,7 @@ def draw(
             panel.figure.colorbar(mesh, ax=panel, label=label or value)
         return
     colour = cycle()
-    for index, key in enumerate(dict.fromkeys(tuple(row[name] for name in by) for row in rows)):
-        own = [row for row in rows if tuple(row[name] for name in by) == key]
+    for index, (key, own) in enumerate(grouped(rows, *by)):
         good = [row for row in own if not failed(row)]
         look: dict[str, Any] = {"color": colour[index % len(colour)], **(style or {})}
         line = [row[x] for row in good], [row[y] for row in good]

@@ -148,12 +148,8 @@ def map_points(quick: bool) -> list[Point]:
 def transition_row(strength: float, farthest: float, coarse: int, fine: int) -> Row:
     """Return the transition [L_c] of a rupture on two grids, given by their nodes per L_c."""
     found = [transition(*front_speeds(*onsets(strength, n, farthest))) for n in (coarse, fine)]
-    return {
-        "strength": strength,
-        "coarse": found[0],
-        "fine": found[1],
-        "difference": abs(found[0] / found[1] - 1),
-    }
+    row = dict(zip(("strength", "coarse", "fine"), (strength, *found), strict=True))
+    return row | {"difference": abs(found[0] / found[1] - 1)}
 
 
 def rupture_figure(rows: list[Row]) -> Figure:

@@ -23,7 +23,12 @@ from semianalytic.reference.ruptures import critical_wavenumber, growth
 
 Array = NDArray[np.float64]
 MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
-UNIT = sf.Material(1.0, 1.0, 0.25)
+UNIT, SOLID = sf.Material(1.0, 1.0, 0.25), sf.Material(1.0, 1.0, 1 / 3)
+SIDES: tuple[tuple[str, Mode, Impedance], ...] = (
+    ("in-plane", "II", InPlane(SOLID.shear_speed / SOLID.longitudinal_speed)),
+    ("antiplane", "III", Antiplane()),
+)
+"""Both modes, and their impedances in the solid of the cracks and patches."""
 RATIOS, INERTIAS = (1.1, 1.4, 2.0), (0.01, 0.1, 0.3, 1.0, 3.0)
 SHARES = (0.3, 0.5, 0.7, 0.9)
 """Wavenumbers over the critical one: the growing waves of the notes."""
@@ -151,13 +156,7 @@ def patches() -> Iterator[Row]:
     - s^2)) at slowness v = t/x, with p, s the slownesses of patch and edge and C = 2 p sqrt(p^2 -
     s^2) / |Im G(-i/p)|.  The load rises over 8 nodes, without which its steps send noise.
     """
-    solid = sf.Material(1.0, 1.0, 1 / 3)
-    in_plane = InPlane(solid.shear_speed / solid.longitudinal_speed)
-    cases: tuple[tuple[str, float, Impedance], ...] = (
-        ("in-plane", 0.395154, in_plane),
-        ("antiplane", 0.384265, Antiplane()),
-    )
-    for mode, edge, impedance in cases:
+    for (mode, _, impedance), edge in zip(SIDES, (0.395154, 0.384265), strict=True):
         p, s = 1 / 0.3, 1 / edge
         root = math.sqrt(p * p - s * s)
         strength = 2 * p * root / abs(impedance(np.array([1e-300 - 1j / p]))[0].imag)
@@ -168,7 +167,7 @@ def patches() -> Iterator[Row]:
                 return np.asarray(rise * rise * (3 - 2 * rise))
 
             load = sf.InterfaceLoad(shear, history=None)
-            fault = sf.Interface(solid, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
+            fault = sf.Interface(SOLID, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
             done = ended(fault, nodes)
             v = 1 / done.x[1:]
             y = v * root / (p * np.sqrt(np.maximum(v * v - s * s, 1e-12)))
@@ -183,7 +182,6 @@ def patches() -> Iterator[Row]:
 
 def fronts() -> Iterator[Row]:
     """Yield slip rate and traction under waves at an angle and moving loads beside a slot."""
-    solid = sf.Material(1.0, 1.0, 1 / 3)
     for name, front, mode, at, length in (
         ("SV wave, -20 degrees", sf.IncidentWave("SV", -20.0, stress=0.3), "in-plane", 0.0, 12.0),
         ("SH wave, -40 degrees", sf.IncidentWave("SH", -40.0, stress=0.3), "antiplane", 0.0, 12.0),
@@ -191,10 +189,10 @@ def fronts() -> Iterator[Row]:
         # it enters the slot 10 before the tip, from where waves arrive too late
         ("load that comes at 4 c_t", sf.MovingLoad(-4.0, 0.0, 1.0), "in-plane", -10.0, 20.0),
     ):
-        scene = sf.Scene(solid, friction=0.3, base=sf.Tractions(1.0, 0.0), load=front, mode=mode)
-        answer, end = sf.solve(scene), 1.0 - front.slowness(solid) * at
+        scene = sf.Scene(SOLID, friction=0.3, base=sf.Tractions(1.0, 0.0), load=front, mode=mode)
+        answer, end = sf.solve(scene), 1.0 - front.slowness(SOLID) * at
         loads, half = [sf.FrontLoad(front, at=at)], sf.Contact.half_line()
-        face = sf.Interface(solid, sf.Coulomb(0.3), length, 1.0, 0.0, loads, half, mode)
+        face = sf.Interface(SOLID, sf.Coulomb(0.3), length, 1.0, 0.0, loads, half, mode)
         for nodes in (512, 1024, 2048):
             done, case = ended(face, nodes, end), f"{name}, {nodes} nodes"
             fields = ("slip_rate", "shear_traction")
@@ -245,18 +243,13 @@ def cracks() -> Iterator[Row]:
 
     Kostrov's crack grows from a point, Freund's from the edge of a slot that is freed at t = 0.
     """
-    solid, speed = sf.Material(1.0, 1.0, 1 / 3), 0.5
-    in_plane = InPlane(solid.shear_speed / solid.longitudinal_speed)
+    speed = 0.5
     law = sf.ForcedFront(static=100.0, dynamic=0.0, arrival=lambda x: np.abs(x) / speed)
     off, beside = sf.InterfaceLoad(1.0, on="slot"), sf.Contact.half_line()
-    sides: tuple[tuple[str, Mode, Impedance], ...] = (
-        ("in-plane", "II", in_plane),
-        ("antiplane", "III", Antiplane()),
-    )
-    for side, mode, impedance in sides:
+    for side, mode, impedance in SIDES:
         for nodes in (512, 1024, 2048, 4096):
-            whole = sf.Interface(solid, law, 5.0, shear=1.0, mode=side, even=True)
-            half = sf.Interface(solid, law, 10.0, shear=1.0, loads=[off], contact=beside, mode=side)
+            whole = sf.Interface(SOLID, law, 5.0, shear=1.0, mode=side, even=True)
+            half = sf.Interface(SOLID, law, 10.0, shear=1.0, loads=[off], contact=beside, mode=side)
             for name, fault in (("Kostrov", whole), ("Freund", half)):
                 done = ended(fault, nodes)
                 near = (done.x > 0) & (done.x < speed)
@@ -264,7 +257,7 @@ def cracks() -> Iterator[Row]:
                 if name == "Kostrov":
                     known = kostrov_slip(x, speed, impedance)
                 else:
-                    known = freund_slip(x, speed, rayleigh_factors(solid.poisson_ratio, mode), mode)
+                    known = freund_slip(x, speed, rayleigh_factors(SOLID.poisson_ratio, mode), mode)
                 case = f"{name}'s crack, {side}, {nodes} nodes"
                 yield profile(case, "slip", known, done.slip[0][near])
 
@@ -331,18 +324,19 @@ def openings() -> Iterator[Row]:
         yield line(case, "work lost in closing", "0 or more", closing, "")
 
 
-PARTS = (exact, patches, fronts, cracks, statics, edges, openings, dispersion)
+_PARTS = (exact, patches, fronts, cracks, statics, edges, openings, dispersion)
+PARTS = {part.__name__: part for part in _PARTS}
 """Parts of the table."""
 
 
 def rows_of(part: str) -> list[Row]:
     """Return the rows of a part."""
-    return [row for one in PARTS if one.__name__ == part for row in one()]
+    return list(PARTS[part]())
 
 
 def points(quick: bool) -> list[tuple[str]]:
     """Return all parts; those that take some seconds for a quick look."""
-    return [(part.__name__,) for part in ((exact, statics, edges) if quick else PARTS)]
+    return [(part,) for part in (("exact", "statics", "edges") if quick else PARTS)]
 
 
 STUDIES = [Study("engine-checks", points, rows_of)]

@@ -8,31 +8,80 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from compare.comparison.fields.errors import FieldErrors, field_errors, fronts_in, pair_errors
 from compare.comparison.judgement import side_by_side
+from compare.comparison.measures import norm
 from compare.comparison.quantities.edge_rows import opening_rows
 from compare.comparison.quantities.profile_rows import gap_rows
 from compare.comparison.rows import Row as JudgedRow
 from compare.figures.snapshots import snapshot_figure
-from docs.studies.profiles import Errors, averaged_profile, last_profile, profile_errors
 from docs.studies.runner import Point, Row, Study, main
 from fem import Simulation, simulate
-from semianalytic import find, solve
+from semianalytic import Solution, find, solve
+
+Array = NDArray[np.float64]
 
 DRAWN = "lift-off-shear"
 MESHES = 50, 100, 200
 AFAR = 0.1
 """Distance from all fronts [c_t T] that stays fixed when the mesh is refined."""
+PROFILE = np.linspace(0.02, 1.9, 3761)
+"""Velocities x / (c_t t) at which profiles are compared."""
+AVERAGED = 0.6
+"""Self-similar profiles are averaged over times from this fraction of T to T."""
+
+
+def last_profile(simulation: Simulation) -> Array:
+    """Return the final slip rate at the velocities `PROFILE`, interpolated between nodes."""
+    return _sampled(simulation, -1)
+
+
+def averaged_profile(simulation: Simulation) -> Array:
+    """Return the slip rate averaged over x/t in the last 40 % of the time, at `PROFILE`."""
+    t = simulation.interface.t
+    rows = np.flatnonzero(t >= AVERAGED * t[-1]).tolist()
+    return np.mean([_sampled(simulation, row) for row in rows], axis=0)
+
+
+def profile_errors(solution: Solution, last: Array, averaged: Array) -> dict[str, float]:
+    """Return the errors of two profiles at the velocities `PROFILE`: relative L1 errors, and those
+    of the averaged one where the exact slip rate of the first and the second zone is largest.
+
+    These are over the exact value there, the last one over the largest of all; nan if there is no
+    such zone.
+    """
+    speed = solution.scene.material.shear_speed
+    exact = solution.slip_rate(PROFILE * speed, 1.0)
+    peaks = []
+    for zone in solution.zones:
+        inside = (PROFILE * speed > zone.inner) & (PROFILE * speed < zone.outer)
+        peaks.append(int(np.argmax(np.where(inside, np.abs(exact), 0.0))))
+    at_peak = [float(averaged[peak] - exact[peak]) for peak in peaks]
+    relative = [error / exact[peak] for error, peak in zip(at_peak, peaks, strict=True)]
+    return {
+        "last": norm(last - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
+        "averaged": norm(averaged - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
+        "first_peak": relative[0] if peaks else math.nan,
+        "second_peak": relative[1] if len(peaks) > 1 else math.nan,
+        "second_over_largest": at_peak[1] / np.abs(exact).max() if len(peaks) > 1 else math.nan,
+    }
+
+
+def _sampled(simulation: Simulation, row: int) -> Array:
+    history = simulation.interface
+    place = PROFILE * simulation.scene.material.shear_speed * history.t[row]
+    return np.interp(place, history.x, history.slip_rate[row])
 
 
 def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
-    """Return the errors of the slip rate on meshes, each twice as fine as the last, by `Errors`.
+    """Return the errors of the slip rate on meshes, each twice as fine as the last.
 
     The last row extrapolates from the two finest, 2 V(h/2) - V(h), which removes errors of first
     order in h.  Orders are those observed since the mesh before; `seconds` is the time of stepping.
@@ -49,9 +98,9 @@ def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
     return [*rows, {**limit, "seconds": math.nan}]
 
 
-def _error_row(scene: str, h: str, errors: Errors, before: Row) -> Row:
+def _error_row(scene: str, h: str, errors: Row, before: Row) -> Row:
     row: Row = {"scene": scene, "h": h}
-    for name, error in asdict(errors).items():
+    for name, error in errors.items():
         row[name] = error
         if name in ("last", "averaged"):
             row[f"{name}_order"] = math.log2(before[name] / error) if before else math.nan

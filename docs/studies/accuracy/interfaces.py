@@ -19,7 +19,7 @@ import semianalytic as sf
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
 from compare.interfaces import InterfaceJudgement, compare_interface
 from compare.interfaces.judging import judge_interface
-from docs.studies.runner import Point, Study, main
+from docs.studies.runner import Point, Study, grouped, main
 from docs.studies.runner import Row as Line
 from semianalytic.dissimilar.kernels import BodyPair
 from semianalytic.engine.stepping.window import least_delay, threshold_of
@@ -139,22 +139,15 @@ def answers(label: str, number: int) -> list[Line]:
 def pairs(rows: list[Line]) -> list[Line]:
     """Return the verdicts inside and outside of the window, on right answers and on wrong ones."""
     found = []
-    for label, answer in dict.fromkeys((row["pairs"], row["answer"]) for row in rows):
-        of = [row for row in rows if (row["pairs"], row["answer"]) == (label, answer)]
-        verdicts = [row["verdict"] for row in of]
-        found.append(
-            {
-                "pairs": label,
-                "answer": answer,
-                "drawn": len(of),
-                "agree": verdicts.count(AGREES),
-                "unresolved": verdicts.count(UNRESOLVED),
-                "differ": verdicts.count(DIFFERS),
-                "farthest": max(row["farthest"] for row in of),
-                "slip": median(row["slip"] for row in of),
-                "slip_bar": median(row["slip_bar"] for row in of),
-            }
-        )
+    for (label, answer), group in grouped(rows, "pairs", "answer"):
+        verdicts = [row["verdict"] for row in group]
+        line: Line = {"pairs": label, "answer": answer, "drawn": len(group)}
+        for name, verdict in (("agree", AGREES), ("unresolved", UNRESOLVED), ("differ", DIFFERS)):
+            line[name] = verdicts.count(verdict)
+        line["farthest"] = max(row["farthest"] for row in group)
+        for name in ("slip", "slip_bar"):
+            line[name] = median(row[name] for row in group)
+        found.append(line)
     return found
 
 

@@ -10,26 +10,16 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from docs.studies.profiles import last_march, step_error
-from docs.studies.runner import Point, Row, Study, main
+import semianalytic as sf
+from compare.comparison.measures import in_profile, relative_error
+from docs.studies.runner import Point, Row, Study, grouped, main
 from docs.studies.trials.draws import drawn, random_history_scene, random_step_scene
-from semianalytic import (
-    Answer,
-    Marched,
-    Ramp,
-    RateWeakening,
-    Scene,
-    SlipfrontError,
-    SlipWeakening,
-    Tractions,
-    find,
-    solve,
-)
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -49,22 +39,20 @@ ROUNDING = 1e-12
 LEVELS = 100
 """Largest number of levels at which slip rates are compared."""
 
-_PRELOADED = find("preloaded")
-_QUARTER = replace(_PRELOADED.material, poisson_ratio=0.25)
+_SOLID = sf.find("preloaded").material
+_QUARTER = replace(_SOLID, poisson_ratio=0.25)
 
 
-def _weakening(base: float, shear: float, law: SlipWeakening, **parts: object) -> Scene:
-    loads = Tractions(1.0, base), Tractions(0.0, shear)
-    return replace(Scene(_QUARTER, 0.6, *loads, friction_law=law), **parts)  # type: ignore[arg-type]
+def _weakening(base: float, shear: float, law: sf.SlipWeakening) -> sf.Scene:
+    loads = sf.Tractions(1.0, base), sf.Tractions(0.0, shear)
+    return sf.Scene(_QUARTER, 0.6, *loads, friction_law=law)
 
 
-WEAKENING: Mapping[str, tuple[Scene, float]] = {
-    "step": (_weakening(0.4, 0.4, SlipWeakening(2 / 3, 0.05)), 2.0),
-    "heavy": (
-        _weakening(0.1, 0.5, SlipWeakening(0.9, 0.05), material=_PRELOADED.material),
-        1.0,
-    ),
-    "ramp": (_weakening(0.3, 0.4, SlipWeakening(0.5, 0.05), shear_history=Ramp(0.4)), 1.0),
+_HALVED = sf.SlipWeakening(0.5, 0.05)
+WEAKENING: Mapping[str, tuple[sf.Scene, float]] = {
+    "step": (_weakening(0.4, 0.4, sf.SlipWeakening(2 / 3, 0.05)), 2.0),
+    "heavy": (replace(_weakening(0.1, 0.5, sf.SlipWeakening(0.9, 0.05)), material=_SOLID), 1.0),
+    "ramp": (replace(_weakening(0.3, 0.4, _HALVED), shear_history=sf.Ramp(0.4)), 1.0),
 }
 """Scenes that weaken with slip, and their end times."""
 
@@ -74,63 +62,68 @@ def accuracy(name: str, grids: Sequence[int]) -> list[Row]:
     rows, before = [], math.nan
     for nodes in grids:
         began = time.perf_counter()
-        marched = last_march(find(name), nodes)
+        marched = last_march(sf.find(name), nodes)
         seconds = time.perf_counter() - began
-        error = step_error(find(name), marched)
+        error = step_error(sf.find(name), marched)
         row: Row = {"scene": name, "nodes": nodes, "error": error}
         rows.append({**row, "order": math.log2(before / error), "seconds": seconds})
         before = error
     return rows
 
 
+def step_error(scene: sf.Scene, marched: sf.Marched) -> float:
+    """Return the relative L1 error of the final slip rate on 0.02 < x/(c_t t) < 1.9."""
+    x, end = marched.grid.x, marched.end_time
+    seen = in_profile(x / (end * scene.material.shear_speed))
+    exact = _exact(scene).slip_rate(x[seen], end)
+    return relative_error(marched.interface.slip_rate[-1, seen], exact, x[seen], 1)
+
+
+@lru_cache(maxsize=4)
+def _exact(scene: sf.Scene) -> sf.Solution:
+    return sf.solve(scene, rtol=1e-9)
+
+
+def last_march(scene: sf.Scene, nodes: int, **options: float) -> sf.Marched:
+    """March a scene and keep only the last level; like all marches here, it has no companion."""
+    given: Row = {"length": 2.0, "every": 10**9, "companion": False, **options}
+    return sf.solve(scene, method="space-time", nodes=nodes, **given)
+
+
 def fields(name: str, grids: Sequence[int]) -> list[Row]:
     """Return the L1 errors of fields in the bodies at T over their change, and orders of stress."""
-    rows, before = [], math.nan
+    rows, before = list[Row](), math.nan
     for nodes in grids:
-        velocity, stress, displacement = field_errors(find(name), nodes)
-        row: Row = {"scene": name, "nodes": nodes, "velocity": velocity, "stress": stress}
-        rows.append({**row, "displacement": displacement, "order": math.log2(before / stress)})
-        before = stress
+        row: Row = {"scene": name, "nodes": nodes, **field_errors(sf.find(name), nodes)}
+        rows.append({**row, "order": math.log2(before / row["stress"])})
+        before = row["stress"]
     return rows
 
 
-def field_errors(scene: Scene, nodes: int, points: int = POINTS) -> list[float]:
+def field_errors(scene: sf.Scene, nodes: int) -> Row:
     """Return errors of velocity, stress and displacement where the exact fields are finite."""
     end = 1 / scene.material.shear_speed
-    marched, exact = (
-        solve(scene, method="space-time", end_time=end, nodes=nodes, companion=False),
-        solve(scene),
-    )
+    marched, exact = reference(scene, end, nodes), sf.solve(scene)
     reach = 1.1 * scene.fastest_speed * end
-    at = *np.random.default_rng(1).uniform(-reach, reach, (2, points)), end
-    errors = []
+    at = *np.random.default_rng(1).uniform(-reach, reach, (2, POINTS)), end
+    errors: Row = {}
     for name in ("velocity", "stress", "displacement"):
         true, rest = getattr(exact, name)(*at), getattr(exact, name)(*at[:2], 0.0)
         off, change = np.abs(getattr(marched, name)(*at) - true), np.abs(true - rest)
         known = np.isfinite(change).all(axis=0)
-        errors.append(float(off[:, known].sum() / change[:, known].sum()))
+        errors[name] = float(off[:, known].sum() / change[:, known].sum())
     return errors
 
 
-@dataclass(frozen=True)
-class Judged:
-    """True and estimated relative error of one result of a march."""
-
-    scenes: str
-    quantity: str
-    true: float
-    estimate: float
-
-
-def judged(name: str, marched: Marched, truth: Answer) -> list[Judged]:
-    """Compare the errors of a march with its estimates; return no rows if nothing happens.
+def judged(name: str, marched: sf.Marched, truth: sf.Answer) -> list[Row]:
+    """Compare the relative errors of a march with its estimates; no rows if nothing happens.
 
     The errors are those of slip rate in L1 over space and time, of final fields in L1 over space,
     and of totals at the end.
     """
     x, end = marched.interface.x, marched.end_time
-    rows = [Judged(name, "slip rate", rate_error(marched, truth), marched.error_estimate)]
-    readings: Mapping[str, Callable[[Answer], Array]] = {
+    errors = {"slip rate": (rate_error(marched, truth), marched.error_estimate)}
+    readings: Mapping[str, Callable[[sf.Answer], Array]] = {
         "slip": lambda answer: answer.slip(x, end),
         "shear traction": lambda answer: answer.shear_traction(x, end),
         "largest slip": lambda answer: answer.max_slip(end),
@@ -143,12 +136,21 @@ def judged(name: str, marched: Marched, truth: Answer) -> list[Judged]:
         if not 0 < scale < math.inf:
             continue
         true = float(np.abs(reading(marched) - exact).sum()) / scale
-        estimate = float(marched.error_of(reading).sum()) / scale
-        rows.append(Judged(name, quantity, true, estimate))
-    return [row for row in rows if row.true > ROUNDING]
+        errors[quantity] = true, float(marched.error_of(reading).sum()) / scale
+    return [
+        {"scenes": name, "quantity": quantity, "true": true, "estimate": estimate}
+        for quantity, (true, estimate) in errors.items()
+        if true > ROUNDING
+    ]
 
 
-def rate_error(marched: Marched, truth: Answer) -> float:
+def reference(scene: sf.Scene, end: float, nodes: int, length: float | None = None) -> sf.Marched:
+    """Return a march without a companion, which would only estimate its error."""
+    options: Row = {"method": "space-time", "nodes": nodes, "length": length}
+    return sf.solve(scene, end_time=end, companion=False, **options)
+
+
+def rate_error(marched: sf.Marched, truth: sf.Answer) -> float:
     """Return the relative L1 error of the slip rate of a march over nodes and stored levels."""
     own = marched.interface
     seen = np.arange(len(own.t) - 1, 0, -max(1, len(own.t) // LEVELS))
@@ -157,10 +159,10 @@ def rate_error(marched: Marched, truth: Answer) -> float:
     return float(np.abs(own.slip_rate[seen] - exact).sum()) / size if size else 0.0
 
 
-def error_scene(kind: str, which: str | int) -> Scene:
+def error_scene(kind: str, which: str | int) -> sf.Scene:
     """Return a named scene, or a random one of a number."""
     if isinstance(which, str):
-        return find(which)
+        return sf.find(which)
     return drawn(SEED, which, random_step_scene if kind == "step" else random_history_scene)[0]
 
 
@@ -171,55 +173,35 @@ def error_points(quick: bool) -> list[Point]:
     return [*named, *(("step", i) for i in shares[0]), *(("history", i) for i in shares[1])]
 
 
-def judged_march(kind: str, which: str | int, nodes: int = NODES) -> list[Judged]:
+def judged_march(kind: str, which: str | int, nodes: int = NODES) -> list[Row]:
     """Judge the march of a scene; return no rows if it has none, or if the march is unresolved."""
     scene = error_scene(kind, which)
-    if isinstance(scene.friction_law, RateWeakening):
+    if isinstance(scene.friction_law, sf.RateWeakening):
         kind = "rate weakening"
     else:
         kind = "self-similar" if scene.is_self_similar else "histories and slip weakening"
     end = 1 / scene.material.shear_speed
     try:
-        marched = solve(scene, method="space-time", end_time=end, nodes=nodes)
+        marched = sf.solve(scene, method="space-time", end_time=end, nodes=nodes)
         if marched.status != "resolved":
             return []
         if scene.is_self_similar:
-            return judged(kind, marched, solve(scene, method="self-similar"))
-        length = nodes * marched.grid.spacing
-        return judged(
-            kind,
-            marched,
-            solve(
-                scene,
-                method="space-time",
-                end_time=end,
-                nodes=FINER * nodes,
-                length=length,
-                companion=False,
-            ),
-        )
-    except SlipfrontError:
+            return judged(kind, marched, sf.solve(scene, method="self-similar"))
+        length, finer = nodes * marched.grid.spacing, FINER * nodes
+        return judged(kind, marched, reference(scene, end, finer, length))
+    except sf.SlipfrontError:
         return []
 
 
 def ratios(rows: list[Row]) -> list[Row]:
     """Return how often and how far estimates exceed true errors, by kind of scene and quantity."""
-    groups: dict[tuple[str, str], list[float]] = {}
-    for row in rows:
-        group = row["scenes"], row["quantity"]
-        groups.setdefault(group, []).append(row["estimate"] / row["true"])
-    return [
-        {
-            "scenes": kind,
-            "quantity": quantity,
-            "cases": len(found),
-            "covered": float(np.mean(np.array(found) >= 1)),
-            "least": min(found),
-            "median": float(np.median(found)),
-            "largest": max(found),
-        }
-        for (kind, quantity), found in sorted(groups.items(), reverse=True)
-    ]
+    table: list[Row] = []
+    for (kind, quantity), group in sorted(grouped(rows, "scenes", "quantity"), reverse=True):
+        found = np.array([row["estimate"] / row["true"] for row in group])
+        row: Row = {"scenes": kind, "quantity": quantity, "cases": len(found)}
+        row |= {"covered": float(np.mean(found >= 1)), "least": float(found.min())}
+        table.append(row | {"median": float(np.median(found)), "largest": float(found.max())})
+    return table
 
 
 def weakening(name: str, counts: Sequence[int]) -> list[Row]:
@@ -228,15 +210,12 @@ def weakening(name: str, counts: Sequence[int]) -> list[Row]:
     length = scene.material.longitudinal_speed * end
     share = length / process_zone(scene)
     finest = round(FINEST_IN_PROCESS_ZONE * share)
-    truth = solve(
-        scene, method="space-time", end_time=end, nodes=finest, length=length, companion=False
-    )
-    rows = []
+    truth, rows = reference(scene, end, finest, length), []
     for count in counts:
-        marched = solve(
+        marched = sf.solve(
             scene, method="space-time", end_time=end, nodes=math.ceil(count * share), length=length
         )
-        found = {row.quantity: row.true for row in judged(name, marched, truth)}
+        found = {row["quantity"]: row["true"] for row in judged(name, marched, truth)}
         row: Row = {"scene": name, "nodes": count, "slip_rate": found["slip rate"]}
         row |= {"estimate": marched.error_estimate, "slip": found["slip"]}
         rows.append({**row, "work": found["frictional work"]})

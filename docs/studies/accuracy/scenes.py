@@ -110,8 +110,10 @@ def summary(scene: str, resolution: int) -> Row:
 
 def quantities(scene: str, resolution: int) -> list[Row]:
     """Return the rows that docs/scenes.md shows; bars are in the unit of the values."""
+    found: list[Row] = []
+    if scene not in QUANTITIES:
+        return found
     rows = {row.name: row for row in _judgement(scene, resolution).rows}
-    found = []
     for name in QUANTITIES[scene].split("; "):
         row = rows[name]
         exact, at_nodes, simulated = map(_number, (row.exact, row.at_nodes, row.simulated))
@@ -161,11 +163,7 @@ def points(quick: bool) -> list[Point]:
 
 STUDIES = [
     Study("scenes-summary", points, summary),
-    Study(
-        "scenes-quantities",
-        lambda quick: [p for p in points(quick) if p[0] in QUANTITIES],
-        quantities,
-    ),
+    Study("scenes-quantities", points, quantities),
     Study("scenes-unresolved", points, unresolved),
 ]
 

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -14,14 +13,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from compare.figures.style import BLACK, SMALL, STICK_SHADE, outline
-from docs.studies.dissimilar.errors import (
-    FIELDS_RESOLUTION,
-    STATED,
-    fields_rows,
-    honesty,
-    stated_rows,
-)
-from docs.studies.dissimilar.pairs import NAMED, SCENES, of_contrast
+from docs.studies.dissimilar import pairs
 from docs.studies.runner import Point, Row, Study, drawn, main
 from semianalytic import PairSolution, SceneError, sliding_stability, solve
 from semianalytic.dissimilar.compliance import compliance_of
@@ -34,6 +26,7 @@ MAPPED, FRICTIONS = (1.02, 4.0), (0.01, 1.25)
 ratio: beyond 4 it is that of a rigid body but for the growth against the slower one, of which 4 has
 all; and its frictions."""
 TABLED = (1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.8, 2.0, 2.2, 2.5, 3.0, 5.0, 10.0)
+SLID = (0.2, 0.5, 1.0)
 HALF_LINES = ((1.4, 0.2), (1.5, 0.2), (1.5, 0.4), (1.8, 0.4), (1.2, 0.2))
 FIELDS = ("two zones", "slip and opening", "film")
 _LEAST, _MOST = 0.01, 100.0
@@ -45,7 +38,7 @@ def map_points(quick: bool) -> list[Point]:
     size = 12 if quick else 40
     columns = [("map", one, size) for one in np.geomspace(*MAPPED, size).tolist()]
     curves = [("curves", one, 0) for one in np.geomspace(*MAPPED, 4 * size).tolist()]
-    return [*columns, *curves, *(("named", name, 24) for name in NAMED)]
+    return [*columns, *curves, *(("named", name, 24) for name in pairs.NAMED)]
 
 
 def map_rows(part: str, of: Any, size: int) -> list[Row]:
@@ -55,7 +48,7 @@ def map_rows(part: str, of: Any, size: int) -> list[Row]:
     """
     if part == "curves":
         return [{"part": part} | threshold_row(of)]
-    compliance = compliance_of(*(NAMED[of] if part == "named" else of_contrast(of)))
+    compliance = compliance_of(*(pairs.NAMED[of] if part == "named" else pairs.of_contrast(of)))
     rows: list[Row] = []
     for friction in np.geomspace(*FRICTIONS, size).tolist():
         grown = {
@@ -77,7 +70,7 @@ def threshold_row(contrast: float) -> Row:
 
     The speed of the generalised Rayleigh wave is over c_t of the slower body, nan if there is none.
     """
-    compliance = compliance_of(*of_contrast(contrast))
+    compliance = compliance_of(*pairs.of_contrast(contrast))
     return {
         "contrast": contrast,
         "threshold_with": float(growth_threshold(compliance, 1)),
@@ -130,7 +123,7 @@ def growth_figure(rows: list[Row]) -> Figure:
 
 def named_row(pair: str, friction: float) -> Row:
     """Return thresholds of a named pair, growth per wavelength [%], velocity, and G of a delay."""
-    known = sliding_stability(*NAMED[pair], friction)
+    known = sliding_stability(*pairs.NAMED[pair], friction)
     fastest = known.waves[0] if known.waves else None
     return {
         "pair": pair,
@@ -138,7 +131,7 @@ def named_row(pair: str, friction: float) -> Row:
         "threshold_with": known.threshold_with,
         "threshold_against": known.threshold_against,
         "growth": 100 * (fastest.per_wavelength - 1) if fastest else np.nan,
-        "velocity": fastest.velocity / NAMED[pair][0].shear_speed if fastest else np.nan,
+        "velocity": fastest.velocity / pairs.NAMED[pair][0].shear_speed if fastest else np.nan,
         "delayed": known.delayed_growth or np.nan,
     }
 
@@ -148,7 +141,7 @@ def half_line_row(contrast: float, friction: float, chi: float) -> Row:
 
     Speeds are over c_t of the slower body, with it and against it; nan where there is no answer.
     """
-    compliance = compliance_of(*of_contrast(contrast))
+    compliance = compliance_of(*pairs.of_contrast(contrast))
     row: Row = {"contrast": contrast, "friction": friction, "chi": chi}
     exponents: Row = {}
     for name, sense in (("with", 1), ("against", -1)):
@@ -162,7 +155,7 @@ def half_line_row(contrast: float, friction: float, chi: float) -> Row:
 
 def slot_row(scene: str) -> Row:
     """Return the zones of a scene, in x/t over c_t of the upper body, and how sure they are."""
-    answer = solve(SCENES[scene], rtol=1e-9)
+    answer = solve(pairs.SCENES[scene], rtol=1e-9)
     return {"scene": scene, "zones": zones_text(answer), "error_estimate": answer.error_estimate}
 
 
@@ -174,31 +167,26 @@ def zones_text(answer: PairSolution) -> str:
     return ", ".join(f"{what} {inner:.8g} to {outer:.8g}" for inner, outer, what in sorted(parts))
 
 
-def _each(points: Sequence[Any]) -> Any:
-    """Return the function that lists points, of one number or name each, quick or not."""
-    return lambda quick: [one if isinstance(one, tuple) else (one,) for one in points]
-
-
 STUDIES = [
     Study("dissimilar-map", map_points, map_rows, lambda rows: [], {"dissimilar": growth_figure}),
-    Study("dissimilar-thresholds", _each(TABLED), threshold_row),
-    Study("dissimilar-named", _each([(n, f) for n in NAMED for f in (0.2, 0.5, 1.0)]), named_row),
+    Study("dissimilar-thresholds", lambda quick: [(one,) for one in TABLED], threshold_row),
+    Study("dissimilar-named", lambda quick: [(n, f) for n in pairs.NAMED for f in SLID], named_row),
     Study(
         "dissimilar-halflines",
-        _each([(*one, chi) for one in HALF_LINES for chi in (1.0, 2.0)]),
+        lambda quick: [(*one, chi) for one in HALF_LINES for chi in (1.0, 2.0)],
         half_line_row,
     ),
-    Study("dissimilar-slots", _each(list(SCENES)), slot_row),
+    Study("dissimilar-slots", lambda quick: [(name,) for name in pairs.SCENES], slot_row),
     Study(
         "dissimilar-honesty",
-        lambda quick: [(number,) for number in range(5 if quick else STATED)],
-        stated_rows,
-        honesty,
+        lambda quick: [(number,) for number in range(5 if quick else pairs.STATED)],
+        pairs.stated_rows,
+        pairs.honesty,
     ),
     Study(
         "dissimilar-witness",
-        lambda quick: [(name, 24 if quick else FIELDS_RESOLUTION) for name in FIELDS],
-        fields_rows,
+        lambda quick: [(name, 24 if quick else pairs.FIELDS_RESOLUTION) for name in FIELDS],
+        pairs.fields_rows,
     ),
 ]
 

@@ -10,13 +10,13 @@ It is no part of this package.
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, places, record, seconds_of, timed_run
+from docs.studies.peers.rows import GridRun, places, record, timed_run
+from docs.studies.peers.uguca import dumped
 
 COMMAND = "python -m docs.studies.peers.adhesion PROGRAM"
 GRIDS = (256, 512, 1024, 2048)
@@ -26,18 +26,8 @@ TENSION, CUT, GAP = 0.5, 0.5, 0.2
 
 def theirs(program: Path, nodes: int) -> GridRun:
     """Run the program; its fields are those at the 20 times after t = 0, on 256 nodes."""
-    with tempfile.TemporaryDirectory() as scratch:
-        here = Path(scratch)
-        (here / "kernels").symlink_to(program.resolve().parent / "kernels")
-        seconds = seconds_of([program.resolve(), str(nodes), "0.35"], here)
-
-        def field(name: str) -> Array:
-            file = here / f"mode1_{nodes}-DataFiles" / f"{name}.out"
-            values = np.fromfile(file, dtype="<f4").reshape(FRAMES, nodes).astype(float)
-            return np.asarray(values[1:, :: nodes // GRIDS[0]])
-
-        gap = field("top_disp_1") - field("bot_disp_1")
-        return GridRun(f"{nodes} nodes", {"gap": gap, "pressure": -field("cohesion_1")}, seconds)
+    found, seconds = dumped(program, nodes, "top_disp_1", "bot_disp_1", "cohesion_1")
+    return GridRun(f"{nodes} nodes", {"gap": found[0] - found[1], "pressure": -found[2]}, seconds)
 
 
 def ours(nodes: int) -> GridRun:

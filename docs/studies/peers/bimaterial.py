@@ -10,14 +10,13 @@ in the larger mesh that the example has commented out.
 from __future__ import annotations
 
 import re
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, places, record, seconds_of, timed_run
-from docs.studies.peers.sem2dpack import Fields, plain_input, read_fault
+from docs.studies.peers.rows import Array, GridRun, places, record, timed_run
+from docs.studies.peers.sem2dpack import Fields, patch, plain_input, their_run
 
 COMMAND = "python -m docs.studies.peers.bimaterial PROGRAM FOLDER"
 GRIDS = ((256, 1024), (512, 2048), (1024, 3072))
@@ -46,15 +45,6 @@ def their_input(folder: Path, count: int) -> str:
     return re.sub(r"TtH='PWCONR' */", "TtH='PWCONR', otd=0.0005d0 /", text)
 
 
-def their_run(program: Path, folder: Path, count: int) -> tuple[Fields, float]:
-    """Run the example on one grid; return its fields and the seconds of the processor."""
-    with tempfile.TemporaryDirectory() as scratch:
-        here = Path(scratch)
-        (here / "Par.inp").write_text(their_input(folder, count))
-        seconds = seconds_of([program.resolve()], here)
-        return read_fault(next(here.glob("Flt*_sem2d.hdr")), depth=False), seconds
-
-
 def our_run(nodes: int) -> tuple[Fields, float]:
     """Run the same problem; return its fields and the seconds of the processor."""
     upper, lower = (
@@ -64,9 +54,7 @@ def our_run(nodes: int) -> tuple[Fields, float]:
     law = sf.SlipDependent(0.7, 0.6, 0.744e-3, delay=0.35e-3)
 
     def shear(x: Array) -> Array:
-        # a node at the end of the patch has the mean of both sides
-        away = np.abs(x)
-        return 82.81e6 + 4.0955e6 * ((away < 4 - 1e-6) + 1.0 * (away < 4 + 1e-6))
+        return 82.81e6 + 4.0955e6 * patch(x, 4.0)
 
     fault = sf.Interface(upper, law, LENGTH, pressure=130e6, shear=shear, lower_material=lower)
     done, seconds = timed_run(fault, END, nodes, TIMES)
@@ -85,7 +73,7 @@ def main() -> None:
     program, folder = places(__doc__, "PROGRAM", "FOLDER")
     pairs = []
     for count, nodes in GRIDS:
-        theirs = at_points(*their_run(program, folder, count), 2 * count)
+        theirs = at_points(*their_run(program, their_input(folder, count)), 2 * count)
         pairs.append((theirs, at_points(*our_run(nodes), nodes)))
     record("SEM2DPACK", "Bimaterial_fault, mended", COMMAND, pairs)
 

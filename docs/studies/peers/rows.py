@@ -7,7 +7,7 @@ import resource
 import subprocess
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,35 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semianalytic as sf
-from compare.output.tables import PARSERS, write_rows
 from docs.studies.pages import DATA, read_data
+from docs.studies.runner import Row, write_table
 
 Array = NDArray[np.float64]
 FILE = DATA / "peers.csv"
-_CELLS = PARSERS | {"float | None": lambda text: float(text) if text else None}
-
-
-@dataclass(frozen=True)
-class Row:
-    """One quantity of one problem, computed by a peer and by the engine.
-
-    `their_error` lies between a grid of theirs and our finest, `our_error` between a grid of ours
-    and their finest; `their_change` and `our_change` lie between a grid of a code and its next
-    coarser one.  All are relative, in L1.  Seconds are those of the processor.
-    """
-
-    peer: str
-    case: str
-    quantity: str
-    their_grid: str
-    our_grid: str
-    their_error: float | None
-    our_error: float | None
-    their_change: float | None
-    our_change: float | None
-    their_seconds: float | None
-    our_seconds: float | None
-    command: str
 
 
 @dataclass(frozen=True)
@@ -69,63 +45,44 @@ def off(one: Array, other: Array) -> float:
     return float(2 * np.abs(one - other).sum() / (np.abs(one).sum() + np.abs(other).sum()))
 
 
-def compared(
+def record(
     peer: str,
     case: str,
     command: str,
     pairs: Sequence[tuple[GridRun, GridRun]],
     limit: Mapping[str, Array] | None = None,
-) -> list[Row]:
-    """Return the rows of pairs of runs, theirs and ours, coarse grids first.
+) -> None:
+    """Print the rows of pairs of runs, theirs and ours, coarse grids first, and write them to the
+    table in place of those of the same command and case.
 
     `limit` has the fields to which their grids tend, those of the finest by default.  A peer with
-    a single grid has no error and no change of its own.
+    a single grid has no error and no change of its own.  `their_error` lies between a grid of
+    theirs and our finest, `our_error` between a grid of ours and that limit, changes between a grid
+    and its next coarser one; all are relative, in L1.
     """
     several = len({their.grid for their, _ in pairs}) > 1
-    limit = limit or pairs[-1][0].fields
-    rows = []
-    for quantity, known in limit.items():
+    rows: list[Row] = []
+    for quantity, known in (limit or pairs[-1][0].fields).items():
+        finest = pairs[-1][1].fields[quantity]
         before: tuple[Array, Array] | None = None
         for their, our in pairs:
             one, other = their.fields[quantity], our.fields[quantity]
-            rows.append(
-                Row(
-                    peer,
-                    case,
-                    quantity,
-                    their.grid,
-                    our.grid,
-                    rounded(off(one, pairs[-1][1].fields[quantity])) if several else None,
-                    rounded(off(other, known)),
-                    rounded(off(one, before[0])) if several and before else None,
-                    rounded(off(other, before[1])) if before else None,
-                    rounded(their.seconds, 2) if their.seconds is not None else None,
-                    rounded(our.seconds, 2) if our.seconds is not None else None,
-                    command,
-                )
-            )
+            row: Row = {"peer": peer, "case": case, "quantity": quantity}
+            row |= {"their_grid": their.grid, "our_grid": our.grid}
+            row["their_error"] = rounded(off(one, finest)) if several else None
+            row["our_error"] = rounded(off(other, known))
+            row["their_change"] = rounded(off(one, before[0])) if several and before else None
+            row["our_change"] = rounded(off(other, before[1])) if before else None
+            row["their_seconds"] = their.seconds and rounded(their.seconds, 2)
+            row["our_seconds"] = our.seconds and rounded(our.seconds, 2)
+            rows.append(row | {"command": command})
             before = one, other
-    return rows
-
-
-def replace_rows(rows: Sequence[Row], file: Path = FILE) -> None:
-    """Print rows, and write them to a table in place of those of the same command and case."""
     print(*rows, sep="\n")
-    renewed = {(row.command, row.case) for row in rows}
-    known = read_data(file.stem, file.parent)[1] if file.exists() else []
     kept = [
-        Row(**{one.name: _CELLS[str(one.type)](cells[one.name]) for one in fields(Row)})
-        for cells in known
-        if (cells["command"], cells["case"]) not in renewed
+        row for row in read_data(FILE.stem)[1] if (row["command"], row["case"]) != (command, case)
     ]
-    whole = sorted([*kept, *rows], key=lambda row: (row.peer, row.case))
-    command = "; ".join(dict.fromkeys(row.command for row in whole))
-    write_rows(file, whole, command=command)
-
-
-def record(peer: str, case: str, *arguments: Any) -> None:
-    """Print and write the rows of pairs of runs, as `compared` returns them."""
-    replace_rows(compared(peer, case, *arguments))
+    whole = sorted([*kept, *rows], key=lambda row: (row["peer"], row["case"]))
+    write_table(FILE, whole, "; ".join(dict.fromkeys(row["command"] for row in whole)))
 
 
 def rounded(value: float, digits: int = 3) -> float:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -86,22 +86,22 @@ def plain_input(folder: Path) -> str:
 
 def their_input(folder: Path, problem: Problem, count: int) -> str:
     """Return the input of an example on one grid."""
-    text = plain_input(folder)
-    text = problem.edit(text, count)
+    text = problem.edit(plain_input(folder), count)
     text = re.sub(r"(TtH='PWCONR' *),[^/]*/", r"\1, otd=0.02d0 /", text)
     return re.sub(r"TotalTime *= *[\d.d]+", f"TotalTime={END}d0", text)
 
 
-def their_run(program: Path, folder: Path, problem: Problem, count: int) -> tuple[Fields, float]:
-    """Run an example on one grid; return its fields and the seconds of the processor."""
-    source = folder / "EXAMPLES" / f"TestFlt2D_SCEC_TPV3_{problem.example}"
+def their_run(
+    program: Path, text: str, depth: bool = False, meshes: Iterable[Path] = ()
+) -> tuple[Fields, float]:
+    """Run an input beside its meshes; return its fields and the seconds of the processor."""
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
-        for mesh in source.glob("*.mesh2d"):
+        for mesh in meshes:
             shutil.copy(mesh, here)
-        (here / "Par.inp").write_text(their_input(source, problem, count))
+        (here / "Par.inp").write_text(text)
         seconds = seconds_of([program.resolve()], here)
-        return read_fault(next(here.glob("Flt*_sem2d.hdr")), problem.depth), seconds
+        return read_fault(next(here.glob("Flt*_sem2d.hdr")), depth), seconds
 
 
 def read_fault(header: Path, depth: bool) -> Fields:
@@ -120,15 +120,19 @@ def read_fault(header: Path, depth: bool) -> Fields:
     return Fields(step * np.arange(float(len(data))), x[order], fields)
 
 
+def patch(x: Array, half: float) -> Array:
+    """Return 2 within a patch |x| < half [m], 0 beyond it, and the mean at its ends."""
+    away = np.abs(x)
+    return np.asarray((away < half - 1e-6) + 1.0 * (away < half + 1e-6))
+
+
 def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     """Run the same problem; return its fields and the seconds of the processor."""
     given = sf.find("tpv205").interface
     centre = 7.5e3 if problem.depth else 0.0
 
     def shear(x: Array) -> Array:
-        # a node at the end of the patch has the mean of both sides
-        away = np.abs(np.abs(x) - centre)
-        return 70e6 + 5.8e6 * ((away < 1.5e3 - 1e-6) + 1.0 * (away < 1.5e3 + 1e-6))
+        return 70e6 + 5.8e6 * patch(np.abs(x) - centre, 1.5e3)
 
     mode = "antiplane" if problem.depth else "in-plane"
     fault = replace(given, shear=shear, even=True, mode=mode)
@@ -155,9 +159,11 @@ def main() -> None:
     """Run both codes in turn on three grids, and write the rows."""
     program, folder = places(__doc__, "PROGRAM", "FOLDER")
     for problem in PROBLEMS:
+        source = folder / "EXAMPLES" / f"TestFlt2D_SCEC_TPV3_{problem.example}"
         times, pairs = np.arange(0.0, END, 0.02), []
         for (count, spacing), nodes in zip(problem.grids.items(), NODES, strict=True):
-            theirs, their_seconds = their_run(program, folder, problem, count)
+            text, meshes = their_input(source, problem, count), source.glob("*.mesh2d")
+            theirs, their_seconds = their_run(program, text, problem.depth, meshes)
             ours, our_seconds = our_run(problem, nodes, times)
             one = at_points(problem, theirs, spacing, their_seconds)
             pairs.append((one, at_points(problem, ours, f"{96e3 / nodes:g} m", our_seconds)))

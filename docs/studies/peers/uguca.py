@@ -61,23 +61,28 @@ def tpv101(fields: Path, build: Path) -> None:
     record("UGUCA", "tpv101", COMMAND, pairs, limit)
 
 
-def their_bimat(build: Path, nodes: int) -> GridRun:
-    """Run UGUCA on `rock-on-gouge`; its fields on 256 nodes after t = 0, tractions as changes."""
+def dumped(program: Path, nodes: int, *names: str) -> tuple[list[Array], float]:
+    """Run a program with UGUCA; return fields on 256 nodes after t = 0, (frames, 256), and seconds
+    of the processor."""
     with tempfile.TemporaryDirectory() as scratch:
-        here = Path(scratch)
-        seconds = seconds_of([(build / "bimat").resolve(), str(nodes), "0.35"], here)
+        here, program = Path(scratch), program.resolve()
+        (here / "kernels").symlink_to(program.parent / "kernels")
+        seconds = seconds_of([program, str(nodes), "0.35"], here)
+        place = here / f"{program.name}_{nodes}-DataFiles"
+        raw = (np.fromfile(place / f"{name}.out", dtype="<f4") for name in names)
+        return [one.reshape(-1, nodes)[1:, :: nodes // 256].astype(float) for one in raw], seconds
 
-        def read(name: str) -> Array:
-            file = here / f"bimat_{nodes}-DataFiles" / f"{name}.out"
-            raw = np.fromfile(file, dtype="<f4").reshape(-1, nodes)
-            return raw[1:, :: nodes // 256].astype(float)
 
-        fields = {
-            "slip": read("top_disp_0") - read("bot_disp_0"),
-            "slip rate": read("top_velo_0") - read("bot_velo_0"),
-            "shear traction": read("cohesion_0") - BIMAT["shear traction"],
-            "pressure": -read("cohesion_1") - BIMAT["pressure"],
-        }
+def their_bimat(build: Path, nodes: int) -> GridRun:
+    """Run UGUCA on `rock-on-gouge`; tractions are changes."""
+    names = [f"{side}_{kind}_0" for kind in ("disp", "velo") for side in ("top", "bot")]
+    found, seconds = dumped(build / "bimat", nodes, *names, "cohesion_0", "cohesion_1")
+    fields = {
+        "slip": found[0] - found[1],
+        "slip rate": found[2] - found[3],
+        "shear traction": found[4] - BIMAT["shear traction"],
+        "pressure": -found[5] - BIMAT["pressure"],
+    }
     return GridRun(f"{24 / nodes:.3g} m", fields, seconds)
 
 

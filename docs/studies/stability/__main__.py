@@ -12,16 +12,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from compare.figures.style import (
-    BLACK,
-    SMALL,
-    VERMILLION,
-    describe,
-    ink,
-    new_figure,
-    outline,
-    styled,
-)
+from compare.figures import style
 from docs.studies.runner import Row, Study, drawn, main
 from docs.studies.stability.marches import RAN, fem_points, fem_row, march_points, march_row
 from docs.studies.stability.solver import GRID_SCENES, solver_points, solver_rows, table
@@ -31,9 +22,9 @@ SCENES = r"$f = \chi\,Q_0/P_b$ (preload), $\chi\,Q_0/P_0$ (remote)"
 _FLOOR = 1e-17
 
 
-def unconverged(row: Row) -> bool:
-    """Return whether a row of the solver is none of a converged solution."""
-    return row["status"] not in ("converged", "solved")
+CURVES: Row = {"x": "parameter", "y": "value"}
+CURVES["failed"] = lambda row: row["status"] not in ("converged", "solved")
+LOGARITHMIC = {"xscale": "log", "yscale": "log"}
 
 
 def _positive(rows: list[Row]) -> list[Row]:
@@ -43,28 +34,27 @@ def _positive(rows: list[Row]) -> list[Row]:
 
 def limits_figure(rows: list[Row]) -> Figure:
     """Draw errors and estimates as the Poisson ratio approaches 0.5, 0 and -1."""
-    panel = {"x": "parameter", "y": "value", "by": ("case", "quantity"), "failed": unconverged}
-    scales = {"xscale": "log", "yscale": "log", "xlabel": r"distance of $\nu$ from the limit"}
     limits = ("0.5", "0+", "0-", "-1")
     return drawn(
         _positive(rows),
-        [
-            panel | scales | {"title": rf"$\nu \to {x}$", "where": {"study": f"nu to {x}"}}
-            for x in limits
-        ],
+        [{"title": rf"$\nu \to {x}$", "where": {"study": f"nu to {x}"}} for x in limits],
         f"edges over $c_t$, slip rates relative;  {SCENES}",
+        **CURVES,
+        **LOGARITHMIC,
+        by=("case", "quantity"),
+        xlabel=r"distance of $\nu$ from the limit",
     )
 
 
-@styled
+@style.styled
 def thresholds_figure(rows: list[Row]) -> Figure:
     """Draw error estimates and numbers of zones near thresholds; crosses are not converged."""
     near = [row for row in rows if row["study"] == "threshold"]
     cases = sorted({row["case"] for row in near})
     distances = sorted({row["parameter"] for row in near})
     values = np.full((len(cases), len(distances)), np.nan)
-    figure = describe(
-        new_figure(11, 0.42 * len(cases) + 2.1),
+    figure = style.describe(
+        style.new_figure(11, 0.42 * len(cases) + 2.1),
         f"numbers of zones; errors over $c_t$ and $V_0$;  {SCENES}",
     )
     panel = figure.subplots()
@@ -74,11 +64,11 @@ def thresholds_figure(rows: list[Row]) -> Figure:
             values[i, j] = max(row["value"], 1e-15)
         elif row["quantity"] == "zones":
             known = row["status"] == "converged"
-            mark, colour = (f"{row['value']:.0f}", "white") if known else ("×", VERMILLION)
-            effects = outline(BLACK if known else "white")
+            mark, colour = (f"{row['value']:.0f}", "white") if known else ("×", style.VERMILLION)
+            effects = style.outline(style.BLACK if known else "white")
             panel.text(j, i, mark, ha="center", va="center", color=colour, path_effects=effects)
     image = panel.imshow(values, norm=LogNorm(1e-15, 1e-7), cmap="viridis", aspect="auto")
-    panel.set_yticks(range(len(cases)), cases, fontsize=SMALL)
+    panel.set_yticks(range(len(cases)), cases, fontsize=style.SMALL)
     words = [f"${'-+'[x > 0]}10^{{{math.log10(abs(x)):g}}}$" if x else "0" for x in distances]
     panel.set_xticks(range(len(distances)), words, fontsize="x-small")
     panel.set_xlabel("relative distance of friction from the threshold")
@@ -90,21 +80,14 @@ def grids_figure(rows: list[Row]) -> Figure:
     """Draw the first stage over the number of nodes: error, odd-even mode, condition, rounds."""
     cases = [f"{loading}, ν = {nu:.3g}, χ = {chi:g}" for loading, nu, chi in GRID_SCENES]
     shown = [(case, name) for case in cases for name in ("slip rate error", "odd-even mode")]
-    panel = {"x": "parameter", "y": "value", "by": ("method",), "failed": unconverged}
-    panel |= {"xscale": "log", "yscale": "log", "xlabel": "nodes", "xlim": (15, 2500)}
-    return drawn(
-        _positive(rows),
-        [
-            panel
-            | {
-                "where": {"study": "grid", "case": case, "quantity": name},
-                "title": case,
-                "ylabel": name,
-            }
-            for case, name in [*shown, (cases[0], "condition"), (cases[0], "rounds")]
-        ],
-        f"first stage on a grid, slip rates relative; crosses: not solved;  {SCENES}",
-    )
+    shown += [(cases[0], "condition"), (cases[0], "rounds")]
+    panels = [
+        {"where": {"study": "grid", "case": case, "quantity": name}, "title": case, "ylabel": name}
+        for case, name in shown
+    ]
+    words = f"first stage on a grid, slip rates relative; crosses: not solved;  {SCENES}"
+    options: Row = {"by": ("method",), "xlabel": "nodes", "xlim": (15, 2500)}
+    return drawn(_positive(rows), panels, words, **CURVES, **LOGARITHMIC, **options)
 
 
 def rules_figure(rows: list[Row]) -> Figure:
@@ -119,47 +102,41 @@ def rules_figure(rows: list[Row]) -> Figure:
         for row in rows
         if row["study"] == "estimate" and row["quantity"] == "error estimate"
     ]
-    logarithmic = {"xscale": "log", "yscale": "log"}
-    curve = {"x": "parameter", "y": "value", "by": ("case",)}
-    digits = curve | {"ylabel": "relative error"} | logarithmic
+    panels: list[Row] = [
+        {"where": {"study": "rule", "quantity": "slip rate error"}, "xlabel": "nodes of all panels"}
+        | {"xscale": "linear", "ylabel": "error of the slip rate at the edge"},
+        {"where": {"study": "estimate", "quantity": "error estimate"}, "x": "true"}
+        | {"xlabel": "true error", "ylabel": "error estimate"},
+        {"where": {"study": "near c_R"}, "by": ("case", "method"), "xlabel": "distance from $c$"},
+        {"where": {"study": "narrow gap"}, "xlabel": "width of the gap at $c_R$"},
+    ]
     figure = drawn(
         [*_positive([row for row in rows if row["quantity"] != "error estimate"]), *pairs],
-        [
-            curve
-            | {"where": {"study": "rule", "quantity": "slip rate error"}, "yscale": "log"}
-            | {"xlabel": "nodes of all panels", "ylabel": "error of the slip rate at the edge"},
-            curve
-            | {"x": "true", "where": {"study": "estimate", "quantity": "error estimate"}}
-            | {"xlabel": "true error", "ylabel": "error estimate"}
-            | logarithmic,
-            digits
-            | {"by": ("case", "method"), "where": {"study": "near c_R"}}
-            | {"xlabel": "distance from $c$"},
-            digits | {"where": {"study": "narrow gap"}, "xlabel": "width of the gap at $c_R$"},
-        ],
+        panels,
         f"relative errors of edges, slip rates, impedance;  {SCENES}",
+        **LOGARITHMIC,
+        **{"x": "parameter", "y": "value", "by": ("case",), "ylabel": "relative error"},
     )
-    figure.axes[1].plot([1e-15, 1e-2], [1e-15, 1e-2], ":", color=ink())
+    figure.axes[1].plot([1e-15, 1e-2], [1e-15, 1e-2], ":", color=style.ink())
     return figure
 
 
 def fem_figure(rows: list[Row]) -> Figure:
     """Draw where runs above the critical step stop, and errors over damping, mesh and nu."""
-    error = {"y": "error", "ylabel": "relative L1 error", "yscale": "log"}
     damping = {"x": "damping", "by": ("element",), "xlabel": r"damping $\eta\, c_t / h$"}
+    last = {"y": "step", "yscale": "linear", "ylabel": "last step at 1.05 × critical step"}
     aspect = {"x": "resolution", "by": ("mesh",), "xscale": "log", "xlabel": "$c_t T / h$"}
     locking = {"x": "poisson_ratio", "by": ("element",), "xlabel": r"Poisson ratio $\nu$"}
     return drawn(
         rows,
         [
-            damping
-            | {"y": "step", "where": {"study": "step", "step_ratio": 1.05}}
-            | {"ylabel": "last step at 1.05 × critical step"},
-            damping | {"where": {"study": "step", "step_ratio": 0.95}} | error,
-            aspect | {"where": {"study": "aspect"}} | error,
-            locking | {"where": {"study": "locking"}} | error,
+            damping | last | {"where": {"study": "step", "step_ratio": 1.05}},
+            damping | {"where": {"study": "step", "step_ratio": 0.95}},
+            aspect | {"where": {"study": "aspect"}},
+            locking | {"where": {"study": "locking"}},
         ],
         "finite elements: preloaded (ν = 1/3, f = 0.3) but for what varies",
+        **{"y": "error", "ylabel": "relative L1 error", "yscale": "log"},
     )
 
 
@@ -171,15 +148,16 @@ def march_figure(rows: list[Row]) -> Figure:
         "friction": (r"$f$ times pressure over shear of the load", "log"),
         "end time": (r"end time, at constant $h$", "log"),
     }
-    panel: Row = {"x": "parameter", "y": "percent", "by": ("case",), "yscale": "log"}
-    panel |= {"ylabel": "L1 error of slip rate [%]", "failed": lambda row: row["status"] != RAN}
+    common: Row = {"x": "parameter", "y": "percent", "by": ("case",), "yscale": "log"}
+    common |= {"ylabel": "L1 error of slip rate [%]", "failed": lambda row: row["status"] != RAN}
     return drawn(
         [row | {"percent": 100 * row["error"]} for row in rows],
         [
-            panel | {"where": {"study": study}, "xlabel": label, "xscale": scale}
+            {"where": {"study": study}, "xlabel": label, "xscale": scale}
             for study, (label, scale) in labels.items()
         ],
         "marches of preloaded (f = 0.3) and remote-shock (f = 1.25), ν = 1/3, one thing varied",
+        **common,
     )
 
 

@@ -7,7 +7,7 @@ replace pivoting for the linear complementarity problem.  Units are b = mu = 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,7 @@ _GAUSS = 6
 _MOST_ROUNDS = 200
 
 
-@dataclass(frozen=True, eq=False)
-class GridProblem:
+class GridProblem(NamedTuple):
     """Complementarity problem w = q + M V, V >= 0, w >= 0, V w = 0 for slip of one sense.
 
     It has nodes xi (n + 1,) [c_t], the last at the longitudinal front, where V = 0; the negative
@@ -38,12 +37,8 @@ class GridProblem:
     q: Array
 
 
-@dataclass(frozen=True, eq=False)
-class GridAnswer:
-    """Nodal slip rates (n + 1,), the effort of finding them, and the status.
-
-    The status is "solved", "cycles (period p)", "singular", "no end" or a message of the pivoting.
-    """
+class GridAnswer(NamedTuple):
+    """Nodal slip rates (n + 1,), the effort of finding them, and "solved" or why not."""
 
     slip_rate: Array
     rounds: int

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from compare.comparison.measures import relative_error
-from docs.studies.profiles import PROFILE, last_march, last_profile, step_error
+from docs.studies.accuracy.fem import PROFILE, last_profile
+from docs.studies.accuracy.march import last_march, step_error
 from docs.studies.runner import Point, Row
 from fem import Simulation, simulate
 from fem.plan import make_plan
@@ -46,13 +47,9 @@ def fem_points(quick: bool) -> list[Point]:
     resolution, nu = (40 if quick else 100), _SOLID.poisson_ratio
     points: list[Point] = []
 
-    def add(
-        study: str, scene: str = "preloaded", poisson_ratio: float = nu, **options: Any
-    ) -> None:
-        options = {"resolution": resolution, "element": "Q1", "mesh": "squares"} | options
-        points.append(
-            (study, scene, poisson_ratio, {"step_ratio": 0.95, "damping": 0.02} | options)
-        )
+    def add(study: str, scene: str = "preloaded", ratio: float = nu, **options: Any) -> None:
+        given: Row = {"step_ratio": 0.95, "damping": 0.02, "resolution": resolution}
+        points.append((study, scene, ratio, given | {"element": "Q1", "mesh": "squares"} | options))
 
     for element in ELEMENTS[1:2] if quick else ELEMENTS:
         for damping in DAMPINGS[1:2] if quick else DAMPINGS:
@@ -63,7 +60,7 @@ def fem_points(quick: bool) -> list[Point]:
             add("aspect", resolution=finer, mesh=mesh)
     for element in ELEMENTS:
         for ratio in POISSON_RATIOS[:2] if quick else POISSON_RATIOS:
-            add("locking", poisson_ratio=ratio, resolution=20 if quick else 40, element=element)
+            add("locking", ratio=ratio, resolution=20 if quick else 40, element=element)
     for scene in ("unloaded", "reclosing"):
         for damping in DAMPINGS[:2]:
             for element in ELEMENTS:
@@ -90,6 +87,11 @@ def fem_row(study: str, scene_name: str, poisson_ratio: float, options: Mapping[
         run = simulate(scene, **options, progress=note)
     except ComputationError as error:
         message = str(error)
+    gained = math.nan
+    if run:
+        taken = np.array([run.energy.friction, run.energy.impact])
+        least = float(np.diff(taken, prepend=0.0).min())
+        gained = max(0.0, -least) / float(np.abs(run.energy.external).max())
     return {
         "study": study,
         "scene": scene_name,
@@ -101,10 +103,8 @@ def fem_row(study: str, scene_name: str, poisson_ratio: float, options: Mapping[
         "steps": reached[1],
         "error": _error(run) if run else math.nan,
         "energy_residual": run.energy.residual if run else math.nan,
-        "switches": int(np.abs(np.diff(run.is_open.astype(int), axis=0)).sum(0).max())
-        if run
-        else 0,
-        "energy_gained": _energy_gained(run) if run else math.nan,
+        "switches": int(np.diff(run.is_open, axis=0).sum(0).max()) if run else 0,
+        "energy_gained": gained,
         "message": message,
     }
 
@@ -116,12 +116,6 @@ def _error(run: Simulation) -> float:
         return relative_error(last_profile(run), exact, PROFILE, 1)
     except SlipfrontError:
         return math.nan
-
-
-def _energy_gained(run: Simulation) -> float:
-    energy = run.energy
-    least = min(np.diff(taken, prepend=0.0).min() for taken in (energy.friction, energy.impact))
-    return max(0.0, -float(least)) / float(np.abs(energy.external).max())
 
 
 def march_points(quick: bool) -> list[Point]:
@@ -151,10 +145,8 @@ def march_row(
     study: str, case: str, value: float, scene_name: str, nodes: int, damping: float
 ) -> Row:
     """March a scene; the status of a march that is refused is the sentence of the refusal."""
-    scene, ratio = SCENES[scene_name], 0.5
-    if study == "step ratio":
-        ratio = value
-    elif study == "Poisson ratio":
+    scene, ratio = SCENES[scene_name], value if study == "step ratio" else 0.5
+    if study == "Poisson ratio":
         scene = replace(scene, material=Material(1.0, 1.0, value))
     elif study == "friction":
         scene = replace(scene, friction=value)

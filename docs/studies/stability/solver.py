@@ -13,15 +13,7 @@ import numpy as np
 
 from compare.comparison.measures import relative_error
 from docs.studies.runner import Point, Row
-from docs.studies.stability.grids import (
-    PLACEMENTS,
-    Array,
-    GridAnswer,
-    by_active_set,
-    by_pivoting,
-    grid_problem,
-    zigzag,
-)
+from docs.studies.stability import grids
 from semianalytic import Material, Solution, regimes, solve
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
@@ -29,10 +21,7 @@ from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.reference import (
-    edge_speed_under_shear_step,
-    slip_rate_under_shear_step,
-)
+from semianalytic.reference import edge_speed_under_shear_step, slip_rate_under_shear_step
 from semianalytic.regimes import Loading, one_zone, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones.tuning import CLEAR_OF_EDGES
@@ -62,7 +51,7 @@ def solver_points(quick: bool) -> list[Point]:
         ("grid", *scene, size, placement, True)
         for size in SIZES[: 3 if quick else None]
         for scene in GRID_SCENES[: 1 if quick else None]
-        for placement in PLACEMENTS
+        for placement in grids.PLACEMENTS
     ]
     points += [("grid", loading, nu, chi, size, "galerkin", False) for size in large]
     points += [
@@ -112,12 +101,13 @@ def closed_form(poisson_ratio: float, chi: float) -> tuple[float, float]:
     return edge_speed_under_shear_step(material, chi), edge_rate
 
 
-def attempt(loading: Loading, poisson_ratio: float, chi: float, rtol: float) -> Solution | str:
-    """Return the solution, or the message that says why there is none."""
+def attempt(loading: Loading, nu: float, chi: float, rtol: float) -> tuple[Solution | None, str]:
+    """Return the solution and its status, or None and the message that says why there is none."""
     try:
-        return solve(scene_of(loading, poisson_ratio, chi), rtol=rtol)
+        solution = solve(scene_of(loading, nu, chi), rtol=rtol)
+        return solution, solution.status
     except ComputationError as error:
-        return str(error)
+        return None, str(error)
 
 
 def limit_rows(limit: str, exponent: int) -> list[Row]:
@@ -134,15 +124,12 @@ def limit_rows(limit: str, exponent: int) -> list[Row]:
         "remote, 90 %": ("remote", 1 + 0.9 * range_of_slip),
     }
     for name, (loading, chi) in scenes.items():
-        solution = attempt(loading, nu, chi, RTOL)
-        values = {"error estimate": math.nan}
-        status = solution if isinstance(solution, str) else solution.status
-        if isinstance(solution, Solution):
-            values["error estimate"] = solution.error_estimate
-            if name == "preload, χ = 1" and len(solution.zones) == 1:
-                front, edge_rate = closed_form(nu, chi)
-                values["edge error"] = abs(solution.zones[0].outer - front)
-                values["slip rate error"] = abs(solution.edge_slip_rate / edge_rate - 1)
+        solution, status = attempt(loading, nu, chi, RTOL)
+        values = {"error estimate": solution.error_estimate if solution else math.nan}
+        if solution and name == "preload, χ = 1" and len(solution.zones) == 1:
+            front, edge_rate = closed_form(nu, chi)
+            values["edge error"] = abs(solution.zones[0].outer - front)
+            values["slip rate error"] = abs(solution.edge_slip_rate / edge_rate - 1)
         rows += _rows(f"nu to {limit}", name, distance, values, status)
     return rows
 
@@ -172,13 +159,12 @@ def threshold_rows(name: str, loading: Loading, nu: float, chi: float) -> list[R
     """Solve scenes at relative distances 10^-1.5 to 10^-10, and 0, on both sides of a threshold."""
     rows: list[Row] = []
     for signed in (*(s * 10.0**-k for s in (1, -1) for k in (1.5, *range(2, 11))), 0.0):
-        solution = attempt(loading, nu, chi * (1 + signed), 1e-8)
-        if isinstance(solution, str):
-            rows += _rows("threshold", name, signed, {"zones": math.nan}, solution)
-            continue
-        values = {"zones": float(len(solution.zones)), "error estimate": solution.error_estimate}
-        values["seconds"] = sum(solution.statistics.seconds.values())
-        rows += _rows("threshold", name, signed, values, solution.status)
+        solution, status = attempt(loading, nu, chi * (1 + signed), 1e-8)
+        values = {"zones": math.nan}
+        if solution:
+            values = {"zones": len(solution.zones) * 1.0, "error estimate": solution.error_estimate}
+            values["seconds"] = sum(solution.statistics.seconds.values())
+        rows += _rows("threshold", name, signed, values, status)
     return rows
 
 
@@ -187,7 +173,7 @@ def grid_rows(
 ) -> list[Row]:
     """Solve the first stage on a grid; return error, odd-even mode, condition, pivots, rounds."""
     exact = solve(scene_of(loading, nu, chi), rtol=RTOL)
-    problem = grid_problem(loading, nu, chi, size, placement)
+    problem = grids.grid_problem(loading, nu, chi, size, placement)
     xi = problem.xi
     beside = xi[1:] * (1 - 1e-9)  # a zone that covers c_R has a logarithm there, at a node
     rate = np.append(exact.edge_slip_rate, exact.slip_rate(beside, 1.0)) / 2
@@ -197,21 +183,18 @@ def grid_rows(
     symmetric = float(np.linalg.eigvalsh((scaled + scaled.T) / 2)[0])
     case, rows = f"{loading}, ν = {nu:.3g}, χ = {chi:g}", list[Row]()
     values = {"condition": float(np.linalg.cond(scaled)), "least eigenvalue": symmetric}
-    methods = {"pivoting": by_pivoting} | ({"active set": by_active_set} if active else {})
+    methods = {"pivoting": grids.by_pivoting} | (
+        {"active set": grids.by_active_set} if active else {}
+    )
     for name, method in methods.items():
         answer = method(problem)
-        values |= {"rounds": answer.rounds, **_errors(xi, answer, rate)}
+        values["rounds"] = answer.rounds
+        if answer.status == "solved":
+            values["slip rate error"] = relative_error(answer.slip_rate, rate, xi, 1)
+            values["odd-even mode"] = grids.zigzag(xi, answer.slip_rate, rate)
         rows += _rows("grid", case, size, values, answer.status, f"{placement}, {name}")
         values = {}
     return rows
-
-
-def _errors(xi: Array, answer: GridAnswer, exact: Array) -> dict[str, float]:
-    """Return the relative mean error and odd-even mode of slip rates on a grid."""
-    if answer.status != "solved":
-        return {}
-    error = relative_error(answer.slip_rate, exact, xi, 1)
-    return {"slip rate error": error, "odd-even mode": zigzag(xi, answer.slip_rate, exact)}
 
 
 def rule_rows(nu: float) -> list[Row]:
@@ -291,8 +274,8 @@ def narrow_gap_rows(nu: float) -> list[Row]:
         front = regimes.past_rayleigh(nu, float(unknown))
         zone = one_zone("remote", nu, front)
         log_width = regimes.rayleigh_logarithm(zone).log_half_width
-        solution = attempt("remote", nu, zone.chi, RTOL)
-        if isinstance(solution, str) or len(solution.zones) != 2:
+        solution, status = attempt("remote", nu, zone.chi, RTOL)
+        if solution is None or len(solution.zones) != 2:
             continue
         slow, ahead = solution.profile.fields.zones
         inward, outward = ahead.left, slow.right
@@ -301,7 +284,7 @@ def narrow_gap_rows(nu: float) -> list[Row]:
         gap = float(inward.minus(outward)[0])
         half = math.exp(log_width)
         error = {"gap error": abs(gap / (4 * half) - 1)}
-        rows += _rows("narrow gap", f"ν = {nu:.3g}", gap, error, solution.status)
+        rows += _rows("narrow gap", f"ν = {nu:.3g}", gap, error, status)
     return rows
 
 

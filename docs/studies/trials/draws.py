@@ -8,20 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from semianalytic import (
-    CoulombFriction,
-    Harmonic,
-    Material,
-    Pulse,
-    Ramp,
-    RateWeakening,
-    Scene,
-    SceneError,
-    SlipWeakening,
-    Tabulated,
-    Tractions,
-    ViscousFriction,
-)
+import semianalytic as sf
 from semianalytic.cut.load import contact_opens
 from semianalytic.regimes import opening_threshold
 from semianalytic.scene.friction import FrictionLaw
@@ -31,7 +18,7 @@ from semianalytic.scene.loads import PULSE_SHAPES, LoadHistory
 _SPECIAL_RATIOS = (1 / 3, 0.25, 0.0, 0.45, -0.5)
 
 
-def random_step_scene(random: np.random.Generator) -> Scene:
+def random_step_scene(random: np.random.Generator) -> sf.Scene:
     """A self-similar scene; raises SceneError where the draw is not admissible."""
     nu = float(random.choice([*_SPECIAL_RATIOS, *random.uniform(-0.95, 0.495, 10)]))
     least = 1e-9 if random.random() < 0.1 else 1e-3
@@ -39,11 +26,13 @@ def random_step_scene(random: np.random.Generator) -> Scene:
     pressure = float(random.choice([0, 1, random.lognormal(0, 1.5)], p=[0.4, 0.2, 0.4]))
     share = float(random.choice([0, random.uniform(-1, 1), 1, -1], p=[0.4, 0.4, 0.1, 0.1]))
     shear = float(random.choice([0, 1, random.normal() * random.lognormal()], p=[0.05, 0.25, 0.7]))
-    solid = Material(1.0, 1.0, nu)
+    solid = sf.Material(1.0, 1.0, nu)
     if random.random() < 0.15:
-        remote = Tractions(pressure or 1.0, shear)
-        return Scene(solid, friction, Tractions(0.0, 0.0), remote, load_on=REMOTE)
-    return Scene(solid, friction, Tractions(1.0, share * friction), Tractions(pressure, shear))
+        remote = sf.Tractions(pressure or 1.0, shear)
+        return sf.Scene(solid, friction, sf.Tractions(0.0, 0.0), remote, load_on=REMOTE)
+    return sf.Scene(
+        solid, friction, sf.Tractions(1.0, share * friction), sf.Tractions(pressure, shear)
+    )
 
 
 def random_history(random: np.random.Generator) -> LoadHistory:
@@ -51,30 +40,30 @@ def random_history(random: np.random.Generator) -> LoadHistory:
     length = float(random.uniform(0.1, 1.0))
     kind = random.integers(4)
     if kind == 0:
-        return Ramp(length)
+        return sf.Ramp(length)
     if kind == 1:
-        return Pulse(length, str(random.choice(PULSE_SHAPES)))
+        return sf.Pulse(length, str(random.choice(PULSE_SHAPES)))
     if kind == 2:
-        return Harmonic(float(random.uniform(0.3, 4.0)))
+        return sf.Harmonic(float(random.uniform(0.3, 4.0)))
     times = np.sort(random.uniform(0, 1, 6)).round(6)
-    return Tabulated(tuple(np.unique(times).tolist()), tuple(random.normal(size=len(times))))
+    return sf.Tabulated(tuple(np.unique(times).tolist()), tuple(random.normal(size=len(times))))
 
 
-def random_history_scene(random: np.random.Generator) -> Scene:
+def random_history_scene(random: np.random.Generator) -> sf.Scene:
     """A scene whose loads change in time; raises SceneError where it is not admissible."""
     nu = float(random.choice([*_SPECIAL_RATIOS, random.uniform(-0.9, 0.49)]))
     friction = float(np.exp(random.uniform(np.log(0.02), np.log(2))))
     pressure = float(random.choice([0.0, random.uniform(0, 1)], p=[0.6, 0.4]))
     laws: Sequence[FrictionLaw] = (
-        CoulombFriction(),
-        RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0))),
-        SlipWeakening(float(random.uniform(0, 0.8)), float(random.lognormal(-2.0, 0.7))),
+        sf.CoulombFriction(),
+        sf.RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0))),
+        sf.SlipWeakening(float(random.uniform(0, 0.8)), float(random.lognormal(-2.0, 0.7))),
     )
-    return Scene(
-        Material(1.0, 1.0, nu),
+    return sf.Scene(
+        sf.Material(1.0, 1.0, nu),
         friction,
-        Tractions(1.0, float(random.choice([0.0, random.uniform(-1, 1)])) * friction),
-        Tractions(pressure, float(random.normal())),
+        sf.Tractions(1.0, float(random.choice([0.0, random.uniform(-1, 1)])) * friction),
+        sf.Tractions(pressure, float(random.normal())),
         pressure_history=random_history(random),
         shear_history=random_history(random),
         friction_law=laws[random.choice(3, p=[0.5, 0.25, 0.25])],
@@ -82,18 +71,16 @@ def random_history_scene(random: np.random.Generator) -> Scene:
 
 
 def drawn(
-    seed: int, index: int, draw: Callable[[np.random.Generator], Scene]
-) -> tuple[Scene, np.random.Generator]:
+    seed: int, index: int, draw: Callable[[np.random.Generator], sf.Scene]
+) -> tuple[sf.Scene, np.random.Generator]:
     """The first admissible scene of a draw."""
     random = np.random.default_rng([seed, index])
     while True:
-        try:
+        with suppress(sf.SceneError):
             return draw(random), random
-        except SceneError:
-            continue
 
 
-def random_wide_scene(random: np.random.Generator) -> Scene:
+def random_wide_scene(random: np.random.Generator) -> sf.Scene:
     """A self-similar scene of any law and mode, opening or closed, whose base is 1e-6 to 1e6 times
     its step; raises SceneError where the draw is not admissible."""
     nu = float(random.choice([*_SPECIAL_RATIOS, *random.uniform(-0.95, 0.495, 10)]))
@@ -106,21 +93,21 @@ def random_wide_scene(random: np.random.Generator) -> Scene:
         random.choice([0.0, *random.uniform(-1, 1, 3), 1.0, 1 - 10 ** random.uniform(-12, -1)])
     )
     laws: Sequence[FrictionLaw] = (
-        CoulombFriction(),
-        ViscousFriction(float(10 ** random.uniform(-3, 3))),
-        RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0))),
+        sf.CoulombFriction(),
+        sf.ViscousFriction(float(10 ** random.uniform(-3, 3))),
+        sf.RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0))),
     )
-    return Scene(
-        Material(1.0, 1.0, nu),
+    return sf.Scene(
+        sf.Material(1.0, 1.0, nu),
         friction,
-        Tractions(base, share * friction * base),
-        Tractions(pressure, float(random.choice([1.0, random.normal()]))),
+        sf.Tractions(base, share * friction * base),
+        sf.Tractions(pressure, float(random.choice([1.0, random.normal()]))),
         mode=str(random.choice(["in-plane", "antiplane"], p=[0.7, 0.3])),
         friction_law=laws[random.choice(3, p=[0.5, 0.3, 0.2])],
     )
 
 
-def random_steps(random: np.random.Generator) -> Scene:
+def random_steps(random: np.random.Generator) -> sf.Scene:
     """A self-similar scene for judges; raises SceneError where the draw is not admissible.
 
     Half of a draw's Poisson ratios are those of real solids; one in ten has no friction, one in
@@ -130,18 +117,18 @@ def random_steps(random: np.random.Generator) -> Scene:
     shear = float(random.choice([-1, 1]) * random.lognormal(0.0, 0.5))
     share = random.random()
     if share < 0.2:
-        remote = Tractions(1.0, shear)
-        return Scene(solid, friction, Tractions(0.0, 0.0), remote, load_on=REMOTE)
+        remote = sf.Tractions(1.0, shear)
+        return sf.Scene(solid, friction, sf.Tractions(0.0, 0.0), remote, load_on=REMOTE)
     pressure = 0.0 if share < 0.6 else float(random.choice([-1, 1]) * random.lognormal(-0.5, 0.7))
     shares = [0.0, 1.0, -1.0, random.uniform(-1, 1)]
     rest = float(random.choice(shares, p=[0.4, 0.05, 0.05, 0.5]))
     if pressure and random.random() < 0.3:
         shear = 0.0
-    base = Tractions(1.0, rest * friction)
-    return Scene(solid, friction, base, Tractions(pressure, shear))
+    base = sf.Tractions(1.0, rest * friction)
+    return sf.Scene(solid, friction, base, sf.Tractions(pressure, shear))
 
 
-def random_opening(random: np.random.Generator) -> Scene:
+def random_opening(random: np.random.Generator) -> sf.Scene:
     """A self-similar scene whose contact opens; raises SceneError where the draw is not admissible.
 
     Half of them from the edge, half of them ahead of a sudden pressure on a small base; solids and
@@ -154,35 +141,39 @@ def random_opening(random: np.random.Generator) -> Scene:
     if random.random() < 0.5:
         base, step = opening_threshold(solid.poisson_ratio) * float(random.uniform(0.05, 0.95)), 1.0
     rest = float(random.choice([0.0, random.uniform(-1, 1)]))
-    return Scene(solid, friction, Tractions(base, rest * friction * base), Tractions(step, shear))
+    return sf.Scene(
+        solid, friction, sf.Tractions(base, rest * friction * base), sf.Tractions(step, shear)
+    )
 
 
-def _random_solid(random: np.random.Generator) -> tuple[Material, float]:
+def _random_solid(random: np.random.Generator) -> tuple[sf.Material, float]:
     nu = float(random.choice([random.uniform(-0.9, 0.49), random.choice([1 / 3, 0.25, 0.0, 0.29])]))
     friction = 0.0 if random.random() < 0.1 else float(random.uniform(0.01, 2.0))
-    return Material(1.0, 1.0, nu), friction
+    return sf.Material(1.0, 1.0, nu), friction
 
 
-def _random_judged_history(random: np.random.Generator) -> Scene:
+def _random_judged_history(random: np.random.Generator) -> sf.Scene:
     scene = random_history_scene(random)
-    if isinstance(scene.friction_law, RateWeakening):
+    if isinstance(scene.friction_law, sf.RateWeakening):
         # short waves grow on any grid: there is nothing to converge to
-        raise SceneError("Rate weakening has no answer under histories.")
+        raise sf.SceneError("Rate weakening has no answer under histories.")
     return scene
 
 
-def _random_film(random: np.random.Generator) -> Scene:
+def _random_film(random: np.random.Generator) -> sf.Scene:
     scene, share = random_steps(random), float(np.exp(random.uniform(np.log(0.01), np.log(3.0))))
-    return replace(scene, friction_law=ViscousFriction(share * scene.material.shear_impedance / 2))
+    return replace(
+        scene, friction_law=sf.ViscousFriction(share * scene.material.shear_impedance / 2)
+    )
 
 
-def _random_antiplane(random: np.random.Generator) -> Scene:
+def _random_antiplane(random: np.random.Generator) -> sf.Scene:
     kind = _random_judged_history if random.random() < 0.3 else random_steps
     return replace(kind(random), mode="antiplane")
 
 
 STEPS, HISTORIES, OPENINGS = "steps", "histories", "openings"
-KINDS: Mapping[str, Callable[[np.random.Generator], Scene]] = {
+KINDS: Mapping[str, Callable[[np.random.Generator], sf.Scene]] = {
     STEPS: random_steps,
     HISTORIES: _random_judged_history,
     OPENINGS: random_opening,
@@ -191,10 +182,10 @@ KINDS: Mapping[str, Callable[[np.random.Generator], Scene]] = {
 }
 
 
-def judged_scene(kind: str, random: np.random.Generator) -> Scene:
+def judged_scene(kind: str, random: np.random.Generator) -> sf.Scene:
     """The next admissible scene of a kind; only openings may open."""
     while True:
-        with suppress(SceneError):
+        with suppress(sf.SceneError):
             scene = KINDS[kind](random)
             if kind == OPENINGS or not (scene.is_self_similar and contact_opens(scene)):
                 return scene

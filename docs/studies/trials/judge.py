@@ -16,25 +16,16 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+import semianalytic as sf
 from compare.comparison.comparing import held_against, planned
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import predict_like
 from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.comparison.rows import Row as JudgedRow
-from docs.studies.runner import Point, Row, Study, main
+from docs.studies.runner import Point, Row, Study, grouped, main
 from docs.studies.trials.draws import KINDS, STEPS, judged_scene
 from docs.studies.trials.wrong_answers import FAULTS, MISTAKES, spoilt
 from fem import Simulation, simulate, with_companions
-from semianalytic import (
-    Answer,
-    DataFileError,
-    Marched,
-    PairSolution,
-    Scene,
-    SceneError,
-    Solution,
-    find,
-)
 
 COUNTS: Mapping[str, int] = {**dict.fromkeys(KINDS, 40), STEPS: 90}
 """Scenes of each kind."""
@@ -50,8 +41,8 @@ CONFIDENCE = 0.95
 
 
 def simulated(
-    scene: Scene, resolution: int | None
-) -> tuple[Simulation, Solution | PairSolution | Marched]:
+    scene: sf.Scene, resolution: int | None
+) -> tuple[Simulation, sf.Solution | sf.PairSolution | sf.Marched]:
     """Return a simulation with its companions as `slipfront compare` has it, and the prediction."""
     prediction, choice = planned(scene, snapshots=True, resolution=resolution)
     run = with_companions(simulate(scene, resolution=choice.resolution, tell=lambda _: None))
@@ -65,26 +56,17 @@ def right_rows(group: str, index: int, resolution: int | None) -> list[Row]:
         try:
             judgement = held_against(*simulated(judged_scene(group, random), resolution))
             break
-        except SceneError:
+        except sf.SceneError:
             continue
-    return [
-        {
-            "group": group,
-            "index": index,
-            "judgement": judgement.verdict,
-            "kind": row.kind,
-            "name": row.name,
-            "verdict": row.verdict,
-            "bars": row.over_bar if tells(row) else math.nan,
-        }
-        for row in judgement.rows
-    ]
-
-
-def tells(row: JudgedRow) -> bool:
-    """Return whether a row is held against its bar: it has one, and no obstacle."""
-    barred = row.difference is not None and row.bar is not None
-    return barred and (row.verdict != UNRESOLVED or 1 < row.over_bar <= ALARM)
+    rows: list[Row] = []
+    for row in judgement.rows:
+        # a row is held against its bar if it has one, and no obstacle
+        barred = row.difference is not None and row.bar is not None
+        held = barred and (row.verdict != UNRESOLVED or 1 < row.over_bar <= ALARM)
+        line: Row = {"group": group, "index": index, "judgement": judgement.verdict}
+        line |= {"kind": row.kind, "name": row.name, "verdict": row.verdict}
+        rows.append(line | {"bars": row.over_bar if held else math.nan})
+    return rows
 
 
 def alarms(rows: list[Row]) -> list[Row]:
@@ -98,20 +80,14 @@ def alarms(rows: list[Row]) -> list[Row]:
         scenes = {(row["group"], row["index"]): row["judgement"] for row in part}
         false = sum(verdict == DIFFERS for verdict in scenes.values())
         bars = np.array([row["bars"] for row in part if not math.isnan(row["bars"])])
-        found.append(
-            {
-                "group": group,
-                "scenes": len(scenes),
-                "rows": len(part),
-                "false_rows": sum(row["verdict"] == DIFFERS for row in part),
-                "false_scenes": false,
-                "rate": upper_limit(false, len(scenes)),
-                "agreeing_scenes": sum(v == "agrees" for v in scenes.values()) / len(scenes),
-                "unresolved_rows": sum(row["verdict"] == UNRESOLVED for row in part) / len(part),
-                "within": float(np.mean(bars <= 1)),
-                "within_half": float(np.mean(bars <= 0.5)),
-            }
-        )
+        agree = sum(verdict == "agrees" for verdict in scenes.values())
+        verdicts = [row["verdict"] for row in part]
+        line: Row = {"group": group, "scenes": len(scenes), "rows": len(part)}
+        line |= {"false_rows": verdicts.count(DIFFERS), "false_scenes": false}
+        line |= {"rate": upper_limit(false, len(scenes)), "agreeing_scenes": agree / len(scenes)}
+        line |= {"unresolved_rows": verdicts.count(UNRESOLVED) / len(part)}
+        line |= {"within": float(np.mean(bars <= 1)), "within_half": float(np.mean(bars <= 0.5))}
+        found.append(line)
     return found
 
 
@@ -123,16 +99,12 @@ def upper_limit(count: int, trials: int) -> float:
     return float(scipy.stats.beta.ppf(CONFIDENCE, count + 1, trials - count))
 
 
-def power_scene(name: str) -> Scene:
-    """Return a scene whose answer is spoilt: a named one, or a drawn one."""
-    if name.startswith("drawn "):
-        return judged_scene(STEPS, np.random.default_rng([POWER_SEED, int(name[6:])]))
-    return find(name)
-
-
 def wrong_rows(name: str, resolution: int | None) -> list[Row]:
     """Judge the right answer to a scene, all that is made wrong of it, and simulations at fault."""
-    run, right = simulated(power_scene(name), resolution)
+    kind, _, number = name.partition(" ")
+    random = np.random.default_rng([POWER_SEED, int(number or 0)])
+    scene = judged_scene(STEPS, random) if kind == "drawn" else sf.find(name)
+    run, right = simulated(scene, resolution)
     truth = judge(right, run)
     exact = _flawless(truth)
     bars = {row.name: row.bar for row in truth.rows if row.verdict != UNRESOLVED}
@@ -140,7 +112,7 @@ def wrong_rows(name: str, resolution: int | None) -> list[Row]:
         {"scene": name, "mistake": TRUTH, "bars": 0.0, "verdict": truth.verdict, "by": ""}
     ]
     for mistake in MISTAKES:
-        wrong: Answer | None = spoilt(mistake, right, run.time_step)
+        wrong: sf.Answer | None = spoilt(mistake, right, run.time_step)
         if wrong is not None:
             effect = _effect(judge(wrong, exact).rows, bars)
             rows.append(_row(name, mistake, effect, judge(wrong, run)))
@@ -150,9 +122,8 @@ def wrong_rows(name: str, resolution: int | None) -> list[Row]:
             continue
         try:
             judgement = judge(right, broken)
-        except DataFileError:
-            refused = {"scene": name, "mistake": fault, "bars": math.inf, "verdict": "refused"}
-            rows.append({**refused, "by": ""})
+        except sf.DataFileError:
+            rows.append(rows[0] | {"mistake": fault, "bars": math.inf, "verdict": "refused"})
             continue
         effect = _effect(judge(right, make(exact) or exact).rows, bars)
         laws = [row.over_bar for row in judgement.rows if row.kind == LAW]
@@ -201,8 +172,8 @@ def power(rows: list[Row]) -> list[Row]:
     """
     false = {row["scene"] for row in rows if (row["mistake"], row["verdict"]) == (TRUTH, DIFFERS)}
     found = []
-    for mistake in dict.fromkeys(row["mistake"] for row in rows if row["mistake"] != TRUTH):
-        tried = [r for r in rows if r["mistake"] == mistake and r["scene"] not in false]
+    for (mistake,), group in grouped([row for row in rows if row["mistake"] != TRUTH], "mistake"):
+        tried = [row for row in group if row["scene"] not in false]
         line: Row = {"mistake": mistake}
         for name, least in (("", -1.0), ("_beyond", CATCHABLE), ("_sure", SURE)):
             part = [row for row in tried if row["bars"] > least]

@@ -9,29 +9,23 @@ random ones: the bars were set on those of one seed, and are tried on those of a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping
 from functools import partial
 from statistics import median
 from typing import Any
 
 import numpy as np
 
+import semianalytic as sf
 from compare.comparison.rows import DIFFERS, UNRESOLVED
 from compare.records.record import QUANTITIES
 from compare.validation.rows import PLACES
 from compare.validation.validation import Validation, validate
-from docs.studies.runner import Point, Row, Study, main
+from docs.studies.accuracy.march import reference
+from docs.studies.runner import Point, Row, Study, grouped, main
 from docs.studies.trials.draws import HISTORIES, OPENINGS, STEPS, judged_scene
+from docs.studies.trials.wrong_answers import MISTAKEN_SCENES
 from fem import simulate
-from semianalytic import (
-    ComputationError,
-    InterfaceHistory,
-    Scene,
-    SceneError,
-    Solution,
-    solve,
-)
 
 Arrays = dict[str, Any]
 
@@ -42,7 +36,7 @@ COUNTS: Mapping[str, int] = {STEPS: 16, OPENINGS: 8, HISTORIES: 4}
 """Scenes of each kind."""
 
 
-def history_arrays(history: InterfaceHistory, end_time: float) -> Arrays:
+def history_arrays(history: sf.InterfaceHistory, end_time: float) -> Arrays:
     """A history at `PLACES` until an end time [time], as a file of another code would hold it."""
     kept = history.t <= end_time * (1 + 1e-9)
     x = np.array(PLACES) * end_time
@@ -53,59 +47,40 @@ def history_arrays(history: InterfaceHistory, end_time: float) -> Arrays:
     return {"t": history.t[kept], "x": x, **values}
 
 
-def _simulated(scene: Scene, cells: int) -> Arrays:
+def _simulated(scene: sf.Scene, cells: int) -> Arrays:
     return history_arrays(simulate(scene, 1.0, resolution=cells).interface, 1.0)
 
 
-def _marched(scene: Scene, cells: int) -> Arrays:
-    marched = solve(
-        scene,
-        method="space-time",
-        end_time=1.0,
-        nodes=math.ceil(cells * scene.fastest_speed),
-        companion=False,
-    )
+def _marched(scene: sf.Scene, cells: int) -> Arrays:
+    marched = reference(scene, 1.0, math.ceil(cells * scene.fastest_speed))
     t, x = marched.interface.t, np.array(PLACES)
     values = {name: getattr(marched, name)(x, t[:, None]) for name in QUANTITIES}
     return {"t": t, "x": x, **values}
 
 
-CODES: Mapping[str, Callable[[Scene, int], Arrays]] = {"fem": _simulated, "march": _marched}
-
-
-def _scene(use: str, kind: str, index: int) -> Scene:
-    return judged_scene(kind, np.random.default_rng([USES[use], index]))
-
-
-def _judged(data: Sequence[Arrays], scene: Scene, cells: Sequence[int]) -> Validation:
-    return validate(list(data), scene, spacing=[1 / one for one in cells])
+CODES: Mapping[str, Callable[[sf.Scene, int], Arrays]] = {"fem": _simulated, "march": _marched}
 
 
 def right_rows(use: str, kind: str, index: int, code: str) -> list[Row]:
     """Judge right records of one resolution and of both; none if a code refuses the scene."""
-    scene = _scene(use, kind, index)
+    scene = judged_scene(kind, np.random.default_rng([USES[use], index]))
     try:
         data = [CODES[code](scene, cells) for cells in CELLS]
-        ways = [(data[:1], CELLS[:1]), (data[1:], CELLS[1:]), (data, CELLS)]
-        found = [(cells, _judged(part, scene, cells)) for part, cells in ways]
-    except (SceneError, ComputationError):
+        found = [
+            (cells, validate(part, scene, spacing=[1 / one for one in cells]))
+            for part, cells in ((data[:1], CELLS[:1]), (data[1:], CELLS[1:]), (data, CELLS))
+        ]
+    except (sf.SceneError, sf.ComputationError):
         return []
-    return [
-        {
-            "kind": kind,
-            "use": use,
-            "code": code,
-            "cells": " and ".join(map(str, cells)),
-            "runs": 1,
-            "rows": len(one.rows),
-            "differs": one.counts[DIFFERS],
-            "unresolved": one.counts[UNRESOLVED],
-            "most": max((row.over_bar for row in one.rows if not row.obstacle), default=0.0),
-            "rate_bar": _bar_of(one, "slip rate all stations"),
-            "slip_bar": _bar_of(one, "slip all stations"),
-        }
-        for cells, one in found
-    ]
+    rows: list[Row] = []
+    for cells, one in found:
+        row: Row = {"kind": kind, "use": use, "code": code, "cells": " and ".join(map(str, cells))}
+        row |= {"runs": 1, "rows": len(one.rows)}
+        row |= {"differs": one.counts[DIFFERS], "unresolved": one.counts[UNRESOLVED]}
+        row["most"] = max((line.over_bar for line in one.rows if not line.obstacle), default=0.0)
+        row["rate_bar"] = _bar_of(one, "slip rate all stations")
+        rows.append(row | {"slip_bar": _bar_of(one, "slip all stations")})
+    return rows
 
 
 def _bar_of(found: Validation, name: str) -> float:
@@ -115,12 +90,8 @@ def _bar_of(found: Validation, name: str) -> float:
 
 def alarms(rows: list[Row]) -> list[Row]:
     """Return sums of counts, the largest difference over its bar, and medians of bars, by group."""
-    groups: dict[tuple[str, ...], list[Row]] = {}
-    for row in rows:
-        key = tuple(row[name] for name in ("use", "kind", "code", "cells"))
-        groups.setdefault(key, []).append(row)
     found = []
-    for _, group in sorted(groups.items()):
+    for _, group in sorted(grouped(rows, "use", "kind", "code", "cells")):
         line = dict(group[0])
         for name in ("runs", "rows", "differs", "unresolved"):
             line[name] = sum(row[name] for row in group)
@@ -132,29 +103,25 @@ def alarms(rows: list[Row]) -> list[Row]:
     return found
 
 
-Spoil = Callable[[Arrays, Scene], tuple[Arrays, Scene] | None]
+Spoil = Callable[[Arrays, sf.Scene], tuple[Arrays, sf.Scene] | None]
 """Records and the scene they are held against, spoilt; None where the mistake changes nothing."""
 
 
-def _friction(factor: float, data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
-    return (data, replace(scene, friction=factor * scene.friction)) if scene.friction else None
+def _of_scene(mistake: str, data: Arrays, scene: sf.Scene) -> tuple[Arrays, sf.Scene] | None:
+    other = MISTAKEN_SCENES[mistake](1.0, scene)
+    return None if other == scene else (data, other)
 
 
-def _poisson(change: float, data: Arrays, scene: Scene) -> tuple[Arrays, Scene]:
-    solid = replace(scene.material, poisson_ratio=scene.material.poisson_ratio + change)
-    return data, replace(scene, material=solid)
-
-
-def _times(factors: Arrays, data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
+def _times(factors: Arrays, data: Arrays, scene: sf.Scene) -> tuple[Arrays, sf.Scene] | None:
     changed = {name: factor * data[name] for name, factor in factors.items()}
     if all(np.array_equal(data[name], value) for name, value in changed.items()):
         return None
     return {**data, **changed}, scene
 
 
-def _no_second_zone(data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
+def _no_second_zone(data: Arrays, scene: sf.Scene) -> tuple[Arrays, sf.Scene] | None:
     """Slip ahead of the gap between two zones left out."""
-    answer: Solution | None = solve(scene) if scene.is_self_similar else None
+    answer: sf.Solution | None = sf.solve(scene) if scene.is_self_similar else None
     if answer is None or len(answer.zones) < 2 or answer.zones[0].inner > 0:
         return None
     ahead = data["x"] > 0.5 * (answer.zones[0].outer + answer.zones[1].inner) * data["t"][:, None]
@@ -162,10 +129,10 @@ def _no_second_zone(data: Arrays, scene: Scene) -> tuple[Arrays, Scene] | None:
 
 
 SPOILS: Mapping[str, Spoil] = {
-    "friction +3 %": partial(_friction, 1.03),
-    "friction −3 %": partial(_friction, 0.97),
-    "ν +0.01": partial(_poisson, 0.01),
-    "ν −0.01": partial(_poisson, -0.01),
+    "friction +3 %": partial(_of_scene, "friction +3 %"),
+    "friction −3 %": partial(_of_scene, "friction -3 %"),
+    "ν +0.01": partial(_of_scene, "ν +0.01"),
+    "ν −0.01": partial(_of_scene, "ν -0.01"),
     "tractions times 1.1": partial(_times, {"shear_traction": 1.1, "pressure": 1.1}),
     "slip times 1.1": partial(_times, {"slip_rate": 1.1, "slip": 1.1}),
     "times times 1.02": partial(_times, {"t": 1.02}),
@@ -175,18 +142,18 @@ SPOILS: Mapping[str, Spoil] = {
 
 def wrong_rows(kind: str, index: int) -> list[Row]:
     """Judge records of finite elements on the finer mesh, with every mistake."""
-    scene, rows = _scene("tried", kind, index), []
+    scene, rows = judged_scene(kind, np.random.default_rng([USES["tried"], index])), []
     try:
         data = _simulated(scene, CELLS[-1])
-    except (SceneError, ComputationError):
+    except (sf.SceneError, sf.ComputationError):
         return []
     for mistake, spoil in SPOILS.items():
         try:
             changed = spoil(data, scene)
             if changed is not None:
-                found = _judged(changed[:1], changed[1], CELLS[-1:])
+                found = validate([changed[0]], changed[1], spacing=[1 / CELLS[-1]])
                 rows.append({"mistake": mistake, "verdict": found.verdict})
-        except SceneError:  # the scene that it is held against is none
+        except sf.SceneError:  # the scene that it is held against is none
             continue
     return rows
 

@@ -10,20 +10,8 @@ from functools import cached_property, lru_cache, partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import semianalytic as sf
 from fem import Simulation
-from semianalytic import (
-    Answer,
-    Marched,
-    OpenInterval,
-    OpenZone,
-    Scene,
-    SceneError,
-    SlipInterval,
-    SlipZone,
-    Solution,
-    Tractions,
-    solve,
-)
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.loading import SLOT
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
@@ -46,14 +34,14 @@ class Profiled(SelfSimilarAnswer):
     contact is open over the time, and `lag` is the time by which all of it is late.
     """
 
-    scene: Scene
+    scene: sf.Scene
     velocities: Array
     rate: Array
     shear: Array
     normal: Array
-    zones: tuple[SlipZone, ...]
+    zones: tuple[sf.SlipZone, ...]
     gap_over_time: Array
-    openings: tuple[OpenZone, ...]
+    openings: tuple[sf.OpenZone, ...]
     lag: float = 0.0
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -80,10 +68,10 @@ class Profiled(SelfSimilarAnswer):
     def frictional_work(self, t: ArrayLike) -> Array:
         return self._growing(np.abs(self.shear * self.rate), t)
 
-    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
+    def zones_at(self, t: float) -> tuple[sf.SlipInterval, ...]:
         return super().zones_at(t - self.lag)
 
-    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+    def openings_at(self, t: float) -> tuple[sf.OpenInterval, ...]:
         return super().openings_at(t - self.lag)
 
     def _since(self, t: ArrayLike) -> Array:
@@ -112,7 +100,7 @@ class Profiled(SelfSimilarAnswer):
 
 
 @lru_cache(maxsize=2)
-def profiled(solution: Solution) -> Profiled:
+def profiled(solution: sf.Solution) -> Profiled:
     """Tabulate the fields of a solution on the contact so that they can be distorted."""
     material = solution.scene.material
     speed, reach = material.shear_speed, _REACH * material.longitudinal_speed
@@ -140,14 +128,14 @@ def profiled(solution: Solution) -> Profiled:
 # --- answers --------------------------------------------------------------------------------------
 
 
-def _of_another_scene(other: Scene, right: Answer) -> Answer | None:
+def _of_another_scene(other: sf.Scene, right: sf.Answer) -> sf.Answer | None:
     """Return the right answer to another scene."""
     if other == right.scene:
         return None
-    if not isinstance(right, Marched):
-        return solve(other)
+    if not isinstance(right, sf.Marched):
+        return sf.solve(other)
     nodes = right.grid.observed
-    return solve(
+    return sf.solve(
         other,
         method="space-time",
         end_time=right.end_time,
@@ -156,38 +144,38 @@ def _of_another_scene(other: Scene, right: Answer) -> Answer | None:
     )
 
 
-def _friction(size: float, share: float, scene: Scene) -> Scene:
+def _friction(size: float, share: float, scene: sf.Scene) -> sf.Scene:
     return replace(scene, friction=(1 + size * share) * scene.friction)
 
 
-def _ratio(size: float, share: float, scene: Scene) -> Scene:
+def _ratio(size: float, share: float, scene: sf.Scene) -> sf.Scene:
     return override_scene(scene, poisson_ratio=scene.material.poisson_ratio + size * share)
 
 
-def _without_base_shear(_: float, scene: Scene) -> Scene:
+def _without_base_shear(_: float, scene: sf.Scene) -> sf.Scene:
     held = scene.superposition.in_place
-    return replace(scene, base=Tractions(held.pressure, 0.0), load_on=SLOT)
+    return replace(scene, base=sf.Tractions(held.pressure, 0.0), load_on=SLOT)
 
 
-def _second_zone_times(factor: float, right: Solution) -> Profiled | None:
+def _second_zone_times(factor: float, right: sf.Solution) -> Profiled | None:
     """Multiply the slip rate in the second zone from the edge by 0 or -1."""
     if len(right.zones) < 2:
         return None
     table, zone = profiled(right), right.zones[1]
     inside = (table.velocities > zone.inner) & (table.velocities < zone.outer)
-    changed = (SlipZone(zone.inner, zone.outer, -zone.sense),) if factor else ()
+    changed = (sf.SlipZone(zone.inner, zone.outer, -zone.sense),) if factor else ()
     zones = [*(other for other in table.zones if other != zone), *changed]
     rate = np.where(inside, factor * table.rate, table.rate)
     return replace(table, rate=rate, zones=tuple(sorted(zones, key=lambda part: part.inner)))
 
 
-def _backward(right: Solution) -> Profiled:
+def _backward(right: sf.Solution) -> Profiled:
     table = profiled(right)
-    zones = tuple(SlipZone(zone.inner, zone.outer, -zone.sense) for zone in table.zones)
+    zones = tuple(sf.SlipZone(zone.inner, zone.outer, -zone.sense) for zone in table.zones)
     return replace(table, rate=-table.rate, zones=zones)
 
 
-def _with_gap_times(factor: float, right: Solution) -> Profiled | None:
+def _with_gap_times(factor: float, right: sf.Solution) -> Profiled | None:
     if not right.openings:
         return None
     table = profiled(right)
@@ -195,45 +183,40 @@ def _with_gap_times(factor: float, right: Solution) -> Profiled | None:
     return replace(table, gap_over_time=factor * table.gap_over_time, openings=openings)
 
 
-def _first_bent(of: str, size: float, right: Solution) -> Profiled | None:
+def _first_bent(of: str, size: float, right: sf.Solution) -> Profiled | None:
     """Move the first edge of a slip zone or an opening that has room to move."""
     edges = [end for part in getattr(right, of) for end in (part.inner, part.outer)]
     front = right.scene.material.longitudinal_speed
     edges = [speed for speed in edges if 0 < speed < math.inf]
     for edge in edges:
         far = [place for place in edges if abs(place - edge) > 2 * abs(size) * edge]
-        bent = _bent(right, edge, (1 + size) * edge, [0.0, front, *far])
-        if bent is not None:
-            return bent
+        least = max(other for other in [0.0, front, *far] if other < edge)
+        most = min((other for other in [front, *far] if other > edge), default=math.inf)
+        if least < (1 + size) * edge < most < math.inf:
+            return _bent(right, [least, edge, most], [least, (1 + size) * edge, most])
     return None
 
 
-def _bent(right: Solution, place: float, moved: float, fixed: list[float]) -> Profiled | None:
-    """Bend the velocities of a solution so that one moves and those next to it stay."""
-    least = max(other for other in fixed if other < place)
-    most = min((other for other in fixed if other > place), default=math.inf)
-    if not least < moved < most < math.inf:
-        return None
+def _bent(right: sf.Solution, old: list[float], new: list[float]) -> Profiled:
+    """Bend the velocities of a solution between the first and the last of the old ones."""
 
     def bent(velocity: Array) -> Array:
-        inside = (velocity > least) & (velocity < most)
-        return np.where(
-            inside, np.interp(velocity, [least, place, most], [least, moved, most]), velocity
-        )
+        inside = (velocity > old[0]) & (velocity < old[-1])
+        return np.where(inside, np.interp(velocity, old, new), velocity)
 
     table, ends = profiled(right), bent(right.edge_speeds)
     zones = tuple(
-        SlipZone(float(inner), float(outer), zone.sense)
+        sf.SlipZone(float(inner), float(outer), zone.sense)
         for (inner, outer), zone in zip(ends, right.zones, strict=True)
     )
     openings = tuple(
-        OpenZone(*bent(np.array([part.inner, part.outer])).tolist()) for part in table.openings
+        sf.OpenZone(*bent(np.array([part.inner, part.outer])).tolist()) for part in table.openings
     )
     return replace(table, velocities=bent(table.velocities), zones=zones, openings=openings)
 
 
-Make = Callable[[float, float], Callable[[Solution], Answer | None]]
-_ANY: Mapping[str, Callable[[float, Scene], Scene]] = {
+Make = Callable[[float, float], Callable[[sf.Solution], sf.Answer | None]]
+MISTAKEN_SCENES: Mapping[str, Callable[[float, sf.Scene], sf.Scene]] = {
     "friction +3 %": partial(_friction, 0.03),
     "friction -3 %": partial(_friction, -0.03),
     "ν +0.01": partial(_ratio, 0.01),
@@ -255,21 +238,21 @@ _SELF_SIMILAR: Mapping[str, Make] = {
     "a step late": lambda share, step: lambda right: replace(profiled(right), lag=share * step),
 }
 """Mistakes of a self-similar answer, by a share of the usual size and a time step."""
-MISTAKES = (*_ANY, *_SELF_SIMILAR)
+MISTAKES = (*MISTAKEN_SCENES, *_SELF_SIMILAR)
 
 
-def spoilt(mistake: str, right: Answer, step: float, share: float = 1.0) -> Answer | None:
+def spoilt(mistake: str, right: sf.Answer, step: float, share: float = 1.0) -> sf.Answer | None:
     """Return an answer with a mistake of a share of its usual size; None where it makes no sense.
 
     `step` is the time step of the simulation [time].
     """
     try:
-        if mistake in _ANY:
-            return _of_another_scene(_ANY[mistake](share, right.scene), right)
-        if isinstance(right, Solution):
+        if mistake in MISTAKEN_SCENES:
+            return _of_another_scene(MISTAKEN_SCENES[mistake](share, right.scene), right)
+        if isinstance(right, sf.Solution):
             return _SELF_SIMILAR[mistake](share, step)(right)
         return None
-    except SceneError:  # no such material, base or load, or the contact opens
+    except sf.SceneError:  # no such material, base or load, or the contact opens
         return None
 
 

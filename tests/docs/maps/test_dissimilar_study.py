@@ -9,7 +9,7 @@ from docs.studies.dissimilar.__main__ import (
     map_rows,
     threshold_row,
 )
-from docs.studies.dissimilar.errors import fields_rows, honesty, stated_rows
+from docs.studies.dissimilar.pairs import fields_rows, honesty, stated_rows
 from docs.studies.pages import read_data
 
 

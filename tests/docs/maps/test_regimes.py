@@ -8,12 +8,10 @@ from scipy.integrate import quad
 from compare.tasks.workers import run_tasks
 from docs.studies.regimes.__main__ import (
     map_points,
-    reverse_row,
-    threshold_row,
-)
-from docs.studies.regimes.points import (
     map_rows,
     opening_row,
+    reverse_row,
+    threshold_row,
     trace,
 )
 from semianalytic import Material, Scene, Tractions, solve

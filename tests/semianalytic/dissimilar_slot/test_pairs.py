@@ -8,8 +8,7 @@ from dissimilar_pairs import scene
 from two_body_march import march
 
 import slipfront as sf
-from docs.studies.dissimilar.errors import error_of
-from docs.studies.dissimilar.pairs import SCENES, random_pair
+from docs.studies.dissimilar.pairs import SCENES, error_of, random_pair
 from semianalytic.dissimilar_slot.solver import coupled
 from semianalytic.scene.given.finding import find_blocks, find_scene, scene_label
 from semianalytic.scene.given.named import NAMED_PAIRS
