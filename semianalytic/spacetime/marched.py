@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.memory.exponentials import Memory
+from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.notebook import html_table
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import SceneError
