@@ -158,7 +158,10 @@ def lower_body(scene: Scene, known: Material | None, given: Mapping[str, float])
     for name, value in given.items():
         asked(scene, name, value, option_dimension(name))
     changes = {name.removeprefix("lower_"): value for name, value in given.items()}
-    return replace(known or scene.material, **changes)
+    try:
+        return replace(known or scene.material, **changes)
+    except SceneError as error:  # it does not know which of the two bodies it is
+        raise SceneError(str(error).replace("material: ", "lower_", 1)) from error
 
 
 def read_number(scene: HasUnits, name: str, text: str, dimension: str) -> float:

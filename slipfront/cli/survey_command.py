@@ -224,6 +224,8 @@ def typed_values(scene: Subject, name: str, text: str, dimension: str) -> Any:
         (start, end), number = _read(scene, name, (first, stop), dimension), int(count)
         if number < 1 or scale not in ([], ["log"]):
             raise ValueError(count)
+        if scale and not start * end > 0:
+            raise _no_values(name, text)  # equal ratios do not reach or cross 0
         if number <= MOST_VALUES:
             return np.geomspace(start, end, number) if scale else np.linspace(start, end, number)
     except ValueError as error:

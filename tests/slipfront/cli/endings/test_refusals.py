@@ -98,6 +98,7 @@ REFUSED = {
             "two different bodies are solved exactly",
         ),
         ("survey two.toml --vary lower_material.dense=1,2", "did you mean lower_density?"),
+        ("solve preloaded --lower-poisson-ratio 0.5", "--lower-poisson-ratio must lie strictly"),
         ("sliding --upper 1,1,0.25 --lower 1,1,0.5 --friction 0.3", "poisson_ratio must lie"),
     ],
     "solve preloaded": [
@@ -128,6 +129,7 @@ REFUSED = {
         ("--nodes 100", "--nodes is for the space-time solver"),
     ],
     "survey preloaded --quiet": [
+        ("--friction=-1:1:3:log", "--friction must be a number, a row as"),
         ("--friction 0.1:0.9:10000000000", "--friction must be at most 1e+07 values"),
         ("--friction 0.1:1e400:3", "--friction must be a finite number, got '1e400'"),
         ("--vary friction", "--vary must be a name and values"),
