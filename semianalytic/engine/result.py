@@ -20,6 +20,7 @@ from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.results.intervals import front_speeds
+from semianalytic.results.questions import Questions
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import needing
 
@@ -40,7 +41,7 @@ _UNITS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(Questions):
     """The fields of an interface from t = 0 until the end of a run, with their error estimates.
 
     Attributes

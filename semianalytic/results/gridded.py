@@ -8,8 +8,8 @@ from typing import Any, NoReturn
 from numpy.typing import ArrayLike
 
 from semianalytic.results.answer import Array, ContactFields, answer_dataset, sampled_history
+from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.notebook import html_table
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.units import unit

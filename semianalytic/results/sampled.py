@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,7 +40,7 @@ ROUNDING = 1e-9
 """Relative amount by which a time or position may exceed the last one."""
 ONSET_SHARE = 0.01
 """Share of the largest slip rate that is slip; a tenth would let it begin ahead of the waves."""
-_NO_SLIP = 1e-6
+NO_SLIP = 1e-6
 """Fraction of the largest recorded slip rate that counts as none; it is exactly 0 in stick."""
 
 
@@ -73,7 +74,7 @@ class Totals:
             If a time is not finite or beyond the last.
         """
         t = np.asarray(t, dtype=float)
-        _check_times(t, self.t)
+        check_times(t, self.t)
         return np.asarray(np.interp(t, self.t, getattr(self, name), left=0.0))
 
 
@@ -149,7 +150,7 @@ class SampledAnswer(Gridded):
         return replace(seen, slip=path), replace(seen, slip=heat)
 
     def _accumulated(self, which: int, x: ArrayLike, t: ArrayLike) -> Array:
-        _check_times(np.asarray(t, dtype=float), self.interface.t)
+        check_times(np.asarray(t, dtype=float), self.interface.t)
         _check_positions(np.asarray(x, dtype=float), self.interface.x)
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         return interpolated(self._sums[which], "slip", x, t)
@@ -164,7 +165,7 @@ class SampledAnswer(Gridded):
         _check_positions(x, self.interface.x)
         nodes, onset = self.interface.x, self._onset("slip")
         speeds = front_speeds(np.where(np.isfinite(onset), onset, np.nan), nodes[1] - nodes[0])
-        found = self._between_nodes(x, np.where(np.isnan(speeds), np.inf, speeds))
+        found = onset_between(self.interface.x, x, np.where(np.isnan(speeds), np.inf, speeds))
         return np.where(np.isfinite(found), found, np.nan)
 
     def max_slip(self, t: ArrayLike) -> Array:
@@ -219,7 +220,7 @@ class SampledAnswer(Gridded):
         """
         x, onset = np.asarray(x, dtype=float), self._onset(checked_arrival(of))
         _check_positions(x, self.interface.x)
-        return self._between_nodes(x, onset)
+        return onset_between(self.interface.x, x, onset)
 
     def first_motion(self, x: ArrayLike, of: str = "slip") -> Array:
         """Return the first time at which anything moves at x [time]; parameters as `arrival`.
@@ -228,43 +229,11 @@ class SampledAnswer(Gridded):
         slowest precursor that the grid shows.
         """
         x = np.asarray(x, dtype=float)
-        return self._between_nodes(x, self._onset(checked_arrival(of), _NO_SLIP))
-
-    def _between_nodes(self, x: Array, onset: Array) -> Array:
-        """Interpolate times (n,) at the nodes, some of which may be inf."""
-        left, right, along = _between(self.interface.x, x)
-        # A node that never begins has inf, which a mean would pass on: the nearer node decides
-        # then.
-        nearest = np.where(along < 0.5, onset[left], onset[right])
-        both = np.isfinite(onset[left]) & np.isfinite(onset[right])
-        first, second = (np.where(both, onset[side], 0.0) for side in (left, right))
-        return np.where(both, (1 - along) * first + along * second, nearest)
+        return onset_between(self.interface.x, x, self._onset(checked_arrival(of), NO_SLIP))
 
     def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
-        """Return the times at which something begins at the nodes, from the stored levels (n,).
-
-        A share of the largest slip rate so far counts as slip.
-        """
-        seen = self.interface
-        if of == "opening":
-            opened = seen.gap > 0
-            return np.where(opened.any(axis=0), seen.t[opened.argmax(axis=0)], np.inf)
-        # The wanted sense counts positive; the other one must not pass for slip.
-        rate = {"forward": 1.0, "reverse": -1.0}.get(of, 0.0) * seen.slip_rate
-        rate = np.maximum(rate, 0.0) if of != "slip" else np.abs(seen.slip_rate)
-        # Measured by what was until then, so that later and larger slip does not delay an onset.
-        largest = np.maximum.accumulate(np.abs(seen.slip_rate).max(axis=1, initial=0.0))
-        # rounding moves nodes of elements before any slip, when nothing larger was there
-        threshold = np.maximum(share * largest, _NO_SLIP * largest[-1])[:, None]
-        begun = rate > threshold
-        level = begun.argmax(axis=0)
-        before, node = np.maximum(level - 1, 0), np.arange(len(seen.x))
-        late, speed = rate[before, node], rate[level, node]
-        # At the first level, or after a jump, there is no earlier value to interpolate from.
-        rise = np.where(speed > late, speed - late, 1.0)
-        along = np.clip((threshold[level, 0] - late) / rise, 0.0, 1.0)
-        times = seen.t[before] + (seen.t[level] - seen.t[before]) * along
-        return np.where(begun.any(axis=0), times, np.inf)
+        """Return the times at which something begins at the nodes, from the stored levels (n,)."""
+        return onsets(self.interface, of, share)
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
         """Return what happens at x until t, arrivals and fields, each with a bar of its error.
@@ -301,7 +270,7 @@ class SampledAnswer(Gridded):
         if t <= min(self.interface.t[0], 0.0):
             return ()
         seen = self.interface
-        least = _NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
+        least = NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
         # Open sides move along one another without friction, which is no slip of the contact.
         rubbing = np.where(self.gap(seen.x, t) > 0, 0.0, self.slip_rate(seen.x, t))
         openings, near = self.openings_at(t), EDGE_STEPS * float(seen.x[0])
@@ -322,10 +291,60 @@ class SampledAnswer(Gridded):
     def _field(self, name: str, x: ArrayLike, t: ArrayLike, at_rest: float = 0.0) -> Array:
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         _check_positions(x, self.interface.x)
-        _check_times(t, self.interface.t)
+        check_times(t, self.interface.t)
         # a record begins before t = 0 where a load comes along the slot no faster than its waves
         before = t < min(self.interface.t[0], 0.0)
         return np.asarray(np.where(before, at_rest, interpolated(self.interface, name, x, t)))
+
+
+class Sampled(Protocol):
+    """Fields (m, n) at nodes x (n,) and times t (m,)."""
+
+    @property
+    def x(self) -> Array: ...
+    @property
+    def t(self) -> Array: ...
+    @property
+    def slip_rate(self) -> Array: ...
+    @property
+    def gap(self) -> Array: ...
+
+
+def onsets(seen: Sampled, of: str, share: float = ONSET_SHARE) -> Array:
+    """Return the times at which something begins at the nodes, from the stored levels (n,).
+
+    A share of the largest slip rate so far counts as slip.
+    """
+    if of == "opening":
+        opened = seen.gap > 0
+        return np.where(opened.any(axis=0), seen.t[opened.argmax(axis=0)], np.inf)
+    # The wanted sense counts positive; the other one must not pass for slip.
+    rate = {"forward": 1.0, "reverse": -1.0}.get(of, 0.0) * seen.slip_rate
+    rate = np.maximum(rate, 0.0) if of != "slip" else np.abs(seen.slip_rate)
+    # Measured by what was until then, so that later and larger slip does not delay an onset.
+    largest = np.maximum.accumulate(np.abs(seen.slip_rate).max(axis=1, initial=0.0))
+    # rounding moves nodes of elements before any slip, when nothing larger was there
+    threshold = np.maximum(share * largest, NO_SLIP * largest[-1])[:, None]
+    begun = rate > threshold
+    level = begun.argmax(axis=0)
+    before, node = np.maximum(level - 1, 0), np.arange(len(seen.x))
+    late, speed = rate[before, node], rate[level, node]
+    # At the first level, or after a jump, there is no earlier value to interpolate from.
+    rise = np.where(speed > late, speed - late, 1.0)
+    along = np.clip((threshold[level, 0] - late) / rise, 0.0, 1.0)
+    times = seen.t[before] + (seen.t[level] - seen.t[before]) * along
+    return np.where(begun.any(axis=0), times, np.inf)
+
+
+def onset_between(nodes: Array, x: Array, onset: Array) -> Array:
+    """Interpolate onsets (n,) at nodes (n,), some of which may be inf, at positions x [time]."""
+    left, right, along = between(nodes, x)
+    # A node that never begins has inf, which a mean would pass on: the nearer node decides
+    # then.
+    nearest = np.where(along < 0.5, onset[left], onset[right])
+    both = np.isfinite(onset[left]) & np.isfinite(onset[right])
+    first, second = (np.where(both, onset[side], 0.0) for side in (left, right))
+    return np.where(both, (1 - along) * first + along * second, nearest)
 
 
 def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Array:
@@ -340,14 +359,14 @@ def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Ar
     x, t : arrays of one shape
         Positions [length] and times [time].
     """
-    (left, right, along), (earlier, later, on) = _between(history.x, x), _between(history.t, t)
+    (left, right, along), (earlier, later, on) = between(history.x, x), between(history.t, t)
     field = getattr(history, name)
     before = (1 - along) * field[earlier, left] + along * field[earlier, right]
     after = (1 - along) * field[later, left] + along * field[later, right]
     return np.asarray((1 - on) * before + on * after)
 
 
-def _between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+def between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
     """Return the samples on either side, and the fraction of the way from one to the other."""
     after = np.clip(np.searchsorted(samples, at, "right"), 0, len(samples) - 1)
     before = np.maximum(after - 1, 0)
@@ -356,7 +375,7 @@ def _between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.in
     return before, after, np.clip(share, 0.0, 1.0)
 
 
-def _check_times(t: Array, recorded: Array) -> None:
+def check_times(t: Array, recorded: Array) -> None:
     """Raise SceneError for times that are not finite or later than what was recorded."""
     if np.any(finite_times(t) > recorded[-1] * (1 + ROUNDING)):
         raise SceneError(

@@ -18,8 +18,8 @@ from semianalytic.engine.scenes.files import read_march, write_march
 from semianalytic.engine.scenes.nodes import Grid
 from semianalytic.engine.scenes.state import Extremes, MarchState, MarchStatistics
 from semianalytic.memory.exponentials import Memory
+from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.notebook import html_table
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import SceneError
