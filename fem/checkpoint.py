@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fem.interface import InterfaceSums
 from fem.model import Model
-from fem.record import Record
+from fem.record import MeshRecord
 from fem.settings import Pace
 from fem.stepping import BodyState
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
@@ -45,7 +45,7 @@ class Checkpoint:
     arrays: Mapping[str, NDArray[Any]]
     frames: list[tuple[float, str]]
 
-    def restore(self, model: Model, record: Record) -> None:
+    def restore(self, model: Model, record: MeshRecord) -> None:
         """Put a newly built model and record into this state."""
         for number, body in enumerate(model.bodies):
             body.restore(BodyState(*(self.arrays[f"body {number}/{f}"] for f in BodyState._fields)))
@@ -62,7 +62,7 @@ class Checkpoint:
 
 
 def take_checkpoint(
-    step: int, model: Model, record: Record, frames: list[tuple[float, str]]
+    step: int, model: Model, record: MeshRecord, frames: list[tuple[float, str]]
 ) -> Checkpoint:
     """Return the state after the drift of a step; the arrays are those of the model, not copies."""
     arrays: dict[str, NDArray[Any]] = {}
@@ -138,7 +138,7 @@ class Keeper:
         self._last = self.clock()
         self.missing = ""
 
-    def resume(self, model: Model, record: Record) -> tuple[int, list[tuple[float, str]]]:
+    def resume(self, model: Model, record: MeshRecord) -> tuple[int, list[tuple[float, str]]]:
         """Restore the checkpoint, if any; return the first level to compute, and the frames."""
         if self.path is None or not self.path.is_file():
             return 0, []
@@ -150,7 +150,7 @@ class Keeper:
         self,
         step: int,
         model: Model,
-        record: Record,
+        record: MeshRecord,
         frames: list[tuple[float, str]],
         now: bool,
     ) -> None:

@@ -94,7 +94,6 @@ def _coarser(
         model="two-blocks" if simulation.model == TWO_BLOCKS else "auto",
         element=simulation.element,
         mesh=simulation.mesh,
-        lower_material=simulation.lower_material,
         every=_levels_kept(simulation, resolution),
     )
     full = folder is not None

@@ -15,19 +15,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.stepping import Body
+from fem.stepping import MarchedBody
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.scene import Scene
 
 
 @dataclass(frozen=True)
-class Faces:
+class FacePair:
     """One component of motion of the two faces that meet on the contact.
 
     Parameters
     ----------
-    body : Body
+    body : MarchedBody
         The body that carries them.
     upper : (n,) array
         Unknowns of the upper face.
@@ -42,7 +42,7 @@ class Faces:
         dt [time].
     """
 
-    body: Body
+    body: MarchedBody
     upper: NDArray[np.int64]
     lower: NDArray[np.int64] | None
     root: list[NDArray[np.float64]]
@@ -233,7 +233,7 @@ class InterfaceSums(NamedTuple):
     friction: NDArray[np.float64]
 
 
-class Interface:
+class MeshContact:
     """The contact x >= 0 during a simulation: its present tractions, and the work done so far.
 
     Parameters
@@ -242,9 +242,9 @@ class Interface:
         Friction and tractions in place.
     length : (n,) array
         Tributary lengths of the pairs [length].
-    sliding : Faces or None
+    sliding : FacePair or None
         Motion along x; None where symmetry forbids slip.
-    pressing : Faces or None
+    pressing : FacePair or None
         Motion along y; None where antisymmetry keeps the gap closed and the pressure as it was.
 
     Attributes
@@ -260,15 +260,15 @@ class Interface:
     offset : (n,) array
         Opening at the time level of the last kick, zero to rounding where closed [length].
     work : InterfaceWork
-        Up to the middle of the step before the last kick, as in `Body.energy`.
+        Up to the middle of the step before the last kick, as in `MarchedBody.energy`.
     """
 
     def __init__(
         self,
         scene: Scene,
         length: NDArray[np.float64],
-        sliding: Faces | None,
-        pressing: Faces | None,
+        sliding: FacePair | None,
+        pressing: FacePair | None,
     ) -> None:
         self.scene, self.length = scene, length
         self.sliding, self.pressing = sliding, pressing
@@ -331,7 +331,7 @@ class Interface:
         if self.sliding is not None:
             self._slide(self.sliding, part)
 
-    def _press(self, faces: Faces, part: float) -> None:
+    def _press(self, faces: FacePair, part: float) -> None:
         """Find the pressure of this kick, apply it and add up its work."""
         held = self.held.pressure
         self.offset = faces.offset()
@@ -344,7 +344,7 @@ class Interface:
         self._impact -= float(work @ self.pressure)
         self._external -= float(np.sum(work * held))
 
-    def _slide(self, faces: Faces, part: float) -> None:
+    def _slide(self, faces: FacePair, part: float) -> None:
         """Find the shear traction of this kick, apply it and add up its work."""
         held, law = self.held.shear, self.scene.friction_law
         increment, compliance = faces.increment(), part * faces.compliance

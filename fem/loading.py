@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem.interface import Carried, Interface
-from fem.stepping import Body
+from fem.interface import Carried, MeshContact
+from fem.stepping import MarchedBody
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene
@@ -57,19 +57,19 @@ def _spread_mean(
 
 
 @dataclass(frozen=True)
-class SlotLoad:
+class SlotTractions:
     """The load on a body as a function of time: shear along x or z, pressure along y.
 
     Parameters
     ----------
-    body : Body
+    body : MarchedBody
     amplitude : (k,) array
         dt^2 F / s on its loaded unknowns where f = 1.
     means : (2, m) array
         Factors of shear and pressure at each time level.
     """
 
-    body: Body
+    body: MarchedBody
     amplitude: NDArray[np.float64]
     means: NDArray[np.float64]
 
@@ -80,12 +80,12 @@ class SlotLoad:
 
 
 @dataclass(frozen=True)
-class FrontLoad:
+class FrontTractions:
     """The load on a body whose front moves over the slot, f(t - p x).
 
     Parameters
     ----------
-    body : Body
+    body : MarchedBody
     amplitude : (k,) array
         dt^2 F / s on its loaded unknowns where f = 1.
     histories : pair of LoadHistory
@@ -97,7 +97,7 @@ class FrontLoad:
         dt [time].
     """
 
-    body: Body
+    body: MarchedBody
     amplitude: NDArray[np.float64]
     histories: tuple[LoadHistory, LoadHistory]
     delay: NDArray[np.float64]
@@ -150,7 +150,7 @@ class ContactLoad:
 
     Parameters
     ----------
-    interface : Interface
+    interface : MeshContact
     scene : Scene
     delay : (n, k) array
         Times p x <= 0 at which the front reaches places spread over the part of each node [time].
@@ -158,7 +158,7 @@ class ContactLoad:
         dt [time].
     """
 
-    interface: Interface
+    interface: MeshContact
     scene: Scene
     delay: NDArray[np.float64]
     step: float
@@ -176,14 +176,14 @@ class ContactLoad:
 
 
 def contact_loads(
-    scene: Scene, interface: Interface, step: float, x: NDArray[np.float64]
+    scene: Scene, interface: MeshContact, step: float, x: NDArray[np.float64]
 ) -> list[ContactLoad]:
     """Return what changes with time on the contact itself: an incident wave that is no step.
 
     Parameters
     ----------
     scene : Scene
-    interface : Interface
+    interface : MeshContact
     step : float
         dt [time].
     x : (n,) array
@@ -196,14 +196,18 @@ def contact_loads(
 
 
 def slot_loads(
-    scene: Scene, bodies: list[Body], step: float, steps: int, places: list[NDArray[np.float64]]
-) -> list[SlotLoad] | list[FrontLoad]:
+    scene: Scene,
+    bodies: list[MarchedBody],
+    step: float,
+    steps: int,
+    places: list[NDArray[np.float64]],
+) -> list[SlotTractions] | list[FrontTractions]:
     """Return the loads of bodies that change with time; none if all are steps that come at once.
 
     Parameters
     ----------
     scene : Scene
-    bodies : list of Body
+    bodies : list of MarchedBody
         Their `load` is the amplitude.
     step : float
         dt [time].
@@ -215,13 +219,13 @@ def slot_loads(
     histories = (scene.shear_history, scene.pressure_history)
     if scene.front_slowness:
         return [
-            FrontLoad(body, body.load, histories, front_delays(x, scene.front_slowness), step)
+            FrontTractions(body, body.load, histories, front_delays(x, scene.front_slowness), step)
             for body, x in zip(bodies, places, strict=True)
         ]
     if scene.is_step:
         return []
     means = np.array([kick_means(history, step, steps) for history in histories])
-    return [SlotLoad(body, body.load, means) for body in bodies]
+    return [SlotTractions(body, body.load, means) for body in bodies]
 
 
 class Arrived(NamedTuple):

@@ -25,11 +25,11 @@ from fem.elements.assembly import (
     make_space,
     tributary_length,
 )
-from fem.interface import Faces, Interface
-from fem.loading import ContactLoad, FrontLoad, SlotLoad, contact_loads, slot_loads
+from fem.interface import FacePair, MeshContact
+from fem.loading import ContactLoad, FrontTractions, SlotTractions, contact_loads, slot_loads
 from fem.plan import TWO_BLOCKS, Plan, make_plan
 from fem.settings import Settings
-from fem.stepping import Body, critical_step, highest_frequency, normalised
+from fem.stepping import MarchedBody, critical_step, highest_frequency, normalised
 from meshes import cached_mesh
 from semianalytic.scene.scene import Scene
 
@@ -103,11 +103,11 @@ class Model:
     space : Space
         Mesh and nodes.
     numbering : Numbering
-    bodies : list of Body
+    bodies : list of MarchedBody
         One or, in lockstep, two bodies on the same mesh; the motion is their sum.
-    loads : list of SlotLoad, FrontLoad or ContactLoad
+    loads : list of SlotTractions, FrontTractions or ContactLoad
         Loads of the bodies, and of the contact, that change with time.
-    interface : Interface
+    interface : MeshContact
     contact_x, slot_x : arrays
         Positions of the nodes [length]; the edge node, at `Plan.edge`, belongs to the contact.
     slot : (k,) array
@@ -123,7 +123,7 @@ class Model:
 
     Examples
     --------
-    >>> from fem import prepare
+    >>> from fem.model import prepare
     >>> from semianalytic import find
     >>> model = prepare(find("preloaded"), resolution=8)
     >>> model.unknowns, model.copies, bool(model.time_step < model.critical_step)
@@ -133,9 +133,9 @@ class Model:
     plan: Plan
     space: Space
     numbering: Numbering
-    bodies: list[Body]
-    loads: Sequence[SlotLoad | FrontLoad | ContactLoad]
-    interface: Interface
+    bodies: list[MarchedBody]
+    loads: Sequence[SlotTractions | FrontTractions | ContactLoad]
+    interface: MeshContact
     contact_x: NDArray[np.float64]
     slot_x: NDArray[np.float64]
     slot: NDArray[np.int64]
@@ -187,7 +187,7 @@ def prepare(
 
     Examples
     --------
-    >>> from fem import prepare
+    >>> from fem.model import prepare
     >>> prepare("antiplane", resolution=8).plan.name
     'antiplane half'
     """
@@ -250,7 +250,7 @@ def build_model(plan: Plan, space: Space) -> Model:
     places = [
         space.points[0, numbering.order[body.loaded // len(body.components)]] for body in bodies
     ]
-    interface = Interface(plan.scene, length, sliding, pressing)
+    interface = MeshContact(plan.scene, length, sliding, pressing)
     contact_x, end = space.points[0, contact_nodes], steps + half_window
     return Model(
         plan=plan,
@@ -283,7 +283,9 @@ class _Parts:
     step: float
     damping_time: float
 
-    def put_together(self, plan: Plan) -> tuple[list[Body], Faces | None, Faces | None]:
+    def put_together(
+        self, plan: Plan
+    ) -> tuple[list[MarchedBody], FacePair | None, FacePair | None]:
         """Make the bodies, and the faces that slide and that press, where symmetry allows it."""
         meeting: tuple[str, ...] = BLOCKS
         if plan.halves:
@@ -296,7 +298,7 @@ class _Parts:
         faces = {i: self.faces(body, i, meeting) for i, body in halves.items()}
         return bodies, faces.get(Z if plan.scene.antiplane else X), faces.get(Y)
 
-    def half(self, component: int) -> Body:
+    def half(self, component: int) -> MarchedBody:
         """Make the upper block, moved by slot tractions along one component; walls hold the other.
 
         In antiplane shear walls are free, since plane waves pass along free walls.
@@ -308,7 +310,7 @@ class _Parts:
         held = self.numbering.unknowns(walls, 1 - component)
         return self._body(IN_PLANE, loaded, load, held=held)
 
-    def two_blocks(self, components: tuple[int, ...], walls: bool) -> Body:
+    def two_blocks(self, components: tuple[int, ...], walls: bool) -> MarchedBody:
         """Make both blocks; their walls are free, or as in the halves if the materials are equal.
 
         As in the halves, mirror nodes of the walls move oppositely, which is u_y = 0 for the
@@ -327,11 +329,11 @@ class _Parts:
             mirrored=np.concatenate(mirrored, axis=1) if walls and components == IN_PLANE else None,
         )
 
-    def faces(self, body: Body, component: int, blocks: tuple[str, ...]) -> Faces:
+    def faces(self, body: MarchedBody, component: int, blocks: tuple[str, ...]) -> FacePair:
         """Make the contact faces of the named blocks for one component of motion."""
         sides = [tributary_length(self.space, f"{block}_contact") for block in blocks]
         unknowns = [self.numbering.unknowns(nodes, component) for nodes, _ in sides]
-        return Faces(
+        return FacePair(
             body=body,
             upper=unknowns[0],
             lower=unknowns[1] if len(blocks) == 2 else None,
@@ -365,9 +367,9 @@ class _Parts:
         load: NDArray[np.float64],
         held: NDArray[np.int64] | None = None,
         mirrored: NDArray[np.int64] | None = None,
-    ) -> Body:
+    ) -> MarchedBody:
         matrix, root = self.matrices[components]
-        return Body(
+        return MarchedBody(
             components=components,
             matrix=matrix,
             root=root,

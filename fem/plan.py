@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import product
-from os import PathLike, fspath
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,7 @@ from semianalytic.scene.checks import (
 )
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.finding import checked_scene, find_blocks
+from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Material, Scene
 
@@ -59,7 +59,7 @@ HALVES: Mapping[str, tuple[int, ...]] = {
 of a model; the other component is the same in both."""
 
 
-def choose_model(scene: Scene, model: str, lower_material: Material | None = None) -> str:
+def choose_model(scene: Scene, model: str) -> str:
     """Return the name of the model that a scene needs.
 
     Under shear alone the motion is antisymmetric in y (u_x odd, u_y even) and does not touch
@@ -72,10 +72,8 @@ def choose_model(scene: Scene, model: str, lower_material: Material | None = Non
     scene : Scene
     model : str
         "auto", or "two-blocks" to keep both blocks whatever the symmetry.
-    lower_material : Material, optional
-        Of the lower block, if it is another one: there is no symmetry then.
     """
-    if lower_material not in (None, scene.material):
+    if scene.lower_material is not None:  # there is no symmetry
         return TWO_MATERIALS
     if model == "two-blocks":
         return TWO_BLOCKS
@@ -119,7 +117,7 @@ class Plan:
     def __post_init__(self) -> None:
         object.__setattr__(self, "end_time", checked_size("simulate: end_time", self.end_time))
         if self.follows:
-            check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
+            check_resolved(self.scene, self.end_time, self.settings.resolution)
         _check_front(self.scene, self.end_time)
         if self.name == TWO_MATERIALS and isinstance(self.scene.load, IncidentWave):
             raise SceneError(
@@ -139,11 +137,6 @@ class Plan:
             )
 
     @property
-    def lower_material(self) -> Material:
-        """Material of the lower block."""
-        return self.settings.lower_material or self.scene.material
-
-    @property
     def slides_ahead(self) -> bool:
         """Whether the contact slides ahead of all waves of the edge, under a load from far away."""
         return wave_slips_ahead(self.scene, self.end_time)
@@ -151,12 +144,12 @@ class Plan:
     @property
     def materials(self) -> dict[str, Material]:
         """Materials of the upper and of the lower block."""
-        return {"upper": self.scene.material, "lower": self.lower_material}
+        return dict(zip(("upper", "lower"), self.scene.bodies, strict=True))
 
     @property
     def name(self) -> str:
         """Name of the model."""
-        return choose_model(self.scene, self.settings.model, self.settings.lower_material)
+        return choose_model(self.scene, self.settings.model)
 
     @property
     def halves(self) -> tuple[int, ...]:
@@ -180,7 +173,7 @@ class Plan:
     @property
     def fastest_speed(self) -> float:
         """Speed of the first wave in the faster block [length / time]."""
-        return max(map(self.scene.fastest_in, self.materials.values()))
+        return self.scene.fastest_speed
 
     @property
     def size(self) -> float:
@@ -245,8 +238,7 @@ class Plan:
     @property
     def caution(self) -> str:
         """Sentences that say what the mesh is too coarse for; "" if nothing is known."""
-        settings = self.settings
-        return mesh_caution(self.scene, settings.lower_material, self.end_time, settings.resolution)
+        return mesh_caution(self.scene, self.end_time, self.settings.resolution)
 
     @cached_property
     def critical_step(self) -> float:
@@ -341,10 +333,6 @@ def make_plan(
             "give single options by name, as in resolution=50."
         )
     settings = replace(settings, **options)
-    if isinstance(scene, str | PathLike):
-        scene, lower = find_blocks(fspath(scene))
-        if settings.lower_material is None and lower is not None:
-            settings = replace(settings, lower_material=lower)
     scene = checked_scene("simulate", scene)
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
     return Plan(scene, end_time, settings, full)

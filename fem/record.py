@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fem.elements.assembly import X, Y, Z
 from fem.loading import arrived_wave
 from fem.model import Model
-from fem.results import EnergyHistory, Opening, SlotHistory
+from fem.results import ContactOpening, EnergyHistory, SlotHistory
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.scene import Scene
@@ -25,7 +25,7 @@ SEEN = slice(1, None)
 """Nodes of the contact whose histories are stored: all beyond the edge node."""
 
 
-class Record:
+class MeshRecord:
     """Histories of the interface, the slot and the energies, filled level by level.
 
     Every n-th time level of interface and slot is stored, and the last one; energies and totals of
@@ -200,7 +200,7 @@ class Record:
             "slot": SlotHistory(self._slot_x, t, *self._whole_velocity(t)),
             "totals": Totals(dt * np.arange(steps + 1.0), *self._totals),
             "energy": EnergyHistory(np.arange(0.5, steps) * dt, *self._energy[:, 1:]),
-            "opened": None if math.isinf(first) else Opening(first, place, largest, length),
+            "opened": None if math.isinf(first) else ContactOpening(first, place, largest, length),
         }
 
     def _whole_velocity(self, times: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ from dataclasses import replace
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import LoadHistory
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Scene
 
 LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}
 """Largest turn of a load, over its largest value, while a shear wave covers so many node distances.
@@ -76,22 +76,18 @@ def needed_resolution(history: LoadHistory, crossing: float, end_time: float) ->
     return high
 
 
-def check_resolved(
-    scene: Scene, lower_material: Material | None, end_time: float, resolution: int
-) -> None:
+def check_resolved(scene: Scene, end_time: float, resolution: int) -> None:
     """Raise SceneError if a load turns back faster than the mesh can follow.
 
     Parameters
     ----------
     scene : Scene
-    lower_material : Material or None
-        Of the lower block, if it is another one.
     end_time : float
         T [time].
     resolution : int
         Node distances per c_t T.
     """
-    slowest = min(m.shear_speed for m in (scene.material, lower_material or scene.material))
+    slowest = min(body.shear_speed for body in scene.bodies)
     crossing = scene.material.shear_speed * end_time / slowest
     for name, history in scene.acting_histories.items():
         if resolves(history, crossing / resolution, end_time):
@@ -109,20 +105,13 @@ def check_resolved(
         )
 
 
-def slow_body_caution(material: Material, lower_material: Material | None, resolution: int) -> str:
+def slow_body_caution(scene: Scene, resolution: int) -> str:
     """Say in a sentence if the mesh is too coarse for a slower lower block; "" if it is not.
 
-    Parameters
-    ----------
-    material : Material
-        Of the upper block, whose shear wave covers `resolution` node distances until the end.
-    lower_material : Material or None
-        Of the lower block, if it is another one.
-    resolution : int
+    The shear wave of the upper block covers `resolution` node distances until the end.
     """
-    if lower_material is None:
-        return ""
-    ratio = lower_material.shear_speed / material.shear_speed
+    upper, lower = scene.bodies
+    ratio = lower.shear_speed / upper.shear_speed
     crossed, needed = resolution * ratio, math.ceil(LEAST_CROSSED / ratio)
     if ratio >= 1 or crossed >= LEAST_CROSSED or resolution >= needed:
         return ""
@@ -133,18 +122,15 @@ def slow_body_caution(material: Material, lower_material: Material | None, resol
     )
 
 
-def weakening_caution(
-    scene: Scene, lower_material: Material | None, end_time: float, resolution: int
-) -> str:
+def weakening_caution(scene: Scene, end_time: float, resolution: int) -> str:
     """Say in a sentence if the mesh is too coarse for slip weakening; "" if it is not.
 
     Parameters
     ----------
-    scene, lower_material, end_time, resolution
+    scene, end_time, resolution
         Arguments of `check_resolved`.
     """
-    materials = (scene.material, lower_material or scene.material)
-    zone = min(process_zone(replace(scene, material=material)) for material in materials)
+    zone = min(process_zone(replace(scene, material=body)) for body in scene.bodies)
     elements = zone * resolution / (scene.material.shear_speed * end_time)
     if elements >= WEAKENING_ELEMENTS:
         return ""
@@ -156,18 +142,16 @@ def weakening_caution(
     )
 
 
-def mesh_caution(
-    scene: Scene, lower_material: Material | None, end_time: float, resolution: int
-) -> str:
+def mesh_caution(scene: Scene, end_time: float, resolution: int) -> str:
     """Say in sentences what the mesh is known to be too coarse for; "" if nothing.
 
     Parameters
     ----------
-    scene, lower_material, end_time, resolution
+    scene, end_time, resolution
         Arguments of `check_resolved`.
     """
     cautions = (
-        slow_body_caution(scene.material, lower_material, resolution),
-        weakening_caution(scene, lower_material, end_time, resolution),
+        slow_body_caution(scene, resolution),
+        weakening_caution(scene, end_time, resolution),
     )
     return " ".join(filter(None, cautions))

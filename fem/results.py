@@ -18,7 +18,7 @@ from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import SI, unit
 
 FORMAT = "slipfront simulation 9"
@@ -108,7 +108,7 @@ class EnergyHistory:
 
 
 @dataclass(frozen=True)
-class Opening:
+class ContactOpening:
     """The opening of the contact over all steps, stored or not: where and when it came apart.
 
     Attributes
@@ -162,8 +162,6 @@ class Simulation(SampledAnswer):
         Element family and mesh pattern.
     model : str
         Model that was simulated, e.g. "antisymmetric half".
-    lower_material : Material or None
-        Material of the lower block if it differs from the scene's.
     step_ratio : float
         Largest time step asked for, over the critical one.
     time_step, critical_step : float
@@ -198,7 +196,7 @@ class Simulation(SampledAnswer):
         Totals of the contact at each step, stored or not.  Accumulated slip and frictional work are
         sums over all nodes with the lengths that belong to them, the edge node's included, so that
         the work is that of `energy`; the largest slip is that on the nodes of `interface`.
-    opened : Opening or None
+    opened : ContactOpening or None
         Where and when the contact came apart; None if it never did.
     slot : SlotHistory
         Motion of the slot nodes next to the edge, as far as no reflection gets.
@@ -238,7 +236,6 @@ class Simulation(SampledAnswer):
     element: str
     mesh: str
     model: str
-    lower_material: Material | None
     step_ratio: float
     time_step: float
     critical_step: float
@@ -251,7 +248,7 @@ class Simulation(SampledAnswer):
     final_path: NDArray[np.float64]
     final_work_density: NDArray[np.float64]
     totals: Totals
-    opened: Opening | None
+    opened: ContactOpening | None
     slot: SlotHistory
     energy: EnergyHistory
     seconds: dict[str, float]
@@ -275,7 +272,7 @@ class Simulation(SampledAnswer):
     @property
     def caution(self) -> str:
         """Sentences that say what the mesh is too coarse for; "" if nothing is known."""
-        return mesh_caution(self.scene, self.lower_material, self.end_time, self.resolution)
+        return mesh_caution(self.scene, self.end_time, self.resolution)
 
     @property
     def status(self) -> str:
@@ -326,8 +323,7 @@ def _write(simulation: Simulation, group: Any) -> None:
         for field in fields(simulation)
         if field.name not in ("scene", COMPANION, *ARRAYS, *HISTORIES)
     }
-    for name in ("lower_material", "opened"):
-        facts[name] = facts[name] and asdict(facts[name])
+    facts["opened"] = facts["opened"] and asdict(facts["opened"])
     group.attrs["scene"] = json.dumps(scene_document(simulation.scene))
     group.attrs["facts"] = json.dumps(facts)
     for name in ARRAYS:
@@ -344,15 +340,14 @@ def _write(simulation: Simulation, group: Any) -> None:
 def _read(group: Any) -> Simulation:
     """Read the simulation that `_write` wrote into a group."""
     scene, facts = (json.loads(group.attrs[name]) for name in ("scene", "facts"))
-    lower, opened = facts.pop("lower_material"), facts.pop("opened")
+    opened = facts.pop("opened")
     arrays = {name: group[name][...] for name in ARRAYS}
     interface, slot, energy, totals = (
         {name: data[...] for name, data in group[part].items()} for part in HISTORIES
     )
     return Simulation(
         scene=scene_from_document(scene),
-        lower_material=Material(**lower) if lower else None,
-        opened=Opening(**opened) if opened else None,
+        opened=ContactOpening(**opened) if opened else None,
         interface=InterfaceHistory(**interface),
         slot=SlotHistory(**slot),
         energy=EnergyHistory(**energy),
@@ -412,7 +407,8 @@ def opening_sentence(simulation: Simulation) -> str:
 
     Examples
     --------
-    >>> from fem import opening_sentence, simulate
+    >>> from fem import simulate
+    >>> from fem.results import opening_sentence
     >>> from semianalytic import find
     >>> opening_sentence(simulate(find("preloaded"), resolution=8))
     'the contact stayed closed'

@@ -17,7 +17,7 @@ from fem.budget import Cost, check_fits, check_room, predict_cost
 from fem.checkpoint import Keeper, run_identity, run_name
 from fem.model import Model, build, timed
 from fem.plan import Plan, make_plan
-from fem.record import Record
+from fem.record import MeshRecord
 from fem.results import Simulation
 from fem.settings import Pace, Settings
 from fem.snapshots import Snapshots
@@ -57,8 +57,7 @@ def simulate(
     Parameters
     ----------
     scene : Scene, str or path
-        Material, friction law, tractions and load histories, or a name or file as for `find`;
-        a file may have a [lower_material] besides.
+        Materials, friction law, tractions and load histories, or a name or file as for `find`.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     settings : Settings, optional
@@ -84,7 +83,7 @@ def simulate(
         given, that is a warning.
     **options
         Fields of `Settings` that replace those of `settings`: resolution, damping, step_ratio,
-        model, element, mesh, lower_material, every, frames.
+        model, element, mesh, every, frames.
 
     Returns
     -------
@@ -171,7 +170,7 @@ def run_plan(
     seconds = dict(model.seconds)
     _log.info("simulate: %s, %d unknowns, %d steps", model.plan.name, model.unknowns, model.steps)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
-        record, identity = Record(model), run_identity(model)
+        record, identity = MeshRecord(model), run_identity(model)
         run = run_name(identity)
         keeper = Keeper(kept, pace, identity)
         started, written = keeper.resume(model, record) if resume else (0, [])
@@ -197,7 +196,7 @@ def run_plan(
 
 def _result(
     model: Model,
-    record: Record,
+    record: MeshRecord,
     seconds: dict[str, float],
     run: str,
     unwritten: str,
@@ -213,7 +212,6 @@ def _result(
         element=settings.element,
         mesh=settings.mesh,
         model=plan.name,
-        lower_material=settings.lower_material,
         step_ratio=settings.step_ratio,
         time_step=model.time_step,
         critical_step=model.critical_step,

@@ -8,10 +8,8 @@ from semianalytic.scene.checks import (
     check_fields,
     checked_count,
     checked_size,
-    shown,
 )
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Material
 
 LEAST_RESOLUTION = 8
 """Fewest node distances per c_t T that a run is made with."""
@@ -45,8 +43,6 @@ class Settings:
     mesh : str
         "squares"; "graded", rows that grow away from the interface; or "triangles",
         unstructured, for P1.  P1 cuts squares and graded rows along a diagonal.
-    lower_material : Material, optional
-        Material of the lower block, if it differs from the scene's.
     every : int
         Store every n-th step in the histories; the last one is always stored.
     frames : int
@@ -72,7 +68,6 @@ class Settings:
     model: str = "auto"
     element: str = "Q1"
     mesh: str = "squares"
-    lower_material: Material | None = None
     every: int = 1
     frames: int = 10
 
@@ -91,10 +86,6 @@ class Settings:
             object.__setattr__(self, name, check_count(name, getattr(self, name), least))
         if self.model not in ("auto", "two-blocks"):
             raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {self.model!r}.")
-        if not isinstance(self.lower_material, Material | None):
-            raise SceneError(
-                f"simulate: lower_material must be a Material, got {shown(self.lower_material)}."
-            )
 
 
 @dataclass(frozen=True)

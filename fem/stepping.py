@@ -108,7 +108,7 @@ class BodyState(NamedTuple):
 
 
 @dataclass
-class Body:
+class MarchedBody:
     """An elastic body that marches in time.
 
     The nodes are in order of arrival: only the first `active` unknowns move, all others are

@@ -7,7 +7,8 @@ from typing import Any
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.finding import INTERFACE, LINE, find_blocks, kind_of
+from semianalytic.scene.given.finding import INTERFACE, described_scene, kind_of
+from semianalytic.scene.scene import Scene
 
 
 def find(source: str | PathLike[str]) -> Any:
@@ -21,9 +22,8 @@ def find(source: str | PathLike[str]) -> Any:
 
     Returns
     -------
-    Scene, Pair, WholeLine, GrowingSlot or InterfaceFile
-        A `Pair` if there are two different bodies; an `InterfaceFile` holds an `Interface` and how
-        long it is to be run.
+    Scene or InterfaceFile
+        An `InterfaceFile` holds an `Interface` and how long it is to be run.
 
     Raises
     ------
@@ -46,19 +46,19 @@ def find(source: str | PathLike[str]) -> Any:
     if not isinstance(source, str | PathLike):
         raise SceneError(f"find: give a name or the path of a TOML file, got {shown(source)}.")
     source = fspath(source)
-    kind = kind_of(source)
-    # Each kind is read by a module that most problems do without.
-    if kind == LINE:
-        from semianalytic.whole_line.named import find_line
-
-        return find_line(source)
-    if kind == INTERFACE:
+    if kind_of(source) == INTERFACE:  # read by a module that most problems do without
         from semianalytic.interface.named import find_interface
 
         return find_interface(source)
-    scene, lower = find_blocks(source)
-    if lower in (None, scene.material):
-        return scene
-    from semianalytic.dissimilar.described import pair_of
+    return described_scene(source)
 
-    return pair_of(scene, lower)
+
+def kinds_of(problem: object) -> set[str]:
+    """Return what the table of methods calls a problem: its class and those it derives from."""
+    if not isinstance(problem, Scene):
+        return {one.__name__.removesuffix("File") for one in type(problem).__mro__}
+    if problem.grows:
+        return {"Scene that grows"}
+    if not problem.has_slot:
+        return {"Scene without a slot"}
+    return {"Scene" if problem.lower_material is None else "Scene of two solids"}

@@ -10,7 +10,7 @@ from importlib import import_module
 from os import PathLike
 from typing import Any, NamedTuple
 
-from semianalytic.finding import find
+from semianalytic.finding import find, kinds_of
 from semianalytic.scene import plugins
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -31,9 +31,9 @@ class Method(NamedTuple):
 
 METHODS = (
     Method("self-similar", "Scene", "selfsimilar.solver", "a slot beside a contact: step loads"),
-    Method("self-similar", "Pair", "dissimilar_slot.solver", "the same between two bodies"),
-    Method("self-similar", "WholeLine", "whole_line.solver", "a patch or a force without a slot"),
-    Method("self-similar", "GrowingSlot", "whole_line.growing", "a slot under a load that grows"),
+    Method("self-similar", "Scene of two solids", "dissimilar_slot.solver", "between two bodies"),
+    Method("self-similar", "Scene without a slot", "whole_line.solver", "a patch or a force"),
+    Method("self-similar", "Scene that grows", "whole_line.growing", "load and strength grow"),
     Method("space-time", "Scene", "engine.scenes.march", "a slot: any history, slip weakening"),
     Method("space-time", "Interface", "engine.run", "contacts, fields and laws along x"),
 )
@@ -46,7 +46,7 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
 
     Parameters
     ----------
-    problem : Scene, Pair, WholeLine, GrowingSlot, Interface, InterfaceFile, str or path
+    problem : Scene, Interface, InterfaceFile, str or path
         What slips, or its name or file as for `find`.
     method : str
         "auto", or the name of a method (docs/methods.md).
@@ -103,17 +103,17 @@ def chosen(problem: object, method: str = "auto") -> Chosen:
     names = ["auto", *_OWN, *plugins.plugin_names(plugins.METHODS, _OWN)]
     if method not in names:
         raise SceneError(f"method must be one of {', '.join(names)}, got {shown(method)}.")
-    kinds = dict.fromkeys(row.problem for row in METHODS if method in ("auto", row.name))
-    wanted = f"a {' or '.join(kinds)}, or the name or file of one, got {shown(problem)}"
+    kind, kinds = min(kinds_of(problem)), "Scene" + " or Interface" * (method != _OWN[0])
+    got = f"a {kind}" if " " in kind else shown(problem)
+    wanted = f"a {kinds}, or the name or file of one, got {got}"
     subject = "solve: problem must be" if method == "auto" else f"`method` {method} is for"
     raise SceneError(f"{subject} {wanted}.")
 
 
 def _rows(problem: object) -> Iterator[tuple[str, Callable[[], Any]]]:
     """Yield the methods for such problems, each with what imports its module."""
-    classes = {one.__name__.removesuffix("File") for one in type(problem).__mro__}
     for row in METHODS:
-        if row.problem in classes:
+        if row.problem in kinds_of(problem):
             yield row.name, partial(import_module, f"semianalytic.{row.module}")
     for name in plugins.plugin_names(plugins.METHODS, _OWN):
         if plugin := plugins.find_plugin(plugins.METHODS, name):

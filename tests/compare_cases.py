@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem import EnergyHistory, Simulation, SlotHistory, simulate, with_companions
+from fem import Simulation, simulate, with_companions
+from fem.results import EnergyHistory, SlotHistory
 from semianalytic import Tractions
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.given.named import NAMED_SCENES
@@ -71,7 +72,6 @@ def sampled_run(
         element="Q1",
         mesh="squares",
         model="sampled",
-        lower_material=None,
         step_ratio=1.0,
         time_step=float(t[1]),
         critical_step=float(t[1]),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from semianalytic import Material, Pair, Tractions
+from semianalytic import Material, Scene, Tractions
 from semianalytic.dissimilar.compliance import compliance_of
 
 ROCK = Material(1.0, 1.0, 0.25)
@@ -23,5 +23,7 @@ def contrast(ratio):
 
 
 def scene(name, friction, base, load, **law):
-    """A `Pair` of one of `PAIRS`; base and load are (pressure, shear)."""
-    return Pair(*PAIRS[name], friction, Tractions(*base), Tractions(*load), **law)
+    """A scene of one of `PAIRS`; base and load are (pressure, shear)."""
+    upper, lower = PAIRS[name]
+    sides = Tractions(*base), Tractions(*load)
+    return Scene(upper, friction, *sides, lower_material=lower, **law)

@@ -22,8 +22,9 @@ from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from meshes import Blocks, cached_mesh
 from meshes.cache import cache_path
-from semianalytic import InterfaceHistory, Marched, solve
+from semianalytic import Marched, solve
 from semianalytic.results.files import Seal, new_file, write_bytes
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.given.named import NAMED_SCENES
 
 ROOT = Path(__file__).parent.parent

@@ -89,7 +89,7 @@ def _field(name, of):
 
 def _field_of_pair():
     answer = solve(PAIRS["slip and opening"])
-    quantity = find_quantity("max-shear", answer.pair.alike)
+    quantity = find_quantity("max-shear", answer.scene)
     return FieldPicture(answer, quantity, reach(answer, 1.0), 40, 1.0).figure
 
 

@@ -136,7 +136,7 @@ def test_missing_extra_is_one_sentence(blocked, line, extras):
 def test_missing_extra_of_a_function_is_one_sentence(tmp_path):
     calls = (
         *("sf.simulate(sf.Scene)", "sf.load_simulation('somewhere')", "sf.cost"),
-        *("import fem", "import meshes", "sf.Marched.load('a')", "sf.InterfaceHistory.load('a')"),
+        *("import fem", "import meshes", "sf.Marched.load('a')"),
     )
     code = "import slipfront as sf\n" + "".join(
         f"try:\n    {call}\nexcept sf.MissingLibraryError as error:\n    print(error)\n"

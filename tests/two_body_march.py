@@ -144,7 +144,7 @@ class Body:
 
 def march(pair, nodes, reach, viscosity=0.0, courant=0.4):
     """March a pair to t = 1, undisturbed by the periodic images for x/t < reach."""
-    solids, base, load = (pair.upper, pair.lower), pair.base, pair.load
+    solids, base, load = (pair.material, pair.lower_material), pair.base, pair.load
     length = 2 * (max(one.longitudinal_speed for one in solids) + reach)
     spacing = length / nodes
     x = (np.arange(nodes) - nodes // 2 + 0.31) * spacing  # where a stuck edge puts the first node

@@ -23,17 +23,11 @@ from compare.benchmarks.sheets import OPENING, Sheet, stored_text
 from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES
-from semianalytic import (
-    LineSolution,
-    Marched,
-    Pair,
-    PairSolution,
-    Scene,
-    Solution,
-    WholeLine,
-    solve,
-)
+from semianalytic import Marched, Scene, Solution, solve
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import TOTALS
+from semianalytic.whole_line.drive import Drive
+from semianalytic.whole_line.solution import LineSolution
 
 Array = NDArray[np.float64]
 
@@ -97,9 +91,9 @@ def answer_to(sheet: Sheet) -> Answered:
 def _settings(sheet: Sheet) -> dict[str, Any]:
     if sheet.is_marched:
         return {"method": "space-time", "end_time": 1.0, "nodes": NODES}
-    tolerances = {Scene: RTOL, Pair: PAIR_RTOL}  # whole lines are exact to rounding
-    kind = type(sheet.problem)
-    return {"rtol": tolerances[kind]} if kind in tolerances else {}
+    if not isinstance(sheet.problem, Scene) or not sheet.problem.has_slot:
+        return {}  # whole lines are exact to rounding
+    return {"rtol": RTOL if sheet.problem.lower_material is None else PAIR_RTOL}
 
 
 def checksums(contents: Mapping[str, bytes]) -> str:
@@ -125,13 +119,12 @@ def arrival_quantity(sheet: Sheet) -> str:
 def arrival_level(sheet: Sheet) -> float:
     """Slip rate above which, or pressure below which, a station counts as reached."""
     problem = sheet.problem
-    if isinstance(problem, WholeLine):
-        return THRESHOLD * problem.excess
-    if not isinstance(problem, Scene | Pair):
+    if not isinstance(problem, Scene):
         return sheet.level
-    scene = problem.alike if isinstance(problem, Pair) else problem
-    held = scene.superposition.in_place.pressure
-    return THRESHOLD * (held if sheet.arrival == OPENING else stress_scale(scene))
+    if not problem.has_slot:
+        return THRESHOLD * Drive(problem).excess
+    held = problem.superposition.in_place.pressure
+    return THRESHOLD * (held if sheet.arrival == OPENING else stress_scale(problem))
 
 
 def first_crossing(sheet: Sheet, t: Array, values: Array) -> float:
@@ -207,7 +200,8 @@ def stated_errors(sheet: Sheet) -> dict[str, float]:
 
 def digits_of(sheet: Sheet) -> int:
     """Return the significant digits to which an answer is written."""
-    return 7 if sheet.is_marched else 9 if isinstance(sheet.problem, Pair) else 10
+    different = getattr(sheet.problem, "lower_material", None) is not None
+    return 7 if sheet.is_marched else 9 if different else 10
 
 
 def table_of(sheet: Sheet) -> str:

@@ -144,10 +144,9 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
         raise DataFileError(
             f"{records.source} has no station at x = {places} and 0 < t <= {end:g}; record there."
         )
-    problem = sheet.problem
     verdict = ""
-    if isinstance(problem, Scene):
-        verdict = validate(records, problem, conventions=_STATED).verdict
+    if scene := _slot_in_one_solid(sheet):
+        verdict = validate(records, scene, conventions=_STATED).verdict
     step = records.stated.step or 0.0
     errors = {ARRIVAL: _arrival_error(sheet, answer, known)} if sheet.arrival else {}
     errors |= {name: _relative_error(sheet, answer, known, name, step) for name in sheet.report}
@@ -226,12 +225,18 @@ def _relative_error(
     return wrong / whole if whole else math.nan
 
 
+def _slot_in_one_solid(sheet: Sheet) -> Scene | None:
+    """Return the scene of a sheet if it is one that `validate` takes."""
+    problem = sheet.problem
+    taken = isinstance(problem, Scene) and problem.has_slot and problem.lower_material is None
+    return problem if isinstance(problem, Scene) and taken else None
+
+
 def _unit(sheet: Sheet, name: str) -> float:
     """What an error is relative to where the answer is zero, as it is nowhere but in scenes."""
-    if not isinstance(sheet.problem, Scene):
-        return 1.0
+    scene = _slot_in_one_solid(sheet)
     scale = slip_rate_scale if name in ("slip_rate", "slip") else stress_scale
-    return scale(sheet.problem)
+    return scale(scene) if scene else 1.0
 
 
 def _both(answer: Answered, record: Record, name: str, step: float) -> tuple[Array, Array, Array]:

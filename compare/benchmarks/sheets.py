@@ -1,6 +1,6 @@
 """Problem sheets for codes of dynamic contact: what is asked, at which stations, in which units.
 
-A sheet is a named scene, pair or whole line in units mu = rho = c_t = T = 1, or an interface in
+A sheet is a named scene or whole line in units mu = rho = c_t = T = 1, or an interface in
 units of its own; data/sheets.toml lists them.
 """
 
@@ -19,14 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic import Pair, Scene, WholeLine, find
-from semianalytic.dissimilar.described import pair_document
+from semianalytic import Scene, find
 from semianalytic.interface.files import InterfaceFile, parsed
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, toml_text
-from semianalytic.whole_line.named import line_document
 
 STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
 """Distances of the stations from the contact edge, over c_t T."""
@@ -48,7 +46,7 @@ class Sheet:
     Attributes
     ----------
     name : str
-        That of the scene, pair or whole line, unless there is an interface.
+        That of the scene or whole line, unless there is an interface.
     title : str
     tests : str
         What a code that passes can do.
@@ -114,11 +112,11 @@ class Sheet:
         )
 
     @cached_property
-    def problem(self) -> Scene | Pair | WholeLine | InterfaceFile:
-        """The scene, two bodies, whole line or interface; all but the last in `PLAIN` units."""
+    def problem(self) -> Scene | InterfaceFile:
+        """The scene or interface; all but the last in `PLAIN` units."""
         if self.is_interface:
             return parsed(self.interface, self.name, Path())
-        found: Scene | Pair | WholeLine = find(self.name)
+        found: Scene = find(self.name)
         return found
 
     @property
@@ -141,9 +139,7 @@ class Sheet:
         problem = self.problem
         if isinstance(problem, InterfaceFile):
             return {"interface": self.interface.strip()}
-        if isinstance(problem, Pair):
-            return pair_document(problem)
-        return line_document(problem) if isinstance(problem, WholeLine) else scene_document(problem)
+        return scene_document(problem)
 
     @property
     def file(self) -> str:

@@ -15,7 +15,7 @@ from compare.chart.methods import METHODS, find_problem
 from compare.chart.points import FILE, Point, made_by
 from compare.figures import style
 from compare.figures.saving import save_figure
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from compare.output.tables import write_rows
 
 COLOURS = {"exact": style.PREDICTION, "march": style.MARCH, "fem": style.SIMULATION}
@@ -133,9 +133,9 @@ def write_chart(
         save_figure(chart_figure(points, label), directory / f"figures/chart_{label}.{form}")
 
 
-def described(points: Sequence[Point]) -> Iterator[Table | str]:
+def described(points: Sequence[Point]) -> Iterator[PrintedTable | str]:
     """Yield a table of what points say, and sentences on references and on refusals."""
-    table = Table("scene", "method", title="Relative error against processor time")
+    table = PrintedTable("scene", "method", title="Relative error against processor time")
     for name in ("cheapest [s]", "its error", "least error", "1 % in [s]", "slope"):
         table.add_column(name, justify="right")
     for one in findings(points):

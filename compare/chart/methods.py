@@ -21,13 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.tasks.workers import LIFELINE, ONE_THREAD, hang_on, lifeline
-from semianalytic import Material, Scene, solve
-from semianalytic.dissimilar.described import pair_of
+from semianalytic import Scene, solve
 from semianalytic.methods import chosen
 from semianalytic.results.files import row_checksum
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.finding import find_blocks, scene_label
+from semianalytic.scene.given.finding import find_scene, scene_label
 
 Array = NDArray[np.float64]
 
@@ -40,11 +39,10 @@ _RUNS, _ENOUGH = 5, 1.0  # most runs of a point, and seconds of runs after which
 
 @dataclass(frozen=True)
 class Problem:
-    """A scene by its name or file, its lower body if that is another, and the end time [time]."""
+    """A scene by its name or file, and the end time [time]."""
 
     source: str
     scene: Scene
-    lower: Material | None
     end_time: float
 
     @property
@@ -54,13 +52,18 @@ class Problem:
 
     @property
     def is_exact(self) -> bool:
-        """Whether the exact solver answers; of two materials nothing else but elements does."""
-        return self.lower is not None or chosen(self.scene).name == "self-similar"
+        """Whether the exact solver answers."""
+        return chosen(self.scene).name == "self-similar"
+
+    @property
+    def is_alike(self) -> bool:
+        """Whether both bodies are equal; others are not marched."""
+        return self.scene.lower_material is None
 
     @property
     def finest(self) -> float:
         """Smallest tolerance of the exact solver, that of an exact reference."""
-        return 1e-12 if self.lower is None else 1e-10
+        return 1e-12 if self.is_alike else 1e-10
 
     @property
     def places(self) -> Array:
@@ -68,16 +71,13 @@ class Problem:
 
         Slip rates may be singular at the edge, and have fronts where the first wave has come.
         """
-        fastest = max(
-            self.scene.fastest_in(one or self.scene.material) for one in (None, self.lower)
-        )
         start = 0.02 * self.scene.material.shear_speed
-        return np.linspace(start, 0.95 * fastest, _PLACES) * self.end_time
+        return np.linspace(start, 0.95 * self.scene.fastest_speed, _PLACES) * self.end_time
 
     @property
     def fingerprint(self) -> str:
         """Checksum of all that decides the answer: a file may change under its name."""
-        return row_checksum([repr((scene_document(self.scene), self.lower, self.end_time))])
+        return row_checksum([repr((scene_document(self.scene), self.end_time))])
 
     @property
     def tasks(self) -> list[tuple[str, float]]:
@@ -96,16 +96,14 @@ class Problem:
 
 def find_problem(source: str, end_time: float | None = None) -> Problem:
     """Find a scene of one or two materials by its name or file, with T = 1 / c_t unless given."""
-    scene, lower = find_blocks(source)
+    scene = find_scene(source)
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
-    return Problem(source, scene, None if lower == scene.material else lower, end_time)
+    return Problem(source, scene, end_time)
 
 
 def exact(problem: Problem, rtol: float) -> Any:
     """Solve a self-similar problem of one or two materials."""
-    if problem.lower is None:
-        return solve(problem.scene, rtol=rtol)
-    return solve(pair_of(problem.scene, problem.lower), rtol=rtol)
+    return solve(problem.scene, rtol=rtol)
 
 
 def marched(problem: Problem, nodes: float, companion: bool = False) -> Any:
@@ -123,12 +121,11 @@ def marched(problem: Problem, nodes: float, companion: bool = False) -> Any:
 def _finite_elements(problem: Problem, resolution: float) -> Any:
     from fem import simulate
 
-    end, size = problem.end_time, int(resolution)
-    return simulate(problem.scene, end, resolution=size, every=_LAST, lower_material=problem.lower)
+    return simulate(problem.scene, problem.end_time, resolution=int(resolution), every=_LAST)
 
 
 @dataclass(frozen=True)
-class Method:
+class ChartedMethod:
     """A method: its label, words around its settings, these from coarse to fine, and its run."""
 
     label: str
@@ -138,14 +135,14 @@ class Method:
     applies: Callable[[Problem], bool] = lambda problem: True
 
 
-METHODS: Mapping[str, Method] = {
-    "exact": Method(
+METHODS: Mapping[str, ChartedMethod] = {
+    "exact": ChartedMethod(
         "exact solver", "rtol {}", (1e-2, 1e-4, 1e-6, 1e-8, 1e-10), exact, lambda one: one.is_exact
     ),
-    "march": Method(
-        "march", "{} nodes", (128, 256, 512, 1024, 2048), marched, lambda one: one.lower is None
+    "march": ChartedMethod(
+        "march", "{} nodes", (128, 256, 512, 1024, 2048), marched, lambda one: one.is_alike
     ),
-    "fem": Method(
+    "fem": ChartedMethod(
         "finite elements", "{} elements per $c_t T$", (25, 50, 100, 200), _finite_elements
     ),
 }

@@ -16,17 +16,11 @@ from numpy.typing import NDArray
 from compare.comparison.measures import NOTHING, is_nothing, norm, within, worn
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
-from semianalytic import (
-    InterfaceHistory,
-    Marched,
-    Material,
-    Pair,
-    PairSolution,
-    Scene,
-    Solution,
-)
+from semianalytic import Marched, Scene, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.resolution import Shortfall
 from semianalytic.results.answer import Answer
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
 if TYPE_CHECKING:
@@ -84,23 +78,18 @@ class Case:
 
     @property
     def scene(self) -> Scene:
-        """Scene of the simulation, with the material of the upper body."""
+        """Scene of the simulation."""
         return self.simulation.scene
-
-    @property
-    def bodies(self) -> tuple[Material, Material]:
-        """Materials of the upper and of the lower body of the simulation."""
-        return self.scene.material, self.simulation.lower_material or self.scene.material
 
     @property
     def fastest_speed(self) -> float:
         """Speed of the first wave in the faster body [length / time]."""
-        return max(map(self.scene.fastest_in, self.bodies))
+        return self.scene.fastest_speed
 
     @property
     def fronts(self) -> dict[str, float]:
         """Speeds of the signals along the contact [length / time], by name."""
-        return contact_fronts(self.scene, self.bodies[1])
+        return contact_fronts(self.scene)
 
     @property
     def seen(self) -> InterfaceHistory:
@@ -257,7 +246,7 @@ class Case:
         friction that falls with slip rate, in proportion to their wave number.  They do so on this
         mesh if slip rates, or pressures, are rougher on it than on that of 2h.
         """
-        law, different = self.scene.friction_law, self.bodies[0] != self.bodies[1]
+        law, different = self.scene.friction_law, self.scene.bodies[0] != self.scene.bodies[1]
         falls = law.fall_with_rate > 0
         if not (different or falls) or len(self.runs) < 2:
             return ""
@@ -312,12 +301,6 @@ class Case:
     def shortfalls(self) -> tuple[Shortfall, ...]:
         """Shortfalls of a marched prediction: what its nodes are too coarse for."""
         return self.prediction.shortfalls if isinstance(self.prediction, Marched) else ()
-
-
-def lower_of(prediction: Answer) -> Material | None:
-    """Return the material of the lower body that a prediction has apart from that of its scene."""
-    pair = getattr(prediction, "pair", None)
-    return pair.lower if isinstance(pair, Pair) else None
 
 
 def beyond_edge(x: Array, run: Simulation) -> Mask:

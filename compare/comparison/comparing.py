@@ -10,7 +10,8 @@ from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from compare.comparison.prediction import check_marched, predict_before
-from semianalytic import Marched, PairSolution, Scene, Solution
+from semianalytic import Marched, Scene, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -42,7 +43,7 @@ def planned(
     SceneError, TensionError
         As `predict_before` and `check_marched`, and as `choose_mesh`.
     """
-    prediction = predict_before(scene, method, settings.get("lower_material"))
+    prediction = predict_before(scene, method)
     choice = choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **settings)
     # else a march, which follows the simulation, would refuse its loads only after that has run
     if prediction is None:

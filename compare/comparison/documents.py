@@ -22,11 +22,18 @@ from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.results.answer import FIELDS
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.parameters import EVERY_LOAD, MATERIAL, TRACTIONS, part_parameters
+from semianalytic.scene.given.parameters import (
+    MATERIAL,
+    TRACTIONS,
+    load_parameters,
+    part_parameters,
+)
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
-    from semianalytic import Marched, Material, Measured, PairSolution, Reading, Solution
+    from semianalytic import Marched, Reading, Solution
+    from semianalytic.dissimilar_slot.solution import PairSolution
+    from semianalytic.results.reading import Measured
 
 WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
@@ -45,6 +52,11 @@ def _dimensions_of(name: str) -> Callable[[Scene], Dimensions]:
     return dimensions
 
 
+def _dimensions_of_load(scene: Scene) -> Dimensions:
+    parameters = load_parameters(scene.load)
+    return {name: one.dimension for name, one in parameters.items() if one.dimension}
+
+
 _TRACTIONS: Dimensions = {name: one.dimension for name, one in TRACTIONS.items()}
 _MATERIAL: Dimensions = {name: one.dimension for name, one in MATERIAL.items()}
 SCENE_DIMENSIONS: Dimensions = {
@@ -52,7 +64,7 @@ SCENE_DIMENSIONS: Dimensions = {
     "material": _MATERIAL,
     "lower_material": _MATERIAL,
     "base": _TRACTIONS,
-    "load": {name: one.dimension for name, one in EVERY_LOAD.items() if one.dimension},
+    "load": _dimensions_of_load,
     **{
         name: _dimensions_of(name) for name in ("pressure_history", "shear_history", "friction_law")
     },
@@ -106,11 +118,6 @@ MARCH_DIMENSIONS: Dimensions = {
 }
 
 
-def bodies_document(scene: Scene, lower: Material | None) -> dict[str, Any]:
-    """Return a scene as its file has it, with the lower body where that is another one."""
-    return scene_document(scene) | ({} if lower is None else {"lower_material": asdict(lower)})
-
-
 def units_document(document: Any, dimensions: Any, scene: Any) -> Any:
     """Return the unit of each number of a document, under the same names; counts have none.
 
@@ -119,7 +126,7 @@ def units_document(document: Any, dimensions: Any, scene: Any) -> Any:
     document : dict, list or number
     dimensions : Dimensions, str or callable
         A callable returns them for the scene.
-    scene : Scene, Pair, WholeLine or GrowingSlot
+    scene : Scene or InterfaceFile
         Problem whose units are used.
     """
     if callable(dimensions):
@@ -152,7 +159,8 @@ def solution_document(answer: Any, end_time: float | None = None) -> dict[str, A
     document includes zones, slip and work until then.
     """
     scene = answer.scene
-    fronts = scene_fronts(scene) if isinstance(scene, Scene) else wave_speeds(scene.material)
+    # without a slot all waves run along the contact, whatever the mode
+    fronts = scene_fronts(scene) if scene.has_slot else wave_speeds(scene.material)
     document: dict[str, Any] = {
         "wave_speeds": _by_wave(fronts),
         "zones": [
@@ -163,21 +171,21 @@ def solution_document(answer: Any, end_time: float | None = None) -> dict[str, A
         "status": answer.status,
         "error_estimate": float(answer.error_estimate),
     }
-    dimensions = SOLUTION_DIMENSIONS
+    document["scene"], dimensions = scene_document(scene), SOLUTION_DIMENSIONS
     if hasattr(answer, "edge_speed"):  # no slot, or a load that grows: what moves has one edge
         document["edge"] = {"speed": answer.edge_speed, "amplitude": answer.edge_amplitude}
-        document["scene"], dimensions = _line(scene)
+        # rates of a load that grows as t^n do so too
+        power = getattr(scene.load, "power", 0)
+        amplitude = f"length / time{f'^{power + 1}' if power else ''}"
+        edge = {"speed": "length / time", "amplitude": amplitude}
+        dimensions = {**SOLUTION_DIMENSIONS, "edge": edge}
     else:
         document["edge"] = {"state": edge_state(answer), "slip_rate": float(answer.edge_slip_rate)}
         document["statistics"] = asdict(answer.statistics)
-        if hasattr(answer, "pair"):
-            from semianalytic.dissimilar.described import pair_document
-
-            document["scene"] = pair_document(answer.pair)
-            bodies = (("upper", answer.pair.upper), ("lower", answer.pair.lower))
+        if scene.lower_material is not None:
+            bodies = zip(("upper", "lower"), scene.bodies, strict=True)
             document["wave_speeds"] = {name: _by_wave(wave_speeds(body)) for name, body in bodies}
         else:
-            document["scene"] = scene_document(scene)
             document["far_slip_rate"] = scene.far_slip_rate
             document["edge"]["stress_intensity_at_unit_time"] = _intensities(answer, 1.0)
             for shown, zone in zip(document["zones"], answer.zones, strict=True):
@@ -191,25 +199,6 @@ def solution_document(answer: Any, end_time: float | None = None) -> dict[str, A
 
 def _by_wave(speeds: Mapping[str, float]) -> dict[str, float]:
     return {WAVES[name]: speed for name, speed in speeds.items()}
-
-
-def _line(line: Any) -> tuple[dict[str, Any], Dimensions]:
-    """Return a whole line or growing load as its file has it, and the dimensions of its answer."""
-    from semianalytic.whole_line.named import line_document
-
-    described = line_document(line)
-    load, amplitude = "stress", "length / time"
-    if power := described.get("growth", 0):  # loads grow as t^power, and rates with them
-        load = f"stress / time{f'^{power}' if power > 1 else ''}"
-        amplitude = f"length / time^{power + 1}"
-    elif described["load"]["kind"] == "point-force":  # per unit of depth and of time
-        load = "stress length / time"
-    loads = {"speed": "length / time", **dict.fromkeys(("pressure", "shear"), load)}
-    return described, {
-        **SOLUTION_DIMENSIONS,
-        "scene": {**SCENE_DIMENSIONS, "load": loads},
-        "edge": {"speed": "length / time", "amplitude": amplitude},
-    }
 
 
 def end_document(answer: Any, end_time: float) -> dict[str, Any]:

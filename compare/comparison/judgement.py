@@ -94,7 +94,7 @@ class Judgement(HasRows[Row]):
 def mesh_sentence(simulation: Simulation, resolution: int) -> str:
     """Element size of a resolution, and the time and memory that such a simulation would take."""
     size = simulation.element_size * simulation.resolution / resolution
-    named = ("damping", "element", "mesh", "lower_material")
+    named = ("damping", "element", "mesh")
     options = {name: getattr(simulation, name) for name in named}
     prices = Prices(simulation.scene, simulation.end_time, options=options)
     remedy = prices.unseen(Feature("", resolution))
@@ -132,11 +132,10 @@ def judge(
     """
     from fem import with_companions
 
-    different = simulation.lower_material not in (None, simulation.scene.material)
-    if different and isinstance(prediction, Solution | Marched):
+    if simulation.scene.lower_material is not None and isinstance(prediction, Solution | Marched):
         raise SceneError(
             "judge: this simulation has blocks of two materials, to which the theory of identical "
-            "bodies does not apply; give the answer to the Pair (docs/dissimilar.md)."
+            "bodies does not apply; give the answer to its scene (docs/dissimilar.md)."
         )
     case = side_by_side(prediction, with_companions(simulation))
     whole = () if fields is None else field_rows(case, fields.changes)

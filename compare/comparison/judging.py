@@ -22,8 +22,8 @@ from compare.comparison.bars import (
 from compare.comparison.case import Case
 from compare.comparison.measures import NOTHING, norm, within
 from compare.comparison.rows import AGREES, BEYOND, DIFFERS, TELLING, UNRESOLVED, Row
-from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic import InterfaceHistory
+from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from compare.comparison.case import NARROW
-from semianalytic import Material, Scene
+from semianalytic import Scene
 from semianalytic.results.answer import Answer
 from semianalytic.results.memory import GIGABYTE, memory_limit
 from semianalytic.scene.checks import checked_size
@@ -233,7 +233,7 @@ def choose_mesh(
     end_time = checked_size("simulate: end_time", end_time)
     loads = _loads(scene, end_time)
     features = [*_narrow(prediction, end_time), *_weakening(scene, end_time)]
-    features += _slow_waves(scene, options.get("lower_material"))
+    features += _slow_waves(scene)
     features.sort(key=lambda feature: feature.resolution)
     reason = "as given"
     if resolution is None:
@@ -306,12 +306,13 @@ def _weakening(scene: Scene, end_time: float) -> Iterator[Feature]:
         yield Feature(name, math.ceil(WEAKENING_ELEMENTS / width))
 
 
-def _slow_waves(scene: Scene, lower: Material | None) -> Iterator[Feature]:
+def _slow_waves(scene: Scene) -> Iterator[Feature]:
     """Yield the shear waves of a slower lower body, if there is one."""
     from fem.resolution import LEAST_CROSSED
 
-    if lower is not None and lower.shear_speed < scene.material.shear_speed:
-        ratio = lower.shear_speed / scene.material.shear_speed
+    upper, lower = scene.bodies
+    if lower.shear_speed < upper.shear_speed:
+        ratio = lower.shear_speed / upper.shear_speed
         yield Feature("shear waves of the slower body", math.ceil(LEAST_CROSSED / ratio))
 
 

@@ -8,17 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from semianalytic import (
-    Marched,
-    Material,
-    Pair,
-    PairSolution,
-    Scene,
-    Solution,
-    solve,
-)
+from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.cut.load import check_pressure
-from semianalytic.dissimilar.described import pair_of
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.resolution import nodes_for_loads
 from semianalytic.engine.scenes.march import check_march
 from semianalytic.engine.scenes.plan import MOST_NODES
@@ -33,7 +25,7 @@ FINER = 4
 """Nodes of a march per element of the simulation."""
 
 
-def check_predictable(scene: Scene, method: str = "auto", lower: Material | None = None) -> None:
+def check_predictable(scene: Scene, method: str = "auto") -> None:
     """Raise the errors of `predict_like` that are known without solving the scene.
 
     Parameters
@@ -41,8 +33,6 @@ def check_predictable(scene: Scene, method: str = "auto", lower: Material | None
     scene : Scene
     method : str
         As for `predict_like`.
-    lower : Material, optional
-        Of the lower body, if it is another one.
 
     Raises
     ------
@@ -51,9 +41,7 @@ def check_predictable(scene: Scene, method: str = "auto", lower: Material | None
     TensionError
         If the pressure of a self-similar scene turns tensile.
     """
-    if _pair_of(scene, method, lower) is not None:
-        return
-    if chosen(scene, method).name == "self-similar":
+    if _chosen(scene, method) == "self-similar" and scene.lower_material is None:
         check_pressure(scene)
 
 
@@ -75,7 +63,7 @@ def check_marched(scene: Scene, method: str, resolution: int, end_time: float | 
     SceneError, TensionError
         As `predict_like`.
     """
-    if chosen(scene, method).name == "self-similar":
+    if _chosen(scene, method) == "self-similar":
         return
     speed = scene.material.shear_speed
     end_time = 1 / speed if end_time is None else end_time
@@ -84,36 +72,28 @@ def check_marched(scene: Scene, method: str, resolution: int, end_time: float | 
     check_march(scene, end_time, nodes, length)
 
 
-def _pair_of(scene: Scene, method: str, lower: Material | None) -> Pair | None:
-    """Return a scene with another lower body as a pair; None if both bodies are alike.
+def _chosen(scene: Scene, method: str) -> str:
+    """Return the name of the method that predicts a scene.
 
     Raises
     ------
     SceneError
-        If only a march would do, or the pair has no exact answer.
+        If there is none; a march is of identical bodies.
     """
-    if lower is None or lower == scene.material:
-        return None
-    if method == "space-time":
+    if scene.lower_material is not None and method == "space-time":
         raise SceneError(
             "--method space-time is for identical bodies; leave it out for different ones, or "
             "march them as an interface (docs/engine.md)."
         )
-    return pair_of(scene, lower)
+    return chosen(scene, method).name
 
 
-def predict_before(
-    scene: Scene, method: str = "auto", lower: Material | None = None
-) -> Solution | PairSolution | None:
+def predict_before(scene: Scene, method: str = "auto") -> Solution | PairSolution | None:
     """Return the prediction of a self-similar scene, which needs no simulation first; else None.
 
-    A scene with another lower body has one, or is refused.  It raises the same errors as
-    `predict_like`.
+    It raises the same errors as `predict_like`.
     """
-    pair = _pair_of(scene, method, lower)
-    if pair is not None:
-        return solve(pair)
-    exactly = chosen(scene, method).name
+    exactly = _chosen(scene, method)
     return solve(scene, method=exactly) if exactly == "self-similar" else None
 
 
@@ -143,7 +123,7 @@ def predict_like(
     ComputationError
         If a march fails.
     """
-    solution = predict_before(simulation.scene, method, simulation.lower_material)
+    solution = predict_before(simulation.scene, method)
     if solution is not None:
         return solution
     x, t = simulation.interface.x, simulation.interface.t

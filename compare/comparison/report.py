@@ -10,7 +10,6 @@ from compare.comparison.case import Case
 from compare.comparison.documents import (
     SCENE_DIMENSIONS,
     Dimensions,
-    bodies_document,
     json_text,
     row_units,
     solution_document,
@@ -20,7 +19,8 @@ from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement, own_bars, side_by_side
 from compare.comparison.prediction import method_of
 from compare.output.files import write_text
-from semianalytic import PairSolution, Solution
+from semianalytic import Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer
 from semianalytic.scene.given.documents import scene_document
 
@@ -43,7 +43,6 @@ REPORT_DIMENSIONS: Dimensions = {
 }
 SIMULATION_DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
-    "lower_material": SCENE_DIMENSIONS["material"],
     "finite_elements": _RUN_DIMENSIONS,
 }
 
@@ -59,7 +58,7 @@ def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
         "scene": label,
         "verdict": judgement.verdict,
         "counts": judgement.counts,
-        "parameters": bodies_document(simulation.scene, simulation.lower_material),
+        "parameters": scene_document(simulation.scene),
         "method": method_of(prediction),
         "caution": judgement.case.caution,
         "semianalytic": _exact(prediction),
@@ -84,7 +83,6 @@ def simulation_document(simulation: Simulation) -> dict[str, Any]:
     bars = () if simulation.companion is None else own_bars(simulation)
     document: dict[str, Any] = {
         "scene": scene_document(simulation.scene),
-        "lower_material": simulation.lower_material and asdict(simulation.lower_material),
         "finite_elements": _run(side_by_side(simulation, simulation)),
         "own_bars": [
             {"name": row.name, "bar": row.bar, "unit": "relative" if row.relative else row.unit}

@@ -54,19 +54,18 @@ def wave_speeds(material: Material) -> dict[str, float]:
 
 
 def scene_fronts(scene: Scene) -> dict[str, float]:
-    """Speeds of the signals that a scene has: in antiplane shear alone, only the S wave."""
+    """Speeds of the signals of the upper body: in antiplane shear alone, only the S wave."""
     speeds = wave_speeds(scene.material)
-    alone = scene.fastest_speed == speeds["S"]
-    return {name: speed for name, speed in speeds.items() if name == "S" or not alone}
+    return {name: one for name, one in speeds.items() if name == "S" or not scene.shears_alone}
 
 
-def contact_fronts(scene: Scene, lower: Material | None = None) -> dict[str, float]:
+def contact_fronts(scene: Scene) -> dict[str, float]:
     """Speeds of the signals along the contact: those of the scene or, with another lower body, body
     waves of both, the lower ones called "lower S" and "lower P"."""
-    if lower is None or lower == scene.material:
+    if scene.lower_material is None:
         return scene_fronts(scene)
     fronts: dict[str, float] = {}
-    for before, body in (("", scene.material), (LOWER, lower)):
+    for before, body in zip(("", LOWER), scene.bodies, strict=True):
         fronts |= {before + name: wave_speeds(body)[name] for name in ("S", "P")}
     return fronts
 

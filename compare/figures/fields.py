@@ -13,7 +13,6 @@ from matplotlib.text import Annotation
 
 from compare.comparison.scales import scene_fronts
 from compare.figures.fronts import Front, Moving, Window, fronts, moving_parts
-from compare.figures.pairs import words_of
 from compare.figures.quantities import Array, Quantity
 from compare.figures.style import (
     BLACK,
@@ -27,9 +26,10 @@ from compare.figures.style import (
     marker_handle,
     new_figure,
     outline,
+    scene_words,
 )
-from compare.output.bodies import Fields, fastest_speed, materials_of, scene_of
-from semianalytic import PairSolution
+from compare.output.bodies import Fields
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.scene.units import unit
 
 SHOWN = 0.995
@@ -81,7 +81,7 @@ class FieldPicture:
         self.figure.colorbar(
             image,
             ax=self.panel,
-            label=quantity.labelled(scene_of(fields)),
+            label=quantity.labelled(fields.scene),
             location="right" if tall > WIDE else "bottom",
             shrink=0.9,
             aspect=20 if tall > WIDE else 40,
@@ -109,7 +109,7 @@ class FieldPicture:
         return float(self.quantity.at(self.fields, np.ones(1), np.ones(1), 0.0)[0])
 
     def _draw(self, values: Array, time: float) -> AxesImage:
-        panel, scene = self.panel, scene_of(self.fields)
+        panel, scene = self.panel, self.fields.scene
         image = panel.imshow(
             np.clip(values, self._norm.vmin, self._norm.vmax),  # clips infinite values too
             extent=self.window,
@@ -126,7 +126,7 @@ class FieldPicture:
         panel.set(xlabel=f"x [{length}]", ylabel=f"y [{length}]")
         panel.set(xlim=self.window[:2], ylim=self.window[2:])
         moment = f"t = {time:.4g} {unit('time', scene.units) if scene.units else ''}"
-        describe(self.figure, f"{words_of(self.fields)},  {moment}", self._height)
+        describe(self.figure, f"{scene_words(self.fields.scene)},  {moment}", self._height)
         return image
 
 
@@ -136,7 +136,7 @@ def _rayleigh_fronts(fields: Fields, parts: list[Moving], time: float) -> list[f
     Between different bodies that slip there is no such wave, and none is marked in their openings.
     """
     if isinstance(fields, PairSolution):
-        return [-body.rayleigh_speed * time for body in materials_of(fields)]
+        return [-body.rayleigh_speed * time for body in fields.scene.bodies]
     speeds = scene_fronts(fields.scene)
     if "Rayleigh" not in speeds:
         return []
@@ -209,7 +209,7 @@ def draw_front(panel: Axes, front: Front, window: Window, colour: str, around: s
 
 def draw_interface(panel: Axes, fields: Fields, time: float) -> list[Line2D]:
     """Draw slot, slip, open parts and Rayleigh fronts on y = 0, and return their legend entries."""
-    far = 1e3 * fastest_speed(fields) * time
+    far = 1e3 * fields.scene.fastest_speed * time
     bar: dict[str, Any] = {"linewidth": 2.5, "solid_capstyle": "butt"}
     slot = bar | {"color": BLACK, "path_effects": outline("white", 4.0)}
     panel.plot([-far, 0], [0, 0], **slot)

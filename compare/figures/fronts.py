@@ -10,8 +10,8 @@ import numpy as np
 from compare.comparison.fields.fronts import StraightFront
 from compare.comparison.scales import scene_fronts, wave_speeds
 from compare.figures.quantities import Array
-from compare.output.bodies import Fields, fastest_speed, materials_of, shown_speed
-from semianalytic import PairSolution
+from compare.output.bodies import Fields, shown_speed
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene
@@ -143,8 +143,8 @@ def _of_pair(fields: PairSolution, time: float) -> Iterator[Front]:
     Whatever runs along the contact faster than a wave of a body, a wave of either body or the edge
     of a zone, sends head waves or Mach fronts into that body.
     """
-    load, far = fields.pair.load, fastest_speed(fields)
-    signals = [wave_speeds(body) for body in materials_of(fields)]
+    load, far = fields.scene.superposition.taken_off, fields.scene.fastest_speed
+    signals = [wave_speeds(body) for body in fields.scene.bodies]
     edges = _edge_speeds(moving_parts(fields, time), time)
     for speeds, side in zip(signals, (1, -1), strict=True):
         yield from _circles(speeds, time, (side,))

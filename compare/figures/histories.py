@@ -20,7 +20,6 @@ from compare.figures.interface import (
     slip_rate_figure,
     tractions_figure,
 )
-from compare.figures.pairs import bodies_words
 from compare.figures.style import (
     BLACK,
     GAP_LABEL,
@@ -38,11 +37,13 @@ from compare.figures.style import (
     mark_waves,
     method_handles,
     new_figure,
+    scene_words,
     shade,
     styled,
     waves_handle,
 )
-from semianalytic import Marched, PairSolution, Solution
+from semianalytic import Marched, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
@@ -81,7 +82,7 @@ def sense_figure(case: Case) -> Figure:
     share = differs.sum() / reached.sum()
     shown = list(SENSE_COLOURS.items())[: None if case.opens else -1]
     kinds, most = ListedColormap([colour for _, colour in shown]), len(shown) - 2
-    figure = describe(new_figure(10.5, 4.6), bodies_words(case.scene, case.bodies[1]))
+    figure = describe(new_figure(10.5, 4.6), scene_words(case.scene))
     panels = figure.subplots(1, 3, sharex=True, sharey=True)
     for panel, title, values, colours, low, high in (
         (panels[0], f"semi-analytic ({method_of(case.prediction)})", predicted, kinds, -1, most),
@@ -115,7 +116,7 @@ def history_figure(case: Case) -> Figure:
     """Draw the slip rate along the interface at four times, by both methods."""
     seen, end = case.seen, case.end_time
     length, scale = case.length, case.rate
-    figure = describe(new_figure(7, 7.7), bodies_words(case.scene, case.bodies[1]))
+    figure = describe(new_figure(7, 7.7), scene_words(case.scene))
     panels = figure.subplots(len(MOMENTS), 1, sharex=True)
     reach = np.flatnonzero(np.abs(case.at_nodes.slip_rate).max(axis=0) > 0)[-1]
     for panel, moment in zip(panels, MOMENTS, strict=True):
@@ -139,7 +140,7 @@ def wear_figure(case: Case) -> Figure:
     simulation, x, length = case.simulation, case.seen.x, case.length
     path, work = case.worn_at_nodes
     slip, stress = case.rate * case.end_time, case.stress
-    figure = describe(new_figure(7, 5.7), bodies_words(case.scene, case.bodies[1]))
+    figure = describe(new_figure(7, 5.7), scene_words(case.scene))
     panels = figure.subplots(2, 1, sharex=True)
     for panel, label, (predicted, seen), unit in (
         (panels[0], PATH_LABEL, (path, simulation.final_path), slip),
@@ -159,7 +160,7 @@ def wear_figure(case: Case) -> Figure:
 def gap_figure(case: Case) -> Figure:
     """Draw the gap at four times, and the contact pressure at the end, by both methods."""
     seen, length, end = case.seen, case.length, case.end_time
-    figure = describe(new_figure(7, 5.7), bodies_words(case.scene, case.bodies[1]))
+    figure = describe(new_figure(7, 5.7), scene_words(case.scene))
     upper, lower = figure.subplots(2, 1, sharex=True)
     x = np.linspace(seen.x[-1] / POINTS, seen.x[-1], POINTS)
     for moment in MOMENTS:

@@ -17,10 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from compare.comparison.case import lower_of
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import reach
-from compare.figures.pairs import words_of
 from compare.figures.style import (
     BLACK,
     GAP_LABEL,
@@ -42,13 +40,16 @@ from compare.figures.style import (
     method_handles,
     new_figure,
     outline,
+    scene_words,
     shade,
     styled,
     waves_handle,
 )
-from semianalytic import OpenZone, PairSolution, SlipZone, Solution
+from semianalytic import Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
 Exact = Solution | PairSolution
@@ -193,12 +194,12 @@ def prediction_figure(solution: Exact, *, axes: tuple[Axes, ...] | None = None) 
 
 
 def _new_axes(solution: Exact) -> Axes:
-    return describe(new_figure(7, 4.7), words_of(solution)).subplots()
+    return describe(new_figure(7, 4.7), scene_words(solution.scene)).subplots()
 
 
 def _new_panels(solution: Exact, ratios: tuple[int, ...]) -> tuple[Axes, ...]:
     """Return panels above each other, with these ratios of heights."""
-    figure = describe(new_figure(7, 1.9 + 1.9 * len(ratios)), words_of(solution))
+    figure = describe(new_figure(7, 1.9 + 1.9 * len(ratios)), scene_words(solution.scene))
     return tuple(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios))
 
 
@@ -217,7 +218,7 @@ def _right_end(solution: Exact) -> float:
 
 
 def _fronts(solution: Exact) -> dict[str, float]:
-    speeds, limit = contact_fronts(solution.scene, lower_of(solution)), _speed_limit(solution)
+    speeds, limit = contact_fronts(solution.scene), _speed_limit(solution)
     return {name: speed for name, speed in speeds.items() if speed <= limit}
 
 

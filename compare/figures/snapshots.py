@@ -12,8 +12,15 @@ from scipy.spatial import KDTree
 from compare.comparison.fields.errors import FieldErrors
 from compare.comparison.fields.frames import Places
 from compare.comparison.scales import slip_rate_scale
-from compare.figures.pairs import bodies_words
-from compare.figures.style import BLACK, PLACE_LABEL, describe, new_figure, outline, styled
+from compare.figures.style import (
+    BLACK,
+    PLACE_LABEL,
+    describe,
+    new_figure,
+    outline,
+    scene_words,
+    styled,
+)
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -49,7 +56,7 @@ def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
     )
     top = float(np.quantile(exact, COVERED)) or 1.0
     most = float(np.quantile(np.abs(seen - exact), COVERED)) or 1.0
-    figure = describe(new_figure(11, 3.9), bodies_words(scene, simulation.lower_material))
+    figure = describe(new_figure(11, 3.9), scene_words(scene))
     mesh = f"finite elements, h = {simulation.element_size / length:.3g} $c_t T$"
     panels = figure.subplots(1, 3, sharex=True, sharey=True)
     for panel, title, values, low, high, colours in (

@@ -152,7 +152,7 @@ def new_figure(width: float, height: float) -> Figure:
 def scene_words(scene: Scene) -> str:
     """Return the description that a figure of one scene carries.
 
-    It gives Poisson ratio, friction, pressure and shear before the load, and the units of the axes,
+    It gives bodies, friction, pressure and shear before the load, and the units of the axes,
     with their sizes in SI scenes.
     """
     law = scene.friction_law
@@ -170,9 +170,15 @@ def scene_words(scene: Scene) -> str:
     if scene.units:  # else they are of the scene's own units, in which numbers tell nothing more
         speed = scene.material.shear_speed
         sizes = f" = {slip_rate_scale(scene):.3g} m/s,  cₜ = {speed:.4g} m/s"
+    upper, lower = scene.bodies
+    body = ""
+    if scene.lower_material is not None:
+        moduli = lower.shear_modulus / upper.shear_modulus, lower.density / upper.density
+        body = f",  lower body: {moduli[0]:.3g} μ, {moduli[1]:.3g} ρ, ν = {lower.poisson_ratio:.4g}"
     return (
-        f"{mode}ν = {scene.material.poisson_ratio:.4g},  f = {scene.friction:.3g}{kind},  {base}"
+        f"{mode}ν = {upper.poisson_ratio:.4g},  f = {scene.friction:.3g}{kind},  {base}"
         f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal},  V₀ = 2 τ₀ / ρcₜ{sizes}"
+        f"{body}"
     )
 
 

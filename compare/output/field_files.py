@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.output.bodies import Fields, scene_of
+from compare.output.bodies import Fields
 from compare.output.files import write_text
 from semianalytic.field.derived import strain
 from semianalytic.scene.units import unit
@@ -88,7 +88,7 @@ def record_fields(fields: Fields, x: float, y: float, t: Array) -> FieldRecord:
         fields.velocity(x, y, t),
         fields.displacement(x, y, t),
         stress,
-        strain(stress - base, scene_of(fields, y).material),
+        strain(stress - base, fields.scene.bodies[bool(np.signbit(y))]),
     )
 
 

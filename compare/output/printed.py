@@ -7,7 +7,7 @@ from typing import Any
 import rich.table
 
 
-class Table(rich.table.Table):
+class PrintedTable(rich.table.Table):
     """A table that breaks words and numbers where a narrow terminal cannot hold them.
 
     Tables of rich cut them, and 2.2e-13 cut to "2.2e…" is wrong by powers of ten.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.records.record import QUANTITIES, Record, Records
-from semianalytic import InterfaceHistory
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 
 Array = NDArray[np.float64]

@@ -23,7 +23,7 @@ from compare.validation.rows import quantity_norms, rows
 from semianalytic import Scene
 from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.finding import checked_scene
+from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.units import InSI
 
 CONVERTED = "agrees after conversion"
@@ -140,7 +140,7 @@ def validate(
     SceneError
         If spacings do not fit, or a march cannot follow the scene.
     """
-    scene = checked_scene("validate", scene)
+    scene = scene_of_one_solid("validate", scene)
     conventions = conventions or Conventions()
     runs = [_with_rates(run, conventions) for run in as_runs(data)]
     found = [detect(runs[-1], scene, conventions)]

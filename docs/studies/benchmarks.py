@@ -28,7 +28,7 @@ from compare.records.record import QUANTITIES, Record, Records
 from fem import simulate
 from fem.lines import simulate_line
 from semianalytic import InterfaceFile, Run, solve
-from semianalytic.scene.given.finding import find_blocks
+from semianalytic.scene.given.finding import find_scene
 
 Array = NDArray[np.float64]
 Fields = Mapping[str, Array]
@@ -98,8 +98,7 @@ def simulated(sheet: Sheet, cells: int) -> Records:
     """Return what our finite elements record at the stations of a sheet on so many cells."""
     file = sheet.problem
     if not isinstance(file, InterfaceFile):
-        scene, lower = find_blocks(sheet.name)
-        done = simulate(scene, 1.0, resolution=cells, lower_material=lower)
+        done = simulate(find_scene(sheet.name), 1.0, resolution=cells)
         fields = {name: getattr(done, name) for name in QUANTITIES}
         t = done.interface.t
         stations = [

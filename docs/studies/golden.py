@@ -24,13 +24,14 @@ from rich.progress import track
 
 import semianalytic as sa
 from compare.tasks.workers import run_tasks
+from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.engine.run import Run
 from semianalytic.interface.named import NAMED_INTERFACES, find_interface
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loads import PULSE_SHAPES
-from semianalytic.whole_line.named import NAMED_LINES
+from semianalytic.whole_line.drive import Drive
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "golden.json.gz"
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
@@ -134,36 +135,44 @@ def random_march(random: Random) -> sa.Scene:
     )
 
 
-def random_pair(random: Random) -> sa.Pair:
+def random_pair(random: Random) -> sa.Scene:
     """Return two different bodies with a slot, whose contact slips, opens or both."""
     density, ratio = float(random.uniform(0.5, 2.0)), float(np.exp(random.uniform(-1.5, 1.5)))
     friction = float(random.uniform(0.1, 0.8))
     viscous = random.random() < 0.25
-    return sa.Pair(
-        sa.Material(1.0, 1.0, float(random.uniform(0.1, 0.4))),
-        sa.Material(density * ratio**2, density, float(random.uniform(0.1, 0.4))),
+    upper = sa.Material(1.0, 1.0, float(random.uniform(0.1, 0.4)))
+    lower = sa.Material(density * ratio**2, density, float(random.uniform(0.1, 0.4)))
+    scene = sa.Scene(
+        upper,
         friction,
         sa.Tractions(1.0, friction * float(random.choice([0.0, random.uniform(-0.8, 0.8)]))),
         sa.Tractions(float(random.choice([0.0, 0.0, random.uniform(-0.9, 2.0)])), random.normal()),
         friction_law=sa.ViscousFriction(float(random.lognormal()))
         if viscous
         else sa.CoulombFriction(),
+        lower_material=lower,
     )
+    check_bodies(scene)
+    return scene
 
 
-def random_line(random: Random) -> sa.WholeLine | sa.GrowingSlot:
+def random_line(random: Random) -> sa.Scene:
     """Return a problem without a slot, or a slot whose load grows."""
     solid = sa.Material(1.0, 1.0, float(random.uniform(-0.5, 0.45)))
     mode = one_of(random, "in-plane", "antiplane")
     friction = friction_of(random)
     if random.random() < 0.3:
         load = sa.Tractions(1.0, float(random.uniform(1.0, 4.0)) * friction)
-        return sa.GrowingSlot(solid, friction, load, int(random.integers(1, 3)), mode=mode)
+        growing = sa.GrowingLoad(load.pressure, load.shear, int(random.integers(1, 3)))
+        return sa.Scene(solid, friction, sa.Tractions(0.0, 0.0), growing, mode=mode)
     shear = float(random.uniform(0.5, 3.0))
     spread: Any = one_of(
         random, sa.Patch(float(random.uniform(0.05, 0.8)), shear=shear), sa.PointForce(shear=shear)
     )
-    return sa.WholeLine(solid, friction, sa.Tractions(1.0, 0.3 * friction), spread, mode)
+    base = sa.Tractions(1.0, 0.3 * friction)
+    scene = sa.Scene(solid, friction, base, spread, mode=mode)
+    Drive(scene)  # which refuses what moves nothing
+    return scene
 
 
 DRAWS: Mapping[str, tuple[Callable[[Random], Any], int]] = {
@@ -210,7 +219,7 @@ def recorded_run(found: Run) -> Answer:
 
 def labels() -> list[str]:
     """Return what the problems are called: names, and kinds of draws with their numbers."""
-    names = [*NAMED_SCENES, *NAMED_PAIRS, *NAMED_LINES]
+    names = [*NAMED_SCENES]
     names += [f"interface {name}" for name in NAMED_INTERFACES]
     return names + [f"{kind} {at}" for kind, (_, count) in DRAWS.items() for at in range(count)]
 
@@ -235,8 +244,8 @@ def answered(label: str) -> Answer:
             return recorded_run(sa.solve(problem, end_time=end_time, nodes=RUN_NODES))
         reach, unit = 1.5, 1.0
         settings: dict[str, Any] = {}
-        if isinstance(problem, sa.Pair):
-            settings, unit = {"rtol": 1e-6}, problem.upper.shear_speed
+        if getattr(problem, "lower_material", None) is not None:
+            settings, unit = {"rtol": 1e-6}, problem.material.shear_speed
         elif chosen(problem).name == "space-time":
             nodes, reach = (NODES if label.startswith("random") else NAMED_NODES), 0.98
             settings = {"end_time": 1.0 / problem.material.shear_speed, "nodes": nodes}

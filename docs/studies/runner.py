@@ -32,7 +32,7 @@ from rich.console import Console
 from compare.figures.saving import save_figure
 from compare.figures.style import cycle, describe, new_figure, styled
 from compare.output.files import append_text, write_text
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from compare.tasks.workers import run_tasks
 
@@ -134,7 +134,7 @@ def written(study: Study, rows: list[Row], output: Path, command: str) -> None:
     if not table:
         return
     write_table(output / "data" / f"{study.name}.csv", table, command)
-    shown = Table(*(name.replace("_", " ") for name in table[0]), title=study.name)
+    shown = PrintedTable(*(name.replace("_", " ") for name in table[0]), title=study.name)
     for row in table[:60]:  # a map of ten thousand points is for the file
         shown.add_row(*(f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values()))
     Console(width=140).print(shown, f"{len(table)} rows written to {output}", highlight=False)

@@ -24,7 +24,7 @@ from fem.elements.assembly import (
 from fem.elements.families import FAMILIES
 from fem.lines.line import Line
 from fem.patch import PATCH, highest_of_patch
-from fem.stepping import Body, critical_step, normalised
+from fem.stepping import MarchedBody, critical_step, normalised
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
 
@@ -87,7 +87,7 @@ class Block:
         highest = highest_of_patch(side, side, FAMILIES["Q1"], self.material, self.components)
         return critical_step(highest, self.damping_time)
 
-    def assembled(self, step: float) -> Body:
+    def assembled(self, step: float) -> MarchedBody:
         """Return the block at rest, for a time step."""
         along = self.size * np.arange(self.columns + 1.0)
         away = self.size * np.arange(self.rows + 1.0)
@@ -102,7 +102,7 @@ class Block:
         matrix, root = normalised(stiffness[: self.unknowns, : self.unknowns], mass)
         matrix.data *= step**2
         none = np.empty(0, dtype=np.int64)
-        return Body(
+        return MarchedBody(
             components=self.components,
             matrix=matrix,
             root=root,

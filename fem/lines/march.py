@@ -16,7 +16,7 @@ from fem.lines.blocks import Block, check_work, make_blocks
 from fem.lines.friction import slip_speed
 from fem.lines.line import Line, Tractions
 from fem.model import RATE_WINDOW
-from fem.stepping import Body
+from fem.stepping import MarchedBody
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_size
 from semianalytic.scene.errors import ComputationError
@@ -88,7 +88,7 @@ class LineSimulation:
 class Side:
     """The face of a block, for one component of motion."""
 
-    body: Body
+    body: MarchedBody
     unknowns: slice
     root: Array
     sign: float

@@ -14,7 +14,7 @@ import numpy as np
 
 from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.quadrature.panels import Panels
-from semianalytic.cut.quadrature.running import RunningIntegral
+from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array
@@ -62,7 +62,7 @@ class Profile:
         return np.asarray(self.fields.stick_transform_at_edge * per_set(self._m_plus_at_zero))
 
     @cached_property
-    def rate_integral(self) -> RunningIntegral:
+    def rate_integral(self) -> PanelIntegral:
         """Running integral of V on panels that slip."""
         return self.fields.rate_integral(None if self._load.resists_rate else self.tail)
 
@@ -77,7 +77,7 @@ class Profile:
         return np.asarray(self.fields.transform_at_edge[..., 0] / (np.pi * kappa))
 
     @cached_property
-    def traction_integral(self) -> RunningIntegral:
+    def traction_integral(self) -> PanelIntegral:
         """Running integral of traction on panels that stick, less the part unbounded at a stuck
         edge."""
         slope = self.fields.traction_slope
@@ -87,7 +87,7 @@ class Profile:
             # The singular part is a multiple of q*, whose primitive is known: it is added by
             # `_edge_traction`.
             slope[-1] = self.fields.stick_transform_excess * unit
-        return RunningIntegral(self.panels, slope, self.fields.factors.c)
+        return PanelIntegral(self.panels, slope, self.fields.factors.c)
 
     @property
     def _shear(self) -> StuckTraction:

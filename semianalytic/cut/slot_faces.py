@@ -15,7 +15,7 @@ import numpy as np
 from semianalytic.cut.quadrature.laying import lay_panels
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.quadrature.panels import Panels
-from semianalytic.cut.quadrature.running import RunningIntegral
+from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, Mode
 
@@ -41,21 +41,21 @@ class SlotFaces:
         return shear, self.fields.load.load_pressure * unit
 
     @cached_property
-    def _direct(self) -> tuple[RunningIntegral, RunningIntegral]:
+    def _direct(self) -> tuple[PanelIntegral, PanelIntegral]:
         """Slopes in v = -t/x of v_x (v_z) from shear and of v_y from pressure on the upper slot
         face."""
         factors, panels = self.fields.factors.in_plane, self._panels
         shear, pressure = self._transforms(panels.at.v)
 
-        def slope(transform: Array, mode: Mode) -> RunningIntegral:
+        def slope(transform: Array, mode: Mode) -> PanelIntegral:
             impedance = factors.impedance_on_cut(panels.at, mode)
             density = transform * impedance.imag / np.square(np.abs(impedance))
-            return RunningIntegral(panels, density / (np.pi * panels.at.v), factors.c)
+            return PanelIntegral(panels, density / (np.pi * panels.at.v), factors.c)
 
         return slope(-shear, self.fields.factors.mode), slope(pressure, "I")
 
     @cached_property
-    def _coupled(self) -> tuple[RunningIntegral, RunningIntegral]:
+    def _coupled(self) -> tuple[PanelIntegral, PanelIntegral]:
         """Slopes of v_x from pressure and of v_y from shear: -T k (b^2 - 2k^2 - 2ab) / (mu R)."""
         factors, at = self.fields.factors, self._panels.at
         shear, pressure = self._transforms(at.v)
@@ -65,8 +65,8 @@ class SlotFaces:
         rayleigh = np.square(np.square(1 - 2 * z)) + np.square(4 * z * root)
         response = np.where(product > 0, -2 / np.pi * root * (1 - 2 * z) / rayleigh, 0.0)
         return (
-            RunningIntegral(self._panels, pressure * response, factors.c),
-            RunningIntegral(self._panels, shear * response, factors.c),
+            PanelIntegral(self._panels, pressure * response, factors.c),
+            PanelIntegral(self._panels, shear * response, factors.c),
         )
 
     @cached_property

@@ -20,7 +20,7 @@ import numpy as np
 
 from semianalytic.cut.load import per_set
 from semianalytic.cut.quadrature.layout import Zone
-from semianalytic.cut.quadrature.running import Power, RunningIntegral, split_power
+from semianalytic.cut.quadrature.running import PanelIntegral, Power, split_power
 from semianalytic.cut.slopes import ZoneSlopes
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.lazily import cached_property
@@ -70,7 +70,7 @@ class ZoneFields(ZoneSlopes):
         return tuple((panel, end) for panel in every if (end := panels.right[panel]) is not None)
 
     @cached_property
-    def _sharp(self) -> tuple[RunningIntegral, ...]:
+    def _sharp(self) -> tuple[PanelIntegral, ...]:
         """Slip rates of unit terms r / (k + e), one for each edge at which the slip rate
         vanishes."""
         panels, exponents = self.panels, dict(self.borders)
@@ -87,7 +87,7 @@ class ZoneFields(ZoneSlopes):
             elif panel in exponents:
                 for one, at_left in ((panel, False), (panel + 1, True)):
                     powers.append(split_power(panels, slope, one, at_left, exponents[panel]))
-            result.append(RunningIntegral(panels, slope, self.factors.c, powers=tuple(powers)))
+            result.append(PanelIntegral(panels, slope, self.factors.c, powers=tuple(powers)))
         return tuple(result)
 
     def _jumps_at(self, panel: int) -> bool:
@@ -158,10 +158,10 @@ class ZoneFields(ZoneSlopes):
             slope = slope + amount * sharp.density
         return slope
 
-    def rate_integral(self, tail: float | Array | None = None) -> RunningIntegral:
-        """Return V on panels that slip as a running integral; `tail` as of `RunningIntegral`."""
+    def rate_integral(self, tail: float | Array | None = None) -> PanelIntegral:
+        """Return V on panels that slip as a running integral; `tail` as of `PanelIntegral`."""
         residue = self.residue if self.layout.pole >= 0 else None
-        return RunningIntegral(
+        return PanelIntegral(
             self.panels, self.slip_rate_slope, self.factors.c, self._powers, residue, tail
         )
 

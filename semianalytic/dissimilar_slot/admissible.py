@@ -11,14 +11,21 @@ from typing import Literal
 
 import numpy as np
 
-from semianalytic.dissimilar_slot.densities.profile import GAP, NORMAL, RATE, SHEAR, Part, Profile
+from semianalytic.dissimilar_slot.densities.profile import (
+    GAP,
+    NORMAL,
+    RATE,
+    SHEAR,
+    PairProfile,
+    ProfilePart,
+)
 from semianalytic.halfplane.rayleigh import Array
 
 Kind = Literal["excess", "pull", "reversed", "overlap"]
 
 
 @dataclass(frozen=True)
-class Violation:
+class BrokenLaw:
     """An interval of slowness where the law fails.
 
     Attributes
@@ -42,7 +49,7 @@ class Violation:
     right: float | None
 
 
-def largest_breach(profile: Profile, slowest: float) -> float:
+def largest_breach(profile: PairProfile, slowest: float) -> float:
     """Return the largest violation of the law, over the scale of each quantity; 0 if there is none.
 
     Points that are slower than the slowest wave by more than a factor of `slowest` are left out.
@@ -55,12 +62,12 @@ def largest_breach(profile: Profile, slowest: float) -> float:
     return max(float(breach.max()) for breach in breaches)
 
 
-def violations(profile: Profile, tolerance: float, slowest: float) -> list[Violation]:
+def violations(profile: PairProfile, tolerance: float, slowest: float) -> list[BrokenLaw]:
     """Return the intervals where the law fails by more than a tolerance.
 
     Violations are measured as in `largest_breach`.
     """
-    found: list[Violation] = []
+    found: list[BrokenLaw] = []
     for part in profile.parts:
         v, values = _points(profile, part, slowest)
         for kind, breach, sense in _breaches(profile, part, v, values):
@@ -68,7 +75,7 @@ def violations(profile: Profile, tolerance: float, slowest: float) -> list[Viola
     return _merged(found)
 
 
-def _points(profile: Profile, part: Part, slowest: float) -> tuple[Array, Array]:
+def _points(profile: PairProfile, part: ProfilePart, slowest: float) -> tuple[Array, Array]:
     """Return the slownesses of the sampled points of a part, and the functions there."""
     intervals = part.series.intervals
     points = intervals.points
@@ -77,7 +84,7 @@ def _points(profile: Profile, part: Part, slowest: float) -> tuple[Array, Array]
 
 
 def _breaches(
-    profile: Profile, part: Part, v: Array, values: Array
+    profile: PairProfile, part: ProfilePart, v: Array, values: Array
 ) -> list[tuple[Kind, Array, Array]]:
     """Return each condition on a part: its kind, its violation over its scale, and its sense.
 
@@ -103,8 +110,8 @@ def _breaches(
 
 
 def _intervals(
-    part: Part, v: Array, wrong: np.ndarray, what: tuple[Kind, Array]
-) -> list[Violation]:
+    part: ProfilePart, v: Array, wrong: np.ndarray, what: tuple[Kind, Array]
+) -> list[BrokenLaw]:
     """Return runs of wrong points, each from the last right point before it to the next one."""
     kind, sense = what
     bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
@@ -115,13 +122,13 @@ def _intervals(
         right = float(v[stop]) if stop < len(v) else stretch.right
         # Shear may change its sign within the interval; a new zone needs one sense.
         middle = int(np.sign(sense[start:stop].sum())) or 1
-        result.append(Violation(kind, part.zone, middle, left, right))
+        result.append(BrokenLaw(kind, part.zone, middle, left, right))
     return result
 
 
-def _merged(found: list[Violation]) -> list[Violation]:
+def _merged(found: list[BrokenLaw]) -> list[BrokenLaw]:
     """Join violations of the same kind and sense that meet at a wave front."""
-    result: list[Violation] = []
+    result: list[BrokenLaw] = []
     for one in sorted(found, key=lambda one: (one.kind, one.left)):
         last = result[-1] if result else None
         alike = last is not None and (last.kind, last.zone, last.sense) == (
@@ -130,7 +137,7 @@ def _merged(found: list[Violation]) -> list[Violation]:
             one.sense,
         )
         if last is not None and alike and last.right == one.left:
-            result[-1] = Violation(one.kind, one.zone, one.sense, last.left, one.right)
+            result[-1] = BrokenLaw(one.kind, one.zone, one.sense, last.left, one.right)
         else:
             result.append(one)
     return sorted(result, key=lambda one: one.left)

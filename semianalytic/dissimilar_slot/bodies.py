@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.dissimilar.compliance import Complex
-from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
 from semianalytic.dissimilar_slot.densities.panels import rule_for, tolerance_of
 from semianalytic.dissimilar_slot.densities.zones import edges_of
@@ -29,13 +28,14 @@ from semianalytic.field.body import Quantity, Sent, checked_points, fields_of, p
 from semianalytic.field.cells import Primitives
 from semianalytic.field.waves import SHEAR, Slowness, plane_wave, radiated
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
+from semianalytic.scene.scene import Scene
 
 _MIRRORED = np.array([1, -1, 1, 1, -1, 1, -1])
 """Signs that turn the fields of the mirrored lower body into its own."""
 
 
 @dataclass(frozen=True, eq=False)
-class Face:
+class BodyFace:
     """The face of one body of a pair, as the `Source` of the waves in it, in the body's units.
 
     Attributes
@@ -196,13 +196,13 @@ class PairBodies:
 
     Attributes
     ----------
-    pair : Pair
+    scene : Scene
     density : Density
     stress_unit : float
         Unit of stress [stress].
     """
 
-    pair: Pair
+    scene: Scene
     density: Density
     stress_unit: float
 
@@ -215,8 +215,8 @@ class PairBodies:
         rows = self._rows("stress", x, y, t)
         # Pressure is positive in compression, sigma_yy in tension; sigma_xx of the base is not
         # known.
-        rows[1] -= self.pair.base.pressure
-        rows[2] += self.pair.base.shear
+        rows[1] -= self.scene.base.pressure
+        rows[2] += self.scene.base.shear
         return rows
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
@@ -227,7 +227,7 @@ class PairBodies:
         """Return the rows of a quantity in either body, stress beyond the base, (q, ...)."""
         x, y, t = checked_points(x, y, t)
         rows = np.zeros((3 if quantity == "stress" else 2, *x.shape))
-        for below, body in enumerate((self.pair.upper, self.pair.lower)):
+        for below, body in enumerate(self.scene.bodies):
             # The sign bit tells 0.0 from -0.0, the two faces of the interface.
             here = (t > 0) & (np.signbit(y) == bool(below))
             at = x[here], y[here], body.shear_speed * t[here]
@@ -268,7 +268,7 @@ class PairBodies:
     def _sent(self) -> tuple[Sent, Sent]:
         """What the faces of the upper and of the lower body send into them."""
         upper, lower = (
-            Sent(Primitives(Face(self.density, below, body.poisson_ratio)), _MIRRORED)
-            for below, body in ((False, self.pair.upper), (True, self.pair.lower))
+            Sent(Primitives(BodyFace(self.density, below, body.poisson_ratio)), _MIRRORED)
+            for below, body in zip((False, True), self.scene.bodies, strict=True)
         )
         return upper, lower

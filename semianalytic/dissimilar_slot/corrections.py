@@ -6,9 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from semianalytic.dissimilar_slot.admissible import Violation
-from semianalytic.dissimilar_slot.densities.zones import Zone, edges_of, joined, moved, neighbours
-from semianalytic.dissimilar_slot.placement import Placement
+from semianalytic.dissimilar_slot.admissible import BrokenLaw
+from semianalytic.dissimilar_slot.densities.zones import (
+    MovingZone,
+    edges_of,
+    joined,
+    moved,
+    neighbours,
+)
+from semianalytic.dissimilar_slot.placement import PlacedZones
 
 _AT_FRONT, _BEYOND_FRONT = 1e-4, 0.1
 """Relative distance of an edge that ran into a front; where it restarts in the next segment."""
@@ -18,7 +24,9 @@ _PARTED = 1e-3
 """Half the relative width of the stick zone that is put between slip of opposite senses."""
 
 
-def corrected(zones: Sequence[Zone], violations: Sequence[Violation]) -> tuple[Zone, ...]:
+def corrected(
+    zones: Sequence[MovingZone], violations: Sequence[BrokenLaw]
+) -> tuple[MovingZone, ...]:
     """Return the zones with one kind of violation corrected.
 
     Slip against its sense and negative gaps are removed first.  If there are none, the widest
@@ -42,9 +50,9 @@ def corrected(zones: Sequence[Zone], violations: Sequence[Violation]) -> tuple[Z
     return _tidy(result)
 
 
-def _tidy(zones: Sequence[Zone]) -> tuple[Zone, ...]:
+def _tidy(zones: Sequence[MovingZone]) -> tuple[MovingZone, ...]:
     """Merge adjoining slip zones of one sense, and put stick between those of opposite senses."""
-    result: list[Zone] = []
+    result: list[MovingZone] = []
     for zone in zones:
         last = result[-1] if result else None
         if last is None or zone.open or last.open or not joined(last, zone):
@@ -59,7 +67,7 @@ def _tidy(zones: Sequence[Zone]) -> tuple[Zone, ...]:
     return tuple(result)
 
 
-def _extent(one: Violation) -> float:
+def _extent(one: BrokenLaw) -> float:
     """Return the ratio of the ends of an interval; it is infinite up to the contact edge."""
     return float("inf") if one.right is None else one.right / max(one.left, 1e-300)
 
@@ -71,7 +79,7 @@ def _at(one: float | None, other: float | None) -> bool:
     return abs(one - other) < 1e-6 * other
 
 
-def _cut(zones: list[Zone], wrong: Violation) -> None:
+def _cut(zones: list[MovingZone], wrong: BrokenLaw) -> None:
     """Remove an interval from its zone, or reverse slip that adjoins an opening."""
     index = wrong.zone
     zone = zones[index]
@@ -95,10 +103,10 @@ def _cut(zones: list[Zone], wrong: Violation) -> None:
         zones[index : index + 1] = [replace(zone, right=wrong.left), *inner]
 
 
-def _close(zones: list[Zone], index: int, overlap: Violation) -> None:
+def _close(zones: list[MovingZone], index: int, overlap: BrokenLaw) -> None:
     """Replace an interval of negative gap by slip."""
     zone = zones[index]
-    slip = Zone(overlap.left, overlap.right, zone.sense)
+    slip = MovingZone(overlap.left, overlap.right, zone.sense)
     parts = [slip]
     if not _at(overlap.left, zone.left):
         parts.insert(0, replace(zone, right=overlap.left))
@@ -110,10 +118,10 @@ def _close(zones: list[Zone], index: int, overlap: Violation) -> None:
     zones[index : index + 1] = parts
 
 
-def _open(zones: list[Zone], pull: Violation) -> None:
+def _open(zones: list[MovingZone], pull: BrokenLaw) -> None:
     """Open an interval of slip."""
     zone = zones[pull.zone]
-    parts = [Zone(pull.left, pull.right, zone.sense, True)]
+    parts = [MovingZone(pull.left, pull.right, zone.sense, True)]
     if not _at(pull.left, zone.left):
         parts.insert(0, replace(zone, right=pull.left))
     if pull.right is not None:
@@ -121,7 +129,7 @@ def _open(zones: list[Zone], pull: Violation) -> None:
     zones[pull.zone : pull.zone + 1] = parts
 
 
-def _slip(zones: list[Zone], excess: Violation) -> None:
+def _slip(zones: list[MovingZone], excess: BrokenLaw) -> None:
     """Add slip where the shear traction exceeds friction.
 
     An adjoining slip zone of that sense is widened; otherwise a new zone is inserted.
@@ -136,10 +144,10 @@ def _slip(zones: list[Zone], excess: Violation) -> None:
             zones[index] = replace(zone, right=excess.right)
             return
     place = sum(zone.left < excess.left for zone in zones)
-    zones.insert(place, Zone(excess.left, excess.right, excess.sense))
+    zones.insert(place, MovingZone(excess.left, excess.right, excess.sense))
 
 
-def rearranged(placement: Placement) -> tuple[Zone, ...] | None:
+def rearranged(placement: PlacedZones) -> tuple[MovingZone, ...] | None:
     """Return zones to try after Newton's method failed to place the edges; None if there are none.
 
     An edge that ran into a wave front restarts on the other side of it.  Slip zones of one sense
@@ -166,7 +174,7 @@ def rearranged(placement: Placement) -> tuple[Zone, ...] | None:
     return None
 
 
-def _across_fronts(placement: Placement) -> tuple[Zone, ...] | None:
+def _across_fronts(placement: PlacedZones) -> tuple[MovingZone, ...] | None:
     """Move each edge that ran into a wave front to the other side of it; None if no edge did."""
     edges = edges_of(placement.zones)
     ends: list[float | None] = [0.0, *placement.density.interface.compliance.distinct_fronts, None]

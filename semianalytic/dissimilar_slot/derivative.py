@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS, Pair
+from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS
 from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
     NORMAL,
@@ -27,6 +27,7 @@ from semianalytic.dissimilar_slot.neighbours import Member, Varied, border, neig
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative, ZoneDerivative
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
@@ -43,7 +44,7 @@ class PairDerivative:
 
     Attributes
     ----------
-    pair : Pair
+    scene : Scene
     name : str
         "friction", "viscosity", "base_pressure", "base_shear", "load_pressure", "load_shear",
         "shear_modulus", "density" or "poisson_ratio" of the upper body, or the last three of the
@@ -63,13 +64,14 @@ class PairDerivative:
     --------
     >>> import semianalytic as sa
     >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
-    >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-    >>> by_friction = sa.solve(pair).derivative("friction")
+    >>> base, load = sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6)
+    >>> scene = sa.Scene(gouge, 0.4, base, load, lower_material=rock)
+    >>> by_friction = sa.solve(scene).derivative("friction")
     >>> [round(zone.outer) for zone in by_friction.zones]  # m/s per unit of friction
     [-2108]
     """
 
-    pair: Pair
+    scene: Scene
     name: str
     zones: tuple[ZoneDerivative, ...]
     openings: tuple[OpenDerivative, ...]
@@ -84,7 +86,7 @@ class PairDerivative:
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike, row: int) -> Array:
         return over_slowness(
-            self.pair.upper.shear_speed, x, t, lambda v: self.varied.fields(v)[row]
+            self.scene.material.shear_speed, x, t, lambda v: self.varied.fields(v)[row]
         )
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -141,13 +143,13 @@ class PairDerivative:
         fine = self.varied
         coarse = neighbours(fine.own, self.name, 10.0 * _TOLERANCE, 0.7 * fine.step)
         worst = _share(fine.edges, coarse.edges)
-        pair, marks = self.pair, np.array(fine.own.marks)
+        scene, marks = self.scene, np.array(fine.own.marks)
         slowest = fine.own.profile.density.interface.compliance.last
         velocity = np.linspace(0.0, 1.1 / marks[0], 202)[1:-1]
         apart = np.abs(velocity[:, None] - 1 / marks).min(axis=1) * slowest
         v = 1 / velocity[apart > 0.03]  # clear of edges and fronts, over the slowest wave speed
         one, other = fine.fields(v), coarse.fields(v)
-        opened = is_open(self.opened, pair.upper.shear_speed / v, 1.0)
+        opened = is_open(self.opened, scene.material.shear_speed / v, 1.0)
         # Where it is open tractions are 0 whatever the parameter; what is left of them is rounding.
         one[SHEAR:, opened] = other[SHEAR:, opened] = 0.0
         worst = max([worst, *(_share(*rows) for rows in zip(one, other, strict=True))])
@@ -187,7 +189,7 @@ def differentiated(
     """
     if name not in PARAMETERS:
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
-    if name == "viscosity" and not numbers_of(own.pair)[name].value > 0:
+    if name == "viscosity" and not numbers_of(own.scene)[name].value > 0:
         raise SceneError(
             "derivative: with respect to viscosity the pair needs ViscousFriction of a positive "
             "viscosity."
@@ -197,7 +199,7 @@ def differentiated(
     if status == "converged":
         status = border(varied, name) or status
     ends = edges_of(own.profile.density.zones)
-    speed = own.pair.upper.shear_speed
+    speed = own.scene.material.shear_speed
     rates = dict(zip(ends, varied.edges.tolist(), strict=True))
 
     def moved(velocity: float) -> float:
@@ -208,7 +210,7 @@ def differentiated(
 
     zones, openings = known
     return PairDerivative(
-        own.pair,
+        own.scene,
         name,
         tuple(ZoneDerivative(moved(one.inner), moved(one.outer), one.sense) for one in zones),
         tuple(OpenDerivative(moved(one.inner), moved(one.outer)) for one in openings),
@@ -220,7 +222,7 @@ def differentiated(
 
 def _size(own: Member, name: str) -> float:
     """Return the size of a parameter over which its step is taken."""
-    value = abs(numbers_of(own.pair)[name].value)
+    value = abs(numbers_of(own.scene)[name].value)
     if name in TRACTIONS:
         return max(value, own.stress)
     if name.endswith("poisson_ratio"):

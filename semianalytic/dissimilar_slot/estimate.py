@@ -7,11 +7,11 @@ import numpy as np
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
 from semianalytic.dissimilar_slot.densities.panels import rule_for
 from semianalytic.dissimilar_slot.densities.zones import edges_of
-from semianalytic.dissimilar_slot.placement import Placement, edge_tractions, mismatch
+from semianalytic.dissimilar_slot.placement import PlacedZones, edge_tractions, mismatch
 from semianalytic.halfplane.rayleigh import Array
 
 
-def numerical_error(placement: Placement, tolerance: float) -> float:
+def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     """Return the error estimate of placed zones on the rule of a tolerance.
 
     The same zones are solved on a coarser rule.  The estimate comes from the shifts of the edges

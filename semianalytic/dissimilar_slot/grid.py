@@ -23,8 +23,8 @@ import numpy as np
 
 from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.compliance import Compliance
-from semianalytic.dissimilar_slot.densities.interface import Interface, rayleigh_slowness
-from semianalytic.dissimilar_slot.densities.zones import Zone
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies, rayleigh_slowness
+from semianalytic.dissimilar_slot.densities.zones import MovingZone
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError
@@ -35,7 +35,7 @@ _TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class SlownessGrid:
     """Nodes in xi and what depends on the bodies alone.
 
     Attributes
@@ -87,7 +87,7 @@ class Seen:
 
 
 @lru_cache(maxsize=16)
-def grid_of(compliance: Compliance, size: int) -> Grid:
+def grid_of(compliance: Compliance, size: int) -> SlownessGrid:
     """Return a grid of about `size` nodes, clustered at all wave fronts and at the contact edge."""
     slownesses = [*compliance.distinct_fronts, *map(rayleigh_slowness, compliance.bodies)]
     ends = [0.0]
@@ -115,7 +115,7 @@ def grid_of(compliance: Compliance, size: int) -> Grid:
     area = np.convolve(width, [0.5, 0.5])[:-1]
     gram = np.diag(np.convolve(width, [2, 2])[:-1])
     gram = (gram + np.diag(width[:-1], 1) + np.diag(width[:-1], -1)) / 6
-    return Grid(
+    return SlownessGrid(
         xi,
         -np.einsum("mi,mnab->ianb", test, slopes),
         -np.einsum("mi,mab->iab", test, stuck),
@@ -189,7 +189,7 @@ def _gap_from_rate(xi: Array) -> Array:
     return total[:, :n]
 
 
-def seen_on_grid(interface: Interface, size: int) -> Seen:
+def seen_on_grid(interface: LoadedBodies, size: int) -> Seen:
     """Return slip and opening on a grid of about `size` nodes.
 
     Raises
@@ -256,7 +256,7 @@ class _Run:
     last: int
 
 
-def zones_seen(seen: Seen) -> tuple[Zone, ...]:
+def zones_seen(seen: Seen) -> tuple[MovingZone, ...]:
     """Return the zones from the fastest wave inward, with edges between nodes of different state.
 
     An opening has slip ahead of it, of the sense in which the sides move where it begins, and slip
@@ -270,7 +270,7 @@ def zones_seen(seen: Seen) -> tuple[Zone, ...]:
             runs[-1] = _Run(run.state, node, run.last)
         else:
             runs.append(_Run(states[node], node, node))
-    zones: list[Zone] = []
+    zones: list[MovingZone] = []
     start = 0.0  # slowness at which the present run begins
     for outer, inner in zip(runs, [*runs[1:], None], strict=True):
         stop, between, begin = (None, [], 0.0) if inner is None else _boundary(seen, outer, inner)
@@ -278,13 +278,13 @@ def zones_seen(seen: Seen) -> tuple[Zone, ...]:
             sense = outer.state
             if outer.state == 2:  # of the slip ahead of it
                 sense = zones[-1].sense if zones and zones[-1].right == start else 1
-            zones.append(Zone(start, stop, sense, outer.state == 2))
+            zones.append(MovingZone(start, stop, sense, outer.state == 2))
         zones += between
         start = begin
     return tuple(zones)
 
 
-def _boundary(seen: Seen, outer: _Run, inner: _Run) -> tuple[float, list[Zone], float]:
+def _boundary(seen: Seen, outer: _Run, inner: _Run) -> tuple[float, list[MovingZone], float]:
     """Return where one run ends, slip zones to put between, and where the next run begins."""
     near, far = seen.xi[inner.last], seen.xi[outer.first]
     senses = np.sign(seen.rate).astype(int)
@@ -300,7 +300,7 @@ def _boundary(seen: Seen, outer: _Run, inner: _Run) -> tuple[float, list[Zone], 
         node = inner.last if inner.state == 2 else outer.first
         if abs(seen.rate[node]) <= 1e-6 * seen.gap.max():  # no shear acts on the opening
             return at(0.5), [], at(0.5)  # nothing shears the interface
-        slip = Zone(at(0.8), at(0.2), int(senses[node]) or 1)
+        slip = MovingZone(at(0.8), at(0.2), int(senses[node]) or 1)
         return slip.left, [slip], float(slip.right or 0.0)
     if 2 in states:
         return at(0.5), [], at(0.5)

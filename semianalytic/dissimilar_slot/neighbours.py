@@ -19,12 +19,11 @@ from typing import Any
 import numpy as np
 
 from semianalytic.dissimilar.canonical import glued
-from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar_slot.admissible import violations
 from semianalytic.dissimilar_slot.densities.density import Density
 from semianalytic.dissimilar_slot.densities.interface import interface_of
-from semianalytic.dissimilar_slot.densities.panels import Rule, rule_for
+from semianalytic.dissimilar_slot.densities.panels import PanelRule, rule_for
 from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
     NORMAL,
@@ -32,14 +31,15 @@ from semianalytic.dissimilar_slot.densities.profile import (
     RATE,
     SHEAR,
     SLIP,
-    Profile,
+    PairProfile,
 )
 from semianalytic.dissimilar_slot.densities.zones import Coordinates, edges_of
-from semianalytic.dissimilar_slot.placement import Placement, place, polished
+from semianalytic.dissimilar_slot.placement import PlacedZones, place, polished
 from semianalytic.halfplane.polynomials import FOURTH_ORDER
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.scene import Scene
 
 _POINTS, _WEIGHTS = FOURTH_ORDER
 
@@ -50,14 +50,14 @@ class Member:
 
     Attributes
     ----------
-    pair : Pair
-    profile : Profile
+    scene : Scene
+    profile : PairProfile
     stress : float
         Unit of stress of the profile.
     """
 
-    pair: Pair
-    profile: Profile
+    scene: Scene
+    profile: PairProfile
     stress: float
 
     @cached_property
@@ -70,16 +70,16 @@ class Member:
 
     def slowness(self, v: Array) -> Array:
         """Return the slownesses [time / length] of those in units of the upper body."""
-        return v / self.pair.upper.shear_speed
+        return v / self.scene.material.shear_speed
 
     def fields(self, v: Array) -> Array:
         """Return slip rate, rate of opening, slip and gap over x, shear traction and pressure."""
         values = self.profile.at(v)
-        rate = self.stress / self.pair.upper.shear_impedance
+        rate = self.stress / self.scene.material.shear_impedance
         values[[RATE, OPENING]] *= rate
-        values[[SLIP, GAP]] *= rate / self.pair.upper.shear_speed
-        values[SHEAR] = self.pair.base.shear + self.stress * values[SHEAR]
-        values[NORMAL] = self.pair.base.pressure - self.stress * values[NORMAL]
+        values[[SLIP, GAP]] *= rate / self.scene.material.shear_speed
+        values[SHEAR] = self.scene.base.shear + self.stress * values[SHEAR]
+        values[NORMAL] = self.scene.base.pressure - self.stress * values[NORMAL]
         return values
 
     def stretches(self) -> list[Stretch]:
@@ -159,14 +159,14 @@ class Varied:
 def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
     """Return a solved pair with its neighbours along a parameter, each with its own edges."""
     density, rule = own.profile.density, rule_for(tolerance)
-    value = numbers_of(own.pair)[name].value
+    value = numbers_of(own.scene)[name].value
     start = place(density.interface, density.glued, density.zones, rule_for(1e-5), 1e-5)
     # The loose rule gives the Jacobian alone: neighbours start from the edges themselves.
     start = replace(start, unknowns=start.coordinates.unknowns(edges_of(density.zones)))
 
     def at(point: float) -> tuple[Member, float]:
-        pair = with_numbers(own.pair, {name: value + step * point})
-        return _neighbour(pair, start, density, rule, tolerance)
+        scene = with_numbers(own.scene, {name: value + step * point})
+        return _neighbour(scene, start, density, rule, tolerance)
 
     for attempt in range(6):
         try:
@@ -184,11 +184,11 @@ def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
 
 
 def _neighbour(
-    pair: Pair, start: Placement, density: Density, rule: Rule, tolerance: float
+    scene: Scene, start: PlacedZones, density: Density, rule: PanelRule, tolerance: float
 ) -> tuple[Member, float]:
     """Return a pair whose zones are of the kind of others, with the edges that it asks for, and
     how far these have moved as unknowns of `Coordinates`."""
-    interface, unit = interface_of(pair)
+    interface, unit = interface_of(scene)
     before = density.interface.compliance.distinct_fronts
     fronts = interface.compliance.distinct_fronts
     if len(fronts) != len(before):
@@ -211,7 +211,7 @@ def _neighbour(
             "difference two solutions on the side that is wanted."
         )
     moves = np.abs(placed.unknowns - start.unknowns)
-    return Member(pair, Profile(placed.density), unit), float(moves.max(initial=0.0))
+    return Member(scene, PairProfile(placed.density), unit), float(moves.max(initial=0.0))
 
 
 def border(varied: Varied, name: str) -> str:

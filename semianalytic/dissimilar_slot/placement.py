@@ -23,11 +23,11 @@ import numpy as np
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
-from semianalytic.dissimilar_slot.densities.interface import Interface
-from semianalytic.dissimilar_slot.densities.panels import Rule, edge_exponents
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
+from semianalytic.dissimilar_slot.densities.panels import PanelRule, edge_exponents
 from semianalytic.dissimilar_slot.densities.zones import (
     Coordinates,
-    Zone,
+    MovingZone,
     coordinates_of,
     edges_of,
     moved,
@@ -66,7 +66,7 @@ def traction_change(
 
 
 @dataclass(frozen=True)
-class Tractions:
+class EdgeTractions:
     """tau and sigma beyond the base at the edges of zones.
 
     Attributes
@@ -83,7 +83,7 @@ class Tractions:
         return np.asarray(self.values[int(np.argmin(np.abs(self.edges - edge)))])
 
 
-def edge_tractions(density: Density) -> Tractions:
+def edge_tractions(density: Density) -> EdgeTractions:
     """Return the tractions at all edges, integrated from ahead of all waves, where they are those
     of the base."""
     interface, zones = density.interface, density.zones
@@ -100,7 +100,7 @@ def edge_tractions(density: Density) -> Tractions:
         total = total + traction_change(density, start, edge, (exponent, exponents[edge]))
         values.append(total)
         start, exponent = edge, exponents[edge]
-    return Tractions(np.array(edges), np.array(values).reshape(-1, 2))
+    return EdgeTractions(np.array(edges), np.array(values).reshape(-1, 2))
 
 
 def mismatch(density: Density) -> Array:
@@ -127,7 +127,7 @@ def mismatch(density: Density) -> Array:
 
 
 @dataclass(frozen=True)
-class Placement:
+class PlacedZones:
     """Zones whose edges Newton's method has placed.
 
     Attributes
@@ -151,14 +151,18 @@ class Placement:
     move: float
 
     @property
-    def zones(self) -> tuple[Zone, ...]:
+    def zones(self) -> tuple[MovingZone, ...]:
         """The zones as placed."""
         return self.density.zones
 
 
 def place(
-    interface: Interface, glued: Glued, zones: Sequence[Zone], rule: Rule, tolerance: float
-) -> Placement:
+    interface: LoadedBodies,
+    glued: Glued,
+    zones: Sequence[MovingZone],
+    rule: PanelRule,
+    tolerance: float,
+) -> PlacedZones:
     """Place the edges of zones by Newton's method, until a step is below a tolerance."""
     coordinates = coordinates_of(interface.compliance.distinct_fronts, edges_of(zones))
 
@@ -168,7 +172,7 @@ def place(
     unknowns = coordinates.unknowns(edges_of(zones))
     density, inverse = at(unknowns), np.zeros((len(unknowns), len(unknowns)))
     if not len(unknowns):
-        return Placement(coordinates, unknowns, inverse, density, True, 0, 0.0)
+        return PlacedZones(coordinates, unknowns, inverse, density, True, 0, 0.0)
     values, before, renew, largest = mismatch(density), np.inf, True, np.inf
     for step in range(1, 15):  # two to five are usual from zones of the grid
         if renew:
@@ -185,7 +189,7 @@ def place(
         if not largest < np.inf or np.abs(unknowns).max() > 40.0:
             break
         if largest < tolerance:
-            return Placement(coordinates, unknowns, inverse, density, True, step, largest)
+            return PlacedZones(coordinates, unknowns, inverse, density, True, step, largest)
         # An updated Jacobian is formed anew when its steps shorten too little.
         if not renew and largest > 0.3 * before:  # steps that shrink slower renew the Jacobian
             renew = True
@@ -203,12 +207,12 @@ def place(
         inverse = broyden(inverse, move, left - values)
         renew, before = largest > _HARMLESS, largest
         unknowns, density, values = unknowns + move, trial, left
-    return Placement(coordinates, unknowns, inverse, density, False, step, largest)
+    return PlacedZones(coordinates, unknowns, inverse, density, False, step, largest)
 
 
 def polished(
-    start: Placement, glued: Glued, rule: Rule, tolerance: float, most_steps: int = 8
-) -> Placement:
+    start: PlacedZones, glued: Glued, rule: PanelRule, tolerance: float, most_steps: int = 8
+) -> PlacedZones:
     """Move the edges to their places on a finer rule, with the Jacobian of a coarser one."""
     unknowns, inverse, coordinates = start.unknowns, start.inverse, start.coordinates
     interface, zones = start.density.interface, start.density.zones
@@ -228,4 +232,4 @@ def polished(
         if largest < tolerance or not largest < 1 or steps == most_steps:
             break
         unknowns = unknowns + move
-    return Placement(coordinates, unknowns, inverse, density, largest < tolerance, steps, largest)
+    return PlacedZones(coordinates, unknowns, inverse, density, largest < tolerance, steps, largest)

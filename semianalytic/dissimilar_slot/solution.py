@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.dissimilar.growth import GrowingWave, growing_waves
-from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
     NORMAL,
@@ -18,9 +17,9 @@ from semianalytic.dissimilar_slot.densities.profile import (
     RATE,
     SHEAR,
     SLIP,
-    Profile,
+    PairProfile,
 )
-from semianalytic.dissimilar_slot.densities.zones import Zone
+from semianalytic.dissimilar_slot.densities.zones import MovingZone
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.reading import Reading, self_similar_reading
@@ -55,8 +54,9 @@ class PairStatistics:
     --------
     >>> import semianalytic as sa
     >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
-    >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-    >>> answer = sa.solve(pair, rtol=1e-6)
+    >>> base, load = sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6)
+    >>> scene = sa.Scene(gouge, 0.4, base, load, lower_material=rock)
+    >>> answer = sa.solve(scene, rtol=1e-6)
     >>> answer.statistics.unknowns  # the edge of slip, and that of an opening
     2
     """
@@ -81,7 +81,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
 
     Attributes
     ----------
-    pair : Pair
+    scene : Scene
     zones : tuple of SlipZone
         Closed parts that slip, from the contact edge outward, in velocities [length / time].
     openings : tuple of OpenZone
@@ -95,7 +95,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
           relative to their largest value; slip and gap likewise;
         - shear traction and pressure there, relative to themselves plus base and load.
     statistics : PairStatistics
-    profile : Profile
+    profile : PairProfile
         The fields over slowness, in units of b and mu of the upper body and `stress_unit`.
     stress_unit : float
         Unit of stress of `profile`.
@@ -104,29 +104,25 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     --------
     >>> import semianalytic as sa
     >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
-    >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-    >>> answer = sa.solve(pair, rtol=1e-6)
+    >>> base, load = sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6)
+    >>> scene = sa.Scene(gouge, 0.4, base, load, lower_material=rock)
+    >>> answer = sa.solve(scene, rtol=1e-6)
     >>> answer.slip_rate(1.0, 2e-3).round(3), (answer.pressure(1.0, 2e-3) / 1e6).round(3)
     (np.float64(0.25), np.float64(9.633))
     """
 
-    pair: Pair
+    scene: Scene
     zones: tuple[SlipZone, ...]
     openings: tuple[OpenZone, ...]
     status: str
     error_estimate: float
     statistics: PairStatistics
-    profile: Profile
+    profile: PairProfile
     stress_unit: float
 
     @property
     def _solids(self) -> tuple[Material, ...]:
-        return (self.pair.upper, self.pair.lower)
-
-    @property
-    def scene(self) -> Scene:
-        """The upper body on its own kind, with friction, tractions and units of the pair."""
-        return self.pair.alike
+        return self.scene.bodies
 
     def __repr__(self) -> str:
         moving = slips_said(self.zones, self.openings)
@@ -134,11 +130,11 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the functions of the profile at positions and times, (6, ...); 0 before t = 0."""
-        return over_slowness(self.pair.upper.shear_speed, x, t, self.profile.at)
+        return over_slowness(self.scene.material.shear_speed, x, t, self.profile.at)
 
     @property
     def _rate_unit(self) -> float:
-        return self.stress_unit / self.pair.upper.shear_impedance
+        return self.stress_unit / self.scene.material.shear_impedance
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Relative slip rate [length / time].
@@ -165,24 +161,24 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
 
     def _integrated(self, x: ArrayLike, t: ArrayLike, function: int) -> Array:
         """Return the integral of a rate over time, x times its integral over slowness."""
-        length = self._rate_unit * np.asarray(x, dtype=float) / self.pair.upper.shear_speed
+        length = self._rate_unit * np.asarray(x, dtype=float) / self.scene.material.shear_speed
         return np.asarray(length * self._evaluate(x, t)[function])
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Total shear traction sigma_xy [stress], 0 where open; raises as `slip_rate`."""
         change = self.stress_unit * self._evaluate(x, t)[SHEAR]
-        return np.where(is_open(self.openings, x, t), 0.0, self.pair.base.shear + change)
+        return np.where(is_open(self.openings, x, t), 0.0, self.scene.base.shear + change)
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Contact pressure [stress], 0 where open; raises as `slip_rate`."""
         change = self.stress_unit * self._evaluate(x, t)[NORMAL]
-        return np.where(is_open(self.openings, x, t), 0.0, self.pair.base.pressure - change)
+        return np.where(is_open(self.openings, x, t), 0.0, self.scene.base.pressure - change)
 
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Strength less shear traction, f p + viscosity |V| - |tau| [stress] where it sticks; 0
         where it slips."""
-        law = self.pair.friction_law
-        frictional = self.pair.friction * self.pressure(x, t)
+        law = self.scene.friction_law
+        frictional = self.scene.friction * self.pressure(x, t)
         strength = law.strength(frictional, self.slip_rate(x, t), 0.0)
         margin = strength - np.abs(self.shear_traction(x, t))
         film = isinstance(law, ViscousFriction) and law.viscosity > 0
@@ -206,7 +202,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     def _bodies(self) -> PairBodies:
         from semianalytic.dissimilar_slot.bodies import PairBodies
 
-        return PairBodies(self.pair, self.profile.density, self.stress_unit)
+        return PairBodies(self.scene, self.profile.density, self.stress_unit)
 
     def derivative(self, name: str) -> PairDerivative:
         """Return the derivative of zones and fields with respect to a parameter, all others held.
@@ -233,7 +229,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         from semianalytic.dissimilar_slot.derivative import differentiated
         from semianalytic.dissimilar_slot.neighbours import Member
 
-        own = Member(self.pair, self.profile, self.stress_unit)
+        own = Member(self.scene, self.profile, self.stress_unit)
         return differentiated(own, name, (self.zones, self.openings), self.status)
 
     @cached_property
@@ -246,7 +242,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         """
         compliance = self.profile.density.interface.compliance
         senses = sorted({zone.sense for zone in self.zones})
-        frictions = [sense * self.pair.friction for sense in senses]
+        frictions = [sense * self.scene.friction for sense in senses]
         return tuple(wave for f in frictions for wave in growing_waves(compliance, f))
 
     @cached_property
@@ -262,12 +258,12 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
 
     def accumulated_slip(self, t: ArrayLike) -> Array:
         """Integral over the contact of the |slip| accumulated until t [length^2]; grows as t^2."""
-        area = self._rate_unit * self.pair.upper.shear_speed * self.profile.slipped / 2
+        area = self._rate_unit * self.scene.material.shear_speed * self.profile.slipped / 2
         return np.asarray(area * np.maximum(np.asarray(t, dtype=float), 0.0) ** 2)
 
     def frictional_power(self, t: ArrayLike) -> Array:
         """Power turned to heat on the contact per unit depth [stress length^2 / time]."""
-        unit = self._rate_unit * self.stress_unit * self.pair.upper.shear_speed
+        unit = self._rate_unit * self.stress_unit * self.scene.material.shear_speed
         return np.asarray(unit * self.profile.dissipated * np.maximum(np.asarray(t, float), 0.0))
 
     def frictional_work(self, t: ArrayLike) -> Array:
@@ -277,8 +273,8 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
         """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""
-        pair, profile = self.pair, self.profile
-        load, base, rate = pair.load, pair.base, self._rate_unit
+        scene, profile = self.scene, self.profile
+        load, base, rate = scene.superposition.taken_off, scene.base, self._rate_unit
         largest = max(abs(load.pressure), abs(load.shear))
         time = np.maximum(np.asarray(t, dtype=float), 0.0)
         scales = {
@@ -289,12 +285,12 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
             "gap": rate * profile.largest_gap * time if self.openings else 0.0,
         }
         # The estimate is relative to the lesser of an edge and the slowest wave.
-        slowest = min(pair.upper.shear_speed, pair.lower.shear_speed)
+        slowest = min(body.shear_speed for body in scene.bodies)
         return self_similar_reading(self, x, t, slowest, scales)
 
 
 def in_velocity(
-    zones: tuple[Zone, ...], speed: float
+    zones: tuple[MovingZone, ...], speed: float
 ) -> tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]]:
     """Convert zones in slowness to slip zones and openings, from the contact edge outward."""
     slips, opens = [], []

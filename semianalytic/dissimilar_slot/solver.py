@@ -9,22 +9,24 @@ from time import perf_counter
 import numpy as np
 
 from semianalytic.dissimilar.canonical import glued
+from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.dissimilar.delay import fastest_delayed_growth
 from semianalytic.dissimilar.growth import growing_waves
-from semianalytic.dissimilar.pair import Pair
+from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.dissimilar.thresholds import LEAST_FRICTION, growth_threshold, stoneley_speed
 from semianalytic.dissimilar_slot.admissible import largest_breach, violations
 from semianalytic.dissimilar_slot.corrections import corrected, rearranged
-from semianalytic.dissimilar_slot.densities.interface import Interface, interface_of
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies, interface_of
 from semianalytic.dissimilar_slot.densities.panels import rule_for
-from semianalytic.dissimilar_slot.densities.profile import Profile
-from semianalytic.dissimilar_slot.densities.zones import Zone
+from semianalytic.dissimilar_slot.densities.profile import PairProfile
+from semianalytic.dissimilar_slot.densities.zones import MovingZone
 from semianalytic.dissimilar_slot.estimate import numerical_error
 from semianalytic.dissimilar_slot.grid import seen_on_grid, zones_seen
-from semianalytic.dissimilar_slot.placement import Placement, place, polished
+from semianalytic.dissimilar_slot.placement import PlacedZones, place, polished
 from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics, in_velocity
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve as solve_alike
 
@@ -39,16 +41,25 @@ _CANONICAL = 0.1
 """Tolerance of the canonical matrix over that of the rule."""
 
 
-def refuses(pair: Pair) -> None:
-    """Return None: whether zones have an answer is seen when they are solved."""
+def refuses(scene: Scene) -> str | None:
+    """Return why a scene of two solids is not solved exactly, or None.
+
+    Whether its zones have an answer is known only when they are solved.
+    """
+    try:
+        check_bodies(scene)
+    except SceneError as error:
+        return str(error).removeprefix("scene: ")
+    return None
 
 
-def solve(pair: Pair, *, rtol: float = 1e-8) -> PairSolution | Solution:
-    """Solve a pair for slip, stick and opening on its interface.
+def solve(scene: Scene, *, rtol: float = 1e-8) -> PairSolution | Solution:
+    """Solve a scene of two different bodies for slip, stick and opening on its interface.
 
     Parameters
     ----------
-    pair : Pair
+    scene : Scene
+        A scene with a `lower_material`.
     rtol : float
         Wanted accuracy, between 1e-10 and 1e-2, of all that `PairSolution.error_estimate` is said
         to bound.
@@ -62,16 +73,17 @@ def solve(pair: Pair, *, rtol: float = 1e-8) -> PairSolution | Solution:
     Raises
     ------
     SceneError
-        If rtol is out of range, the interface slips in a sense in which friction between these
-        bodies has no answer (the message says how fast waves grow), a Stoneley wave runs along the
-        interface, or the contact opens under a viscous film.
+        If rtol is out of range, the scene is of another kind, the interface slips in a sense in
+        which friction between these bodies has no answer (the message says how fast waves grow), a
+        Stoneley wave runs along the interface, or the contact opens under a viscous film.
 
     Examples
     --------
     >>> import semianalytic as sa
     >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
-    >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-    >>> answer = sa.solve(pair)
+    >>> base, load = sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6)
+    >>> scene = sa.Scene(gouge, 0.4, base, load, lower_material=rock)
+    >>> answer = sa.solve(scene)
     >>> answer.status
     'converged'
     >>> answer.edge_speeds.round(1)  # of slip, in m/s; nearer to the slot the contact is open
@@ -80,14 +92,16 @@ def solve(pair: Pair, *, rtol: float = 1e-8) -> PairSolution | Solution:
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-10 and 1e-2", lambda given: 1e-10 <= given <= 1e-2
     )
-    return _of_one_solid(pair, rtol) if pair.compliance.is_alike else coupled(pair, rtol)
+    check_bodies(scene)
+    compliance = compliance_of(*scene.bodies)
+    return _of_one_solid(scene, compliance, rtol) if compliance.is_alike else coupled(scene, rtol)
 
 
-def _of_one_solid(pair: Pair, rtol: float) -> Solution:
+def _of_one_solid(scene: Scene, compliance: Compliance, rtol: float) -> Solution:
     """Solve bodies that are alike as one, whose difference counts as an error."""
-    found = solve_alike(pair.alike, rtol=rtol)
+    found = solve_alike(replace(scene, lower_material=None), rtol=rtol)
     # At a contrast of 1e-5 slip rates at 40 points differ by 2 to 4 times as much.
-    error = 4 * pair.compliance.contrast
+    error = 4 * compliance.contrast
     if not error:
         return found
     estimate, status = found.error_estimate + error, found.status
@@ -96,14 +110,14 @@ def _of_one_solid(pair: Pair, rtol: float) -> Solution:
     return replace(found, error_estimate=estimate, status=status)
 
 
-def coupled(pair: Pair, rtol: float) -> PairSolution:
+def coupled(scene: Scene, rtol: float) -> PairSolution:
     """Solve a pair whose slip changes the pressure; parameters and errors are those of `solve`."""
-    interface, unit = interface_of(pair)
+    interface, unit = interface_of(scene)
     bonded = stoneley_speed(interface.compliance)
     if bonded is not None:
         raise SceneError(
-            "pair: where these bodies stick, a wave runs along their interface at "
-            f"{bonded * pair.upper.shear_speed:.6g} (a Stoneley wave), at which tractions are "
+            "scene: where these bodies stick, a wave runs along their interface at "
+            f"{bonded * scene.material.shear_speed:.6g} (a Stoneley wave), at which tractions are "
             "infinite; this solver does not know it: change a modulus or density "
             "(docs/dissimilar.md)."
         )
@@ -112,7 +126,7 @@ def coupled(pair: Pair, rtol: float) -> PairSolution:
     clock.append(perf_counter())
     trial, estimate = _refined(trial, rtol)
     clock.append(perf_counter())
-    profile = Profile(trial.placement.density)
+    profile = PairProfile(trial.placement.density)
     # Fields are known to rtol, and at zone edges the law compares them with the root of a distance.
     lawful = trial.lawful and largest_breach(profile, _slowest(rtol)) <= 30.0 * rtol
     clock.append(perf_counter())
@@ -126,9 +140,9 @@ def coupled(pair: Pair, rtol: float) -> PairSolution:
         smallest_singular_value=density.smallest_singular_value,
         seconds=dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True)),
     )
-    slips, opens = in_velocity(trial.placement.zones, pair.upper.shear_speed)
+    slips, opens = in_velocity(trial.placement.zones, scene.material.shear_speed)
     return PairSolution(
-        pair,
+        scene,
         slips,
         opens,
         _status(lawful, estimate, statistics, rtol),
@@ -144,7 +158,7 @@ def coupled(pair: Pair, rtol: float) -> PairSolution:
 class _Trial:
     """Zones that were tried, with the numbers of Newton steps and of zone sets."""
 
-    placement: Placement
+    placement: PlacedZones
     lawful: bool
     steps: int
     sets: int
@@ -156,7 +170,7 @@ def _slowest(rtol: float) -> float:
     return 1 / (1e-2 * rtol)
 
 
-def _search(interface: Interface, rtol: float) -> _Trial:
+def _search(interface: LoadedBodies, rtol: float) -> _Trial:
     """Find zones that obey the law of contact on a loose rule, from one grid after the other."""
     # The canonical matrix is made once for a rule; zones come and go on it.
     canonical = glued(interface.compliance, _CANONICAL * _LOCATING)
@@ -179,12 +193,12 @@ def _search(interface: Interface, rtol: float) -> _Trial:
                 zones = other
                 continue
             # A hundred times the rule's tolerance.
-            broken = violations(Profile(placement.density), 1e-3, _slowest(rtol))
+            broken = violations(PairProfile(placement.density), 1e-3, _slowest(rtol))
             if not broken:
                 return _Trial(placement, True, steps, sets)
             zones = corrected(placement.zones, broken)
     for sense in (1, -1):  # where slip of either sense has no answer, pivoting may find none
-        check_well_posed(interface, (Zone(0.0, None, sense),))
+        check_well_posed(interface, (MovingZone(0.0, None, sense),))
     placement = place(interface, canonical, (), rule, _LOCATED)
     return _Trial(placement, False, steps, sets)
 
@@ -207,20 +221,20 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     return replace(trial, placement=placement, steps=steps), estimate
 
 
-def _check_zones(interface: Interface, zones: Sequence[Zone]) -> None:
+def _check_zones(interface: LoadedBodies, zones: Sequence[MovingZone]) -> None:
     """Raise SceneError for zones that cannot be solved."""
     check_well_posed(interface, zones)
     if interface.resistance and any(zone.open for zone in zones):
         raise SceneError(
-            "pair: the contact opens under a viscous film, which this solver does not know between "
-            "different bodies; leave the viscosity out, or make the base pressure larger "
+            "scene: the contact opens under a viscous film, which this solver does not know "
+            "between different bodies; leave the viscosity out, or make the base pressure larger "
             "(docs/dissimilar.md)."
         )
 
 
-def _guesses(interface: Interface) -> Iterator[Sequence[Zone]]:
+def _guesses(interface: LoadedBodies) -> Iterator[Sequence[MovingZone]]:
     """Yield zones seen on one grid after the other (`GRIDS`)."""
-    tried: list[Sequence[Zone]] = []
+    tried: list[Sequence[MovingZone]] = []
     for size, share in GRIDS:
         weaker = replace(interface, friction=share * interface.friction)
         try:
@@ -232,7 +246,7 @@ def _guesses(interface: Interface) -> Iterator[Sequence[Zone]]:
             yield zones
 
 
-def check_well_posed(interface: Interface, zones: Sequence[Zone]) -> None:
+def check_well_posed(interface: LoadedBodies, zones: Sequence[MovingZone]) -> None:
     """Raise SceneError if the interface slips in a sense in which waves that run ahead grow."""
     for sense in {zone.sense for zone in zones}:
         friction = sense * interface.friction
@@ -241,7 +255,7 @@ def check_well_posed(interface: Interface, zones: Sequence[Zone]) -> None:
         ahead = [w for w in growing_waves(interface.compliance, friction) if w.velocity > 0]
         if not ahead:
             raise SceneError(
-                f"pair: friction {interface.friction:.4g} makes the number of answers of this "
+                f"scene: friction {interface.friction:.4g} makes the number of answers of this "
                 "interface other than one; lower it (docs/dissimilar.md)."
             )
         wave, limit = ahead[0], growth_threshold(interface.compliance, sense)
@@ -251,8 +265,8 @@ def check_well_posed(interface: Interface, zones: Sequence[Zone]) -> None:
         delayed = fastest_delayed_growth(interface.compliance, friction)
         share = delayed.rate if delayed else 0.0
         raise SceneError(
-            f"pair: where the upper body slips towards {'+' if sense > 0 else '-'}x under friction "
-            f"{interface.friction:.4g}, waves that run ahead grow by "
+            f"scene: where the upper body slips towards {'+' if sense > 0 else '-'}x under "
+            f"friction {interface.friction:.4g}, waves that run ahead grow by "
             f"{100 * np.expm1(wave.per_wavelength):.3g} % over every wavelength, however short, "
             f"and nothing has an answer: {lower}, or let friction follow pressure with a delay of "
             f"some {share:.2g} of the time of interest (docs/dissimilar.md)."

@@ -21,7 +21,7 @@ from semianalytic.field.body import (
     reflected_fields,
 )
 from semianalytic.field.cells import Primitives
-from semianalytic.field.sources import Step
+from semianalytic.field.sources import LikeBody
 from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
@@ -164,7 +164,7 @@ class Bodies:
         # Transforms grow as k^1/2 at a stuck edge, where the rule of the zones may end earlier: of
         # what is left out at v they miss the share (k / v)^1/2.
         longer = replace(rule, reach=rule.reach + 28.0)
-        return Primitives(Step(Transform(replace(fields, rule=longer, tail=True))))
+        return Primitives(LikeBody(Transform(replace(fields, rule=longer, tail=True))))
 
 
 def _along(load: IncidentWave, amount: ArrayLike, count: int) -> Array:

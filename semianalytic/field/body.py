@@ -184,7 +184,7 @@ def points_around(reach: float) -> tuple[Array, Array]:
     return radius * np.cos(angle), radius * np.sin(angle)
 
 
-class Wave(NamedTuple):
+class WaveSource(NamedTuple):
     """A wave, and how its fields follow from the integrals of its densities.
 
     Attributes
@@ -208,7 +208,7 @@ class Wave(NamedTuple):
         return np.concatenate([self.fields @ parts, self.moved(parts, x, y, t)])
 
 
-def waves(source: Source) -> tuple[Wave, ...]:
+def waves(source: Source) -> tuple[WaveSource, ...]:
     """Return the waves: P and S, or that of antiplane shear."""
     if source.antiplane:
 
@@ -217,7 +217,7 @@ def waves(source: Source) -> tuple[Wave, ...]:
             return (t * one + x * k + y * beta)[None]
 
         # The densities are those of v_z, sigma_xz and sigma_yz themselves.
-        return (Wave(1.0, np.eye(3), np.eye(3), by_s_along),)
+        return (WaveSource(1.0, np.eye(3), np.eye(3), by_s_along),)
     a = source.slownesses[0]
     # Columns: P_v times 1, k, 1 / k, alpha, alpha / k.
     of_p = np.zeros((5, 5))
@@ -238,7 +238,7 @@ def waves(source: Source) -> tuple[Wave, ...]:
         return np.stack([along, t * k_over + x * square_over - y * k])
 
     every = np.eye(len(source.behind))
-    return Wave(a, every[P_WAVE], of_p, by_p), Wave(1.0, every[S_WAVE], of_s, by_s)
+    return WaveSource(a, every[P_WAVE], of_p, by_p), WaveSource(1.0, every[S_WAVE], of_s, by_s)
 
 
 def arrives(x: Array, y: Array, t: Array, s: float, front: float) -> np.ndarray:

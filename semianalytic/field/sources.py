@@ -89,7 +89,7 @@ def _order(one: Centre, other: Centre) -> int:
 
 
 @dataclass(frozen=True)
-class Step:
+class LikeBody:
     """The surface of a body that touches one of its own kind, under tractions of one mode.
 
     Attributes

@@ -23,9 +23,8 @@ from semianalytic.scene.checks import check_keys, checked_kind, checked_table, f
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import INTERFACE_KEY
 from semianalytic.scene.given.text_files import text_of
-from semianalytic.scene.incident import load_from_document
+from semianalytic.scene.incident import IncidentWave, MovingLoad, load_from_document
 from semianalytic.scene.kinds import HISTORY_KINDS
-from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
 
 LAWS: Mapping[str, type[InterfaceLaw]] = {
@@ -220,7 +219,11 @@ def _front_load(table: dict[str, Any]) -> FrontLoad:
     front = load_from_document(
         {key: value for key, value in table.items() if key not in ("at", "history")}
     )
-    assert not isinstance(front, Tractions)
+    if not isinstance(front, IncidentWave | MovingLoad):
+        raise SceneError(
+            f"load: kind must be incident-wave or moving in the file of an interface, got "
+            f"{shown(table['kind'])}; give a patch as a function of x and t."
+        )
     return FrontLoad(front, **given)
 
 

@@ -20,7 +20,7 @@ from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
 from semianalytic.inversion.verdict import covariance_of, verdict
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.given.finding import checked_scene
+from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.scene import Scene
 
@@ -178,7 +178,7 @@ def _trials(
             return interface_trials(gauges, described, names, priors, setup, nodes)
     if nodes is not None:
         raise SceneError("fit: nodes have no effect on a scene, which has rtol; leave them out.")
-    scene = checked_scene("fit", given)
+    scene = scene_of_one_solid("fit", given)
     # All that can be refused is refused before the first solution is computed.
     _check(gauges, scene, names, priors)
     samples = Samples(gauges)

@@ -35,11 +35,11 @@ _LAW: Mapping[str, str] = {
 _ADHESION: Mapping[str, str] = {"strength": "stress", "length": "length"}
 """Dimensions of the numbers of adhesion."""
 _PARTS: Mapping[str, str] = {
-    **{"material": "", "upper": "", "lower": "lower_", "base": "base_", "load": "load_"},
+    **{"material": "", "lower_material": "lower_", "base": "base_", "load": "load_"},
     **{f"{name}_history": f"{name}_history_" for name in ("pressure", "shear")},
     "friction_law": "friction_law_",
 }
-"""Prefixes of the numbers of the parts of a scene or pair."""
+"""Prefixes of the numbers of the parts of a scene."""
 
 Problem = TypeVar("Problem")
 Path = tuple[Any, ...]
@@ -72,7 +72,7 @@ def spelled(given: str) -> str:
 
 
 def numbers_of(problem: Any) -> dict[str, Number]:
-    """Return all numbers of a scene, a pair or an interface by name.
+    """Return all numbers of a scene or an interface by name.
 
     A field that is a function, an expression or a table has the number NAME_factor, by which it is
     multiplied; numbers that an expression names are numbers of their own.  Constant friction has a
@@ -107,10 +107,12 @@ def numbers_of(problem: Any) -> dict[str, Number]:
 
 
 def _add_scene(found: dict[str, Number], scene: Any) -> None:
-    """Add the numbers of a scene, a pair, or a whole line."""
+    """Add the numbers of a scene or a whole line; those of a lower body are known of any scene."""
     _add_field(found, "friction", "1", scene.friction, ("friction",))
     for part, prefix in _PARTS.items():
-        held = getattr(scene, part, None)  # pairs have no histories, and scenes no second body
+        held = getattr(scene, part, None)  # whole lines have no histories
+        if part == "lower_material" and hasattr(scene, part):
+            held = scene.bodies[1]
         prefix = "wave_" if isinstance(held, IncidentWave) else prefix
         _add_numbers(found, prefix, held, (part,), PARAMETERS)
     if "wave_angle" in found:
@@ -193,7 +195,7 @@ def _ends(contact: Any, even: bool) -> Iterator[tuple[str, Number]]:
 
 
 def with_numbers(problem: Problem, values: Mapping[str, float], **parts: Any) -> Problem:
-    """Return a scene, a pair or an interface with other values of some of `numbers_of`.
+    """Return a scene or an interface with other values of some of `numbers_of`.
 
     All are replaced at once, and with them whole `parts` by name, for one change after the other
     might pass through a scene that does not exist.  A viscosity turns constant friction into
@@ -248,4 +250,7 @@ def _changed(part: Any, changes: Mapping[Path, float]) -> Any:
             _changed(one, below[number]) if number in below else one
             for number, one in enumerate(part)
         )
-    return replace(part, **{head: _changed(getattr(part, head), below[head]) for head in heads})
+    held = {head: getattr(part, head) for head in heads}
+    if held.get("lower_material", part) is None:  # a lower body of its own begins as the upper one
+        held["lower_material"] = part.material
+    return replace(part, **{head: _changed(one, below[head]) for head, one in held.items()})

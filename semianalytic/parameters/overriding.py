@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
-from typing import Any
 
-from semianalytic.parameters.numbers import Problem, numbers_of, with_numbers
+from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import overridden_load
 from semianalytic.scene.quantities import in_units_of
@@ -29,10 +29,12 @@ def override_scene(
     """Return a scene with every parameter replaced that is not None.
 
     Numbers go by their names in `parameters.numbers`, and dimensions are those of `Scene`,
-    `Material` and `Tractions`.  A viscosity turns constant friction into viscous friction, and 0
-    turns it back.  `wave`, `angle`, `wave_velocity` or `wave_stress` and `wave_from` are those of
-    an `IncidentWave`, in place of whatever the scene's load is; `load_speed` is that of a
-    `MovingLoad`, which takes the scene's tractions.  Numbers with units, as quantities of pint,
+    `Material` and `Tractions`; those of the lower body begin with "lower_", and what is not given
+    of it stays, or is like the upper body where both were equal.  A viscosity turns constant
+    friction into viscous friction, and 0 turns it back.  `wave`, `angle`, `wave_velocity` or
+    `wave_stress` and `wave_from` are those of an `IncidentWave`, in place of whatever the scene's
+    load is; `load_speed` is that of a `MovingLoad`, which takes the scene's tractions.  Numbers
+    with units, as quantities of pint,
     need a scene in SI units.
 
     Raises
@@ -44,7 +46,7 @@ def override_scene(
     scene = scene if units is None else replace(scene, units=units)
     given = {name: value for name, value in numbers.items() if value is not None}
     for name, value in given.items():
-        parameter = name.removeprefix("base_").removeprefix("load_")
+        parameter = re.sub("^(base|load|lower)_", "", name)
         in_units_of(scene.units, name.replace("_", " "), value, PARAMETERS[parameter])
     loads = {name.removeprefix("load_"): given.pop(name, None) for name in _LOADS}
     waves = {field: given.pop(name, None) for name, field in _WAVES.items()}
@@ -55,19 +57,12 @@ def override_scene(
         )
     words = {name: one for name, one in (("mode", mode), ("load_on", load_on)) if one is not None}
     load = overridden_load(scene.load, loads, {**waves, "kind": wave, "from_": wave_from})
-    return with_numbers(scene, given, load=load, **words)
-
-
-def override_line(problem: Problem, mode: str | None = None, **values: Any) -> Problem:
-    """Return a whole line or growing load with every parameter replaced that is not None.
-
-    Raises
-    ------
-    SceneError
-        If the problem has no such parameter, or is not admissible with it.
-    """
-    given = {name: value for name, value in values.items() if value is not None}
-    for name in given:
-        if name not in numbers_of(problem):
-            raise SceneError(f"{name} is a parameter of scenes with a slot alone; leave it out.")
-    return with_numbers(problem, given, **({} if mode is None else {"mode": mode}))
+    lower = {name: given.pop(name) for name in list(given) if name.startswith("lower_")}
+    scene = with_numbers(scene, given, load=load, **words)
+    if not lower:
+        return scene
+    try:
+        body = replace(scene.bodies[1], **{name[len("lower_") :]: lower[name] for name in lower})
+    except SceneError as error:  # it does not know which of the two bodies it is
+        raise SceneError(str(error).replace("material: ", "lower_", 1)) from error
+    return replace(scene, lower_material=body)

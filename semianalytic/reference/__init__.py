@@ -26,7 +26,7 @@ Closed forms, at velocities x/t (chi = f P / Q_0):
 
 The algorithm of section 5 and Appendix B, in every reading its text allows:
 
-- `Reading`, `readings`, `DEFAULT_READING`: ways to read it;
+- `AlgorithmReading`, `readings`, `DEFAULT_READING`: ways to read it;
 - `published_grid`, `kernel_primitives`: its matrix (5.2)-(5.4), (7.5)-(7.10);
 - `published_slip`: its slip rate (5.1), (7.11);
 - `examine_reading`, `examine_all`, `reverse_slip_limit`: how readings fare against what the article
@@ -60,9 +60,9 @@ from semianalytic.reference.published import (
     ARTICLE_SHEAR_SLOWNESS,
     DEFAULT_READING,
     REVERSE_LIMIT,
+    AlgorithmReading,
     PublishedGrid,
     PublishedSlip,
-    Reading,
     ReadingResult,
     examine_all,
     examine_reading,
@@ -81,11 +81,11 @@ __all__ = [
     "ARTICLE_SHEAR_SLOWNESS",
     "DEFAULT_READING",
     "REVERSE_LIMIT",
+    "AlgorithmReading",
     "DetachedOpening",
     "PrescribedCrack",
     "PublishedGrid",
     "PublishedSlip",
-    "Reading",
     "ReadingResult",
     "StaticZone",
     "WeertmanPulse",

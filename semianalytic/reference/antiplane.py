@@ -151,7 +151,7 @@ def viscous_antiplane_slip_rate(
 
 
 @dataclass(frozen=True)
-class _ViscousZone:
+class _AntiplaneFilm:
     """The fields of a viscous zone [0, edge], b = mu = Q_0 = 1, one-sided.
 
     T(k) = A sqrt((b + k) / (u_s + k)) exp(-(1/pi) int theta dv / (v + k)), theta = arctan(eta/m),
@@ -205,7 +205,7 @@ class _ViscousZone:
         return float(density @ weight / np.pi)
 
 
-def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -> _ViscousZone:
+def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -> _AntiplaneFilm:
     if not (strength_ratio > 0 and viscosity >= 0):
         raise SceneError("strength_ratio must be positive, and viscosity not negative.")
     # The viscosity refers to relative slip rate, the impedance mu b to that of one side.
@@ -213,11 +213,11 @@ def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -
     last = _edge(material, strength_ratio)
 
     def excess(edge: float) -> float:
-        return _ViscousZone(edge, eta).traction_at_edge() - strength_ratio
+        return _AntiplaneFilm(edge, eta).traction_at_edge() - strength_ratio
 
     # Viscosity slows the edge; without any the root lies on the end of the bracket.
     above = last + 1e-9 * (1 - last)
-    return _ViscousZone(float(brentq(excess, 1e-6 * last, above, xtol=1e-15, rtol=1e-14)), eta)
+    return _AntiplaneFilm(float(brentq(excess, 1e-6 * last, above, xtol=1e-15, rtol=1e-14)), eta)
 
 
 def _stretch(width: float) -> tuple[Array, Array, Array]:

@@ -50,7 +50,7 @@ _SIGNS = {"equal": (1, 1), "four minus square": (1, -1), "square minus four": (-
 
 
 @dataclass(frozen=True)
-class Reading:
+class AlgorithmReading:
     """One way to read the algorithm; the module's docstring lists what the text leaves open."""
 
     start: Start = "b"
@@ -70,17 +70,17 @@ class Reading:
         return ", ".join(parts)
 
 
-DEFAULT_READING = Reading()
+DEFAULT_READING = AlgorithmReading()
 """The reading that comes closest: its signs settle, it settles as n_u grows, and slip is reversed
 ahead and forward behind.  It does so at every chi: it does not reproduce 0.0575.  None does."""
 
 
-def readings() -> Iterator[Reading]:
+def readings() -> Iterator[AlgorithmReading]:
     """Return all readings."""
     for start, delay, signs, load, basis, arctan in product(
         ("0", "a", "b"), ("printed", "front"), _SIGNS, (False, True), ("box", "hat"), (False, True)
     ):
-        yield Reading(start, delay, signs, load, basis, arctan)  # type: ignore[arg-type]
+        yield AlgorithmReading(start, delay, signs, load, basis, arctan)  # type: ignore[arg-type]
 
 
 def kernel_primitives(
@@ -122,13 +122,16 @@ class PublishedGrid:
 
 @lru_cache(maxsize=64)
 def published_grid(
-    reading: Reading, size: int, poisson_ratio: float = ARTICLE_POISSON_RATIO, place: float = 0.5
+    reading: AlgorithmReading,
+    size: int,
+    poisson_ratio: float = ARTICLE_POISSON_RATIO,
+    place: float = 0.5,
 ) -> PublishedGrid:
     """Matrix of a reading on `size` equal intervals up to u = 5 b, x = c_t t / 5 (5.2)-(5.4).
 
     Parameters
     ----------
-    reading : Reading
+    reading : AlgorithmReading
     size : int, n_u
     poisson_ratio : float
     place : where in each interval it collocates, 0.5 for the middle.
@@ -205,7 +208,7 @@ class PublishedSlip:
 
 def published_slip(
     chi: float,
-    reading: Reading = DEFAULT_READING,
+    reading: AlgorithmReading = DEFAULT_READING,
     size: int = 200,
     *,
     poisson_ratio: float = ARTICLE_POISSON_RATIO,
@@ -216,7 +219,7 @@ def published_slip(
     Parameters
     ----------
     chi : f P_0 / Q_0, positive.
-    reading : Reading
+    reading : AlgorithmReading
     size : n_u
     poisson_ratio, place : as `published_grid`.
 
@@ -260,7 +263,7 @@ def _end_of_first_slip(slip: PublishedSlip) -> float:
     return float(1 / slip.u[behind][changes[0]]) if len(changes) else 0.0
 
 
-def reverse_slip_limit(reading: Reading, size: int = 200) -> float:
+def reverse_slip_limit(reading: AlgorithmReading, size: int = 200) -> float:
     """Return chi below which slip between c_R t and c_t t is reversed, with forward slip behind.
 
     The mean over b < u < c decides.  It is 0 if slip is not reversed at chi = 0.005, and inf if it
@@ -286,7 +289,7 @@ class ReadingResult:
 
     Attributes
     ----------
-    reading : Reading
+    reading : AlgorithmReading
     condition : float, at the finer grid; inf if singular, and then all that follows is nan
     change : float, change of the slip rate from n_u to 2 n_u in the mean over 1.1 < u < 4,
         relative to its mean size there (chi = 0.5)
@@ -298,7 +301,7 @@ class ReadingResult:
     off_middle : float, as `change`, between collocating at 0.5 and at 0.25 of each interval
     """
 
-    reading: Reading
+    reading: AlgorithmReading
     condition: float
     change: float
     settled: bool
@@ -309,7 +312,7 @@ class ReadingResult:
 
 
 @lru_cache(maxsize=256)
-def examine_reading(reading: Reading, size: int = 100) -> ReadingResult:
+def examine_reading(reading: AlgorithmReading, size: int = 100) -> ReadingResult:
     """Run a reading at the article's parameters on `size` and twice as many intervals."""
     fine_grid = published_grid(reading, 2 * size)
     if not np.isfinite(fine_grid.condition):

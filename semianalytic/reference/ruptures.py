@@ -122,7 +122,8 @@ def critical_wavelength(
 
     Examples
     --------
-    >>> from semianalytic import Material, critical_wavelength
+    >>> from semianalytic import Material
+    >>> from semianalytic.reference.ruptures import critical_wavelength
     >>> rock = Material(30e9, 2700.0, 0.25)
     >>> round(critical_wavelength(rock, 0.010, 0.014, 50e6, 1e-5), 4)
     6.2832
@@ -159,7 +160,7 @@ def supershear_strength(poisson_ratio: float, speed: float = 1.0) -> float:
 
     Examples
     --------
-    >>> from semianalytic import supershear_strength
+    >>> from semianalytic.reference.ruptures import supershear_strength
     >>> round(supershear_strength(0.25), 6)
     1.774648
     """

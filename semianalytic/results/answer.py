@@ -139,7 +139,8 @@ class Answer(ContactFields, Protocol):
 
     Examples
     --------
-    >>> from semianalytic import Answer, solve
+    >>> from semianalytic import solve
+    >>> from semianalytic.results.answer import Answer
     >>> answer: Answer = solve("preloaded")
     >>> round(float(answer.slip_rate(0.1, 1.0)), 3)
     0.771

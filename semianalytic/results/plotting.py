@@ -67,9 +67,8 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
 
 def _waves(answer: Any) -> dict[str, float]:
     """Return the speeds of waves by symbol, with a prime those of a lower body of another kind."""
-    bodies = {"": answer.scene.material}
-    if hasattr(answer, "pair"):
-        bodies |= {"'": answer.pair.lower}
+    lower = getattr(answer.scene, "lower_material", None)  # whole lines have equal bodies
+    bodies = {"": answer.scene.material} | ({"'": lower} if lower else {})
     return {
         f"$c_{name}{of}$": getattr(body, f"{wave}_speed")
         for of, body in bodies.items()

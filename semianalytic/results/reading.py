@@ -36,7 +36,7 @@ class Measured(NamedTuple):
 
     Examples
     --------
-    >>> from semianalytic import Measured
+    >>> from semianalytic.results.reading import Measured
     >>> Measured(value=2.0, error=0.1)
     Measured(value=2.0, error=0.1)
     """

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from semianalytic.scene.checks import (
@@ -22,7 +22,7 @@ from semianalytic.scene.checks import (
     shown,
 )
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loading import Tractions
+from semianalytic.scene.loading import GrowingLoad, HalfLine, LineLoad, Patch, PointForce, Tractions
 from semianalytic.scene.material import Material
 from semianalytic.scene.quantities import with_quantities
 
@@ -261,12 +261,16 @@ class MovingLoad:
         return Tractions(self.pressure, self.shear)
 
 
-Load = Tractions | IncidentWave | MovingLoad
+Load = Tractions | IncidentWave | MovingLoad | LineLoad
 OF_FRONT = ("angle", "wave_velocity", "wave_stress", "load_speed")
 """Numbers of incident waves and moving loads, as `override_scene` and derivatives name them."""
-LOAD_KINDS: dict[str, type[IncidentWave] | type[MovingLoad]] = {
+LOAD_KINDS: dict[str, type[IncidentWave | MovingLoad | LineLoad]] = {
     "incident-wave": IncidentWave,
     "moving": MovingLoad,
+    "patch": Patch,
+    "point-force": PointForce,
+    "half-line": HalfLine,
+    "growing": GrowingLoad,
 }
 """Kinds of loads in files, besides tractions, which need no kind."""
 _IN_FILES = {"kind": "wave", "from_": "from"}
@@ -275,7 +279,7 @@ _IN_FILES = {"kind": "wave", "from_": "from"}
 
 def load_document(load: Load) -> dict[str, Any]:
     """Return a load as a dictionary for TOML or JSON, without fields that were left out."""
-    values = {name: getattr(load, name) for name in load.__dataclass_fields__}
+    values = {one.name: getattr(load, one.name) for one in fields(load)}  # type: ignore[arg-type]
     if isinstance(load, Tractions):
         return values
     # Tractions need no kind: files without one were written before there were others.
@@ -307,7 +311,7 @@ def overridden_load(
 
     Parameters
     ----------
-    load : Tractions, IncidentWave or MovingLoad
+    load : Load
     of_tractions : mapping
         pressure, shear and speed; a speed makes tractions move.
     of_wave : mapping
@@ -347,4 +351,7 @@ def overridden_load(
     if "speed" in given and isinstance(load, Tractions):
         # A speed makes the tractions of the scene move, and those given besides replace them.
         return MovingLoad(**{"pressure": load.pressure, "shear": load.shear} | given)
-    return replace(load, **given) if given else load
+    for name in given:
+        if name not in {one.name for one in fields(load)}:  # type: ignore[arg-type]
+            raise SceneError(f"load: this load has no {name}; leave it out.")
+    return replace(load, **given) if given else load  # type: ignore[type-var]

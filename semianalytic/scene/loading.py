@@ -14,7 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from semianalytic.scene.checks import check_fields
+from semianalytic.scene.checks import check_fields, checked_number, checked_size
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
 from semianalytic.scene.quantities import with_quantities
 
@@ -64,6 +65,169 @@ class Tractions:
     def slowness(self, material: Material) -> float:
         """Return the slowness of its front along x, 0: it comes everywhere at once."""
         return 0.0
+
+
+class LineLoad:
+    """A load of its own kind, which says itself where it acts; the base of those below."""
+
+    pressure: float
+    shear: float
+
+    def tractions(self, material: Material) -> Tractions:
+        """Return its pressure and shear, in any solid."""
+        return Tractions(self.pressure, self.shear)
+
+    def slowness(self, material: Material) -> float:
+        """Return the slowness of its front along x, 0: it has none that runs over the slot."""
+        return 0.0
+
+
+@with_quantities
+@dataclass(frozen=True)
+class Patch(LineLoad):
+    """Tractions that act at once on a stretch |x| < speed * t, which grows from a point.
+
+    Parameters
+    ----------
+    speed : float
+        Speed w > 0 of either end of the patch [length / time].
+    pressure, shear : float
+        Change of pressure and of shear traction sigma_xy that the interface would carry on the
+        patch if it stuck [stress].
+
+    Raises
+    ------
+    SceneError
+        If the speed is not positive, or a number is not finite.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> sa.Patch(speed=0.3, shear=1.0)
+    Patch(speed=0.3, pressure=0.0, shear=1.0)
+    """
+
+    speed: float
+    pressure: float = 0.0
+    shear: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "speed", checked_size("patch: speed", self.speed))
+        check_fields(self, "patch", ("pressure", "shear"))
+
+
+@dataclass(frozen=True)
+class PointForce(LineLoad):
+    """A line force on the interface at x = 0 that grows evenly in time, F = rate * t.
+
+    It is the limit of a `Patch` whose speed tends to 0 at constant rate = 2 * speed * stress.
+
+    Parameters
+    ----------
+    pressure, shear : float
+        Rates of the force per unit depth across and along the interface [stress length / time];
+        a negative pressure pulls the sides apart.
+
+    Raises
+    ------
+    SceneError
+        If a number is not finite.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> sa.PointForce(shear=1.0)
+    PointForce(pressure=0.0, shear=1.0)
+    """
+
+    pressure: float = 0.0
+    shear: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "point force", ("pressure", "shear"))
+
+
+@with_quantities
+@dataclass(frozen=True)
+class HalfLine(LineLoad):
+    """Tractions that act at once on all of x < 0.
+
+    Parameters
+    ----------
+    pressure, shear : float
+        Change of pressure and of shear traction sigma_xy that the interface would carry on x < 0
+        if it stuck [stress].
+
+    Raises
+    ------
+    SceneError
+        If a number is not finite.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> sa.HalfLine(shear=1.0)
+    HalfLine(pressure=0.0, shear=1.0)
+    """
+
+    pressure: float = 0.0
+    shear: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, "half-line", ("pressure", "shear"))
+
+
+@dataclass(frozen=True)
+class GrowingLoad(LineLoad):
+    """Tractions that grow as a power of time: pressure P_0 t^n everywhere, shear Q_0 t^n.
+
+    The pressure acts evenly on contact and slot faces, so that the slot does not disturb it; the
+    slot faces x < 0 receive the change of shear traction -Q_0 t^n.  Strength and load keep their
+    ratio, and edges their speeds.
+
+    Parameters
+    ----------
+    pressure, shear : float
+        P_0 > 0 and Q_0 [stress / time^n].
+    power : 1 or 2
+        n; a step, n = 0, is `Tractions`.
+
+    Raises
+    ------
+    SceneError
+        If a number is out of range.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> sa.GrowingLoad(2e6, 1e6)
+    GrowingLoad(pressure=2000000.0, shear=1000000.0, power=1)
+    """
+
+    pressure: float
+    shear: float
+    power: int = 1
+
+    def __post_init__(self) -> None:
+        check_fields(self, "growing load", ("pressure", "shear"))
+        power = checked_number(
+            "growing load: power",
+            self.power,
+            "be 1 or 2 (a step is Tractions, other histories are marched)",
+            lambda given: given in (1, 2),
+        )
+        object.__setattr__(self, "power", int(power))
+        if not self.pressure > 0:
+            raise SceneError(
+                "growing load: pressure must be positive, because strength is proportional to it, "
+                f"got {self.pressure:.6g}."
+            )
+        if not self.shear:
+            raise SceneError("growing load: without shear nothing slips; give load a shear.")
+
+
+WITHOUT_SLOT = Patch | PointForce | HalfLine
+"""Loads of two bodies in contact along the whole line."""
 
 
 class Superposition(NamedTuple):

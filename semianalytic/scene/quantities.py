@@ -20,7 +20,6 @@ _USUAL = {
     **dict.fromkeys(("E", "youngs_modulus", "young"), "Material.from_young(E, nu, rho)"),
     **dict.fromkeys(("mu", "G"), "shear_modulus"),
     **dict.fromkeys(("c_l", "c_t", "vp", "vs"), "Material.from_speeds(c_l, c_t, rho)"),
-    "lower_material": "Pair(upper, lower, ...), or simulate(scene, lower_material=...)",
     **{"nu": "poisson_ratio", "rho": "density", "f": "friction", "law": "friction_law"},
 }
 """Usual symbols of parameters, and what they are called here."""
@@ -144,6 +143,6 @@ def asked_in_units(answer: Class) -> Class:
 
 
 def _units_of(first: Any) -> str:
-    """Return the units of a scene, or of the scene or pair of an answer."""
-    described = getattr(first, "scene", getattr(first, "pair", first))
+    """Return the units of a scene, or of the scene of an answer."""
+    described = getattr(first, "scene", first)
     return SI if made_in_si(described) else getattr(described, "units", "")

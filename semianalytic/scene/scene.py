@@ -12,6 +12,7 @@ import math
 import sys
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cached_property
+from types import NoneType
 from typing import Literal
 
 import numpy as np
@@ -30,7 +31,16 @@ from semianalytic.scene.incident import (
     MovingLoad,
 )
 from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS, PARTS
-from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions
+from semianalytic.scene.loading import (
+    LOADED,
+    REMOTE,
+    SLOT,
+    WITHOUT_SLOT,
+    GrowingLoad,
+    LineLoad,
+    Superposition,
+    Tractions,
+)
 from semianalytic.scene.loads import LoadHistory, Step, check_pieces
 from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import kind_of
@@ -47,19 +57,20 @@ MODES = (IN_PLANE, ANTIPLANE)
 @with_quantities
 @dataclass(frozen=True)
 class Scene:
-    """Two identical half-planes in frictional contact, with base tractions and a load.
+    """Two half-planes in frictional contact, with base tractions and a load.
 
     Parameters
     ----------
     material : Material
-        Solid on both sides of the interface.
+        Solid on both sides of the interface, or that of the upper body, y > 0.
     friction : float
         Coulomb friction coefficient f >= 0.
     base : Tractions
         Uniform tractions (P_b, Q_b) [stress] on the whole line y = 0, at rest before t = 0.
-    load : Tractions, IncidentWave or MovingLoad
+    load : Tractions, IncidentWave, MovingLoad, Patch, PointForce, HalfLine or GrowingLoad
         Load (P_0, Q_0) [stress]; `load_on` says where tractions act.  Or a plane wave that arrives
-        at an angle, or tractions that move over the slot.
+        at an angle, or tractions that move over the slot, or that grow.  A patch, a point force and
+        a half-line load bodies that touch along the whole line, without a slot.
     pressure_history, shear_history : LoadHistory
         Histories f(t) by which P_0 and Q_0 are multiplied; steps by default.
     friction_law : FrictionLaw
@@ -76,6 +87,8 @@ class Scene:
         "" for any consistent set.  Scenes that differ only in their units compare as equal.  Where
         numbers are given with units, as quantities of pint, all numbers are taken as those of the
         SI and the scene says so.
+    lower_material : Material, optional
+        Solid of the lower body, y < 0, if it is another one; None if both bodies are equal.
 
     Raises
     ------
@@ -110,18 +123,23 @@ class Scene:
     mode: str = IN_PLANE
     load_on: str = SLOT
     units: str = field(default="", compare=False)
+    lower_material: Material | None = None
 
     def __post_init__(self) -> None:
         for name, kinds in (
             ("material", (Material,)),
             ("base", (Tractions,)),
-            ("load", (Tractions, IncidentWave, MovingLoad)),
+            ("load", (Tractions, IncidentWave, MovingLoad, LineLoad)),
+            ("lower_material", (Material, NoneType)),
         ):
             if not isinstance(getattr(self, name), kinds):
-                known = " or ".join(kind.__name__ for kind in kinds)
+                known = " or ".join(kind.__name__ for kind in kinds if kind is not NoneType)
                 raise SceneError(
                     f"scene: {name} must be a {known}, got {shown(getattr(self, name))}."
                 )
+        # Equal bodies are one problem, however it is stated.
+        if self.lower_material == self.material:
+            object.__setattr__(self, "lower_material", None)
         # The class is frozen; the number is stored as a plain float, whatever its type was.
         object.__setattr__(self, "friction", checked_number("scene: friction", self.friction))
         for name, (group, base, own, _) in PARTS.items():
@@ -206,7 +224,7 @@ class Scene:
 
     def _check_front(self) -> None:
         """Raise SceneError unless a wave goes with the mode, and nothing says where it acts."""
-        name = "an incident wave" if isinstance(self.load, IncidentWave) else "a moving load"
+        name = f"a load of the kind {type(self.load).__name__}"
         if self.load_on != SLOT:
             raise SceneError(
                 f"scene: {name} says itself where it acts; leave out load_on, which is for "
@@ -214,9 +232,7 @@ class Scene:
             )
         if not isinstance(self.load, IncidentWave):
             if not self.is_step:
-                raise SceneError(
-                    "scene: a moving load is constant behind its front; leave out its histories."
-                )
+                raise SceneError(f"scene: {name} has a history of its own; leave out histories.")
             return
         if (self.load.kind == "SH") != self.antiplane:
             known = "SH" if self.antiplane else "P or SV"
@@ -287,6 +303,21 @@ class Scene:
         return self.load.slowness(self.material)
 
     @property
+    def has_slot(self) -> bool:
+        """Whether x < 0 is an open slot; a patch, a point force or a half-line has none."""
+        return not isinstance(self.load, WITHOUT_SLOT)
+
+    @property
+    def grows(self) -> bool:
+        """Whether load and strength grow as a power of time."""
+        return isinstance(self.load, GrowingLoad)
+
+    @property
+    def bodies(self) -> tuple[Material, Material]:
+        """Solids of the upper and of the lower body."""
+        return self.material, self.lower_material or self.material
+
+    @property
     def antiplane(self) -> bool:
         """Whether shear and slip are along z."""
         return self.mode == ANTIPLANE
@@ -308,12 +339,13 @@ class Scene:
     @property
     def fastest_speed(self) -> float:
         """Speed of the first wave [length / time]: c_l, or c_t where only antiplane shear acts."""
-        return self.fastest_in(self.material)
+        wave = "shear_speed" if self.shears_alone else "longitudinal_speed"
+        return max(getattr(body, wave) for body in self.bodies)
 
-    def fastest_in(self, material: Material) -> float:
-        """Return the speed of the first wave in another solid, such as that of the lower side."""
-        alone = self.antiplane and not self.superposition.taken_off.pressure
-        return material.shear_speed if alone else material.longitudinal_speed
+    @property
+    def shears_alone(self) -> bool:
+        """Whether only antiplane shear waves run: nothing presses the slot."""
+        return self.antiplane and not self.superposition.taken_off.pressure
 
     @property
     def acting_histories(self) -> dict[str, LoadHistory]:

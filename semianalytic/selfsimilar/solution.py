@@ -33,7 +33,7 @@ from semianalytic.selfsimilar.shown import slips_said, zones_table
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.totals import ContactTotals
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, motion, over_slowness
-from semianalytic.separation.normal import Normal
+from semianalytic.separation.normal import NormalFields
 
 if TYPE_CHECKING:  # imported where they are asked for, for a quick import
     from semianalytic.field.bodies import Bodies
@@ -79,7 +79,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         The fields over slowness, in units b = mu = 1 and `stress_unit`.
     stress_unit : float
         Unit of stress of `profile`.
-    normal : Normal or None
+    normal : NormalFields or None
         Pressure and gap over slowness, in the same units, where the contact opens.
 
     Examples
@@ -100,7 +100,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     statistics: Statistics
     profile: Profile
     stress_unit: float
-    normal: Normal | None = None
+    normal: NormalFields | None = None
 
     def __repr__(self) -> str:
         moving = slips_said(self.zones, self.openings)

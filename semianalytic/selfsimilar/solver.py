@@ -23,7 +23,7 @@ from semianalytic.scene.friction import (
     RateFriction,
     ViscousFriction,
 )
-from semianalytic.scene.given.finding import checked_scene
+from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.rated.approach import (
     approached,
@@ -111,7 +111,7 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     >>> len(solve("preloaded").zones)  # a scene by its name
     2
     """
-    scene = checked_scene("solve", scene)
+    scene = scene_of_one_solid("solve", scene)
     scene.check_self_similar()
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2

@@ -13,19 +13,19 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.separation.opening import Opening, opening_of
+from semianalytic.separation.opening import OpenPart, opening_of
 
 RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
 """Tolerance over what is asked for, and at least: shear is to find nothing missing in it."""
 
 
 @dataclass(frozen=True)
-class Normal:
+class NormalFields:
     """Pressure and gap of a contact that opens, b = mu = 1 and in the stress unit of its load.
 
     Attributes
     ----------
-    opening : Opening
+    opening : OpenPart
         Edges of the opening.
     profile : Profile
         Fields, with minus pressure as traction and the opening of one side as slip.
@@ -33,7 +33,7 @@ class Normal:
         Estimate of the error of edges, pressure and rate of the gap.
     """
 
-    opening: Opening
+    opening: OpenPart
     profile: Profile
     error: float
 
@@ -54,7 +54,9 @@ class Normal:
         return np.stack([panels.at.v.ravel(), np.maximum(pressure, 0.0)])
 
 
-def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Load, Normal | None]:
+def with_opening(
+    load: Load, factors: RayleighFactors, rtol: float
+) -> tuple[Load, NormalFields | None]:
     """Return the load with the contact open where it opens, and the normal problem; None if closed.
 
     `factors` are those of shear, in plane or antiplane.
@@ -82,11 +84,11 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
     return replace(load, opened=opened), normal
 
 
-def _pressure(normal: Normal, factors: RayleighFactors, at: CutPoints) -> Array:
+def _pressure(normal: NormalFields, factors: RayleighFactors, at: CutPoints) -> Array:
     return normal.pressure(factors.seen_in_plane(at))
 
 
-def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | None:
+def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> NormalFields | None:
     """Solve the normal problem of a load to an accuracy; None if the contact stays closed."""
     tolerance = max(rtol * RULE_SHARE, LEAST_TOLERANCE)
     of_load = poisson_ratio, load.base_pressure, load.load_pressure
@@ -103,4 +105,4 @@ def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | No
     factors, rule = rayleigh_factors(poisson_ratio, "I"), rule_for(tolerance)
     fields = ZoneFields(factors, given, (opening.zone,), rule, closing=opening.closing)
     # At most 4.5 tolerances between nodes, next to the threshold in all scenes.
-    return Normal(opening, Profile(fields), opening.error + 6.0 * tolerance)
+    return NormalFields(opening, Profile(fields), opening.error + 6.0 * tolerance)

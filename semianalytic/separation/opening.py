@@ -40,7 +40,7 @@ LEAST_ERROR = 1e-14
 
 
 @dataclass(frozen=True)
-class Opening:
+class OpenPart:
     """The open part of the contact, in slowness, and the constants of P.
 
     Attributes
@@ -61,7 +61,7 @@ class Opening:
 
 def opening_of(
     poisson_ratio: float, base: float, step: float, tolerance: float, slowness: float = 0.0
-) -> Opening | None:
+) -> OpenPart | None:
     """Return the opening under a step of pressure on a base; None if there is none.
 
     Parameters
@@ -94,20 +94,20 @@ def opening_of(
     return replace(unit, closing=tuple((edge, amount * step) for edge, amount in unit.closing))
 
 
-def _from_contact_edge(poisson_ratio: float, ratio: float, slowness: float) -> Opening:
+def _from_contact_edge(poisson_ratio: float, ratio: float, slowness: float) -> OpenPart:
     """Return one zone up to the contact edge, where P = P_0 - P_b: closed form of `reference`."""
     factors = rayleigh_factors(poisson_ratio, "I")
     # p = 0, for which M_+(0)^2 = (1 - nu) / a in mode I.
     start = (1 - poisson_ratio) * (1 + ratio) ** 2 / factors.a
     if slowness:
         start = slowness + ((1 + ratio) * factors.m_plus_off_cut(-slowness)) ** 2
-    return Opening(Zone(factors.cut([start]), None, 1), (), LEAST_ERROR)
+    return OpenPart(Zone(factors.cut([start]), None, 1), (), LEAST_ERROR)
 
 
 @lru_cache(maxsize=64)
 def detached_opening(
     poisson_ratio: float, ratio: float, tolerance: float, slowness: float = 0.0
-) -> Opening:
+) -> OpenPart:
     """Return the opening around c under P_0 = 1.
 
     It is placed on a fine rule and compared with a coarser one.  Those of the 64 most recent scenes
@@ -137,7 +137,7 @@ def detached_opening(
     amount = float(left.term) * float(left.fields.amplitude[0])
     error = _shift(zone, problem.zone(unknowns + move))
     # The rate of the gap changes several times as much as the edges, relative to itself.
-    return Opening(zone, ((zone.right, amount),), LEAST_ERROR + 15.0 * error)
+    return OpenPart(zone, ((zone.right, amount),), LEAST_ERROR + 15.0 * error)
 
 
 def _shift(one: Zone, other: Zone) -> float:

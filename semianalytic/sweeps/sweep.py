@@ -17,7 +17,7 @@ from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.friction import CoulombFriction
-from semianalytic.scene.given.finding import checked_scene
+from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
@@ -239,7 +239,7 @@ def sweep(
     [0.826, 0.592, 0.444, 0.346, 0.277]
     """
     given = np.asarray(friction, dtype=object)
-    scene = checked_scene("sweep", scene)
+    scene = scene_of_one_solid("sweep", scene)
     ratio = np.asarray(scene.material.poisson_ratio)
     if poisson_ratio is not None:
         ratio = np.asarray(poisson_ratio, dtype=object)

@@ -13,9 +13,11 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import checked_arrival
 from semianalytic.results.places import line_points, line_positions
 from semianalytic.results.reading import Reading, self_similar_reading
+from semianalytic.scene.loading import Patch, PointForce
+from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
-from semianalytic.whole_line.line import Patch, PointForce, WholeLine
+from semianalytic.whole_line.drive import Drive
 from semianalytic.whole_line.spreading import Spreading
 
 
@@ -29,7 +31,7 @@ class LineSolution(SelfSimilarAnswer):
 
     Attributes
     ----------
-    line : WholeLine
+    scene : Scene
     status : str
         "converged", or a sentence that says which values are not to be trusted.
     error_estimate : float
@@ -43,26 +45,26 @@ class LineSolution(SelfSimilarAnswer):
     --------
     >>> import semianalytic as sa
     >>> solid, base = sa.Material(1.0, 1.0, 1 / 3), sa.Tractions(1.0, 0.0)
-    >>> answer = sa.solve(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
+    >>> answer = sa.solve(sa.Scene(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
     >>> answer.status, round(answer.edge_speed, 9)
     ('converged', 0.395154377)
     >>> answer.slip_rate([-0.2, 0.2, 0.35], 1.0).round(6).tolist()
     [0.259141, 0.259141, 0.235431]
     """
 
-    line: WholeLine
+    scene: Scene
     status: str
     error_estimate: float
     spreading: Spreading
 
-    @property
-    def scene(self) -> WholeLine:
-        """The line that was asked."""
-        return self.line
+    @cached_property
+    def drive(self) -> Drive:
+        """What drives slip or opening."""
+        return Drive(self.scene)
 
     def __repr__(self) -> str:
-        what = "open" if self.line.opens else "slip"
-        sense = "" if self.line.opens else f" ({self.line.sense:+d})"
+        what = "open" if self.drive.opens else "slip"
+        sense = "" if self.drive.opens else f" ({self.drive.sense:+d})"
         estimate = f"error estimate {self.error_estimate:.1e}"
         return (
             f"<LineSolution: {what} at |x/t| < {self.edge_speed:.4g}{sense}; "
@@ -72,18 +74,18 @@ class LineSolution(SelfSimilarAnswer):
     @property
     def edge_speed(self) -> float:
         """Speed at which either edge of slip or opening moves away from x = 0 [length / time]."""
-        return self.line.material.shear_speed / self.spreading.edge
+        return self.scene.material.shear_speed / self.spreading.edge
 
     @property
     def zones(self) -> tuple[SlipZone, ...]:
         """The zone of slip, from -edge_speed to edge_speed; none where the interface opens."""
         speed = self.edge_speed
-        return () if self.line.opens else (SlipZone(-speed, speed, self.line.sense),)
+        return () if self.drive.opens else (SlipZone(-speed, speed, self.drive.sense),)
 
     @property
     def openings(self) -> tuple[OpenZone, ...]:
         """The opening, from -edge_speed to edge_speed; none where the interface slips."""
-        return (OpenZone(-self.edge_speed, self.edge_speed),) if self.line.opens else ()
+        return (OpenZone(-self.edge_speed, self.edge_speed),) if self.drive.opens else ()
 
     @property
     def edge_amplitude(self) -> float:
@@ -105,7 +107,7 @@ class LineSolution(SelfSimilarAnswer):
             If x or t is not finite.
         """
         xi = self._velocity(x, t)
-        return self.line.sense * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
+        return self.drive.sense * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
 
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Rate of the gap [length / time], 0 where closed; raises as `slip_rate`."""
@@ -114,7 +116,7 @@ class LineSolution(SelfSimilarAnswer):
 
     def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Relative slip since t = 0 [length]; raises as `slip_rate`."""
-        return self.line.sense * self._moved(x, t)
+        return self.drive.sense * self._moved(x, t)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Gap between the sides [length], 0 where closed; raises as `slip_rate`."""
@@ -122,18 +124,18 @@ class LineSolution(SelfSimilarAnswer):
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Shear traction [stress], 0 where open; raises as `slip_rate`."""
-        line, xi = self.line, self._velocity(x, t)
-        if line.opens:
+        drive, xi = self.drive, self._velocity(x, t)
+        if drive.opens:
             return np.zeros(xi.shape)
-        slips = line.sense * line.friction * self._load_pressure(xi)
-        held = line.base.shear + line.sense * self._ahead(xi)
+        slips = drive.sense * drive.scene.friction * self._load_pressure(xi)
+        held = drive.base.shear + drive.sense * self._ahead(xi)
         return np.where(xi < self.edge_speed, slips, held)
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Contact pressure [stress], 0 where open; raises as `slip_rate`."""
-        line, xi = self.line, self._velocity(x, t)
-        if line.opens:
-            closed = line.base.pressure - self._ahead(xi)
+        drive, xi = self.drive, self._velocity(x, t)
+        if drive.opens:
+            closed = drive.base.pressure - self._ahead(xi)
             return np.where(xi < self.edge_speed, 0.0, closed)
         return self._load_pressure(xi)
 
@@ -147,21 +149,21 @@ class LineSolution(SelfSimilarAnswer):
         Slip of either sense is also the motion of the open part.
         """
         of = checked_arrival(of)
-        moves = self.line.opens if of == "opening" else of != "opening"
+        moves = self.drive.opens if of == "opening" else of != "opening"
         if of in ("forward", "reverse"):
-            moves = self.line.sense == (1 if of == "forward" else -1)
+            moves = self.drive.sense == (1 if of == "forward" else -1)
         far = np.abs(line_positions(x))
         return far / self.edge_speed if moves else np.full(far.shape, np.inf)
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
         """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""
-        line, time = self.line, np.maximum(np.asarray(t, dtype=float), 0.0)
-        stress = abs(line.base.pressure) + abs(line.base.shear) + self._stress_unit
+        drive, time = self.drive, np.maximum(np.asarray(t, dtype=float), 0.0)
+        stress = abs(drive.base.pressure) + abs(drive.base.shear) + self._stress_unit
         # a rate has no largest value at the end of a patch, and slip none at a point force
         rate = self._rate_unit * self.spreading.scale
         moved = {"slip_rate": rate, "slip": rate * time, "gap": rate * time}
         scales = {**moved, "shear_traction": stress, "pressure": stress}
-        found = self_similar_reading(self, np.abs(x), t, line.material.shear_speed, scales)
+        found = self_similar_reading(self, np.abs(x), t, drive.scene.material.shear_speed, scales)
         return replace(found, x=np.broadcast_to(np.asarray(x, dtype=float), found.x.shape))
 
     def max_slip(self, t: ArrayLike) -> Array:
@@ -171,34 +173,34 @@ class LineSolution(SelfSimilarAnswer):
     def accumulated_slip(self, t: ArrayLike) -> Array:
         """Integral over the line of the |slip| accumulated until t [length^2]; grows as t^2."""
         # The sense is 0 where the interface opens: nothing slips there.
-        return abs(self.line.sense) * self._areas(self.spreading.area, t)
+        return abs(self.drive.sense) * self._areas(self.spreading.area, t)
 
     def frictional_work(self, t: ArrayLike) -> Array:
         """Energy turned to heat on the interface until t, per unit depth [stress length^2]."""
-        line = self.line
-        if line.opens:
+        drive = self.drive
+        if drive.opens:
             return np.zeros(np.shape(t))
         # Strength is uniform but for the pressure of the load, which acts on the patch alone.
-        work = line.strength * self._areas(self.spreading.area, t)
-        if isinstance(line.load, Patch) and line.load.pressure:
+        work = drive.strength * self._areas(self.spreading.area, t)
+        if isinstance(drive.load, Patch) and drive.load.pressure:
             share = self._areas(self.spreading.area_on_patch, t)
-            work = work + line.friction * line.load.pressure * share
+            work = work + drive.scene.friction * drive.load.pressure * share
         return np.asarray(work)
 
     @property
     def _opens(self) -> float:
-        return 1.0 if self.line.opens else 0.0
+        return 1.0 if self.drive.opens else 0.0
 
     @property
     def _stress_unit(self) -> float:
-        line = self.line
-        point = isinstance(line.load, PointForce)
-        return line.excess / (line.material.shear_speed if point else 1.0)
+        drive = self.drive
+        point = isinstance(drive.load, PointForce)
+        return drive.excess / (drive.scene.material.shear_speed if point else 1.0)
 
     @property
     def _rate_unit(self) -> float:
         # `Spreading` gives the rate of one side; the two sides move apart, or along, evenly.
-        return 2 * self._stress_unit / self.line.material.shear_impedance
+        return 2 * self._stress_unit / self.scene.material.shear_impedance
 
     def _velocity(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return |x| / t, inf up to t = 0; x or t that is not finite is refused."""
@@ -207,7 +209,7 @@ class LineSolution(SelfSimilarAnswer):
 
     def _moving(self, xi: Array, field: Any) -> Array:
         """Return a field of the spreading, 0 before the load."""
-        speed = self.line.material.shear_speed
+        speed = self.scene.material.shear_speed
         # Twice the speed of the edge is ahead of all motion, as everything is before the load.
         values = field(np.where(np.isfinite(xi), xi / speed, 2 / self.spreading.edge))
         return np.asarray(values)
@@ -221,21 +223,21 @@ class LineSolution(SelfSimilarAnswer):
 
     def _ahead(self, xi: Array) -> Array:
         """Return how far the traction that drives motion is above that of the base."""
-        speed = self.line.material.shear_speed
+        speed = self.scene.material.shear_speed
         outside = np.maximum(xi / speed, 1 / self.spreading.edge)
         return self._stress_unit * self.spreading.traction(outside)
 
     def _load_pressure(self, xi: Array) -> Array:
         """Return the pressure where the interface is closed, which slip does not change."""
-        line = self.line
-        if not isinstance(line.load, Patch):
-            return np.full(xi.shape, line.base.pressure)
-        on_patch = xi < line.load.speed
-        return line.base.pressure + np.where(on_patch, line.load.pressure, 0.0)
+        drive = self.drive
+        if not isinstance(drive.load, Patch):
+            return np.full(xi.shape, drive.base.pressure)
+        on_patch = xi < drive.load.speed
+        return drive.base.pressure + np.where(on_patch, drive.load.pressure, 0.0)
 
     def _areas(self, area: float, t: ArrayLike) -> Array:
         # The integral of the rate over x grows as t, and its integral over time as t^2 / 2.
-        unit = self._rate_unit * self.line.material.shear_speed * area / 2
+        unit = self._rate_unit * self.scene.material.shear_speed * area / 2
         return np.asarray(unit * np.maximum(np.asarray(t, dtype=float), 0.0) ** 2)
 
     @cached_property

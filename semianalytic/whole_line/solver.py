@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from semianalytic.halfplane.rayleigh import Mode, rayleigh_factors
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loading import HalfLine, Patch, PointForce
+from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve as solve_scene
-from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
+from semianalytic.whole_line.drive import Drive, slot_scene
 from semianalytic.whole_line.solution import LineSolution
 from semianalytic.whole_line.spreading import Spreading, least_missing, spread
 
@@ -14,74 +16,76 @@ _STEP = 1e-4
 """Relative change of the edge by which the slope of the condition is formed."""
 
 
-def refuses(line: WholeLine) -> None:
+def refuses(scene: Scene) -> None:
     """Return None: whether a second zone would start is seen when the line is solved."""
 
 
-def solve(line: WholeLine) -> LineSolution | Solution:
-    """Solve a whole line for slip or opening around its load.
+def solve(scene: Scene) -> LineSolution | Solution:
+    """Solve a scene without a slot for slip or opening around its load.
 
     Parameters
     ----------
-    line : WholeLine
+    scene : Scene
+        Its load is a `Patch`, a `PointForce` or a `HalfLine`.
 
     Returns
     -------
     LineSolution
         For a `Patch` or a `PointForce`.
     Solution
-        For a `HalfLine`: that of `WholeLine.slot_scene`, which moves in the same way on x > 0.
+        For a `HalfLine`: that of a slot, which moves in the same way on x > 0.
 
     Raises
     ------
     SceneError
-        If no closed form is known: the patch or the edge of motion would be faster than the
-        Rayleigh wave, or a second zone would start.
+        If nothing moves or the base alone slides (`Drive`), or no closed form is known: the patch
+        or the edge of motion would be faster than the Rayleigh wave, or a second zone would start.
 
     Examples
     --------
     >>> import semianalytic as sa
     >>> solid, base = sa.Material(1.0, 1.0, 1 / 3), sa.Tractions(1.0, 0.0)
-    >>> patch = sa.solve(sa.WholeLine(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
+    >>> patch = sa.solve(sa.Scene(solid, 0.5, base, sa.Patch(speed=0.3, shear=1.0)))
     >>> round(patch.edge_speed, 12)
     0.395154376971
-    >>> force = sa.solve(sa.WholeLine(solid, 1.0, base, sa.PointForce(shear=1.0)))
+    >>> force = sa.solve(sa.Scene(solid, 1.0, base, sa.PointForce(shear=1.0)))
     >>> round(force.edge_speed, 12)
     0.290552362024
     """
-    if isinstance(line.load, HalfLine):
-        return solve_scene(line.slot_scene)
-    mode: Mode = "I" if line.opens else "III" if line.antiplane else "II"
-    factors = rayleigh_factors(line.material.poisson_ratio, mode)
-    speed, unit = line.material.shear_speed, line.excess
+    drive, load = Drive(scene), scene.load
+    if isinstance(load, HalfLine):
+        return solve_scene(slot_scene(drive))
+    mode: Mode = "I" if drive.opens else "III" if scene.antiplane else "II"
+    factors = rayleigh_factors(scene.material.poisson_ratio, mode)
+    speed, unit = scene.material.shear_speed, drive.excess
     patch = 0.0
-    if isinstance(line.load, Patch):
-        patch = line.load.speed / speed
+    if isinstance(load, Patch):
+        patch = load.speed / speed
         slowest = speed / factors.c
-        if not line.load.speed < slowest:
+        if not load.speed < slowest:
             wave = "Rayleigh" if factors.has_rayleigh_wave else "shear"
             raise SceneError(
                 f"whole line: the patch must grow slower than the {wave} wave, {slowest:.6g}, for "
                 "motion around a faster one has no known closed form; lower its speed, got "
-                f"{line.load.speed:.6g}."
+                f"{load.speed:.6g}."
             )
-    elif isinstance(line.load, PointForce):
+    elif isinstance(load, PointForce):
         # The unit of stress under a force F_0 t is F_0 / c_t (`spreading`).
         unit /= speed
-    found = spread(factors, patch, line.missing / unit)
+    found = spread(factors, patch, drive.missing / unit)
     if mode == "II":
-        _check_one_zone(line, found, unit)
-    error = _error(found, line.missing / unit)
+        _check_one_zone(drive, found, unit)
+    error = _error(found, drive.missing / unit)
     status = "converged"
     if error > 1e-9:
         status = f"the error estimate {error:.1e} exceeds 1e-09"
-    return LineSolution(line, status, error, found)
+    return LineSolution(scene, status, error, found)
 
 
-def _check_one_zone(line: WholeLine, found: Spreading, unit: float) -> None:
+def _check_one_zone(drive: Drive, found: Spreading, unit: float) -> None:
     """Raise SceneError if shear meets strength ahead of the zone, of either sense."""
     at_shear, at_rayleigh = found.turning
-    missing = line.missing / unit
+    missing = drive.missing / unit
     if at_shear > missing:
         least = least_missing(found.factors, found.patch)
         raise SceneError(
@@ -92,7 +96,7 @@ def _check_one_zone(line: WholeLine, found: Spreading, unit: float) -> None:
             "its patch."
         )
     # Reverse slip needs s tau < -f P_b, that is a rise below -(f P_b + s Q_b) = d - 2 f P_b.
-    if at_rayleigh < missing - 2 * line.strength / unit:
+    if at_rayleigh < missing - 2 * drive.strength / unit:
         raise SceneError(
             "whole line: a zone of reverse slip starts at the Rayleigh wave, which has no closed "
             "form; raise the base shear, or friction."

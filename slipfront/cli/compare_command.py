@@ -10,7 +10,6 @@ import typer
 from rich.console import Console
 
 from compare.comparison.comparing import held_against, planned
-from compare.comparison.documents import bodies_document
 from compare.comparison.judgement import Judgement
 from compare.comparison.prediction import check_predictable, predict_like
 from compare.comparison.report import report_document, write_report
@@ -19,13 +18,15 @@ from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
-from semianalytic import Marched, Material, PairSolution, Scene, Solution
+from semianalytic import Marched, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
+from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import (
     INTERFACE,
-    find_blocks,
+    find_scene,
     kind_of,
     scene_folder,
     scene_label,
@@ -47,7 +48,6 @@ from slipfront.cli.options import (
     asked,
     in_bytes,
     in_seconds,
-    lower_body,
     option_name,
     with_options,
 )
@@ -115,7 +115,7 @@ def compare_command(
     seconds, snapshots = in_seconds(budget), not no_snapshots
     if from_ is not None:
         kept = settings if budget is None else {"budget": budget}
-        simulation = _earlier_simulation(from_, scene_name, overrides, lower, kept)
+        simulation = _earlier_simulation(from_, scene_name, {**overrides, **lower}, kept)
         label = scene_label(scene_name) if scene_name else from_.resolve().name
         directory = output or from_
     else:
@@ -124,11 +124,9 @@ def compare_command(
         scene_name = scene_name or DEFAULT_SCENE
         label = scene_label(scene_name)
         directory = output or scene_folder(scene_name, {**overrides, **lower})
-        scene, body = _bodies(scene_name, overrides, lower)
+        scene = override_scene(find_scene(scene_name), **overrides, **lower)
         asked(scene, "end_time", settings.get("end_time"), "time")
-        check_predictable(scene, method, body)
-        if body is not None:
-            settings = {**settings, "lower_material": body}
+        check_predictable(scene, method)
     prediction: Solution | PairSolution | Marched | None = None
     notes = Console(stderr=True)
     with working_folder(directory) as files:
@@ -202,38 +200,21 @@ def _show(judgement: Judgement, label: str, directory: Path) -> None:
     console.print(f"Written to {directory}/", highlight=False)
 
 
-def _bodies(
-    scene_name: str, overrides: Mapping[str, Any], lower: Mapping[str, Any]
-) -> tuple[Scene, Material | None]:
-    """Return the scene that is asked for, and the material of its lower body if that is another."""
-    scene, known = find_blocks(scene_name)
-    scene = override_scene(scene, **overrides)
-    body = lower_body(scene, known, lower)
-    return scene, None if body == scene.material else body
-
-
 def _earlier_simulation(
     directory: Path,
     scene_name: str | None,
     overrides: Mapping[str, Any],
-    lower: Mapping[str, Any],
     settings: Mapping[str, Any],
 ) -> Simulation:
-    """Load a simulation; check that it is of the scene and bodies asked for, if any were."""
+    """Load a simulation; check that it is of the scene asked for, if any was."""
     from fem import load_simulation
 
     if settings:
         raise _without_effect(next(iter(settings)), "from")
     simulation = load_simulation(directory)
-    own = simulation.lower_material
-    own = None if own == simulation.scene.material else own
-    if scene_name:
-        scene, body = _bodies(scene_name, overrides, lower)
-    else:
-        scene = override_scene(simulation.scene, **overrides)
-        body = lower_body(scene, own, lower)
-    if (scene, body) != (simulation.scene, own):
-        held = bodies_document(simulation.scene, own)
+    scene = find_scene(scene_name) if scene_name else simulation.scene
+    if override_scene(scene, **overrides) != simulation.scene:
+        held = scene_document(simulation.scene)
         raise SceneError(
             f"{directory} holds a simulation of another scene ({held}); leave the scene out or "
             "simulate again."

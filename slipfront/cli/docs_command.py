@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.markup import escape
 
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from slipfront.cli.options import AsJson
@@ -42,7 +42,7 @@ def docs(
         if as_json:
             print_json("docs", {"pages": titles})
             return
-        table = Table("page", "title", title="Pages of the documentation")
+        table = PrintedTable("page", "title", title="Pages of the documentation")
         for name, title in titles.items():
             table.add_row(name, escape(title))
         Console().print(table)

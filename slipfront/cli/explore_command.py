@@ -11,9 +11,10 @@ from rich.console import Console
 
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.extras import EXPLORE, PLOT, require
-from semianalytic.scene.given.finding import find_blocks
+from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.named import DEFAULT_SCENE
-from slipfront.cli.options import LOWER_OPTIONS, SCENE_OPTIONS, AsJson, lower_body, with_options
+from slipfront.cli.options import LOWER_OPTIONS, SCENE_OPTIONS, AsJson, with_options
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.terminal import print_json
 
@@ -43,25 +44,19 @@ def explore_command(
     may be another one: that of the file's [lower_material], or with the numbers that are given.
     """
     require("slipfront explore", *EXPLORE, *PLOT)
-    from compare.comparison.documents import bodies_document
-    from semianalytic.dissimilar.described import pair_of
     from slipfront.explore.controls import defaults
     from slipfront.explore.serving import serve
 
-    scene, known = find_blocks(scene_name)
-    scene = override_scene(scene, **overrides)
-    body = lower_body(scene, known, lower)
-    problem = scene if body is None or body == scene.material else pair_of(scene, body)
-    defaults(problem)  # refuses scenes that the controls cannot describe
+    scene = override_scene(find_scene(scene_name), **overrides, **lower)
+    defaults(scene)  # refuses scenes that the controls cannot describe
 
     def tell(address: str) -> None:
         if as_json:
-            print_json(
-                "explore", {"scene": bodies_document(scene, body), "address": address}, "serving"
-            )
+            document = {"scene": scene_document(scene), "address": address}
+            print_json("explore", document, "serving")
             sys.stdout.flush()
         else:
             words = f"Open {address} (Ctrl-C ends it)"
             Console().print(words, highlight=False, soft_wrap=True)
 
-    serve(problem, port, browser=browser, tell=tell)
+    serve(scene, port, browser=browser, tell=tell)

@@ -13,18 +13,18 @@ from rich.console import Console
 
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
 from compare.comparison.prediction import method_of
-from compare.output.bodies import Fields, scene_of
+from compare.output.bodies import Fields
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
-from semianalytic import Marched, PairSolution, Scene, Solution, solve
-from semianalytic.dissimilar.described import pair_document, pair_of
+from semianalytic import Marched, Scene, Solution, solve
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.finding import find_blocks, scene_folder, scene_label
+from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
 from semianalytic.scene.units import unit
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.marching import check_resolved
@@ -40,7 +40,6 @@ from slipfront.cli.options import (
     SceneArgument,
     asked,
     in_bytes,
-    lower_body,
     measured_option,
     option_name,
     with_options,
@@ -178,13 +177,11 @@ def field_command(
     from compare.figures.animation import check_format
     from compare.figures.quantities import find_quantity
 
-    (scene, other), label = find_blocks(scene_name), scene_label(scene_name)
-    scene = override_scene(scene, **overrides)
-    body = lower_body(scene, other, lower)
-    pair = None if body in (None, scene.material) else pair_of(scene, body)
-    marched = chosen(scene if pair is None else pair, method).name == "space-time"
+    given, label = {**overrides, **lower}, scene_label(scene_name)
+    scene = override_scene(find_scene(scene_name), **given)
+    marched = chosen(scene, method).name == "space-time"
     if not marched:
-        check_no_march_options(march_options, pair or scene)
+        check_no_march_options(march_options, scene)
     time = asked(scene, "time", time, "time")
     thickness = asked(scene, "thickness", thickness, "length")
     stress_optical = asked(scene, "stress_optical", stress_optical, "stress length")
@@ -211,19 +208,15 @@ def field_command(
         raise SceneError("--samples are those of --gauge; give both.")
     if request.frames:
         check_format(request.form)
-    given = {**overrides, **lower}
     directory = output or scene_folder(scene_name, given) / "field"
     words = [scene_name, *(f"{option_name(k)}={v}" for k, v in given.items())]
     answer: Solution | Marched | PairSolution
     with working_folder(directory) as files:
-        if pair is not None:
-            answer = solve(pair)
-        else:
-            answer = (
-                _marched(scene, request.time, march_options, quiet)
-                if marched
-                else solve(scene, method="self-similar")
-            )
+        answer = (
+            _marched(scene, request.time, march_options, quiet)
+            if marched
+            else solve(scene, method="self-similar")
+        )
         _draw(directory, f"{label}_{of}", answer, quantity, request, quiet)
         if request.grid is not None:
             _write_grid(directory, answer, request, quiet)
@@ -263,9 +256,8 @@ def _document(
 ) -> dict[str, Any]:
     """Return what was drawn and recorded as plain dictionaries, with units."""
     window = request.window or _reach(answer, request)
-    pair = getattr(answer, "pair", None)
     document: dict[str, Any] = {
-        "scene": scene_document(answer.scene) if pair is None else pair_document(pair),
+        "scene": scene_document(answer.scene),
         "method": method_of(answer),
         "error_estimate": answer.error_estimate,
         "of": of,
@@ -274,7 +266,7 @@ def _document(
         "frames": request.frames,
         "gauges": [{"x": x, "y": y} for x, y in request.gauges],
     }
-    document["units"] = units_document(document, _DIMENSIONS, scene_of(answer))
+    document["units"] = units_document(document, _DIMENSIONS, answer.scene)
     return document
 
 
@@ -333,9 +325,8 @@ def _record(
 
     t = np.linspace(0.0, request.time, request.samples)
     for number, (x, y) in enumerate(request.gauges, start=1):
-        scene = scene_of(fields, y)
         record, path = record_fields(fields, x, y, t), directory / f"{label}_gauge-{number}.csv"
         asked = [f"--gauge={x!r},{y!r}", f"--time={request.time!r}", f"--samples={len(t)}"]
         command = shlex.join(["slipfront", "field", *words, *asked])
-        write_record(path, record, scene.units, command)
-        save_figure(record_figure(record, scene), path.with_suffix(f".{request.figures}"))
+        write_record(path, record, fields.scene.units, command)
+        save_figure(record_figure(record, fields.scene), path.with_suffix(f".{request.figures}"))

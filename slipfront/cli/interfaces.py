@@ -12,7 +12,7 @@ from rich.console import Console
 
 from compare.comparison.rows import DIFFERS
 from compare.output.places import check_file, save_somewhere
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from semianalytic import InterfaceFile, Run, find, solve
 from semianalytic.results.files import write_bytes
@@ -168,10 +168,10 @@ def _comparison(judgement: InterfaceJudgement) -> dict[str, Any]:
     }
 
 
-def _table(done: Run, name: str) -> Table:
+def _table(done: Run, name: str) -> PrintedTable:
     """Return a run as a table."""
     shown = _document(done, name)
-    table = Table("quantity", "value", "unit", title=name)
+    table = PrintedTable("quantity", "value", "unit", title=name)
     table.add_row("until", f"t = {done.end_time:.6g}", "time")
     table.add_row("nodes, frames", f"{done.nodes}, {len(done.t)}")
     table.add_row(

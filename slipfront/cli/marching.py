@@ -20,7 +20,7 @@ from slipfront.cli import terminal
 from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.endings.refusals import in_options
 from slipfront.cli.options import MARCH_OPTIONS, in_bytes, option_name
-from slipfront.cli.scenes.points import Points, points_table
+from slipfront.cli.scenes.points import AskedPoints, points_table
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
@@ -34,7 +34,7 @@ def march_command(
     label: str,
     end_time: float | None,
     options: Mapping[str, Any],
-    points: Points | None = None,
+    points: AskedPoints | None = None,
     *,
     as_json: bool,
     draw: Draw | None,
@@ -135,7 +135,7 @@ def _gone_on(
 def _show(
     marched: Marched,
     label: str,
-    points: Points | None,
+    points: AskedPoints | None,
     *,
     as_json: bool,
     save: Path | None,

@@ -6,7 +6,6 @@ import inspect
 import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, Protocol
@@ -17,9 +16,7 @@ from rich.markup import escape
 from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.material import Material
 from semianalytic.scene.quantities import in_units_of
-from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import PARAMETERS, SI, InSI, measure
 from slipfront.cli.scenes.completion import (
@@ -136,32 +133,6 @@ def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> fl
         )
     number: float | None = in_units_of(scene.units, option_name(name), value, dimension)
     return number
-
-
-def lower_body(scene: Scene, known: Material | None, given: Mapping[str, float]) -> Material | None:
-    """Return the material of the lower body, or None where nobody describes one.
-
-    Parameters
-    ----------
-    scene : Scene
-    known : Material, optional
-        Lower body of the scene's file.
-    given : mapping of `LOWER_OPTIONS` to number
-
-    Raises
-    ------
-    SceneError
-        If a number is out of range, or was given with a unit and the scene does not say its own.
-    """
-    if known is None and not given:
-        return None
-    for name, value in given.items():
-        asked(scene, name, value, option_dimension(name))
-    changes = {name.removeprefix("lower_"): value for name, value in given.items()}
-    try:
-        return replace(known or scene.material, **changes)
-    except SceneError as error:  # it does not know which of the two bodies it is
-        raise SceneError(str(error).replace("material: ", "lower_", 1)) from error
 
 
 def read_number(scene: HasUnits, name: str, text: str, dimension: str) -> float:

@@ -20,7 +20,7 @@ from semianalytic import Scene
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.extras import FEM, require
-from semianalytic.scene.given.finding import find_blocks, scene_folder, scene_label
+from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     CHECKPOINT_OPTIONS,
@@ -35,7 +35,6 @@ from slipfront.cli.options import (
     SceneArgument,
     asked,
     in_bytes,
-    lower_body,
     with_options,
 )
 
@@ -64,7 +63,7 @@ LOOKED_AT = 0.1
 )
 def simulate_command(
     overrides: Mapping[str, Any],
-    lower: Mapping[str, float],
+    lower: Mapping[str, Any],
     settings: Mapping[str, Any],
     checkpoints: Mapping[str, Any],
     scene_name: SceneArgument,
@@ -86,12 +85,8 @@ def simulate_command(
     require("slipfront simulate", *FEM)
     label = scene_label(scene_name)
     directory = output or scene_folder(scene_name, {**overrides, **lower})
-    scene, lower_material = find_blocks(scene_name)
-    scene = override_scene(scene, **overrides)
+    scene = override_scene(find_scene(scene_name), **overrides, **lower)
     asked(scene, "end_time", settings.get("end_time"), "time")
-    body = lower_body(scene, lower_material, lower)
-    if body is not None:
-        settings = {**settings, "lower_material": body}
     with working_folder(directory) as files:
         simulation = simulate_into(
             directory,
@@ -166,9 +161,10 @@ def simulate_into(
     starts, in place of what it is going to take.  That it will exceed its allowance is said as soon
     as its steps show it.
     """
-    from fem import cost, opening_sentence, simulate
+    from fem import cost, simulate
     from fem.budget import check_room
     from fem.checkpoint import forget_checkpoint
+    from fem.results import opening_sentence
 
     settings = {**settings, "memory": in_bytes(settings.get("memory"))}
     path = directory / CHECKPOINT

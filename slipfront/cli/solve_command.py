@@ -13,11 +13,12 @@ from compare.comparison.documents import solution_document
 from compare.output.places import check_file
 from semianalytic import find, solve
 from semianalytic.methods import chosen
-from semianalytic.parameters.overriding import override_line, override_scene
+from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.given.finding import INTERFACE, LINE, find_blocks, kind_of, scene_label
+from semianalytic.scene.given.finding import INTERFACE, described_scene, kind_of, scene_label
+from semianalytic.scene.loading import HalfLine
 from slipfront.cli import terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options, refuse_given
 from slipfront.cli.options import (
@@ -29,12 +30,11 @@ from slipfront.cli.options import (
     Quiet,
     SceneArgument,
     asked,
-    lower_body,
     measured_option,
     with_options,
 )
 from slipfront.cli.scenes.completion import figure_names
-from slipfront.cli.scenes.points import Points, points_of, points_table
+from slipfront.cli.scenes.points import AskedPoints, points_of, points_table
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
@@ -118,10 +118,12 @@ def solve_command(
         files = {name: settings.pop(name, None) for name in ("save", "go_on")}
         solve_interface(scene_name, settings, **files, as_json=as_json, quiet=quiet)
         return
-    problem = _problem(scene_name, kind, overrides, lower)
+    problem = override_scene(described_scene(scene_name), **overrides, **lower)
+    if isinstance(problem.load, HalfLine):
+        from semianalytic.whole_line.drive import Drive, slot_scene
+
+        problem = slot_scene(Drive(problem))
     name = chosen(problem, method).name
-    if kind == LINE:
-        refuse_given(lower, f"is for scenes with a slot; leave it out for {label}")
     asked_for = points_of(problem, x, t)
     end_time = asked(problem, "end_time", end_time, "time")
     draw = _drawing(plot, figure)
@@ -133,27 +135,6 @@ def solve_command(
         return
     check_no_march_options(march_options, problem)
     _solve_exactly(problem, label, end_time, asked_for, **shown)
-
-
-def _problem(
-    source: str, kind: str, overrides: Mapping[str, Any], lower: Mapping[str, float]
-) -> Any:
-    """Return the problem of a name or file with other values, a half-line as the slot that moves
-    alike."""
-    if kind == LINE:
-        from semianalytic.whole_line.line import HalfLine
-        from semianalytic.whole_line.named import find_line
-
-        line = override_line(find_line(source), **overrides)
-        return line.slot_scene if isinstance(line.load, HalfLine) else line
-    scene, other = find_blocks(source)
-    scene = override_scene(scene, **overrides)
-    body = lower_body(scene, other, lower)
-    if body in (None, scene.material):
-        return scene
-    from semianalytic.dissimilar.described import pair_of
-
-    return pair_of(scene, body)
 
 
 def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
@@ -175,7 +156,7 @@ def _solve_exactly(
     problem: Any,
     label: str,
     end_time: float | None,
-    points: Points | None,
+    points: AskedPoints | None,
     *,
     as_json: bool,
     draw: Draw | None,

@@ -16,14 +16,14 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from semianalytic.interface.named import described_interface
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import CLUSTER, require
-from semianalytic.scene.given.finding import find_blocks, scene_label
+from semianalytic.scene.given.finding import find_scene, scene_label
 from semianalytic.scene.units import ARGUMENTS, InSI, unit
 from slipfront.cli.options import (
     LOWER_OPTIONS,
@@ -144,21 +144,13 @@ def survey_command(
     An interrupted survey resumes when it is started again with the same values.  Scenes that are
     refused have nan as their values and the reason as their status; the exit code is still 0.
     """
-    from semianalytic.dissimilar.described import pair_of
     from slipfront.surveys.plan import Question, planned
     from slipfront.surveys.run import FIELDS, run_survey
 
     interface = described_interface(scene_name)
     if interface is not None and overrides:
         raise SceneError("--units has no effect on an interface; leave it out.")
-    scene: Subject
-    if interface is not None:
-        scene = interface
-    else:
-        alike, lower = find_blocks(scene_name)
-        scene = alike = override_scene(alike, **overrides)
-        if lower not in (None, alike.material) or values.keys() & LOWER_OPTIONS.keys():
-            scene = pair_of(alike, lower or alike.material)
+    scene: Subject = interface or override_scene(find_scene(scene_name), **overrides)
     path = output or Path("results", f"{scene_label(scene_name)}-survey.nc")
     if workers is not None and workers < 1:
         raise SceneError(f"{option_name('workers')} must be a whole number from 1, got {workers}.")
@@ -303,8 +295,8 @@ def survey_document(found: Any, path: Path) -> dict[str, Any]:
     return document
 
 
-def _table(document: Mapping[str, Any], label: str) -> Table:
-    table = Table(title=f"{label}: {document['points']:,} points", show_header=False)
+def _table(document: Mapping[str, Any], label: str) -> PrintedTable:
+    table = PrintedTable(title=f"{label}: {document['points']:,} points", show_header=False)
     for name, row in document["parameters"].items():
         units = document["units"]["parameters"][name]
         text = f"{row['least']:.6g} to {row['largest']:.6g} ({row['count']})"

@@ -20,7 +20,7 @@ from compare.comparison.documents import (
 )
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from semianalytic import Scene
 from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
 from semianalytic.scene.given.documents import part_document
@@ -50,14 +50,14 @@ def print_json(
     sys.stdout.write(json_text(envelope(command, document, status, files)))
 
 
-def zones_table(answer: Any, title: str) -> Table:
+def zones_table(answer: Any, title: str) -> PrintedTable:
     """Return a table of slip zones and openings with their edge velocities.
 
     Velocities are given in units of the scene and relative to c_t, between different bodies that of
     the upper one.
     """
     scene, known = answer.scene, solution_document(answer)
-    table = Table("zone", "edge", title=title)
+    table = PrintedTable("zone", "edge", title=title)
     for name in (f"[{unit('length / time', scene.units)}]", "/ c_t"):
         table.add_column(f"velocity\n{escape(name)}", justify="right")
     table.add_column("regime")
@@ -87,11 +87,11 @@ def zones_table(answer: Any, title: str) -> Table:
     return table
 
 
-def facts_table(answer: Any) -> Table:
+def facts_table(answer: Any) -> PrintedTable:
     """Return a table of loads, wave speeds, edges, status, error estimate and statistics."""
     scene, known = answer.scene, solution_document(answer)
     units, edge = known["units"], known["edge"]
-    table = Table("quantity", "value", "unit", show_header=False)
+    table = PrintedTable("quantity", "value", "unit", show_header=False)
     for name, value, dimension in _tractions(scene) if isinstance(scene, Scene) else ():
         table.add_row(name, value, unit(dimension, scene.units))
     for name, part in known["scene"].items() if not isinstance(scene, Scene) else ():
@@ -150,12 +150,12 @@ def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
         yield "velocity of its front along x", f"{1 / scene.front_slowness:.6g}", "length / time"
 
 
-def end_table(answer: Any, end_time: float) -> Table:
+def end_table(answer: Any, end_time: float) -> PrintedTable:
     """Return a table of everything until an end time: positions of zones, slip, work."""
     known = solution_document(answer, end_time)
     end, units = known["until_end_time"], known["units"]["until_end_time"]
     when = _measure(end_time, "time", answer.scene)
-    table = Table("quantity", "value", "unit", title=f"t = {when}")
+    table = PrintedTable("quantity", "value", "unit", title=f"t = {when}")
     zones = [
         (f"zone {n}, {kind_of_slip(zone['sense'])}", zone) for n, zone in enumerate(end["zones"], 1)
     ]
@@ -172,11 +172,11 @@ def end_table(answer: Any, end_time: float) -> Table:
     return table
 
 
-def march_table(marched: Marched, title: str) -> Table:
+def march_table(marched: Marched, title: str) -> PrintedTable:
     """Return a table of the content of `documents.march_document`, in the units of the scene."""
     scene, document = marched.scene, march_document(marched)
     statistics, units = document["statistics"], document["units"]
-    table = Table("quantity", "value", "unit", title=title)
+    table = PrintedTable("quantity", "value", "unit", title=title)
     for name, value, dimension in _tractions(scene):
         table.add_row(name, value, unit(dimension, scene.units))
     for onset in document["onset"]:
@@ -242,12 +242,12 @@ def error_line(simulation: Simulation) -> str:
     return f"slip rate at the end within {rate}, slip within {slip}, by coarser meshes"
 
 
-def judged_table(title: str, rows: Sequence[Row], **numbers: str) -> Table:
+def judged_table(title: str, rows: Sequence[Row], **numbers: str) -> PrintedTable:
     """Return judged rows with units; differences in red, errors of norms in per cent.
 
     Headings are given by the numbers of the rows that stand below them.
     """
-    table = Table(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table = PrintedTable(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("quantity", min_width=14)  # the whole table fits into 80 columns
     orders = [getattr(row, "order", None) for row in rows]  # at which three meshes converge
     # three numbers and the order do not fit into 80 columns
@@ -264,11 +264,11 @@ def judged_table(title: str, rows: Sequence[Row], **numbers: str) -> Table:
     return table
 
 
-def norms_table(validation: Validation) -> Table:
+def norms_table(validation: Validation) -> PrintedTable:
     """Return a table of the relative errors of every quantity over all stations."""
     from compare.comparison.mesh_choice import two_digits
 
-    table = Table(title="Over all stations", box=SIMPLE_HEAD)
+    table = PrintedTable(title="Over all stations", box=SIMPLE_HEAD)
     table.add_column("quantity")
     for heading in ("L1 error", "L2 error", "samples"):
         table.add_column(heading, justify="right")

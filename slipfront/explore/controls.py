@@ -9,11 +9,12 @@ from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
-from semianalytic import Material, Pair, Scene
-from semianalytic.dissimilar.described import pair_of
+from semianalytic import Scene
+from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import part_document, scene_document, scene_from_document
+from semianalytic.scene.given.finding import check_slot
 from semianalytic.scene.incident import SIDES, WAVES, IncidentWave, MovingLoad
 from semianalytic.scene.loading import LOADED, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES
@@ -60,8 +61,6 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
     "shape": tuple(PULSE_SHAPES),
     "lower_body": tuple(LOWER),
 }
-Problem = Scene | Pair
-"""Problem that the page shows: a scene of identical bodies, or two different ones."""
 STEEPEST = 85.0
 """Largest angle of the slider [degrees], unless the scene has a larger one."""
 FIXED = ("shear_modulus", "density", "units")
@@ -80,12 +79,7 @@ class Slider:
     step: float
 
 
-def upper_scene(problem: Problem) -> Scene:
-    """Return a scene itself, or that of the upper body of two different ones on its own kind."""
-    return problem.alike if isinstance(problem, Pair) else problem
-
-
-def sliders(problem: Problem) -> tuple[Slider, ...]:
+def sliders(scene: Scene) -> tuple[Slider, ...]:
     """Return the sliders for problems like a given one, in its units.
 
     Tractions range up to twice its own.  Ranges of rates and lengths follow from the motion that
@@ -97,7 +91,6 @@ def sliders(problem: Problem) -> tuple[Slider, ...]:
         If a range cannot be divided into steps, for instance because an impedance underflows, or
         for the reasons of `values_of`.
     """
-    scene = upper_scene(problem)
     stress, rate = 2 * stress_scale(scene), slip_rate_scale(scene)
     time, impedance = 1 / scene.material.shear_speed, scene.material.shear_impedance
     given = (
@@ -121,7 +114,7 @@ def sliders(problem: Problem) -> tuple[Slider, ...]:
         ("density_ratio", "density, lower over upper", "1", 0.25, 4.0),
         ("lower_poisson_ratio", "Poisson ratio, lower", "1", -0.95, 0.49),
     )
-    values = values_of(problem)
+    values = values_of(scene)
     result = []
     for name, label, dimension, low, high in given:
         own = values.get(name, low)
@@ -136,12 +129,12 @@ def sliders(problem: Problem) -> tuple[Slider, ...]:
     return tuple(result)
 
 
-def serve_for(sliders_of: Problem, values: Mapping[str, Any]) -> bool:
+def serve_for(sliders_of: Scene, values: Mapping[str, Any]) -> bool:
     """Return whether the sliders of a problem suit other values too.
 
     The values must have the same units and the same upper body, and lie within the ranges.
     """
-    own, called_for = values_of(sliders_of), values_of(problem_of(values))
+    own, called_for = values_of(sliders_of), values_of(scene_of(values))
     return all(values[name] == own[name] for name in FIXED) and all(
         one.low <= called_for.get(one.name, one.low) <= one.high for one in sliders(sliders_of)
     )
@@ -152,30 +145,31 @@ def _step(width: float) -> float:
     return float(10.0 ** math.floor(math.log10(width / 200)))
 
 
-def defaults(problem: Problem) -> Values:
+def defaults(scene: Scene) -> Values:
     """Return the values of all controls; those that the problem does not use are mid-range.
 
     A lower body that is not used has the Poisson ratio of the upper one.
     """
-    rest = {one.name: _rounded((one.low + one.high) / 4, one.step) for one in sliders(problem)}
-    rest["lower_poisson_ratio"] = upper_scene(problem).material.poisson_ratio
+    rest = {one.name: _rounded((one.low + one.high) / 4, one.step) for one in sliders(scene)}
+    rest["lower_poisson_ratio"] = scene.material.poisson_ratio
     words = {name: words[0] for name, words in CHOICES.items()}
-    return rest | words | values_of(problem)
+    return rest | words | values_of(scene)
 
 
 def _rounded(value: float, step: float) -> float:
     return float(f"{round(value / step) * step:.12g}")
 
 
-def values_of(problem: Problem) -> Values:
+def values_of(scene: Scene) -> Values:
     """Return a scene, or two different bodies, as values of controls.
 
     Raises
     ------
     SceneError
-        If pressure and shear have different histories, or there is no control for a law or history.
+        If pressure and shear have different histories, or there is no control for a law, load or
+        history.
     """
-    scene = upper_scene(problem)
+    check_slot("explore", scene)
     document = scene_document(scene)
     words = {"mode": scene.mode, "load_on": scene.load_on}
     values: Values = {**document["material"], "friction": scene.friction, **words}
@@ -196,13 +190,13 @@ def values_of(problem: Problem) -> Values:
             )
         values[name] = part.pop("kind")
         values |= part
-    return values | {"units": scene.units} | _lower_values(problem)
+    return values | {"units": scene.units} | _lower_values(scene)
 
 
-def _lower_values(problem: Problem) -> Values:
-    if not isinstance(problem, Pair):
+def _lower_values(scene: Scene) -> Values:
+    if scene.lower_material is None:
         return {"lower_body": ALIKE}
-    upper, lower = problem.upper, problem.lower
+    upper, lower = scene.bodies
     return {
         "lower_body": ANOTHER,
         "modulus_ratio": lower.shear_modulus / upper.shear_modulus,
@@ -245,7 +239,8 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
     Raises
     ------
     SceneError
-        If a value is missing, not a number, or out of range, or the scene does not exist.
+        If a value is missing, not a number, or out of range, or the scene does not exist, or
+        different bodies have no exact answer under such a load or law.
     """
     numbers = {name: _number(values, name) for name in _NUMBERS}
     document: dict[str, Any] = {
@@ -262,29 +257,19 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
     for kind in ("pressure", "shear"):
         if document["load"].get(kind, "angle" in document["load"]):
             document[f"{kind}_history"] = history
-    return scene_from_document(document)
-
-
-def problem_of(values: Mapping[str, Any]) -> Problem:
-    """Return the scene or the two different bodies that values of controls describe.
-
-    Raises
-    ------
-    SceneError
-        As `scene_of`, or if different bodies have no exact answer under such a load or law.
-    """
-    scene, kind = scene_of(values), values.get("lower_body", ALIKE)
+    kind = values.get("lower_body", ALIKE)
     if kind not in LOWER:
         raise SceneError(f"lower_body must be one of {', '.join(LOWER)}, got {shown(kind)}.")
-    if kind == ALIKE:
-        return scene
-    upper = scene.material
-    lower = Material(
-        upper.shear_modulus * _number(values, "modulus_ratio"),
-        upper.density * _number(values, "density_ratio"),
-        _number(values, "lower_poisson_ratio"),
-    )
-    return scene if lower == upper else pair_of(scene, lower)
+    if kind == ANOTHER:
+        document["lower_material"] = {
+            "shear_modulus": numbers["shear_modulus"] * _number(values, "modulus_ratio"),
+            "density": numbers["density"] * _number(values, "density_ratio"),
+            "poisson_ratio": _number(values, "lower_poisson_ratio"),
+        }
+    scene = scene_from_document(document)
+    if scene.lower_material is not None:
+        check_bodies(scene)
+    return scene
 
 
 _NUMBERS = (
@@ -334,7 +319,7 @@ def query_of(values: Mapping[str, Any]) -> str:
     return "?" + urlencode({name: values[name] for name in names})
 
 
-def values_from_query(query: str, start: Problem) -> Values:
+def values_from_query(query: str, start: Scene) -> Values:
     """Return the values of all controls for the query of an address.
 
     Values missing from the query are those of the problem `start`; values that neither uses are
@@ -356,4 +341,4 @@ def values_from_query(query: str, start: Problem) -> Values:
         if name in CHOICES and text not in CHOICES[name]:
             known = ", ".join(CHOICES[name])
             raise SceneError(f"{name} must be one of {known}, got {shown(text)}.")
-    return defaults(problem_of(base | given)) | given
+    return defaults(scene_of(base | given)) | given

@@ -8,11 +8,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any
 
-from semianalytic import Marched, Pair, PairSolution
+from semianalytic import Marched, Scene
 from semianalytic.methods import chosen
 from semianalytic.scene.given.template import scene_text
 from semianalytic.scene.units import unit
-from slipfront.explore.controls import Problem, upper_scene
 from slipfront.explore.views import Shown, end_time, interface_view
 
 Content = tuple[str, str, bytes]
@@ -54,27 +53,22 @@ def table_file(answer: Shown) -> Content:
     return "slipfront.csv", "text/csv", text.getvalue().encode()
 
 
-def scene_file(problem: Problem) -> Content:
+def scene_file(scene: Scene) -> Content:
     """Return the scene as a commented TOML file, which commands accept."""
-    lower = problem.lower if isinstance(problem, Pair) else None
-    text = scene_text(upper_scene(problem), "slipfront explore", lower=lower)
+    text = scene_text(scene, "slipfront explore")
     return "scene.toml", "application/toml", text.encode()
 
 
-def program(problem: Problem) -> str:
+def program(scene: Scene) -> str:
     """Return a short Python program that reproduces the answer."""
-    parts = [one.name for one in fields(problem) if getattr(problem, one.name) != _default(one)]
-    kind = type(problem).__name__
-    lines = ["import slipfront as sf", "", f"{kind.lower()} = sf.{kind}("]
+    parts = [one.name for one in fields(scene) if getattr(scene, one.name) != _default(one)]
+    lines = ["import slipfront as sf", "", "scene = sf.Scene("]
     for name in parts:
-        value = repr(getattr(problem, name))
+        value = repr(getattr(scene, name))
         made = value.replace("(", "(", 1) if value.startswith("'") else _qualified(value)
         lines += _argument(name, made)
-    scene = upper_scene(problem)
     time = end_time(scene)
-    if isinstance(problem, Pair):
-        lines += [")", "answer = sf.solve(pair)", "print(answer.zones, answer.openings)"]
-    elif chosen(scene).name == "self-similar":
+    if chosen(scene).name == "self-similar":
         lines += [")", "answer = sf.solve(scene)", "print(answer.zones, answer.openings)"]
     else:
         lines += [")", f"answer = sf.solve(scene, end_time={time!r})", "print(answer)"]
@@ -104,14 +98,9 @@ def _default(one: Any) -> Any:
     return one.default_factory() if one.default_factory is not MISSING else MISSING
 
 
-def problem_shown(answer: Shown) -> Problem:
-    """Return the scene, or the two different bodies, that an answer is of."""
-    return answer.pair if isinstance(answer, PairSolution) else answer.scene
-
-
-def program_file(problem: Problem) -> Content:
+def program_file(scene: Scene) -> Content:
     """Return `program` as a file."""
-    return "scene.py", "text/x-python", program(problem).encode()
+    return "scene.py", "text/x-python", program(scene).encode()
 
 
 FILES: Mapping[str, Callable[[Shown], Content]] = {
@@ -119,7 +108,7 @@ FILES: Mapping[str, Callable[[Shown], Content]] = {
     "pdf": lambda answer: figure_file(answer, "pdf"),
     "png": lambda answer: figure_file(answer, "png"),
     "csv": table_file,
-    "toml": lambda answer: scene_file(problem_shown(answer)),
-    "python": lambda answer: program_file(problem_shown(answer)),
+    "toml": lambda answer: scene_file(answer.scene),
+    "python": lambda answer: program_file(answer.scene),
 }
 """The function behind each download button of the page."""

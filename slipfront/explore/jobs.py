@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 from urllib.parse import parse_qsl, urlencode
 
-from semianalytic import Marched, PairSolution, Scene, Solution, Tractions, solve
+from semianalytic import Marched, Scene, Solution, Tractions, solve
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from slipfront.explore.controls import Problem
 from slipfront.explore.views import (
     DISPLACEMENT,
     SPEED,
@@ -77,16 +77,16 @@ class MarchViews(NamedTuple):
     field: FieldView | None
 
 
-def solved(problem: Problem, rtol: float) -> Solution | PairSolution:
+def solved(scene: Scene, rtol: float) -> Solution | PairSolution:
     """Solve a self-similar scene, or two different bodies."""
-    return solve(problem, rtol=rtol)
+    return solve(scene, rtol=rtol)
 
 
 def solved_field(
-    problem: Problem, points: int, rtol: float, moment: Moment, progress: Progress
+    scene: Scene, points: int, rtol: float, moment: Moment, progress: Progress
 ) -> FieldView:
     """Compute the field of a self-similar scene, or of two different bodies."""
-    return field_view(solved(problem, rtol), points, *moment)
+    return field_view(solved(scene, rtol), points, *moment)
 
 
 def marched_field(marched: Marched, moment: Moment, progress: Progress) -> FieldView:

@@ -62,7 +62,8 @@ def highest_friction(scene: Scene) -> float:
 
 def can_map(scene: Scene) -> bool:
     """Return whether the map of a scene takes seconds, not minutes."""
-    return scene.is_self_similar and scene.friction_law.fall_with_rate == 0
+    alike = scene.lower_material is None
+    return alike and scene.is_self_similar and scene.friction_law.fall_with_rate == 0
 
 
 def regime_map(scene: Scene, progress: Progress) -> RegimeMap:

@@ -26,13 +26,11 @@ from slipfront.explore.controls import (
     LAWS,
     LOADS,
     LOWER,
-    Problem,
     defaults,
-    problem_of,
     query_of,
+    scene_of,
     serve_for,
     sliders,
-    upper_scene,
     values_from_query,
 )
 from slipfront.explore.downloads import FILES, program
@@ -50,7 +48,7 @@ from slipfront.explore.maps import RegimeMap, can_map, highest_friction, map_key
 from slipfront.explore.pictures import (
     CURVES,
     SHADES,
-    FieldPicture,
+    EdgePicture,
     InterfacePictures,
     MapPicture,
     SpaceTimePicture,
@@ -86,16 +84,16 @@ class Session:
     ----------
     document : Document
         Bokeh document, to which the pictures are added.
-    start : Scene or Pair
+    start : Scene
         Problem that the page shows at first unless its address says more; it sets the sliders.
     query : str
         Query of the address, "" or "?friction=...".
     """
 
-    def __init__(self, document: Document, start: Problem, query: str) -> None:
+    def __init__(self, document: Document, start: Scene, query: str) -> None:
         self._start = self._ruled = start
         self._answer: Shown | None = None
-        self._shown: Problem | None = None
+        self._shown: Scene | None = None
         self._marching: Scene | None = None
         self._map_key: tuple[object, ...] | None = ()  # the map of no scene yet
         self._map_to = 0.0  # its largest friction
@@ -105,7 +103,7 @@ class Session:
         self._asked_field: tuple[Any, ...] | None = None
         self._board = board = Board()
         self._interface, self._space_time = InterfacePictures(board), SpaceTimePicture(board)
-        self._field, self._map = FieldPicture(board), MapPicture(board)
+        self._field, self._map = EdgePicture(board), MapPicture(board)
         self._asked = TextInput(name="asked", value="")
         self._told = TextInput(name="told", value="")
         self._asked.on_change("value", lambda _, __, text: self._answer_to(json.loads(text)))
@@ -161,7 +159,7 @@ class Session:
             values = defaults(self._start)
             message = f"The address is no scene: {error} The scene of the command is shown instead."
         if not serve_for(self._ruled, values):
-            self._ruled = problem_of(values)
+            self._ruled = scene_of(values)
         ruled = [asdict(one) for one in sliders(self._ruled)]
         shown = {"values": values, "sliders": ruled, "message": message}
         return {**shown, "moment": moment._asdict()}
@@ -200,8 +198,7 @@ class Session:
         # the address follows the controls where there is no answer as well
         query = query_of(values) + self._moment.query
         try:
-            problem = problem_of(values)
-            scene = upper_scene(problem)
+            scene = scene_of(values)
             if isinstance(self._answer, Marched) and self._answer.scene == scene:
                 self._show_march(self._answer, moving, since, query)
                 return
@@ -212,11 +209,11 @@ class Session:
             self._shown = self._marching = None
             self._map.place(scene.friction, scene.material.poisson_ratio)
             if chosen(scene).name == "self-similar":
-                self._show_solution(problem, moving, since, query)
+                self._show_solution(scene, moving, since, query)
             else:
                 self._march(scene, moving, since, query)
             if not moving:
-                self._draw_map(problem)
+                self._draw_map(scene)
         except SlipfrontError as error:
             self._refuse(str(error), since=since, query=query)
         except Exception as error:
@@ -262,12 +259,12 @@ class Session:
         self._space_time.draw(space_time)
         self._space_time.mark(share)
 
-    def _show_solution(self, problem: Problem, moving: bool, since: float, query: str) -> None:
+    def _show_solution(self, scene: Scene, moving: bool, since: float, query: str) -> None:
         began = time.perf_counter()
-        solution = solved(problem, MOVING_RTOL if moving else RTOL)
+        solution = solved(scene, MOVING_RTOL if moving else RTOL)
         seconds = time.perf_counter() - began
         self._draw_contact(solution, MOVING_NODES if moving else NODES)
-        self._answer, self._shown = solution, problem
+        self._answer, self._shown = solution, scene
         self._tell(
             since=since,
             query=query,
@@ -277,10 +274,10 @@ class Session:
             solved=1e3 * seconds,
             readings=readings(solution),
             scales=scales(solution.scene),
-            program=program(problem),
+            program=program(scene),
         )
         points, rtol = (MOVING_POINTS, MOVING_RTOL) if moving else (POINTS, RTOL)
-        self._asked_field = (problem, points, rtol, self._moment)
+        self._asked_field = (scene, points, rtol, self._moment)
         if not self._field_worker.busy:
             self._next_field()
 
@@ -289,14 +286,13 @@ class Session:
             self._field_worker.start(solved_field, *self._asked_field)
             self._asked_field = None
 
-    def _draw_map(self, problem: Problem) -> None:
+    def _draw_map(self, scene: Scene) -> None:
         """Draw another map if anything but friction and Poisson ratio has changed.
 
         A map is kept while friction lies on it, and found again when a scene comes back.  Two
         different bodies have none.
         """
-        scene = upper_scene(problem)
-        key = map_key(scene) if problem is scene and can_map(scene) else None
+        key = map_key(scene) if can_map(scene) else None
         if key == self._map_key and (key is None or scene.friction <= self._map_to):
             return
         self._map_key, self._map_to = key, highest_friction(scene)

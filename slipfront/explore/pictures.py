@@ -280,7 +280,7 @@ def _wedge(inner: float, outer: float, reach: float) -> tuple[list[float], list[
     return [0.0, inner, outer], [0.0, 1.0, 1.0]
 
 
-class FieldPicture:
+class EdgePicture:
     """Particle speed around the contact edge, with wave fronts."""
 
     def __init__(self, board: Board) -> None:

@@ -23,7 +23,7 @@ from tornado.ioloop import IOLoop
 from tornado.web import OutputTransform, RequestHandler
 
 from semianalytic.scene.errors import SceneError
-from slipfront.explore.controls import Problem
+from semianalytic.scene.scene import Scene
 from slipfront.explore.page import Session
 
 HOST = "127.0.0.1"
@@ -103,7 +103,7 @@ class _LocalTornado(BokehTornado):
         return (host if ":" in host else f"{host}:80") in self.websocket_origins
 
 
-def make_server(scene: Problem, port: int) -> BaseServer:
+def make_server(scene: Scene, port: int) -> BaseServer:
     """Make a server of the page for a scene; port 0 takes any free port.
 
     Raises
@@ -147,12 +147,12 @@ def address_of(server: BaseServer) -> str:
     return f"http://localhost:{server.port}/"
 
 
-def serve(scene: Problem, port: int, *, browser: bool, tell: Callable[[str], None]) -> None:
+def serve(scene: Scene, port: int, *, browser: bool, tell: Callable[[str], None]) -> None:
     """Serve the page until it is interrupted.
 
     Parameters
     ----------
-    scene : Scene or Pair
+    scene : Scene
     port : int
     browser : bool
         Whether to open a browser.

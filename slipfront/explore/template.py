@@ -9,9 +9,7 @@ from bokeh.resources import Resources
 from bokeh.server.views.static_handler import StaticHandler
 from jinja2 import Environment, Template
 
-from semianalytic import find
-from semianalytic.scene.given.finding import find_scene
-from semianalytic.scene.given.named import NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_SCENES
 from slipfront.explore.controls import (
     defaults,
     query_of,
@@ -39,9 +37,9 @@ def bokeh_scripts() -> list[str]:
 @cache
 def known_queries() -> dict[str, str]:
     """Return the addresses of the named scenes that the page can show, by name."""
-    known = {}
-    for name in NAMED_SCENES:
-        known[name] = query_of(defaults(find_scene(name)))
-    for name in NAMED_PAIRS:
-        known[name] = query_of(defaults(find(name)))
-    return known
+    slots = {
+        name: one.scene
+        for name, one in NAMED_SCENES.items()
+        if one.scene.has_slot and not one.scene.grows
+    }
+    return {name: query_of(defaults(scene)) for name, scene in slots.items()}

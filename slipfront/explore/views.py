@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.case import lower_of
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
-from semianalytic import Marched, OpenZone, PairSolution, Scene, SlipZone, Solution
+from semianalytic import Marched, Scene, Solution
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import WholeFields
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
 
@@ -101,7 +102,7 @@ def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> Int
 
 def _places(solution: Solution | PairSolution, nodes: int, share: float) -> Array:
     """Return positions [length] that make curves smooth, denser near edges and fronts."""
-    scene, fronts = solution.scene, contact_fronts(solution.scene, lower_of(solution))
+    scene, fronts = solution.scene, contact_fronts(solution.scene)
     far = reach(solution, end_time(scene))[1] / end_time(scene)
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
     edges = [one for part in parts for one in (part.inner, part.outer) if 0 < one < np.inf]
@@ -150,7 +151,7 @@ def space_time_view(answer: Shown) -> SpaceTimeView:
     """Return zones as wedges if they are self-similar, otherwise as an image of slip senses."""
     scene = answer.scene
     speed = scene.material.shear_speed
-    fronts = contact_fronts(scene, lower_of(answer))
+    fronts = contact_fronts(scene)
     waves = {name: one / speed for name, one in fronts.items()}
     if isinstance(answer, Marched):
         last = float(answer.interface.x[-1]) / (speed * end_time(scene))

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.dissimilar.pair import Pair
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.parameters.numbers import numbers_of
@@ -19,9 +18,9 @@ from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 from slipfront.surveys.parameters import MATERIAL, Array
-from slipfront.surveys.plan import Plan
+from slipfront.surveys.plan import SurveyPlan, of_two_bodies
 from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
-from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
+from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, SurveyVariable
 
 Chunks = Callable[[], Iterable[tuple[int, bytes]]]
 """A function that iterates over index and packed columns of every chunk, each time it is called."""
@@ -31,13 +30,13 @@ Chunks = Callable[[], Iterable[tuple[int, bytes]]]
 class Variable:
     """Shape, dimensions and attributes of a variable, without its values."""
 
-    quantity: Quantity
+    quantity: SurveyVariable
     along: tuple[str, ...]
     shape: tuple[int, ...]
     attrs: Mapping[str, str]
 
 
-def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
+def variables_of(plan: SurveyPlan, chunks: Chunks) -> dict[str, Variable]:
     """Return the variables that the chunks of a survey hold, each as large as all chunks need."""
     zones = 1
     names: set[str] = set()
@@ -48,7 +47,7 @@ def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
     lengths = {**plan.sizes, "zone": zones, "edge": 2, "mode": 2}
     lengths |= {"t": len(question.t), "x": len(question.x)}
 
-    def variable(quantity: Quantity, along: tuple[str, ...]) -> Variable:
+    def variable(quantity: SurveyVariable, along: tuple[str, ...]) -> Variable:
         along = (*along, *quantity.along)
         attrs = {"units": unit(quantity.dimension, plan.scene.units)}
         attrs["long_name"] = quantity.meaning
@@ -64,10 +63,10 @@ def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
     return result
 
 
-def _bodies(plan: Plan) -> dict[str, Material]:
+def _bodies(plan: SurveyPlan) -> dict[str, Material]:
     """Return the bodies whose wave speeds are told, by the prefix of their names."""
-    if isinstance(plan.scene, Pair):
-        return {"": plan.scene.upper, "lower_": plan.scene.lower}
+    if isinstance(plan.scene, Scene) and of_two_bodies(plan.scene, (*plan.values, *plan.fixed)):
+        return dict(zip(("", "lower_"), plan.scene.bodies, strict=True))
     return {"": plan.scene.material}
 
 
@@ -75,13 +74,13 @@ def _material_of(prefix: str) -> tuple[str, ...]:
     return tuple(f"{prefix}{name}" for name in MATERIAL)
 
 
-def _of_body(prefix: str, quantity: Quantity) -> Quantity:
+def _of_body(prefix: str, quantity: SurveyVariable) -> SurveyVariable:
     return (
         replace(quantity, meaning=f"{quantity.meaning} of the lower body") if prefix else quantity
     )
 
 
-def filled(arrays: Mapping[str, Any], plan: Plan, chunks: Chunks) -> None:
+def filled(arrays: Mapping[str, Any], plan: SurveyPlan, chunks: Chunks) -> None:
     """Copy the chunks of a survey into arrays that are filled with absent values."""
     for index, data in chunks():
         region = plan.regions[index]
@@ -95,7 +94,7 @@ def filled(arrays: Mapping[str, Any], plan: Plan, chunks: Chunks) -> None:
                 arrays[name][where] = column.reshape(*shape, *column.shape[1:])
 
 
-def wave_speeds(plan: Plan) -> dict[str, Array]:
+def wave_speeds(plan: SurveyPlan) -> dict[str, Array]:
     """Return the speeds of all waves [length / time] along dimensions that change the material."""
     result: dict[str, Array] = {}
     for prefix, body in _bodies(plan).items():
@@ -103,7 +102,7 @@ def wave_speeds(plan: Plan) -> dict[str, Array]:
     return result
 
 
-def _speeds_of(plan: Plan, prefix: str, body: Material) -> dict[str, Array]:
+def _speeds_of(plan: SurveyPlan, prefix: str, body: Material) -> dict[str, Array]:
     """Return the speeds of the waves of one body."""
     names = _material_of(prefix)
     known = {name: getattr(body, name.removeprefix(prefix)) for name in names} | dict(plan.fixed)
@@ -126,7 +125,9 @@ def _speeds_of(plan: Plan, prefix: str, body: Material) -> dict[str, Array]:
     return speeds | {"shear_speed": np.where(sound, shear, np.nan)}
 
 
-def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]]:
+def coordinates(
+    plan: SurveyPlan,
+) -> dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]]:
     """Return the coordinates by name: dimensions, values, attributes."""
     question = plan.question
     result: dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]] = {}
@@ -149,13 +150,13 @@ def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], di
     return result
 
 
-def _parameter_attrs(plan: Plan, name: str) -> dict[str, str]:
+def _parameter_attrs(plan: SurveyPlan, name: str) -> dict[str, str]:
     """Return the unit and meaning of a parameter as attributes of its coordinate."""
     units = unit(numbers_of(plan.scene)[name].dimension, plan.scene.units)
     return {"units": units, "long_name": name.replace("_", " ")}
 
 
-def attributes(plan: Plan, command: str) -> dict[str, Any]:
+def attributes(plan: SurveyPlan, command: str) -> dict[str, Any]:
     """Return the attributes of the whole dataset."""
     return {
         "title": f"slipfront survey of {plan.count} points",
@@ -168,7 +169,7 @@ def attributes(plan: Plan, command: str) -> dict[str, Any]:
     }
 
 
-def dataset_of(plan: Plan, chunks: Chunks, command: str) -> Any:
+def dataset_of(plan: SurveyPlan, chunks: Chunks, command: str) -> Any:
     """Put the survey together as an `xarray.Dataset` in memory."""
     import xarray
 

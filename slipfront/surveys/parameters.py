@@ -3,46 +3,36 @@
 from __future__ import annotations
 
 import difflib
-from os import PathLike, fspath
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.dissimilar.described import pair_of
-from semianalytic.dissimilar.pair import Pair
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.named import described_interface
 from semianalytic.parameters.numbers import numbers_of, spelled
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.finding import checked_scene, find_blocks
+from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
-Subject = Scene | Pair | InterfaceFile
+Subject = Scene | InterfaceFile
 """What a survey is of."""
 
 MATERIAL = ("shear_modulus", "density", "poisson_ratio")
 
 
 def checked_subject(given: object) -> Subject:
-    """Return the scene, pair or interface that a survey was given, itself or by its name or file.
+    """Return the scene or interface that a survey was given, itself or by its name or file.
 
     Raises
     ------
     SceneError
         If it is none of them.
     """
-    if isinstance(given, Pair):
-        return given
     described = described_interface(given)
-    if described is not None:
-        return described
-    if isinstance(given, str | PathLike):
-        scene, lower = find_blocks(fspath(given))
-        return scene if lower in (None, scene.material) else pair_of(scene, lower)
-    return checked_scene("survey", given)
+    return checked_scene("survey", given) if described is None else described
 
 
 def parameter_name(subject: Subject, given: str) -> str:

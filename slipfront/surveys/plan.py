@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
@@ -16,8 +16,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.dissimilar.described import pair_document
-from semianalytic.dissimilar.pair import Pair
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
 from semianalytic.results.answer import FIELDS
@@ -25,6 +23,7 @@ from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.scene import Scene
 from slipfront.surveys.parameters import (
     Array,
     Subject,
@@ -109,12 +108,12 @@ class Question:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class SurveyPlan:
     """A survey: a scene or interface, the values of its parameters, and its options.
 
     Attributes
     ----------
-    scene : Scene, Pair or InterfaceFile
+    scene : Scene or InterfaceFile
     values : mapping of parameter to (n,) array
     fixed : mapping of parameter to number
         Parameters that replace those of the scene by one value at all points.
@@ -193,11 +192,9 @@ class Plan:
 
     @cached_property
     def document(self) -> dict[str, Any]:
-        """The scene, pair or interface as text and numbers."""
+        """The scene or interface as text and numbers."""
         if isinstance(self.scene, InterfaceFile):
             return self.scene.document()
-        if isinstance(self.scene, Pair):
-            return pair_document(self.scene)
         return scene_document(self.scene)
 
     @cached_property
@@ -271,7 +268,7 @@ def planned(
     *,
     together: bool = False,
     chunk: int | None = None,
-) -> Plan:
+) -> SurveyPlan:
     """Plan a survey and check it; parameters with a single number are fixed.
 
     Raises
@@ -306,12 +303,12 @@ def planned(
     points = _usual_chunk(scene, list(values)) if chunk is None else chunk
     points = checked_count("survey: chunk", points, 1, "a whole number from")
     question = question.checked(of_interface)
-    if isinstance(scene, Pair) and (question.nodes or question.length):
+    if of_two_bodies(scene, parameters) and (question.nodes or question.length):
         raise SceneError(
             "survey: nodes and length are for marches, and two different bodies are solved "
             "exactly; leave them out."
         )
-    plan = Plan(scene, values, fixed, together, question, points)
+    plan = SurveyPlan(scene, values, fixed, together, question, points)
     _check_count("points", plan.count, MOST_POINTS)
     if plan.chunks > MOST_CHUNKS:
         raise SceneError(
@@ -319,6 +316,12 @@ def planned(
             f"{math.ceil(points * plan.chunks / MOST_CHUNKS):,}, or ask for fewer points."
         )
     return plan
+
+
+def of_two_bodies(scene: Subject, names: Iterable[str]) -> bool:
+    """Return whether a survey of a scene over parameters is of two different bodies."""
+    lower = any(name.startswith("lower_") for name in names)
+    return isinstance(scene, Scene) and (lower or scene.lower_material is not None)
 
 
 def _check_count(what: str, count: int, most: int) -> None:
@@ -330,7 +333,7 @@ def _check_count(what: str, count: int, most: int) -> None:
 def _usual_chunk(scene: Subject, names: Sequence[str]) -> int:
     if isinstance(scene, InterfaceFile):
         return RUN
-    if isinstance(scene, Pair):
+    if of_two_bodies(scene, names):
         return PAIRS
     if not scene.is_self_similar or scene.friction_law.fall_with_rate:
         return MARCHED

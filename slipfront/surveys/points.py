@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.dissimilar.pair import Pair
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.methods import chosen, solve
@@ -44,7 +43,7 @@ def solved_chunk(
 
     Parameters
     ----------
-    scene : Scene, Pair or InterfaceFile
+    scene : Scene or InterfaceFile
     values : mapping of parameter to (m,) array
     fixed : mapping of parameter to number
     question : Question
@@ -52,16 +51,14 @@ def solved_chunk(
     count = len(next(iter(values.values())))
     rows: list[Values] = [{} for _ in range(count)]
     scenes: dict[int, Scene] = {}
-    pairs: dict[int, Pair] = {}
+    pairs: dict[int, Scene] = {}
     for i, numbers in enumerate(zip(*(row.tolist() for row in values.values()), strict=True)):
         given = {**fixed, **dict(zip(values, numbers, strict=True))}
         start = process_time()
         try:
             problem = with_numbers(scene, given)
             if isinstance(problem, Scene):
-                scenes[i] = problem
-            elif isinstance(problem, Pair):
-                pairs[i] = problem
+                (scenes if problem.lower_material is None else pairs)[i] = problem
             else:
                 rows[i] = interface_row(problem, question)
                 rows[i]["seconds"] = process_time() - start
@@ -129,8 +126,8 @@ def _swept(scenes: Sequence[Scene], question: Question, start: float) -> list[Va
     return [{**row, "seconds": seconds} for row in rows]
 
 
-def _alone(scene: Scene | Pair, question: Question) -> Values:
-    """Return the row of one scene, or of one pair."""
+def _alone(scene: Scene, question: Question) -> Values:
+    """Return the row of one scene."""
     start = process_time()
     try:
         answer = _asked(scene, question)
@@ -146,7 +143,7 @@ def _alone(scene: Scene | Pair, question: Question) -> Values:
     return {**row, "seconds": process_time() - start}
 
 
-def _asked(scene: Scene | Pair, question: Question) -> Solution | PairSolution | Marched:
+def _asked(scene: Scene, question: Question) -> Solution | PairSolution | Marched:
     if chosen(scene).name != MARCHED:
         return solve(scene, rtol=question.rtol or DEFAULT_RTOL)
     options = {name: getattr(question, name) for name in ("end_time", "nodes", "length", "rtol")}

@@ -24,7 +24,7 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import XARRAY, require
 from slipfront.surveys.parameters import Subject
-from slipfront.surveys.plan import Plan, Question, planned
+from slipfront.surveys.plan import Question, SurveyPlan, planned
 from slipfront.surveys.points import solved_chunk
 from slipfront.surveys.store import Store, opened_store
 
@@ -57,8 +57,8 @@ def survey(
 
     Parameters
     ----------
-    scene : Scene, Pair, Interface, InterfaceFile, str or path
-        Values that no parameter replaces are those of this scene, pair or interface, or of that of
+    scene : Scene, Interface, InterfaceFile, str or path
+        Values that no parameter replaces are those of this scene or interface, or of that of
         this name or file, as for `find`.  If a function of
         an interface, or its law, was defined in a notebook or the running program, one process
         does all.
@@ -95,7 +95,7 @@ def survey(
         Any numbers of the scene: friction, poisson_ratio, shear_modulus, density, base_pressure,
         base_shear, load_pressure, load_shear, viscosity; numbers of histories and friction laws
         as shear_history_rise_time or, dotted, ``**{"friction_law.reduction": ...}``; the lower
-        body of a pair as lower_shear_modulus, lower_density, lower_poisson_ratio.  Units are those
+        body as lower_shear_modulus, lower_density, lower_poisson_ratio.  Units are those
         of the scene.  Single numbers are the same at all points.  Those of interfaces go by their
         places in a file, such as law_distance, load_shear, contact_end or pressure; a field that
         varies is multiplied by a parameter such as pressure_factor (docs/engine.md).
@@ -134,7 +134,7 @@ def _samples(name: str, given: ArrayLike) -> tuple[float, ...]:
 
 
 def run_survey(
-    plan: Plan,
+    plan: SurveyPlan,
     path: Path | None,
     workers: int | None,
     client: Any,
@@ -173,7 +173,7 @@ def run_survey(
 
 
 def _solve(
-    plan: Plan,
+    plan: SurveyPlan,
     known: Any,
     keep: Callable[[int, bytes], object],
     workers: int | None,
@@ -195,7 +195,7 @@ def _solve(
             progress(done, plan.count)
 
 
-def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
+def _write(path: Path, plan: SurveyPlan, store: Store, command: str) -> Any:
     """Write all chunks to the file and return the survey."""
     from slipfront.surveys.dataset import dataset_of, netcdf_bytes
 
@@ -211,7 +211,7 @@ def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
     return result
 
 
-def _written(path: Path, plan: Plan) -> Any:
+def _written(path: Path, plan: SurveyPlan) -> Any:
     """Return the survey that a file holds, if it is the planned one."""
     import xarray
 

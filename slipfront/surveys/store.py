@@ -11,7 +11,7 @@ from compare.output.files import write_text
 from compare.output.places import working_folder
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.errors import DataFileError
-from slipfront.surveys.plan import Plan
+from slipfront.surveys.plan import SurveyPlan
 
 _PLAN = "survey.json"
 
@@ -57,7 +57,7 @@ def store_folder(path: Path) -> Path:
 
 
 @contextmanager
-def opened_store(path: Path, plan: Plan) -> Iterator[Store]:
+def opened_store(path: Path, plan: SurveyPlan) -> Iterator[Store]:
     """Open the store of a survey that will become a file, for one run at a time.
 
     Raises
@@ -73,7 +73,7 @@ def opened_store(path: Path, plan: Plan) -> Iterator[Store]:
         folder.rmdir()
 
 
-def _check(folder: Path, plan: Plan) -> None:
+def _check(folder: Path, plan: SurveyPlan) -> None:
     """Check that a folder belongs to this survey; record the survey in a new folder."""
     text = json.dumps(plan.identity, indent=2, sort_keys=True) + "\n"
     try:

@@ -39,7 +39,7 @@ def test_command_keeps_checkpoints_by_seconds(tmp_path, monkeypatch):
     command = ["simulate", "preloaded", "--resolution", "16", "--no-snapshots", "--quiet"]
     again = [*command, "--output", str(tmp_path), "--checkpoint-seconds"]
     with monkeypatch.context() as patch:
-        patch.setattr("fem.record.Record.level", stop_at_level(23))
+        patch.setattr("fem.record.MeshRecord.level", stop_at_level(23))
         assert cli.main([*again, "3600"]) == cli.INTERRUPTED
         assert not (tmp_path / "checkpoint.h5").exists()  # neither time nor 100 steps are up
         assert cli.main([*again, "1e-9"]) == cli.INTERRUPTED
@@ -70,9 +70,9 @@ def test_progress_bar_is_silent_when_quiet_or_without_a_terminal(quiet, terminal
 
 
 def stop_at_level(level):
-    from fem.record import Record
+    from fem.record import MeshRecord
 
-    original = Record.level
+    original = MeshRecord.level
 
     def stop(self, step):
         if step == level:

@@ -70,8 +70,9 @@ def test_companions_have_the_settings_of_the_simulation():
     assert_same_run(run.companion, simulate(SHOCK, resolution=16, every=2, **options))
     assert_same_run(run.companion.companion, simulate(SHOCK, resolution=8, **options))
     lower = sf.Material(2.0, 1.0, 0.3)
-    run = with_companions(simulate(SHOCK, resolution=20, lower_material=lower))
-    assert_same_run(run.companion, simulate(SHOCK, resolution=10, lower_material=lower))
+    pair = replace(SHOCK, lower_material=lower)
+    run = with_companions(simulate(pair, resolution=20))
+    assert_same_run(run.companion, simulate(pair, resolution=10))
     run = with_companions(simulate(SHOCK, resolution=20, every=10**6))
     assert len(run.companion.interface.t) <= 3
 
@@ -112,7 +113,7 @@ def test_companions_end_where_a_coarse_mesh_cannot_be_run(monkeypatch):
 def test_progress_is_told_and_the_coarse_mesh_is_not_complained_about(recwarn):
     steps = []
     slow = sf.Material(0.16, 1.0, 1 / 3)  # 16 elements in the simulation, 8 and 4 in companions
-    run = simulate(SHOCK, resolution=40, lower_material=slow)
+    run = simulate(replace(SHOCK, lower_material=slow), resolution=40)
     run = with_companions(run, lambda step, of: steps.append((step, of)))
     assert not recwarn.list
     assert run.companion.caution

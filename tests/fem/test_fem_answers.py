@@ -7,8 +7,10 @@ import pytest
 from catalogue import solved, unit_scene
 
 import semianalytic as sf
-from fem import Settings, cost, load_simulation, opening_sentence, prepare, simulate
+from fem import Settings, cost, load_simulation, simulate
+from fem.model import prepare
 from fem.resolution import LEAST_CROSSED
+from fem.results import opening_sentence
 from fem.run import drift, levels
 from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.scene.given.finding import find_scene
@@ -216,8 +218,6 @@ def test_what_is_no_option_is_refused():
     for ask in (simulate, cost, prepare):
         with pytest.raises(TypeError, match="resolutions"):
             ask(scene, resolutions=50)
-    with pytest.raises(sf.SceneError, match="lower_material must be a Material"):
-        prepare(scene, lower_material="steel")
 
 
 def test_prepared_model_is_that_of_the_simulation():
@@ -236,9 +236,9 @@ def test_prepared_model_is_that_of_the_simulation():
 
 def test_body_too_slow_for_the_mesh_is_named_with_a_resolution_that_would_do():
     scene, rubber = find_scene("preloaded"), sf.Material(1 / 16, 1.0, 0.45)
-    options = {"end_time": 0.5, "lower_material": rubber}
+    scene = replace(scene, lower_material=rubber)
     with pytest.warns(UserWarning, match="the lower block is under-resolved") as caught:
-        sim = simulate(scene, resolution=20, **options)
+        sim = simulate(scene, 0.5, resolution=20)
     assert str(caught[0].message) == sim.caution
     assert "crosses 5 elements" in sim.caution
     needed = int(sim.caution.split("a resolution of ")[1].split()[0])
@@ -250,4 +250,5 @@ def test_body_too_slow_for_the_mesh_is_named_with_a_resolution_that_would_do():
 
 def test_faster_lower_body_needs_no_caution():
     assert not named("preloaded").caution
-    assert not replace(named("preloaded"), lower_material=sf.Material(4.0, 1.0, 0.3)).caution
+    fast = replace(find_scene("preloaded"), lower_material=sf.Material(4.0, 1.0, 0.3))
+    assert not replace(named("preloaded"), scene=fast).caution

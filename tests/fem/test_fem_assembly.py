@@ -8,10 +8,11 @@ from catalogue import PRELOADED, UNIT, unit_scene
 from skfem import Basis, ElementVector, FacetBasis, LinearForm, asm
 from skfem.models.elasticity import linear_elasticity
 
-from fem import Settings, prepare, simulate
+from fem import Settings, simulate
 from fem.elements.assembly import lumped_mass, make_space, stiffness, tributary_length
 from fem.elements.edge import FARTHEST, edge_offset, surface_stiffness
 from fem.elements.families import FAMILIES
+from fem.model import prepare
 from fem.plan import Plan
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, cached_mesh, causal_blocks

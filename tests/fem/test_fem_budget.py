@@ -9,7 +9,8 @@ import pytest
 from catalogue import PRELOADED as SHEARED
 from catalogue import UNIT, unit_scene
 
-from fem import cost, prepare, simulate
+from fem import cost, simulate
+from fem.model import prepare
 from fem.stepping import critical_step, highest_frequency
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
@@ -52,7 +53,7 @@ print(json.dumps({
         (SHEARED, {"mesh": "graded", "element": "Q2"}),
         (MIXED, {"end_time": 0.3}),
         (MIXED, {"model": "two-blocks"}),
-        (MIXED, {"lower_material": Material(4.0, 1.0, 0.2)}),
+        (dataclasses.replace(MIXED, lower_material=Material(4.0, 1.0, 0.2)), {}),
         (dataclasses.replace(SHEARED, material=Material(3.0, 2.0, 0.49)), {"resolution": 8}),
         (dataclasses.replace(SHEARED, material=Material(3.0, 2.0, -0.8)), {}),
     ],

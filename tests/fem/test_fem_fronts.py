@@ -150,4 +150,4 @@ def test_an_incident_wave_solves_the_equation_of_motion():
 )
 def test_what_begins_before_the_simulation_is_refused(load, options, words):
     with pytest.raises(sf.SceneError, match=words):
-        simulate(sf.Scene(UNIT, 0.5, PRESSED, load), resolution=12, **options)
+        simulate(sf.Scene(UNIT, 0.5, PRESSED, load, **options), resolution=12)

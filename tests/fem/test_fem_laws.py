@@ -7,9 +7,9 @@ import pytest
 from catalogue import PRELOADED, SHOCK, unit_scene
 
 import semianalytic as sf
-from fem import BACKWARD, FORWARD, OPEN, STICK, simulate
+from fem import simulate
 from fem.elements.families import FAMILIES
-from fem.interface import strength
+from fem.interface import BACKWARD, FORWARD, OPEN, STICK, strength
 from semianalytic.scene.given.finding import find_scene
 from tests.fem.runs import FIELDS, LAWS, RISING, SCENES, UNLOADED, mixed, run, sheared
 

@@ -132,12 +132,12 @@ def test_gap_converges_to_the_exact_one_with_second_order():
 
 
 def test_equal_lower_material_changes_nothing_but_the_walls():
-    same = simulate(REMOTE, resolution=24, lower_material=UNIT)
+    same = simulate(replace(REMOTE, lower_material=UNIT), resolution=24)
     assert same.model == LOCKSTEP
     almost = sf.Material(1.0 + 1e-9, 1.0, 1 / 3)
-    run = simulate(REMOTE, resolution=24, lower_material=almost)
+    run = simulate(replace(REMOTE, lower_material=almost), resolution=24)
     assert run.model == "two blocks of different materials"
-    assert run.lower_material == almost
+    assert run.scene.lower_material == almost
     for name in ("slip_rate", "shear_traction", "pressure"):
         one, other = getattr(same.interface, name), getattr(run.interface, name)
         # the moduli differ by 1e-9; forerunners from the free walls stay below 1e-7
@@ -146,7 +146,7 @@ def test_equal_lower_material_changes_nothing_but_the_walls():
 
 def test_slip_between_different_materials_changes_the_pressure():
     soft = sf.Material(0.25, 1.0, 1 / 3)
-    run = simulate(PRELOADED, resolution=40, lower_material=soft)
+    run = simulate(replace(PRELOADED, lower_material=soft), resolution=40)
     assert np.abs(run.interface.pressure[-1] - 1).max() > 0.1
     assert run.energy.residual < 1e-13
     assert np.diff(run.energy.friction, prepend=0).min() >= -1e-15
@@ -154,10 +154,9 @@ def test_slip_between_different_materials_changes_the_pressure():
     assert (np.abs(run.interface.shear_traction) <= strength * (1 + 1e-14)).all()
     # the same interface seen from below: the soft body on top, and shear the other way
     turned = simulate(
-        sf.Scene(soft, 0.3, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, -1.0)),
+        sf.Scene(soft, 0.3, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, -1.0), lower_material=UNIT),
         end_time=1.0,
         resolution=20,  # h = c_t T / resolution, c_t of the upper block
-        lower_material=UNIT,
         damping=0.01,
     )
     assert turned.element_size == run.element_size
@@ -169,7 +168,7 @@ def test_slip_between_different_materials_changes_the_pressure():
 def test_different_materials_cannot_slide_everywhere():
     scene = replace(REMOTE, friction=0.5)
     with pytest.raises(sf.SceneError, match="different materials"):
-        simulate(scene, lower_material=sf.Material(2.0, 1.0, 1 / 3))
+        simulate(replace(scene, lower_material=sf.Material(2.0, 1.0, 1 / 3)))
 
 
 # --- loading from afar ------------------------------------------------------------------------

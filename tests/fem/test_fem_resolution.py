@@ -1,6 +1,7 @@
 """What a mesh resolves of a load, and loads too fast for it are refused."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,9 +27,9 @@ from tests.fem.runs import l1
 SLOWER = Material(1.0, 4.0, 1 / 3)
 
 
-def sheared(history, resolution, **options):
+def sheared(history, resolution, lower_material=None, **options):
     """A run under shear that rises and falls, on pressure that slips before long."""
-    scene = unit_scene(0.15, shear_history=history)
+    scene = unit_scene(0.15, shear_history=history, lower_material=lower_material)
     return simulate(scene, resolution=resolution, every=10**6, **options)
 
 
@@ -175,7 +176,8 @@ def test_too_short_a_process_zone_is_told_with_elements_and_resolution():
 
 def told_of(scene, size, lower_material=None):
     """What is told of a mesh of elements of a size, until T = 1."""
-    return weakening_caution(scene, lower_material, 1.0, round(1 / size))
+    scene = replace(scene, lower_material=lower_material)
+    return weakening_caution(scene, 1.0, round(1 / size))
 
 
 def test_softer_block_shortens_the_process_zone():
@@ -186,6 +188,6 @@ def test_softer_block_shortens_the_process_zone():
 
 
 def test_every_caution_is_told():
-    told = mesh_caution(weakening(), SLOWER, 1.0, 10)
+    told = mesh_caution(replace(weakening(), lower_material=SLOWER), 1.0, 10)
     assert "the lower block is under-resolved" in told
     assert "slip weakening is under-resolved" in told

@@ -7,7 +7,8 @@ import pytest
 from catalogue import PRELOADED, SHOCK, STEEL, UNIT, unit_scene
 
 import semianalytic as sf
-from fem import prepare, simulate
+from fem import simulate
+from fem.model import prepare
 from fem.run import drift, levels
 from semianalytic.reference import slip_rate_under_shear_step
 from tests.fem.runs import SCENES, l1, run

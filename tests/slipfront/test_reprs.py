@@ -10,6 +10,7 @@ from catalogue import PRELOADED, solved
 
 import slipfront as sf
 from compare.comparison.judgement import judge
+from fem.model import prepare
 from semianalytic.results.in_words import html_table
 
 X, T = np.array([0.1, 0.2]), np.linspace(0.1, 1.0, 20)
@@ -35,7 +36,7 @@ def validated():
         (lambda: sf.solve(PRELOADED, method="space-time", nodes=32), "<Marched: to t = 1 in "),
         (lambda: punched(), r"64 nodes, .* frames; unresolved, error of slip 1"),
         (lambda: punched(estimate=False), "done, no error estimate>"),
-        (lambda: sf.prepare(PRELOADED, resolution=8), "<Model: antisymmetric half, 1,380 unknowns"),
+        (lambda: prepare(PRELOADED, resolution=8), "<Model: antisymmetric half, 1,380 unknowns"),
         (lambda: sf.simulate(PRELOADED, resolution=8), "Simulation.antisymmetric half, 1,380"),
         (validated, r"<Validation: agrees .rows agrees: \d, differs: 0, unresolved: 0.>"),
         (

@@ -17,7 +17,8 @@ from compare.comparison.fields.fronts import Fronts, TwoBodies, fronts_between, 
 from compare.comparison.fields.pairs import Pair, alike, area_norm, frame_pairs
 from compare.comparison.measures import NOTHING
 from compare.comparison.snapshots import listed_frames
-from semianalytic import PairSolution, Scene
+from semianalytic import Scene
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer, BodyFields
 
 if TYPE_CHECKING:
@@ -153,13 +154,12 @@ def _undisturbed(simulation: Simulation, frame: Frame, size: float) -> Frame:
     """
     from meshes.blocks import causal_margin  # commands name all that they lack, not meshes alone
 
-    scene, lower = simulation.scene, simulation.lower_material
-    bodies = scene.material, lower or scene.material
-    alike, slowness = bodies[0] == bodies[1], -scene.front_slowness
+    scene = simulation.scene
+    alike, slowness = scene.lower_material is None, -scene.front_slowness
     since = frame.time - slowness * -frame.nodes.x.min()
     if since <= 0 or (alike and not slowness):
         return frame
-    speed = max(map(scene.fastest_in, bodies))
+    speed = scene.fastest_speed
     damping_time = simulation.damping * size / scene.material.shear_speed
     return frame.clear_of_left(speed * since + causal_margin(speed, since, size, damping_time))
 
@@ -236,5 +236,5 @@ def fronts_in(
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
     edges = [edge for part in parts for edge in (part.inner, part.outer)]
     if isinstance(prediction, PairSolution):
-        return fronts_between(prediction.pair, edges)
+        return fronts_between(prediction.scene, edges)
     return fronts_of(scene, edges, shortest)

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic import Pair, Scene
+from semianalytic import Scene
 
 Array = NDArray[np.float64]
 
@@ -107,7 +107,7 @@ class TwoBodies:
         return np.where(np.signbit(y), below, above)
 
 
-def fronts_between(pair: Pair, edges: Sequence[float] = ()) -> TwoBodies:
+def fronts_between(scene: Scene, edges: Sequence[float] = ()) -> TwoBodies:
     """Return the fronts that a step on the slot sends into two different bodies.
 
     Whatever runs along the contact faster than a wave of a body, a wave of either body or the end
@@ -115,18 +115,18 @@ def fronts_between(pair: Pair, edges: Sequence[float] = ()) -> TwoBodies:
 
     Parameters
     ----------
-    pair : Pair
+    scene : Scene
     edges : sequence of float
         Velocities of the ends of its slip zones and openings [length / time].
     """
-    bodies = (pair.upper, pair.lower)
+    bodies, load = scene.bodies, scene.superposition.taken_off
     moving = [edge for edge in edges if 0 < edge < math.inf]
     waves = [(1 / one.longitudinal_speed, 1 / one.shear_speed) for one in bodies]
     sources = {1 / edge for edge in moving}.union(*waves)
     found = []
     for (pressure, shear), body in zip(waves, bodies, strict=True):
-        lines = [StraightFront(shear, 0.0, -1)] if pair.load.shear else []
-        lines += [StraightFront(pressure, 0.0, -1)] if pair.load.pressure else []
+        lines = [StraightFront(shear, 0.0, -1)] if load.shear else []
+        lines += [StraightFront(pressure, 0.0, -1)] if load.pressure else []
         lines.append(StraightFront(shear, pressure, -1))
         lines += [StraightFront(s, u, 1) for s in (pressure, shear) for u in sources if u < s]
         points = (*moving, -body.rayleigh_speed)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
-from compare.comparison.case import Case, lower_of
+from compare.comparison.case import Case
 from compare.comparison.judging import Comparison, judged, mesh_changes
 from compare.comparison.measures import ROUNDING
 from compare.comparison.quantities.arrivals import (
@@ -85,8 +85,8 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     """
     if not _reaches(case):
         return
-    scene, lower = case.prediction.scene, lower_of(case.prediction)
-    own, fronts = scene_fronts(scene), contact_fronts(scene, lower)
+    scene = case.prediction.scene
+    own, fronts = scene_fronts(scene), contact_fronts(scene)
     end, prediction = case.end_time, case.prediction
     ends = [(zone.start, zone.end) for zone in prediction.zones_at(end)]
     ends += [(opening.start, opening.end) for opening in prediction.openings_at(end)]

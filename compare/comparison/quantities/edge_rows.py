@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar, error_bar
-from compare.comparison.case import NARROW, UNSEEN, Case, lower_of
+from compare.comparison.case import NARROW, UNSEEN, Case
 from compare.comparison.judging import Comparison, judged, rate_bar, value_row
 from compare.comparison.measures import NOTHING, ROUNDING
 from compare.comparison.rows import Row
-from semianalytic import InterfaceHistory
 from semianalytic.results.answer import OpenInterval, SlipInterval
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import open_intervals, slip_intervals
 from semianalytic.results.sampled import interpolated
 
@@ -123,12 +123,8 @@ def _edge_rows(
 
 def _is_arrival(case: Case, edge: float) -> bool:
     """Whether an edge [length] runs with the P wave of either body."""
-    bodies = case.prediction.scene.material, lower_of(case.prediction)
-    speed = edge / case.end_time
-    return any(
-        body is not None and math.isclose(speed, body.longitudinal_speed, rel_tol=SHARED)
-        for body in bodies
-    )
+    speed, bodies = edge / case.end_time, case.prediction.scene.bodies
+    return any(math.isclose(speed, body.longitudinal_speed, rel_tol=SHARED) for body in bodies)
 
 
 def narrow_obstacle(

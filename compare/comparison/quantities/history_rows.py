@@ -23,7 +23,8 @@ from compare.comparison.measures import (
     onset_time,
 )
 from compare.comparison.rows import Row
-from semianalytic import Harmonic, InterfaceHistory
+from semianalytic import Harmonic
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
 Array = NDArray[np.float64]

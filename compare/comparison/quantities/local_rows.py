@@ -15,7 +15,7 @@ from compare.comparison.fields.fronts import jump_times
 from compare.comparison.judging import Comparison, judged
 from compare.comparison.measures import NOTHING, ROUNDING
 from compare.comparison.rows import Row
-from semianalytic import InterfaceHistory
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
 Array = NDArray[np.float64]

@@ -15,8 +15,8 @@ from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narr
 from compare.comparison.judging import Comparison, judged, profile_row
 from compare.comparison.measures import NOTHING, ROUNDING, norm, within, worn
 from compare.comparison.rows import Row
-from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
+from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
 Answers = Callable[[ArrayLike, ArrayLike], Array]
@@ -321,7 +321,7 @@ def _beside_edge(case: Case) -> float:
 
 def _farthest(case: Case) -> float:
     """Position up to which slip is compared [length], counted by the faster shear wave."""
-    return FARTHEST * max(body.shear_speed for body in case.bodies) * case.end_time
+    return FARTHEST * max(body.shear_speed for body in case.scene.bodies) * case.end_time
 
 
 def _disturbed(case: Case) -> tuple[float, float]:

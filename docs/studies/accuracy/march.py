@@ -20,6 +20,7 @@ import semianalytic as sf
 from compare.comparison.measures import in_profile, relative_error
 from docs.studies.runner import Point, Row, Study, grouped, main
 from docs.studies.trials.draws import drawn, random_history_scene, random_step_scene
+from semianalytic.results.answer import Answer
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -115,7 +116,7 @@ def field_errors(scene: sf.Scene, nodes: int) -> Row:
     return errors
 
 
-def judged(name: str, marched: sf.Marched, truth: sf.Answer) -> list[Row]:
+def judged(name: str, marched: sf.Marched, truth: Answer) -> list[Row]:
     """Compare the relative errors of a march with its estimates; no rows if nothing happens.
 
     The errors are those of slip rate in L1 over space and time, of final fields in L1 over space,
@@ -123,7 +124,7 @@ def judged(name: str, marched: sf.Marched, truth: sf.Answer) -> list[Row]:
     """
     x, end = marched.interface.x, marched.end_time
     errors = {"slip rate": (rate_error(marched, truth), marched.error_estimate)}
-    readings: Mapping[str, Callable[[sf.Answer], Array]] = {
+    readings: Mapping[str, Callable[[Answer], Array]] = {
         "slip": lambda answer: answer.slip(x, end),
         "shear traction": lambda answer: answer.shear_traction(x, end),
         "largest slip": lambda answer: answer.max_slip(end),
@@ -150,7 +151,7 @@ def reference(scene: sf.Scene, end: float, nodes: int, length: float | None = No
     return sf.solve(scene, end_time=end, companion=False, **options)
 
 
-def rate_error(marched: sf.Marched, truth: sf.Answer) -> float:
+def rate_error(marched: sf.Marched, truth: Answer) -> float:
     """Return the relative L1 error of the slip rate of a march over nodes and stored levels."""
     own = marched.interface
     seen = np.arange(len(own.t) - 1, 0, -max(1, len(own.t) // LEVELS))

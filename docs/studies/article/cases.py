@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 from docs.studies.article.prescribed import slipping_half_plane
 from docs.studies.runner import Row
 from fem import simulate
-from semianalytic import InterfaceHistory, Material, Scene, Solution, Tractions, solve
+from semianalytic import Material, Scene, Solution, Tractions, solve
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.reference.kernels import SlipHistory, interface_traction
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.loading import REMOTE
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ from docs.studies.article.cases import (
     article_scene,
 )
 from docs.studies.runner import Row
-from semianalytic import SlipZone, solve
+from semianalytic import solve
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.reference import (
     DEFAULT_READING,
@@ -27,6 +27,7 @@ from semianalytic.reference import (
     examine_reading,
     published_slip,
 )
+from semianalytic.selfsimilar.zones.motion import SlipZone
 
 Array = NDArray[np.float64]
 

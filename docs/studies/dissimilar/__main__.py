@@ -15,11 +15,12 @@ from matplotlib.figure import Figure
 from compare.figures.style import BLACK, SMALL, STICK_SHADE, outline
 from docs.studies.dissimilar import pairs
 from docs.studies.runner import Point, Row, Study, drawn, main
-from semianalytic import PairSolution, SceneError, sliding_stability, solve
+from semianalytic import SceneError, sliding_stability, solve
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.growth import growing_waves
 from semianalytic.dissimilar.thresholds import generalised_rayleigh_speed, growth_threshold
 from semianalytic.dissimilar.whole_line import half_line_exponent, half_line_speed
+from semianalytic.dissimilar_slot.solution import PairSolution
 
 MAPPED, FRICTIONS = (1.02, 4.0), (0.01, 1.25)
 """Contrasts of the map, speeds of the lower over the upper body of the same density and Poisson

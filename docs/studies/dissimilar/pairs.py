@@ -16,7 +16,8 @@ from compare.comparison.fields.changes import PARTS
 from compare.comparison.fields.errors import FieldErrors, field_errors
 from docs.studies.runner import Row
 from fem import Simulation, simulate, with_companions
-from semianalytic import CoulombFriction, Material, Pair, PairSolution, Tractions, ViscousFriction
+from semianalytic import CoulombFriction, Material, Scene, Tractions, ViscousFriction
+from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.halfplane.rayleigh import Array
 
 FIELDS_RESOLUTION = 64
@@ -48,7 +49,7 @@ def of_contrast(ratio: float, poisson_ratio: float = 0.25) -> tuple[Material, Ma
     return Material(1.0, 1.0, poisson_ratio), Material(ratio**2, 1.0, poisson_ratio)
 
 
-def random_pair(rng: np.random.Generator) -> Pair:
+def random_pair(rng: np.random.Generator) -> Scene:
     """Two solids with speeds within a factor of 2.5 and a load that makes them slip or part."""
     upper, lower = rng.uniform(-0.1, 0.45, 2)
     ratio, density = np.exp(rng.uniform(-0.9, 0.9)), np.exp(rng.uniform(-0.7, 0.7))
@@ -58,13 +59,13 @@ def random_pair(rng: np.random.Generator) -> Pair:
     pressures = [0.0, rng.uniform(0, 1.5), -rng.uniform(0, 1.5), rng.normal(), 0.0]
     film = rng.random() < 0.15
     law = ViscousFriction(rng.uniform(0, 2)) if film else CoulombFriction()
-    return Pair(
+    return Scene(
         Material(1.0, 1.0, upper),
-        Material(ratio**2 * density, density, lower),
         friction,
         Tractions(1.0, base),
         Tractions(pressures[kind], shear),
-        law,
+        friction_law=law,
+        lower_material=Material(ratio**2 * density, density, lower),
     )
 
 
@@ -79,12 +80,14 @@ def _scene(
     base: float,
     load: tuple[float, float],
     film: float = 0.0,
-) -> Pair:
+) -> Scene:
     law = ViscousFriction(film) if film else CoulombFriction()
-    return Pair(*bodies, friction, Tractions(base, 0.0), Tractions(*load), law)
+    upper, lower = bodies
+    before, after = Tractions(base, 0.0), Tractions(*load)
+    return Scene(upper, friction, before, after, friction_law=law, lower_material=lower)
 
 
-SCENES: Mapping[str, Pair] = {
+SCENES: Mapping[str, Scene] = {
     "slip from the slot": _scene(_C, 0.2, 4.0, (0.5, -1.0)),
     "two zones": _scene(_C, 0.2, 1.1, (0.0, -1.0)),
     "slip and opening": _scene((_SLOW, _STIFF), 0.3, 1.5, (-1.0, 0.5)),
@@ -103,15 +106,16 @@ def fields_rows(name: str, resolution: int) -> list[Row]:
     The relative L1 differences are everywhere and away from fronts, with error bars of the finite
     elements; the last is that away from fronts of an answer whose lower body is 3 % stiffer.
     """
-    pair = SCENES[name]
-    lower = replace(pair.lower, shear_modulus=WRONG * pair.lower.shear_modulus)
+    scene = SCENES[name]
+    lower = scene.bodies[1]
+    lower = replace(lower, shear_modulus=WRONG * lower.shear_modulus)
     with TemporaryDirectory() as place:
-        folder, time = Path(place), 1 / pair.upper.shear_speed
+        folder, time = Path(place), 1 / scene.material.shear_speed
         options: Row = {"snapshots": folder, "resolution": resolution, "frames": 1}
-        run = simulate(pair.alike, time, lower_material=pair.lower, **options)
+        run = simulate(scene, time, **options)
         run = with_companions(run, snapshots=folder)
         errors, wrong = (
-            _field_errors(one, run, folder) for one in (pair, replace(pair, lower=lower))
+            _field_errors(one, run, folder) for one in (scene, replace(scene, lower_material=lower))
         )
     found = {(change.component, change.part): change for change in errors.changes}
     off = {(change.component, change.part): change for change in wrong.changes}
@@ -126,17 +130,17 @@ def fields_rows(name: str, resolution: int) -> list[Row]:
     return rows
 
 
-def _field_errors(pair: Pair, run: Simulation, folder: Path) -> FieldErrors:
-    errors = field_errors(sf.solve(pair), run, folder)
+def _field_errors(scene: Scene, run: Simulation, folder: Path) -> FieldErrors:
+    errors = field_errors(sf.solve(scene), run, folder)
     assert errors is not None  # a solved pair has fields in its bodies
     return errors
 
 
 def error_of(answer: PairSolution, exact: PairSolution) -> float | None:
     """Largest error of an answer as its estimate counts them; None if its zones are others."""
-    pair = answer.pair
-    slow = min(pair.upper.shear_speed, pair.lower.shear_speed)
-    fast = max(pair.upper.longitudinal_speed, pair.lower.longitudinal_speed)
+    scene, load = answer.scene, answer.scene.superposition.taken_off
+    slow = min(body.shear_speed for body in scene.bodies)
+    fast = scene.fastest_speed
     ends = [_ends(one) for one in (answer, exact)]
     if ends[0].shape != ends[1].shape:
         return None
@@ -148,7 +152,7 @@ def error_of(answer: PairSolution, exact: PairSolution) -> float | None:
     for name in ("slip_rate", "gap_rate", "slip", "gap"):
         one, other = (getattr(each, name)(x, 1.0) for each in (answer, exact))
         found.append(float(np.abs(one - other).max() / (np.abs(other).max() or 1.0)))
-    carried = pair.base.pressure + abs(pair.load.pressure) + abs(pair.load.shear)
+    carried = scene.base.pressure + abs(load.pressure) + abs(load.shear)
     for name in ("pressure", "shear_traction"):
         one, other = (getattr(each, name)(x, 1.0) for each in (answer, exact))
         found.append(float((np.abs(one - other) / (np.abs(other) + carried)).max()))

@@ -17,10 +17,8 @@ from docs.studies.schema.vocabulary import (
     COUNTS,
     MATERIAL,
     NUMBER,
-    PAIR,
     PROBLEM,
     SCENE,
-    SCENES,
     TEXT,
     TRUTH,
     VERDICT,
@@ -33,11 +31,10 @@ from docs.studies.schema.vocabulary import (
     row_of,
     shape,
 )
-from semianalytic import SlidingWave
+from semianalytic.dissimilar.stability import SlidingWave
 from semianalytic.results.answer import ARRIVALS, FIELDS
 
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
-_PAIR_KEY = Key("two different bodies, as their TOML file has them", PAIR)
 _LABEL = Key("name of the scene", TEXT)
 _PARAMETERS = Key("the scene itself", SCENE)
 _ESTIMATE = Key("relative error estimate of the answer", NUMBER)
@@ -155,7 +152,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "points": _POINTS,
         },
         {
-            "scene": _PAIR_KEY,
+            "scene": _SCENE_KEY,
             "wave_speeds": Key("speeds of the waves of both bodies", named(named(NUMBER))),
             "zones": _ZONES,
             "openings": _OPENINGS,
@@ -198,7 +195,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "explore": (
         {
-            "scene": Key("the scene or both bodies, as their TOML file has them", SCENES),
+            "scene": Key("the scene or both bodies, as their TOML file has them", SCENE),
             "address": Key("address of the page, served until the command ends", TEXT),
         },
     ),
@@ -223,7 +220,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "scene": _LABEL,
             "verdict": VERDICT,
             "counts": COUNTS,
-            "parameters": Key("the scene itself, or both bodies", SCENES),
+            "parameters": Key("the scene itself, or both bodies", SCENE),
             "method": _METHOD,
             "caution": Key("reason why the prediction is unresolved", TEXT),
             "semianalytic": Key("result of solve; null for a march", or_null(ANYTHING)),
@@ -251,13 +248,12 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "simulate": (
         {
             "scene": _SCENE_KEY,
-            "lower_material": Key("material of the lower body, if different", or_null(MATERIAL)),
             "finite_elements": Key("settings and cost of the simulation", _RUN),
             "own_bars": Key("error bars from coarser meshes", list_of(shape("bar", "name unit"))),
         },
     ),
     "field": (
-        {"scene": Key("the scene or both bodies, as their TOML file has them", SCENES)} | _FIELD,
+        {"scene": Key("the scene or both bodies, as their TOML file has them", SCENE)} | _FIELD,
     ),
     "validate": (
         {
@@ -300,7 +296,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                     shape(
                         texts="name what problem summary",
                         package=or_null(TEXT),
-                        scene=or_null(SCENES),
+                        scene=or_null(SCENE),
                     )
                 ),
             ),
@@ -312,7 +308,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "init": (
         {
-            "scene": Key("the scene, as its TOML file has it", or_null(SCENES)),
+            "scene": Key("the scene, as its TOML file has it", or_null(SCENE)),
             "text": Key("text of the TOML file", TEXT),
         },
     ),

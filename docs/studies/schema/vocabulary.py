@@ -85,17 +85,16 @@ KIND: Schema = {"type": "object", "properties": {"kind": TEXT}, "required": ["ki
 _WORDS = dict.fromkeys(("mode", "units"), TEXT)
 _LAWS = dict.fromkeys(("pressure_history", "shear_history", "friction_law"), KIND)
 _GIVEN: Mapping[str, Schema] = {"friction": NUMBER, "material": MATERIAL, "base": TRACTIONS}
-_ANY_LOAD = {"anyOf": [TRACTIONS, KIND]}
+_OPTIONAL = {**_LAWS, **_WORDS, "load_on": TEXT, "contact": TEXT, "lower_material": MATERIAL}
 DEFINITIONS: Schema = {
     "scene": object_of(
-        (*_LAWS, *_WORDS, "load_on"), **_GIVEN, load=_ANY_LOAD, **_LAWS, **_WORDS, load_on=TEXT
+        tuple(_OPTIONAL),
+        **_GIVEN,
+        load={"anyOf": [TRACTIONS, KIND]},
+        **_OPTIONAL,
     ),
     "units": named({"anyOf": [TEXT, UNITS]}),
 }
-LINE = object_of(tuple(_WORDS), contact=TEXT, **_GIVEN, load=KIND, **_WORDS)
-_PAIRED = {"lower_material": MATERIAL, "load": TRACTIONS, "friction_law": KIND, "units": TEXT}
-PAIR = object_of(("friction_law", "units"), **_GIVEN, **_PAIRED)
-SCENES: Schema = {"anyOf": [SCENE, PAIR]}
-PROBLEM: Schema = {"anyOf": [SCENE, LINE, PAIR, object_of(interface=TEXT)]}
+PROBLEM: Schema = {"anyOf": [SCENE, object_of(interface=TEXT)]}
 COUNTS = Key("rows by verdict", named(WHOLE))
 VERDICT = Key("agrees, differs or unresolved", TEXT)

@@ -22,6 +22,7 @@ import semianalytic as sf
 from docs.studies.runner import Row, Study, main
 from docs.studies.trials.draws import drawn, random_wide_scene
 from semianalytic import Solution
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
 
@@ -109,7 +110,7 @@ def _clear(solution: Solution, random: Generator) -> Array:
     x = np.concatenate(
         [random.uniform(0, 1.1 * fastest, _POINTS), fastest * 10 ** random.uniform(-6, -1, 10)]
     )
-    parts: list[sf.SlipZone | sf.OpenZone] = [*solution.zones, *solution.openings]
+    parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
     edges = [edge for one in parts for edge in (one.inner, one.outer) if 0 < edge < math.inf]
     marks = np.array([*edges, material.rayleigh_speed])
     return x[np.abs(x[:, None] - marks).min(axis=1) > _CLEAR * speed]

@@ -26,6 +26,8 @@ from docs.studies.runner import Point, Row, Study, grouped, main
 from docs.studies.trials.draws import KINDS, STEPS, judged_scene
 from docs.studies.trials.wrong_answers import FAULTS, MISTAKES, spoilt
 from fem import Simulation, simulate, with_companions
+from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.results.answer import Answer
 
 COUNTS: Mapping[str, int] = {**dict.fromkeys(KINDS, 40), STEPS: 90}
 """Scenes of each kind."""
@@ -42,7 +44,7 @@ CONFIDENCE = 0.95
 
 def simulated(
     scene: sf.Scene, resolution: int | None
-) -> tuple[Simulation, sf.Solution | sf.PairSolution | sf.Marched]:
+) -> tuple[Simulation, sf.Solution | PairSolution | sf.Marched]:
     """Return a simulation with its companions as `slipfront compare` has it, and the prediction."""
     prediction, choice = planned(scene, snapshots=True, resolution=resolution)
     run = with_companions(simulate(scene, resolution=choice.resolution, tell=lambda _: None))
@@ -112,7 +114,7 @@ def wrong_rows(name: str, resolution: int | None) -> list[Row]:
         {"scene": name, "mistake": TRUTH, "bars": 0.0, "verdict": truth.verdict, "by": ""}
     ]
     for mistake in MISTAKES:
-        wrong: sf.Answer | None = spoilt(mistake, right, run.time_step)
+        wrong: Answer | None = spoilt(mistake, right, run.time_step)
         if wrong is not None:
             effect = _effect(judge(wrong, exact).rows, bars)
             rows.append(_row(name, mistake, effect, judge(wrong, run)))

@@ -26,6 +26,7 @@ from docs.studies.runner import Point, Row, Study, grouped, main
 from docs.studies.trials.draws import HISTORIES, OPENINGS, STEPS, judged_scene
 from docs.studies.trials.wrong_answers import MISTAKEN_SCENES
 from fem import simulate
+from semianalytic.results.interface_history import InterfaceHistory
 
 Arrays = dict[str, Any]
 
@@ -36,7 +37,7 @@ COUNTS: Mapping[str, int] = {STEPS: 16, OPENINGS: 8, HISTORIES: 4}
 """Scenes of each kind."""
 
 
-def history_arrays(history: sf.InterfaceHistory, end_time: float) -> Arrays:
+def history_arrays(history: InterfaceHistory, end_time: float) -> Arrays:
     """A history at `PLACES` until an end time [time], as a file of another code would hold it."""
     kept = history.t <= end_time * (1 + 1e-9)
     x = np.array(PLACES) * end_time

@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 import semianalytic as sf
 from fem import Simulation
 from semianalytic.parameters.overriding import override_scene
+from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.scene.loading import SLOT
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
+from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
 
@@ -39,9 +41,9 @@ class Profiled(SelfSimilarAnswer):
     rate: Array
     shear: Array
     normal: Array
-    zones: tuple[sf.SlipZone, ...]
+    zones: tuple[SlipZone, ...]
     gap_over_time: Array
-    openings: tuple[sf.OpenZone, ...]
+    openings: tuple[OpenZone, ...]
     lag: float = 0.0
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -68,10 +70,10 @@ class Profiled(SelfSimilarAnswer):
     def frictional_work(self, t: ArrayLike) -> Array:
         return self._growing(np.abs(self.shear * self.rate), t)
 
-    def zones_at(self, t: float) -> tuple[sf.SlipInterval, ...]:
+    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
         return super().zones_at(t - self.lag)
 
-    def openings_at(self, t: float) -> tuple[sf.OpenInterval, ...]:
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
         return super().openings_at(t - self.lag)
 
     def _since(self, t: ArrayLike) -> Array:
@@ -128,7 +130,7 @@ def profiled(solution: sf.Solution) -> Profiled:
 # --- answers --------------------------------------------------------------------------------------
 
 
-def _of_another_scene(other: sf.Scene, right: sf.Answer) -> sf.Answer | None:
+def _of_another_scene(other: sf.Scene, right: Answer) -> Answer | None:
     """Return the right answer to another scene."""
     if other == right.scene:
         return None
@@ -163,7 +165,7 @@ def _second_zone_times(factor: float, right: sf.Solution) -> Profiled | None:
         return None
     table, zone = profiled(right), right.zones[1]
     inside = (table.velocities > zone.inner) & (table.velocities < zone.outer)
-    changed = (sf.SlipZone(zone.inner, zone.outer, -zone.sense),) if factor else ()
+    changed = (SlipZone(zone.inner, zone.outer, -zone.sense),) if factor else ()
     zones = [*(other for other in table.zones if other != zone), *changed]
     rate = np.where(inside, factor * table.rate, table.rate)
     return replace(table, rate=rate, zones=tuple(sorted(zones, key=lambda part: part.inner)))
@@ -171,7 +173,7 @@ def _second_zone_times(factor: float, right: sf.Solution) -> Profiled | None:
 
 def _backward(right: sf.Solution) -> Profiled:
     table = profiled(right)
-    zones = tuple(sf.SlipZone(zone.inner, zone.outer, -zone.sense) for zone in table.zones)
+    zones = tuple(SlipZone(zone.inner, zone.outer, -zone.sense) for zone in table.zones)
     return replace(table, rate=-table.rate, zones=zones)
 
 
@@ -206,16 +208,16 @@ def _bent(right: sf.Solution, old: list[float], new: list[float]) -> Profiled:
 
     table, ends = profiled(right), bent(right.edge_speeds)
     zones = tuple(
-        sf.SlipZone(float(inner), float(outer), zone.sense)
+        SlipZone(float(inner), float(outer), zone.sense)
         for (inner, outer), zone in zip(ends, right.zones, strict=True)
     )
     openings = tuple(
-        sf.OpenZone(*bent(np.array([part.inner, part.outer])).tolist()) for part in table.openings
+        OpenZone(*bent(np.array([part.inner, part.outer])).tolist()) for part in table.openings
     )
     return replace(table, velocities=bent(table.velocities), zones=zones, openings=openings)
 
 
-Make = Callable[[float, float], Callable[[sf.Solution], sf.Answer | None]]
+Make = Callable[[float, float], Callable[[sf.Solution], Answer | None]]
 MISTAKEN_SCENES: Mapping[str, Callable[[float, sf.Scene], sf.Scene]] = {
     "friction +3 %": partial(_friction, 0.03),
     "friction -3 %": partial(_friction, -0.03),
@@ -241,7 +243,7 @@ _SELF_SIMILAR: Mapping[str, Make] = {
 MISTAKES = (*MISTAKEN_SCENES, *_SELF_SIMILAR)
 
 
-def spoilt(mistake: str, right: sf.Answer, step: float, share: float = 1.0) -> sf.Answer | None:
+def spoilt(mistake: str, right: Answer, step: float, share: float = 1.0) -> Answer | None:
     """Return an answer with a mistake of a share of its usual size; None where it makes no sense.
 
     `step` is the time step of the simulation [time].

@@ -1,6 +1,6 @@
 """Integrals along panels: of densities at their nodes, of poles, and of powers beside their ends.
 
-`RunningIntegral` computes slip rate from its slope, slip from slip rate, and traction along panels.
+`PanelIntegral` computes slip rate from its slope, slip from slip rate, and traction along panels.
 `Power` is the part of a density that is large beside an end of a panel (docs/rate.md, "A film that
 opens").
 """
@@ -166,7 +166,7 @@ def split_power(
 
 
 @dataclass(frozen=True)
-class RunningIntegral:
+class PanelIntegral:
     """Integrals of a density g(v), and of v g over v, from the left end of each panel.
 
     g may have a simple pole at c inside a panel, and decay like tail / v^2 on the unbounded one.

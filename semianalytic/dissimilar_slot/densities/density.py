@@ -27,10 +27,10 @@ from numpy.typing import NDArray
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.compliance import Complex, Entries
 from semianalytic.dissimilar.stretch import Points, Stretch, Values
-from semianalytic.dissimilar_slot.densities.interface import Interface
-from semianalytic.dissimilar_slot.densities.panels import Panel, Rule, between_nodes, panels_of
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
+from semianalytic.dissimilar_slot.densities.panels import Panel, PanelRule, between_nodes, panels_of
 from semianalytic.dissimilar_slot.densities.poles import Pole, poles_on
-from semianalytic.dissimilar_slot.densities.zones import Zone
+from semianalytic.dissimilar_slot.densities.zones import MovingZone
 from semianalytic.halfplane.rayleigh import Array
 
 
@@ -74,9 +74,9 @@ class Density:
 
     Attributes
     ----------
-    interface : Interface
+    interface : LoadedBodies
     glued : Glued
-    zones : tuple of Zone
+    zones : tuple of MovingZone
     parts : tuple of OnPanel
     slopes : tuple of (n, 2) arrays
         dV/dx and dU/dx at the nodes of every panel, times the spacing.
@@ -88,9 +88,9 @@ class Density:
         Largest residual over the largest right-hand side.
     """
 
-    interface: Interface
+    interface: LoadedBodies
     glued: Glued
-    zones: tuple[Zone, ...]
+    zones: tuple[MovingZone, ...]
     parts: tuple[OnPanel, ...]
     slopes: tuple[Array, ...]
     amplitudes: tuple[Array, ...]
@@ -252,7 +252,9 @@ def _nodes_from(panel: Panel, end: float) -> Array:
     return np.asarray(stretch.minus(panel.points, np.array([end]))[0][nodes])
 
 
-def density_of(interface: Interface, glued: Glued, zones: Sequence[Zone], rule: Rule) -> Density:
+def density_of(
+    interface: LoadedBodies, glued: Glued, zones: Sequence[MovingZone], rule: PanelRule
+) -> Density:
     """Solve the equations on given zones."""
     parts = tuple(_on_panel(interface, glued, p) for p in panels_of(interface, zones, rule))
     if not parts:
@@ -300,7 +302,7 @@ def _closing(parts: Sequence[OnPanel], zone: int) -> Array:
     return np.concatenate(cells)[None]
 
 
-def _on_panel(interface: Interface, glued: Glued, panel: Panel) -> OnPanel:
+def _on_panel(interface: LoadedBodies, glued: Glued, panel: Panel) -> OnPanel:
     v, entries = panel.points.v, panel.entries(interface)
     inverse, rates = entries.inverse, glued.rates(v)
     friction = panel.sense * interface.friction
@@ -318,7 +320,7 @@ def _on_panel(interface: Interface, glued: Glued, panel: Panel) -> OnPanel:
 
 
 def _equations(
-    interface: Interface, target: OnPanel, parts: Sequence[OnPanel], constant: Array
+    interface: LoadedBodies, target: OnPanel, parts: Sequence[OnPanel], constant: Array
 ) -> tuple[NDArray[np.float64], Array]:
     """Return the rows of the equations at the points of one panel, and their right-hand sides.
 

@@ -11,8 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from semianalytic.dissimilar.compliance import Body, Compliance
-from semianalytic.dissimilar.pair import Pair
+from semianalytic.dissimilar.compliance import Body, Compliance, compliance_of
 from semianalytic.dissimilar.phase import (
     CutPhase,
     SlipPhase,
@@ -21,11 +20,11 @@ from semianalytic.dissimilar.phase import (
     slip_phase,
 )
 from semianalytic.scene.friction import ViscousFriction
-from semianalytic.scene.scene import Material
+from semianalytic.scene.scene import Material, Scene, Tractions
 
 
 @dataclass(frozen=True)
-class Interface:
+class LoadedBodies:
     """Two half-planes, friction and tractions.
 
     Attributes
@@ -102,18 +101,19 @@ def rayleigh_slowness(body: Body) -> float:
     return body.b / Material(1.0, 1.0, poisson_ratio).rayleigh_speed
 
 
-def interface_of(pair: Pair) -> tuple[Interface, float]:
-    """Return a pair in its own units, and the unit of stress."""
-    base, load = pair.base, pair.load
+def interface_of(scene: Scene) -> tuple[LoadedBodies, float]:
+    """Return a scene of two bodies in its own units, and the unit of stress."""
+    assert isinstance(scene.load, Tractions)
+    base, load = scene.base, scene.load
     # Without a load nothing moves; the base then serves for a unit that is not 0.
-    unit = max(abs(load.pressure), abs(load.shear)) or pair.base.pressure
-    law = pair.friction_law
+    unit = max(abs(load.pressure), abs(load.shear)) or scene.base.pressure
+    law = scene.friction_law
     viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
-    interface = Interface(
-        pair.compliance,
-        pair.friction,
+    interface = LoadedBodies(
+        compliance_of(*scene.bodies),
+        scene.friction,
         # Rates are relative here, as those of the film: no factor of 2, unlike identical bodies.
-        viscosity / pair.upper.shear_impedance,
+        viscosity / scene.material.shear_impedance,
         base.pressure / unit,
         base.shear / unit,
         load.pressure / unit,

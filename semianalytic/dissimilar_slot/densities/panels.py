@@ -22,8 +22,8 @@ import numpy as np
 
 from semianalytic.dissimilar.compliance import Complex, Entries
 from semianalytic.dissimilar.stretch import Points, Stretch, Values
-from semianalytic.dissimilar_slot.densities.interface import Interface
-from semianalytic.dissimilar_slot.densities.zones import Zone, neighbours
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
+from semianalytic.dissimilar_slot.densities.zones import MovingZone, neighbours
 from semianalytic.halfplane.rayleigh import Array
 
 
@@ -49,7 +49,7 @@ def edge_end(exponent: float, bounded: bool = False) -> End:
     return End(power, max(power + slowest, 0.05))
 
 
-def front_end(interface: Interface, v: float) -> End:
+def front_end(interface: LoadedBodies, v: float) -> End:
     """Return a cut inside a zone, where densities are bounded.
 
     At a shear front that both bodies share they vanish like d^(1/2), and the power keeps out
@@ -62,7 +62,7 @@ def front_end(interface: Interface, v: float) -> End:
     return End(0.3, 0.3) if shared else edge_end(0.0)
 
 
-def contact_end(interface: Interface, zone: Zone) -> End:
+def contact_end(interface: LoadedBodies, zone: MovingZone) -> End:
     """Return the end of a zone at the contact edge, v -> infinity, where omega ~ v^power.
 
     The density falls at least like v^(-3/2) or v^(lambda - 2), whichever falls more slowly.
@@ -134,7 +134,7 @@ class Panel:
         share = (at.from_left * stretch.right / (at.v * width)) ** self.left.power
         return np.asarray(share * (at.to_right / width) ** self.right.power * fall * width**0.5)
 
-    def entries(self, interface: Interface) -> Entries:
+    def entries(self, interface: LoadedBodies) -> Entries:
         """The compliance at these points."""
         fronts = interface.compliance.fronts
         return interface.compliance.on_cut(self.points.v, self.stretch.minus(self.points, fronts))
@@ -241,7 +241,7 @@ def between_nodes(count: int) -> Array:
 
 
 @dataclass(frozen=True)
-class Rule:
+class PanelRule:
     """Spacing in x of the nodes, and the share of a density at which panels are cut off."""
 
     spacing: float
@@ -249,13 +249,13 @@ class Rule:
 
 
 @lru_cache(maxsize=32)
-def rule_for(tolerance: float) -> Rule:
+def rule_for(tolerance: float) -> PanelRule:
     """Return a rule on which slip rates are right to about a tolerance at every point.
 
     The sinc series of slip rate is in error by 0.06 to 0.4 exp(-pi^2 / h), a cut-off c by c^1.5:
     measured on the zones of docs/dissimilar.md, h = 0.4 ... 0.8 and c = 1e-4 ... 1e-10.
     """
-    return Rule(float(np.pi**2 / np.log(0.3 / tolerance)), float(tolerance**0.66))
+    return PanelRule(float(np.pi**2 / np.log(0.3 / tolerance)), float(tolerance**0.66))
 
 
 def tolerance_of(spacing: float) -> float:
@@ -263,7 +263,9 @@ def tolerance_of(spacing: float) -> float:
     return float(0.3 * np.exp(-(np.pi**2) / spacing))
 
 
-def panels_of(interface: Interface, zones: Sequence[Zone], rule: Rule) -> tuple[Panel, ...]:
+def panels_of(
+    interface: LoadedBodies, zones: Sequence[MovingZone], rule: PanelRule
+) -> tuple[Panel, ...]:
     """Return the panels of all zones, in order of slowness."""
     panels = []
     for index, (before, zone, after) in enumerate(neighbours(zones)):
@@ -295,7 +297,7 @@ def panels_of(interface: Interface, zones: Sequence[Zone], rule: Rule) -> tuple[
 
 
 def _panel(
-    of: tuple[int, int, bool], stretch: Stretch, rule: Rule, ends: tuple[End, End], fall: float
+    of: tuple[int, int, bool], stretch: Stretch, rule: PanelRule, ends: tuple[End, End], fall: float
 ) -> Panel:
     reach = np.log(1 / rule.cutoff)
     # phi falls like exp(-decay |x|), and a panel ends where that is the cut-off.
@@ -305,7 +307,7 @@ def _panel(
 
 
 def edge_exponents(
-    interface: Interface, before: Zone | None, zone: Zone, after: Zone | None
+    interface: LoadedBodies, before: MovingZone | None, zone: MovingZone, after: MovingZone | None
 ) -> tuple[float, float | None]:
     """Return the exponents of V' and U' at both edges of a zone; None at the contact edge.
 

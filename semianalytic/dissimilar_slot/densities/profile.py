@@ -37,7 +37,7 @@ _STEPS = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class ProfilePart:
     """The profile on one stretch.
 
     Attributes
@@ -77,7 +77,7 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class PairProfile:
     """Fields on the interface over slowness, in the units of the `Interface`.
 
     Attributes
@@ -88,7 +88,7 @@ class Profile:
     density: Density
 
     @cached_property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[ProfilePart, ...]:
         """Stretches from the first wave to the contact edge."""
         density, result = self.density, []
         state = np.zeros(6)
@@ -109,7 +109,7 @@ class Profile:
                 return tuple(result)
             slowness = stop
 
-    def _stuck(self, left: float, edges: list[float], state: Array) -> Part:
+    def _stuck(self, left: float, edges: list[float], state: Array) -> ProfilePart:
         """Return the part that sticks from one slowness to the next front or edge."""
         density = self.density
         compliance = density.interface.compliance
@@ -136,9 +136,9 @@ class Profile:
         slopes = slopes.reshape(intervals.count, -1, 2)
         constant = [np.full((intervals.count, 1), value) for value in state[:SHEAR]]
         moving = [integrated(slopes[..., k], _LENGTH, state[SHEAR + k]) for k in range(2)]
-        return Part(Series(intervals, padded([*constant, *moving])), -1)
+        return ProfilePart(Series(intervals, padded([*constant, *moving])), -1)
 
-    def _moving(self, on: OnPanel, state: Array) -> Part:
+    def _moving(self, on: OnPanel, state: Array) -> ProfilePart:
         """Return the part on a panel of a zone."""
         panel = on.panel
         density, interface = self.density, self.density.interface
@@ -166,7 +166,7 @@ class Profile:
         series = [from_values(rate) for rate in rates] + integrals + [shear, normal]
         amplitudes = density.amplitudes[density.parts.index(on)]
         poles = tuple(zip(on.poles, amplitudes, strict=True))
-        return Part(Series(intervals, padded(series)), panel.zone, poles)
+        return ProfilePart(Series(intervals, padded(series)), panel.zone, poles)
 
     def _normal(self, on: OnPanel, intervals: Intervals, start: float) -> Array:
         """Return the coefficients of sigma on a panel that slips.
@@ -225,7 +225,7 @@ class Profile:
         return largest
 
     @staticmethod
-    def _slip_over_time(part: Part, x: Array) -> Array:
+    def _slip_over_time(part: ProfilePart, x: Array) -> Array:
         """Return |slip| over time at coordinates on a part."""
         v = part.stretch.at(x).v
         return np.abs(part.at(x, v)[SLIP] / v)

@@ -13,7 +13,7 @@ from semianalytic.halfplane.rayleigh import Array
 
 
 @dataclass(frozen=True)
-class Zone:
+class MovingZone:
     """Part of the interface that slips or is open: left < v < right in slowness.
 
     Attributes
@@ -32,12 +32,14 @@ class Zone:
     open: bool = False
 
 
-def joined(one: Zone, other: Zone) -> bool:
+def joined(one: MovingZone, other: MovingZone) -> bool:
     """Tell whether a zone begins where the one before it ends."""
     return one.right is not None and one.right == other.left
 
 
-def neighbours(zones: Sequence[Zone]) -> Iterator[tuple[Zone | None, Zone, Zone | None]]:
+def neighbours(
+    zones: Sequence[MovingZone],
+) -> Iterator[tuple[MovingZone | None, MovingZone, MovingZone | None]]:
     """Yield every zone between the zones it is joined to; None stands for stick."""
     for before, zone, after in zip([None, *zones], zones, [*zones[1:], None], strict=False):
         yield (
@@ -47,13 +49,13 @@ def neighbours(zones: Sequence[Zone]) -> Iterator[tuple[Zone | None, Zone, Zone 
         )
 
 
-def edges_of(zones: Sequence[Zone]) -> list[float]:
+def edges_of(zones: Sequence[MovingZone]) -> list[float]:
     """Return the slownesses of all edges in increasing order, those of joined zones once."""
     ends = [end for zone in zones for end in (zone.left, zone.right) if end is not None]
     return sorted(set(ends))
 
 
-def moved(zones: Sequence[Zone], edges: Sequence[float]) -> tuple[Zone, ...]:
+def moved(zones: Sequence[MovingZone], edges: Sequence[float]) -> tuple[MovingZone, ...]:
     """Return the zones with other edges, in the order of `edges_of`."""
     # By value, so that an edge that two zones share stays shared.
     to = dict(zip(edges_of(zones), edges, strict=True))

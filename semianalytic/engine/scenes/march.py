@@ -41,7 +41,7 @@ from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.tuning import STEP_RATIO
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.finding import checked_scene, of_scene
+from semianalytic.scene.given.finding import of_scene, scene_of_one_solid
 from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 
@@ -170,7 +170,7 @@ def march(
     >>> f"{float(run.slip(0.01, 3e-5)):.1e} m"
     '3.0e-06 m'
     """
-    scene = checked_scene("march", scene)
+    scene = scene_of_one_solid("march", scene)
     # By default a march lasts until a shear wave has travelled a length of 1 in the scene's units.
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")

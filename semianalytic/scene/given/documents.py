@@ -12,10 +12,13 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.incident import load_document, load_from_document
 from semianalytic.scene.kinds import PARTS, Part
-from semianalytic.scene.loading import SLOT, Tractions
+from semianalytic.scene.loading import SLOT, WITHOUT_SLOT, Tractions
 from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import kind_of, known_class, plugin_names
 from semianalytic.scene.scene import IN_PLANE, Scene
+
+WHOLE_LINE = "whole line"
+"""Contact of scenes without a slot, as files have it."""
 
 
 def scene_document(scene: Scene) -> dict[str, Any]:
@@ -24,7 +27,8 @@ def scene_document(scene: Scene) -> dict[str, Any]:
     Histories and friction law are named by `kind`.  These, the mode, the place of the load and the
     units are left out if they are the default.
     """
-    document: dict[str, Any] = {
+    document: dict[str, Any] = {} if scene.has_slot else {"contact": WHOLE_LINE}
+    document |= {
         "friction": scene.friction,
         "material": asdict(scene.material),
         "base": asdict(scene.base),
@@ -41,6 +45,8 @@ def scene_document(scene: Scene) -> dict[str, Any]:
         document["load_on"] = scene.load_on
     if scene.units:
         document["units"] = scene.units
+    if scene.lower_material is not None:
+        document["lower_material"] = asdict(scene.lower_material)
     return document
 
 
@@ -59,6 +65,18 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
         If a kind or parameter of a history or friction law is unknown or missing, or a value is
         out of range.
     """
+    contact = document.get("contact")
+    if contact not in (None, WHOLE_LINE):
+        raise SceneError(
+            f'contact must be "{WHOLE_LINE}", or left out for a scene with a slot, got '
+            f"{shown(contact)}."
+        )
+    load = load_from_document(document["load"])
+    if contact and not isinstance(load, WITHOUT_SLOT):
+        raise SceneError(
+            "load: kind must be one of patch, point-force, half-line where the contact is the "
+            "whole line; other loads belong to a scene with a slot, without contact."
+        )
     parts = {
         name: _named(name, part, document[name]) for name, part in PARTS.items() if name in document
     }
@@ -66,10 +84,11 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
         material=Material(**document["material"]),
         friction=document["friction"],
         base=Tractions(**document["base"]),
-        load=load_from_document(document["load"]),
+        load=load,
         mode=document.get("mode", IN_PLANE),
         load_on=document.get("load_on", SLOT),
         units=document.get("units", ""),
+        lower_material=Material(**lower) if (lower := document.get("lower_material")) else None,
         **parts,
     )
 

@@ -14,7 +14,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.load_tables import with_tables
 from semianalytic.scene.given.text_files import text_of
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Scene
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
@@ -23,14 +23,8 @@ TABLES = {
 }
 LOWER_MATERIAL = "lower_material"
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
-LINE_KEYS = frozenset(("contact", "growth"))
-"""Keys by which files of problems without a slot, or with a load that grows, are known."""
 INTERFACE_KEY = "law"
 """Key by which files of interfaces are known."""
-LINE_HINT = (
-    "has no slot, or a load that grows as a power of time, and only the exact solver knows it: "
-    "slipfront solve, or `solve` in Python (docs/whole_line.md)."
-)
 INTERFACE_HINT = (
     "has contacts or fields along x, which the engine alone knows: slipfront solve, or `solve` in "
     "Python (docs/engine.md)."
@@ -45,52 +39,29 @@ def read_scene(path: str | Path) -> Scene:
     The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
     ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units.  ``[load]``
     may hold ``kind = "incident-wave"`` with wave ("P", "SV" or "SH"), angle, velocity or stress,
-    and from ("below" or "above"), or ``kind = "moving"`` with speed, pressure and shear.
+    and from ("below" or "above"), ``kind = "moving"`` with speed, pressure and shear, ``kind =
+    "growing"`` with power, or, of bodies that touch along the whole line, "patch" with speed,
+    "point-force" or "half-line"; ``contact = "whole line"`` may say so.
     It may hold ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time =
     0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance =
     1e-5``).  A history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header
     has units.  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
     "remote"`` lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s
-    and Pa.
+    and Pa.  A table ``[lower_material]`` has the keys of ``[material]``, for the lower body.
 
     Raises
     ------
     SceneError
-        If the file cannot be read, if a key is missing, unknown, of the wrong type or out of range,
-        or if the file describes two materials; the message names file and key.
-    """
-    return identical(path, *read_blocks(path))
-
-
-def identical(source: str | Path, scene: Scene, lower: Material | None) -> Scene:
-    """Return the scene; raise SceneError if its lower block is of another material."""
-    if lower not in (None, scene.material):
-        raise SceneError(
-            f"{source}: this knows identical bodies only, and there are two; solve a step on the "
-            "slot exactly, slipfront solve or survey, or simulate the "
-            "scene with finite elements, slipfront simulate; slipfront compare does both "
-            "(docs/dissimilar.md)."
-        )
-    return scene
-
-
-def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
-    """Read a scene like `read_scene`, with the material of ``[lower_material]``; None without one.
-
-    That table has the keys of ``[material]``, for the lower block.
+        If the file cannot be read, or if a key is missing, unknown, of the wrong type or out of
+        range; the message names file and key.
     """
     document = read_document(path)
     if INTERFACE_KEY in document:
         raise SceneError(f"{path} {INTERFACE_HINT}")
-    # Before keys are checked, which would call those of a line unknown one by one.
-    if any(key in document for key in LINE_KEYS):
-        raise SceneError(f"{path} {LINE_HINT}")
     try:
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
         check_tables(document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
-        lower = document.get(LOWER_MATERIAL)
-        scene = scene_from_document(with_tables(path, document))
-        return scene, None if lower is None else Material(**lower)
+        return scene_from_document(with_tables(path, document))
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
 
@@ -106,8 +77,7 @@ def check_tables(
     for name in (one for one in document if one in tables):
         table = checked_table(name, document[name])
         keys = TABLES.get("material" if name == LOWER_MATERIAL else name)
-        whole_line = name == "load" and "contact" in document
-        if keys and "kind" not in table and not whole_line:
+        if keys and "kind" not in table:
             check_keys(f"{name}.", table, keys)
             check_numbers(f"{name}.", table)
 

@@ -13,20 +13,39 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.files import (
     INTERFACE_HINT,
     INTERFACE_KEY,
-    LINE_HINT,
-    LINE_KEYS,
-    identical,
-    read_blocks,
     read_document,
+    read_scene,
 )
-from semianalytic.scene.given.named import INTERFACES, LINES, NAMED_PAIRS, NAMED_SCENES
+from semianalytic.scene.given.named import INTERFACES, NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.quantities import Function, taking_quantities
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Scene
 
 
 def find_scene(source: str | PathLike[str]) -> Scene:
-    """Find a scene by its name or by the path of a TOML file.
+    """Find a scene with a slot by its name or by the path of a TOML file; see `described_scene`.
+
+    Raises
+    ------
+    SceneError, PluginError
+        Those of `described_scene`, or if the scene has no slot, or its load grows.
+    """
+    scene = described_scene(source)
+    check_slot(fspath(source), scene)
+    return scene
+
+
+def check_slot(what: str, scene: Scene) -> None:
+    """Raise SceneError if a scene has no slot, or a load that grows: `solve` alone takes it."""
+    if not scene.has_slot or scene.grows:
+        raise SceneError(
+            f"{what}: this knows scenes with a slot alone, under loads that do not grow as a power "
+            "of time; use slipfront solve, or `solve` in Python (docs/whole_line.md)."
+        )
+
+
+def described_scene(source: str | PathLike[str]) -> Scene:
+    """Return the scene of a name, or of the path of a TOML file.
 
     Parameters
     ----------
@@ -41,8 +60,7 @@ def find_scene(source: str | PathLike[str]) -> Scene:
     Raises
     ------
     SceneError
-        If there is no such scene or file, or the file does not describe a scene, or describes a
-        scene of two materials.
+        If there is no such scene or file, or the file does not describe a scene.
     PluginError
         If the package that brings the scene is broken, or two packages bring it.
 
@@ -58,7 +76,19 @@ def find_scene(source: str | PathLike[str]) -> Scene:
             f"find: give the name of a scene or the path of a TOML file, got {shown(source)}."
         )
     source = fspath(source)
-    return identical(source, *find_blocks(source))
+    named = NAMED_SCENES.get(source)
+    if named is not None:
+        return named.scene
+    if is_file(source):
+        return read_scene(source)
+    if source in INTERFACES:
+        raise SceneError(f"{source} {INTERFACE_HINT}")
+    plugin = find_plugin(SCENES, source)
+    if plugin is not None:
+        return brought_scene(plugin)
+    close = difflib.get_close_matches(source, names(), n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names())}"
+    raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
 
 
 def checked_scene(function: str, given: object) -> Scene:
@@ -72,15 +102,32 @@ def checked_scene(function: str, given: object) -> Scene:
         For those given there.
     """
     if isinstance(given, Scene):
+        check_slot(function, given)
         return given
     if isinstance(given, str | PathLike):
         return find_scene(given)
-    # pairs and interfaces of two bodies are described elsewhere, and not imported here
-    two = " (two bodies are for solve, survey and simulate)"
-    other = two if hasattr(given, "lower") or hasattr(given, "lower_material") else ""
     raise SceneError(
-        f"{function}: scene must be a Scene, or the name or file of one{other}, got {shown(given)}."
+        f"{function}: scene must be a Scene, or the name or file of one, got {shown(given)}."
     )
+
+
+def scene_of_one_solid(function: str, given: object) -> Scene:
+    """Return the scene that a function of equal bodies was given, as `checked_scene` does.
+
+    Raises
+    ------
+    SceneError
+        If the bodies are different ones, or for the reasons given at `checked_scene`.
+    """
+    scene = checked_scene(function, given)
+    if scene.lower_material is not None:
+        raise SceneError(
+            f"{function}: this knows identical bodies only, and the scene has a lower_material; "
+            "solve a step on the slot exactly, slipfront solve or survey, or simulate the scene "
+            "with finite elements, slipfront simulate; slipfront compare does both "
+            "(docs/dissimilar.md)."
+        )
+    return scene
 
 
 def of_scene(function: Function) -> Function:
@@ -88,26 +135,9 @@ def of_scene(function: Function) -> Function:
     return taking_quantities(function, partial(checked_scene, function.__name__))
 
 
-def find_blocks(source: str) -> tuple[Scene, Material | None]:
-    """Find a scene like `find_scene`, with the lower material of its file; None without one."""
-    named = NAMED_SCENES.get(source) or NAMED_PAIRS.get(source)
-    if named is not None:
-        return named.scene, named.lower
-    if is_file(source):
-        return read_blocks(source)
-    if source in (*LINES, *INTERFACES):
-        raise SceneError(f"{source} {LINE_HINT if source in LINES else INTERFACE_HINT}")
-    plugin = find_plugin(SCENES, source)
-    if plugin is not None:
-        return brought_scene(plugin), None
-    close = difflib.get_close_matches(source, names(), n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names())}"
-    raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
-
-
 def names() -> list[str]:
     """Return every name that there is, those of other packages last."""
-    own = (*NAMED_SCENES, *NAMED_PAIRS, *LINES, *INTERFACES)
+    own = (*NAMED_SCENES, *INTERFACES)
     return [*own, *plugin_names(SCENES, own)]
 
 
@@ -117,8 +147,8 @@ def is_file(source: str) -> bool:
     return path.suffix == ".toml" or path.is_file()
 
 
-BODIES, LINE, INTERFACE = "bodies", "line", "interface"
-"""Kinds of problems: bodies with a slot, whole lines or growing loads, and interfaces."""
+BODIES, INTERFACE = "bodies", "interface"
+"""Kinds of problems: scenes, and interfaces."""
 
 
 def kind_of(source: str) -> str:
@@ -129,14 +159,11 @@ def kind_of(source: str) -> str:
     SceneError
         If it is a file that cannot be read.
     """
-    if source in (*NAMED_SCENES, *NAMED_PAIRS):
+    if source in NAMED_SCENES:
         return BODIES
     if not is_file(source):
-        return LINE if source in LINES else INTERFACE if source in INTERFACES else BODIES
-    document = read_document(source)
-    if INTERFACE_KEY in document:
-        return INTERFACE
-    return LINE if LINE_KEYS & document.keys() else BODIES
+        return INTERFACE if source in INTERFACES else BODIES
+    return INTERFACE if INTERFACE_KEY in read_document(source) else BODIES
 
 
 def brought_scene(plugin: Plugin) -> Scene:
@@ -167,7 +194,7 @@ def brought_summary(plugin: Plugin) -> str:
 def scene_label(source: str) -> str:
     """Return a short name of a scene for titles: its name, or the stem of its file."""
     # Names of packages are no files either.
-    named = source in (*NAMED_SCENES, *NAMED_PAIRS) or not is_file(source)
+    named = source in NAMED_SCENES or not is_file(source)
     return source if named else Path(source).stem
 
 

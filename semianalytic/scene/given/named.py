@@ -1,4 +1,4 @@
-"""Scenes and pairs of bodies that come with the package, by name."""
+"""Scenes that come with the package, by name."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.incident import IncidentWave, MovingLoad
-from semianalytic.scene.loading import REMOTE
+from semianalytic.scene.loading import REMOTE, GrowingLoad, Patch, PointForce
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.scene import Material, Scene, Tractions
 
-LINES = ("whole-line-patch", "point-load", "growing-load")
-"""Names of problems without a slot, or with a load that grows, that are no scenes."""
 INTERFACES = (
     *("rate-and-state", "punch", "two-slots", "rock-on-gouge", "steel-on-rubber", "cattaneo"),
     *("supershear", "tpv101", "tpv205"),
@@ -27,13 +25,10 @@ class NamedScene:
     ----------
     scene : Scene
     summary : str
-    lower : Material or None
-        The lower body of a pair of two different ones.
     """
 
     scene: Scene
     summary: str
-    lower: Material | None = None
 
 
 _UNIT_SOLID = Material(shear_modulus=1.0, density=1.0, poisson_ratio=1 / 3)
@@ -41,6 +36,8 @@ _NOTHING, _PRELOAD = Tractions(0.0, 0.0), Tractions(1.0, 0.0)
 _SHEAR, _BOTH = Tractions(0.0, 1.0), Tractions(1.0, 1.0)
 
 DEFAULT_SCENE = "preloaded"
+_GOUGE, _ROCK = Material(1.0, 1.0, 0.25), Material(2.5, 1.2, 0.25)
+"""A slow solid on a fast one, with the ratios of gouge and rock."""
 
 NAMED_SCENES: dict[str, NamedScene] = {
     "preloaded": NamedScene(
@@ -122,20 +119,25 @@ NAMED_SCENES: dict[str, NamedScene] = {
         Scene(_UNIT_SOLID, 0.3, base=Tractions(0.02, 0.0), load=Tractions(1.0, 0.0)),
         "sudden pressure on a base of a fiftieth of it: the contact opens ahead and closes again",
     ),
-}
-
-_GOUGE, _ROCK = Material(1.0, 1.0, 0.25), Material(2.5, 1.2, 0.25)
-"""A slow solid on a fast one, with the ratios of gouge and rock."""
-NAMED_PAIRS: dict[str, NamedScene] = {
     "pair-slip": NamedScene(
-        Scene(_GOUGE, 0.2, base=Tractions(2.0, 0.0), load=Tractions(0.3, 1.0)),
+        Scene(_GOUGE, 0.2, Tractions(2.0, 0.0), Tractions(0.3, 1.0), lower_material=_ROCK),
         "two different bodies, sudden pressure and shear: slip changes the pressure",
-        _ROCK,
     ),
     "pair-opening": NamedScene(
-        Scene(_GOUGE, 0.3, base=_PRELOAD, load=Tractions(-1.0, 0.5)),
+        Scene(_GOUGE, 0.3, _PRELOAD, Tractions(-1.0, 0.5), lower_material=_ROCK),
         "two different bodies, pressure and shear put on the slot: slip ahead of an opening",
-        _ROCK,
+    ),
+    "whole-line-patch": NamedScene(
+        Scene(_UNIT_SOLID, 0.5, _PRELOAD, Patch(speed=0.3, shear=1.0)),
+        "no slot: slip spreads to both sides of an over-stressed patch that grows",
+    ),
+    "point-load": NamedScene(
+        Scene(_UNIT_SOLID, 1.0, _PRELOAD, PointForce(shear=1.0)),
+        "no slot: slip spreads from a point force that grows evenly in time",
+    ),
+    "growing-load": NamedScene(
+        Scene(_UNIT_SOLID, 0.5, _NOTHING, GrowingLoad(1.0, 1.0)),
+        "pressure and shear on the slot grow evenly in time: one slip zone",
     ),
 }
-"""Problems of two different bodies, in units of the upper one."""
+"""Scenes by name; those of two different bodies are in units of the upper one."""

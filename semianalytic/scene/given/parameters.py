@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.incident import IncidentWave, Load, MovingLoad
+from semianalytic.scene.loading import GrowingLoad, HalfLine, LineLoad, Patch, PointForce
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.units import PARAMETERS
 
@@ -41,6 +42,20 @@ _MOVING: Mapping[str, Parameter] = {
     "speed": Parameter("length / time", "speed of their front; negative: towards the tip"),
     **TRACTIONS,
 }
+_FORCE: Mapping[str, Parameter] = {
+    "kind": Parameter("", "a force at x = 0 that grows evenly in time; there is no slot"),
+    "pressure": Parameter("stress length / time", "its rate across the interface"),
+    "shear": Parameter("stress length / time", "its rate along the interface, either sign"),
+}
+_ON_LINE: Mapping[type, Mapping[str, Parameter]] = {
+    Patch: {
+        "kind": Parameter("", "on |x| < speed t from t = 0 on; there is no slot"),
+        "speed": Parameter("length / time", "speed of either end of the patch, positive"),
+        **TRACTIONS,
+    },
+    PointForce: _FORCE,
+    HalfLine: {"kind": Parameter("", "on all of x < 0 from t = 0 on; no slot"), **TRACTIONS},
+}
 EVERY_LOAD: Mapping[str, Parameter] = {**_WAVE, **_MOVING}
 """Parameters of all loads, tractions among them."""
 _OF_PARTS: Mapping[str, Parameter] = {
@@ -61,6 +76,13 @@ def load_parameters(load: Load) -> Mapping[str, Parameter]:
     """Return the parameters of a load by the keys of its document."""
     if isinstance(load, IncidentWave):
         return _WAVE
+    if isinstance(load, GrowingLoad):
+        rate = f"stress / time{f'^{load.power}' if load.power > 1 else ''}"
+        growth = {name: Parameter(rate, one.meaning) for name, one in TRACTIONS.items()}
+        kind = Parameter("", "pressure everywhere and shear of the slot grow as t^power")
+        return {"kind": kind, **growth, "power": Parameter("", "1 or 2")}
+    if isinstance(load, LineLoad):
+        return _ON_LINE[type(load)]
     return _MOVING if isinstance(load, MovingLoad) else TRACTIONS
 
 

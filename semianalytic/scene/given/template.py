@@ -19,7 +19,7 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
-from semianalytic.scene.given.documents import part_document, scene_document
+from semianalytic.scene.given.documents import WHOLE_LINE, part_document, scene_document
 from semianalytic.scene.given.parameters import (
     MATERIAL,
     TRACTIONS,
@@ -34,6 +34,7 @@ from semianalytic.scene.incident import (
     load_document,
     load_from_document,
 )
+from semianalytic.scene.loading import LineLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.scene.tabulated import Tabulated
@@ -92,9 +93,9 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
     SceneError
         If the scene is in other units, or a parameter has a dimension that is not known.
     """
-    if scene.units == SI:
-        return scene if solid is None else replace(scene, material=solid)
     material = scene.material
+    if scene.units == SI:
+        return scene if solid is None else replace(scene, **_bodies(scene, solid))
     if (material.shear_modulus, material.density) != (1.0, 1.0):
         raise SceneError(
             "only scenes of unit shear modulus and density can be turned into SI units; take "
@@ -107,10 +108,10 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
     base, load = (_load_in(scales, one) for one in (scene.base, scene.load))
     assert isinstance(base, Tractions)
     return Scene(
-        solid,
-        scene.friction,
-        base,
-        load,
+        **_bodies(scene, solid),
+        friction=scene.friction,
+        base=base,
+        load=load,
         pressure_history=_scaled(scene.pressure_history, scales, digits),
         shear_history=_scaled(scene.shear_history, scales, digits),
         friction_law=_scaled(scene.friction_law, scales, digits),
@@ -118,6 +119,17 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
         load_on=scene.load_on,
         units=SI,
     )
+
+
+def _bodies(scene: Scene, upper: Material) -> dict[str, Any]:
+    """Return bodies with another upper one, from which the lower one differs as it did before."""
+    former, lower = scene.bodies
+    body = Material(
+        upper.shear_modulus * (lower.shear_modulus / former.shear_modulus),
+        upper.density * (lower.density / former.density),
+        upper.poisson_ratio if lower == former else lower.poisson_ratio,
+    )
+    return {"material": upper, "lower_material": body}
 
 
 def _load_in(scales: Mapping[str, float], load: Load) -> Load:
@@ -131,17 +143,10 @@ def _load_in(scales: Mapping[str, float], load: Load) -> Load:
     return load_from_document(document)
 
 
-def scene_text(
-    scene: Scene,
-    origin: str = "",
-    remark: str = "",
-    lower: Material | None = None,
-    *,
-    with_all: bool = False,
-) -> str:
+def scene_text(scene: Scene, origin: str = "", remark: str = "", *, with_all: bool = False) -> str:
     """Write a scene as a TOML file in which every number has its unit and meaning as a comment.
 
-    `find` reads the same scene, or the same pair, from the file.
+    `find` reads the same scene from the file.
 
     Parameters
     ----------
@@ -151,12 +156,10 @@ def scene_text(
         Origin of the scene, for the first line.
     remark : str
         A sentence about the material.
-    lower : Material, optional
-        Of the lower body, where it is another one.
     with_all : bool
         Whether comments show the other loads, histories and laws, and a lower body.
     """
-    lines = _lines(scene, origin, remark, lower, with_all=with_all)
+    lines = _lines(scene, origin, remark, with_all=with_all)
     if not with_all:
         lines = chain(
             lines, ["", "# Other loads, histories and friction laws: slipfront init --all"]
@@ -164,15 +167,16 @@ def scene_text(
     return "\n".join(lines) + "\n"
 
 
-def _lines(
-    scene: Scene, origin: str, remark: str, lower: Material | None, *, with_all: bool
-) -> Iterator[str]:
-    document = scene_document(scene)
+def _lines(scene: Scene, origin: str, remark: str, *, with_all: bool) -> Iterator[str]:
+    document, lower = scene_document(scene), scene.lower_material
     yield f"# A scene of slipfront{origin and f', made from {origin}'}: slipfront solve FILE."
-    yield "# Contact on y = 0, x > 0, an open slot on x < 0; the load comes at t = 0."
+    slot = "x > 0, an open slot on x < 0" if scene.has_slot else "all x, without a slot"
+    yield f"# Contact on y = 0, {slot}; the load comes at t = 0."
     yield ""
     yield '# "SI": m, s, kg and Pa. Left out: any consistent set of units.'
     yield ("" if scene.units else "# ") + f'units = "{SI}"'
+    if not scene.has_slot:
+        yield f'contact = "{WHOLE_LINE}"'
     yield f'mode = "{scene.mode}"  # in-plane: shear and slip along x; antiplane: along z, the edge'
     if isinstance(scene.load, Tractions):
         said = "slot: taken off its faces; remote: arrives from far away"
@@ -181,6 +185,8 @@ def _lines(
     said_of_load = "what comes at t = 0, where load_on says"
     if not isinstance(scene.load, Tractions):
         said_of_load = "its front reaches the tip of the slot at t = 0"
+    if isinstance(scene.load, LineLoad):
+        said_of_load = "what comes from t = 0 on"
     for table, said, parameters in (
         ("material", "of both bodies" if lower is None else "of the upper body", MATERIAL),
         ("base", "in place before the load, on the whole line y = 0", TRACTIONS),
@@ -190,7 +196,7 @@ def _lines(
         if table == "material" and remark:
             yield from (f"# {line}" for line in wrap(remark, 96))
         yield from _values(document[table], parameters, scene.units)
-    for example in (_WAVE, _MOVING) if with_all else ():
+    for example in (_WAVE, _MOVING) if with_all and scene.has_slot else ():
         if type(example) is not type(scene.load):
             other = _load_in(_scales(scene.material, _largest(scene)), example)
             for line in _values(load_document(other), load_parameters(other), scene.units):
@@ -270,6 +276,9 @@ def _scales(material: Material, stress: float) -> dict[str, float]:
         "length / time": stress / impedance,
         "stress time / length": impedance,
         "stress": stress,
+        # of forces at a point and loads that grow, along which a length of 1 becomes a metre
+        **dict.fromkeys(("stress / time", "stress length / time"), stress * speed),
+        "stress / time^2": stress * speed**2,
     }
 
 

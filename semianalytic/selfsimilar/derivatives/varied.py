@@ -22,7 +22,7 @@ import numpy as np
 from semianalytic.cut.node_fields import NodeFields
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.panels import Panels
-from semianalytic.cut.quadrature.running import Power, RunningIntegral
+from semianalytic.cut.quadrature.running import PanelIntegral, Power
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array, Mode
 from semianalytic.halfplane.stuck import stuck_traction
@@ -76,7 +76,7 @@ class VariedProfile:
         return np.asarray(self._nodes.ends[0, starts.index(point.first)])
 
     @cached_property
-    def _rate(self) -> RunningIntegral:
+    def _rate(self) -> PanelIntegral:
         """Running integral of the derivative of dV/dv at fixed nodes, and of its powers at fixed
         shares."""
         return self._integral(self._nodes.rate / self._panels.jacobian, self._powers)
@@ -94,7 +94,7 @@ class VariedProfile:
         )
 
     @cached_property
-    def _moment(self) -> RunningIntegral:
+    def _moment(self) -> PanelIntegral:
         """Integral whose moment is the derivative of that of dV/dv at fixed nodes.
 
         The contribution of the motion of the ends of powers is not included.
@@ -110,15 +110,15 @@ class VariedProfile:
         )
 
     @cached_property
-    def _traction(self) -> RunningIntegral:
+    def _traction(self) -> PanelIntegral:
         return self._integral(self._nodes.traction / self._panels.jacobian)
 
-    def _integral(self, density: Array, powers: tuple[Power, ...] = ()) -> RunningIntegral:
+    def _integral(self, density: Array, powers: tuple[Power, ...] = ()) -> PanelIntegral:
         tail = None if self.profile.rate_integral.tail is None else self._nodes.tail
         front = self.profile.fields.factors.c
-        return RunningIntegral(self._panels, density, front, powers, tail=tail)
+        return PanelIntegral(self._panels, density, front, powers, tail=tail)
 
-    def _slope(self, integral: RunningIntegral, panel: int, at: CutPoints) -> Array:
+    def _slope(self, integral: PanelIntegral, panel: int, at: CutPoints) -> Array:
         """Return the slope of an integral at points (m,) inside a panel, infinite where it is at
         the ends."""
         panels, v = self._panels, at.v

@@ -13,7 +13,7 @@ from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Layout
 from semianalytic.cut.quadrature.panels import Panels
-from semianalytic.cut.quadrature.running import RunningIntegral
+from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors
@@ -64,7 +64,7 @@ class SlipRate:
     Attributes
     ----------
     panels : Panels
-    integral : RunningIntegral
+    integral : PanelIntegral
         V from the left end of each panel.
     starts : (p,) array
         V at the left ends.
@@ -73,7 +73,7 @@ class SlipRate:
     """
 
     panels: Panels
-    integral: RunningIntegral
+    integral: PanelIntegral
     starts: Array
     ahead: float
 

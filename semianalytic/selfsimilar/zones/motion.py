@@ -33,7 +33,7 @@ class SlipZone:
 
     Examples
     --------
-    >>> from semianalytic import SlipZone
+    >>> from semianalytic.selfsimilar.zones.motion import SlipZone
     >>> zone = SlipZone(inner=0.0, outer=0.375, sense=1)
     >>> zone.outer * 2.0
     0.75

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from compare.benchmarks.sheets import SI, Sheet, find_sheet, sheets
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.units import unit
 from slipfront.cli.options import AsJson
@@ -58,7 +58,7 @@ def benchmark(context: typer.Context, as_json: AsJson = False) -> None:
         listed = [{**asdict(sheet), "scene": sheet.document} for sheet in sheets().values()]
         print_json("benchmark", {"sheets": listed})
     else:
-        table = Table("sheet", "problem", "to report", title="Benchmarks")
+        table = PrintedTable("sheet", "problem", "to report", title="Benchmarks")
         for name, sheet in sheets().items():
             table.add_row(name, sheet.title, ", ".join(sheet.report).replace("_", " "))
         Console().print(table)
@@ -146,7 +146,7 @@ def score(
     Console().print(_score_table(scores))
 
 
-def _score_table(scores: Sequence[Score]) -> Table:
+def _score_table(scores: Sequence[Score]) -> PrintedTable:
     """Return a table with a row per run: its verdict, and its errors, each with its class."""
     from compare.benchmarks.scores import ENOUGH, GRADED
 
@@ -156,7 +156,7 @@ def _score_table(scores: Sequence[Score]) -> Table:
         runs.setdefault(run, {})[one.quantity] = one
     asked = [name for name in GRADED if any(name in run for run in runs.values())]
     title = "Arrival: RMS error over T; else: relative L1 error over all stations"
-    table = Table("run", "verdict", title=title, box=SIMPLE_HEAD, pad_edge=False)
+    table = PrintedTable("run", "verdict", title=title, box=SIMPLE_HEAD, pad_edge=False)
     for name in asked:
         table.add_column(name.replace("_", "\n"), justify="right", no_wrap=True)
     for names, errors in runs.items():

@@ -15,7 +15,7 @@ from rich.markup import escape
 from compare.comparison.documents import envelope, json_text
 from compare.output.files import write_text
 from compare.output.places import check_file
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from compare.records.names import not_read
 from semianalytic.interface.files import InterfaceFile
@@ -181,8 +181,8 @@ def _minima(found: Fit) -> str:
     return f"The search found {count} minima, the next with a chi2 {found.next_minimum:.3g} above"
 
 
-def _values_table(found: Fit) -> Table:
-    table = Table("parameter", title=f"Fit: {found.status}")
+def _values_table(found: Fit) -> PrintedTable:
+    table = PrintedTable("parameter", title=f"Fit: {found.status}")
     for name in ("value", "error", "unit"):
         table.add_column(name, justify="left" if name == "unit" else "right")
     for number, name in enumerate(found.parameters):
@@ -195,8 +195,8 @@ def _values_table(found: Fit) -> Table:
     return table
 
 
-def _gauges_table(found: Fit, most: int = 12) -> Table:
-    table = Table("gauge", "quantity", title="Gauges")
+def _gauges_table(found: Fit, most: int = 12) -> PrintedTable:
+    table = PrintedTable("gauge", "quantity", title="Gauges")
     length = unit("length", found.scene.units)
     for name in (f"x [{length}]", f"y [{length}]", "samples", "chi2"):
         table.add_column(escape(name), justify="right")

@@ -11,11 +11,11 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
-from compare.comparison.documents import SCENE_DIMENSIONS, bodies_document, units_document
+from compare.comparison.documents import SCENE_DIMENSIONS, units_document
 from compare.output.files import write_text
 from compare.output.places import check_file
-from compare.output.printed import Table
-from semianalytic import Material, Scene, WholeLine, find
+from compare.output.printed import PrintedTable
+from semianalytic import Scene, find
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
@@ -24,14 +24,13 @@ from semianalytic.scene.given.finding import (
     BODIES,
     brought_scene,
     brought_summary,
-    find_blocks,
+    described_scene,
+    find_scene,
     kind_of,
 )
 from semianalytic.scene.given.named import (
     DEFAULT_SCENE,
     INTERFACES,
-    LINES,
-    NAMED_PAIRS,
     NAMED_SCENES,
 )
 from semianalytic.scene.given.solids import SOLIDS, find_solid
@@ -48,7 +47,6 @@ from semianalytic.scene.plugins import (
     plugins,
 )
 from semianalytic.scene.units import SI
-from semianalytic.whole_line.named import NAMED_LINES, line_text
 from slipfront.cli.options import AsJson
 from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
 from slipfront.cli.scenes.completion import METHODS as OWN_METHODS
@@ -59,7 +57,7 @@ STDOUT = Path("-")
 
 
 _OWN: Mapping[str, Collection[str]] = {
-    SCENES: (*NAMED_SCENES, *NAMED_PAIRS, *NAMED_LINES, *NAMED_INTERFACES),
+    SCENES: (*NAMED_SCENES, *NAMED_INTERFACES),
     LAWS: FRICTION_LAWS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
@@ -73,43 +71,46 @@ def scenes(as_json: AsJson = False) -> None:
     groups = (LAWS, HISTORIES, FIGURES, METHODS)
     others = [_row(plugin) for group in groups for plugin in plugins(group)]
     if as_json:
-        units = {"scenes": _units(*find_blocks(DEFAULT_SCENE))}
+        units = {"scenes": _units(find_scene(DEFAULT_SCENE))}
         print_json("scenes", {"scenes": rows, "brought": others, "units": units})
         return
-    table = Table("scene", "what it shows", title="Scenes")
+    table = PrintedTable("scene", "what it shows", title="Scenes")
     for row in rows:
         table.add_row(*map(escape, (row["name"], row["problem"] or row["summary"])))
     Console().print(table)
     if brought := [row for row in (*rows, *others) if row["package"]]:
-        table = Table("package", "brings", "called", title="From other packages")
+        table = PrintedTable("package", "brings", "called", title="From other packages")
         for row in brought:
             table.add_row(*map(escape, (row["package"], row["what"], row["name"])))
         Console().print(table)
 
 
 def _own_rows() -> Iterator[dict[str, Any]]:
-    for name, named in (NAMED_SCENES | NAMED_PAIRS).items():
+    for name, named in NAMED_SCENES.items():
         yield {
             "name": name,
-            "what": "scene" if named.lower is None else "two bodies",
+            "what": _what(named.scene),
             "package": None,
             "problem": "",
             "summary": named.summary,
-            "scene": bodies_document(named.scene, named.lower),
+            "scene": scene_document(named.scene),
         }
 
 
 def _other_rows() -> Iterator[dict[str, Any]]:
     """Yield the problems that are no scenes, which solve takes; the JSON has no scene of them."""
-    for name in (*LINES, *INTERFACES):
-        if name in LINES:
-            named = NAMED_LINES[name]
-            what = "whole line" if isinstance(named.problem, WholeLine) else "growing load"
-            summary = named.summary
-        else:
-            what, summary = "interface", find(name).summary
-        row = {"name": name, "what": what, "package": None, "problem": ""}
-        yield {**row, "summary": summary, "scene": None}
+    for name in INTERFACES:
+        row = {"name": name, "what": "interface", "package": None, "problem": ""}
+        yield {**row, "summary": find(name).summary, "scene": None}
+
+
+def _what(scene: Scene) -> str:
+    """Return in a word or two what a scene is."""
+    if scene.grows:
+        return "growing load"
+    if not scene.has_slot:
+        return "whole line"
+    return "scene" if scene.lower_material is None else "two bodies"
 
 
 def _row(plugin: Plugin) -> dict[str, Any]:
@@ -142,17 +143,8 @@ def _brought_row(plugin: Plugin) -> dict[str, Any]:
     return row
 
 
-def _units(scene: Scene, lower: Material | None) -> dict[str, Any]:
-    return {"scene": units_document(bodies_document(scene, lower), SCENE_DIMENSIONS, scene)}
-
-
-def _beside(upper: Material, former: Material, lower: Material) -> Material:
-    """Return a lower body that differs from another upper body as it did from the former one."""
-    return Material(
-        upper.shear_modulus * (lower.shear_modulus / former.shear_modulus),
-        upper.density * (lower.density / former.density),
-        lower.poisson_ratio,
-    )
+def _units(scene: Scene) -> dict[str, Any]:
+    return {"scene": units_document(scene_document(scene), SCENE_DIMENSIONS, scene)}
 
 
 def init(
@@ -201,15 +193,13 @@ def init(
             )
         _write(file, _text_of(from_), {"scene": None, "units": {}}, force=force, as_json=as_json)
         return
-    scene, lower = find_blocks(from_)
+    scene = described_scene(from_)
     solid = None if material is None else find_solid(material)
     if units or solid:
-        given = scene.material
         scene = in_si_units(scene, None if solid is None else solid.material)
-        lower = None if lower is None else _beside(scene.material, given, lower)
     remark = f"{material}: {solid.source}." if solid else ""
-    text = scene_text(scene, from_, remark, lower, with_all=with_all)
-    document = {"scene": bodies_document(scene, lower), "units": _units(scene, lower)}
+    text = scene_text(scene, from_, remark, with_all=with_all)
+    document = {"scene": scene_document(scene), "units": _units(scene)}
     _write(file, text, document, force=force, as_json=as_json)
 
 
@@ -217,8 +207,6 @@ def _text_of(name: str) -> str:
     """Return the TOML file of a problem that is no scene."""
     if name in NAMED_INTERFACES:
         return NAMED_INTERFACES[name].lstrip()
-    if name in LINES:
-        return line_text(NAMED_LINES[name].problem)
     return Path(name).read_text(encoding="utf-8")
 
 

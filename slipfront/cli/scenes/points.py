@@ -15,7 +15,7 @@ from compare.comparison.documents import (
     points_document,
     units_document,
 )
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from semianalytic import SceneError
 from semianalytic.results.answer import FIELDS
 from semianalytic.scene.checks import shown
@@ -35,7 +35,7 @@ _DIGITS = 12
 
 
 @dataclass(frozen=True)
-class Points:
+class AskedPoints:
     """Positions and times that were asked for, in the units of the scene.
 
     Attributes
@@ -71,7 +71,7 @@ class Points:
         return {**document, "points": points, "units": {**document["units"], "points": units}}
 
 
-def points_of(scene: Any, x: Sequence[str] | None, t: Sequence[str] | None) -> Points | None:
+def points_of(scene: Any, x: Sequence[str] | None, t: Sequence[str] | None) -> AskedPoints | None:
     """Return the points that --x and --t ask for, each text one or several numbers with units.
 
     Raises
@@ -84,7 +84,7 @@ def points_of(scene: Any, x: Sequence[str] | None, t: Sequence[str] | None) -> P
         if t:
             raise SceneError("--t needs --x, the positions to be told about; give both.")
         return None
-    points = Points(tuple(_numbers(scene, "x", x)), tuple(_numbers(scene, "t", t or ())))
+    points = AskedPoints(tuple(_numbers(scene, "x", x)), tuple(_numbers(scene, "t", t or ())))
     for asked, other in (("x", "t"), ("t", "x")):
         bare = [n for n in getattr(points, asked) if not isinstance(n, InSI)]
         if bare and any(isinstance(n, InSI) for n in getattr(points, other)):
@@ -110,9 +110,9 @@ def _numbers(scene: Any, name: str, texts: Sequence[str]) -> Iterator[float]:
         yield number
 
 
-def points_table(answer: Any, points: Points) -> Table:
+def points_table(answer: Any, points: AskedPoints) -> PrintedTable:
     """Return a table of arrivals and fields at points, each with the bar of its error."""
-    scene, table = answer.scene, Table("at", "quantity", title="At points of the contact")
+    scene, table = answer.scene, PrintedTable("at", "quantity", title="At points of the contact")
     for name in ("value", "± error", "unit"):
         table.add_column(name, justify="left" if name == "unit" else "right")
     rows = points.document(answer)

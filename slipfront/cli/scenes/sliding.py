@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from compare.output.printed import Table
+from compare.output.printed import PrintedTable
 from semianalytic import Material, sliding_stability
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -59,7 +59,7 @@ def sliding(
         print_json("sliding", document | {"units": _UNITS})
         return
     velocity = " m/s" if any(sized) else ""
-    table = Table("quantity", "value", title="Sliding on one another")
+    table = PrintedTable("quantity", "value", title="Sliding on one another")
     table.add_row("f above which waves grow with the upper body", f"{known.threshold_with:.6g}")
     table.add_row("f above which waves grow against it", f"{known.threshold_against:.6g}")
     for name, speed in (

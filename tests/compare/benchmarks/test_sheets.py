@@ -24,7 +24,7 @@ from compare.benchmarks.sheets import DATA, SUMS, find_sheet, sheets, stored_tex
 from compare.records.record import QUANTITIES
 from docs.studies import benchmarks
 from semianalytic import DataFileError, Material, Scene, Tractions, find, solve
-from semianalytic.scene.given.finding import find_blocks
+from semianalytic.scene.given.finding import find_scene
 
 SHEETS = sheets()
 INTERFACES = [name for name, sheet in SHEETS.items() if sheet.is_interface]
@@ -183,7 +183,7 @@ def test_the_file_of_a_sheet_is_its_problem(name, tmp_path):
     elif name == "whole-line-patch":
         assert find(path) == sheet.problem
     else:
-        assert find_blocks(str(path)) == find_blocks(name)
+        assert find_scene(str(path)) == find_scene(name)
 
 
 @pytest.mark.thinned(4)

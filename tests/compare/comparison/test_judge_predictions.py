@@ -17,7 +17,8 @@ from compare.comparison.report import report_document
 from docs.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.trials.wrong_answers import spoilt
 from fem import simulate, with_companions
-from semianalytic import Material, Pair, Scene, SceneError, SlipWeakening, Tractions, find, solve
+from semianalytic import Material, Scene, SceneError, SlipWeakening, Tractions, find, solve
+from semianalytic.parameters.numbers import with_numbers
 from semianalytic.parameters.overriding import override_scene
 
 PRELOADED = find("preloaded")
@@ -163,7 +164,7 @@ def test_a_march_that_does_not_reach_as_far_is_refused(coarse):
 
 
 def test_two_materials_are_refused(solution):
-    run = simulate(PRELOADED, resolution=14, lower_material=Material(2.0, 1.0, 0.3))
+    run = simulate(replace(PRELOADED, lower_material=Material(2.0, 1.0, 0.3)), resolution=14)
     with pytest.raises(SceneError, match="two materials"):
         judge(solution, run)
 
@@ -191,9 +192,7 @@ RESOLUTION = 48
 def paired(name):
     """A finite-element run of two bodies with its companions; each is run once for all tests."""
     pair = pair_called(name)
-    return with_companions(
-        simulate(pair.alike, 1.0, resolution=RESOLUTION, lower_material=pair.lower)
-    )
+    return with_companions(simulate(pair, 1.0, resolution=RESOLUTION))
 
 
 @cache
@@ -228,7 +227,7 @@ def test_the_first_front_is_that_of_the_faster_body_and_the_report_has_both_bodi
     row = named(judgement)["lower P front, interface (shear traction)"]
     assert row.exact == pytest.approx(2.5)  # over c_t of the upper body, whose P wave has 1.73
     assert row.verdict == "agrees"
-    assert judgement.case.fastest_speed == find("pair-slip").lower.longitudinal_speed
+    assert judgement.case.fastest_speed == find("pair-slip").lower_material.longitudinal_speed
     document = report_document(judgement, "pair-slip")
     assert document["parameters"]["lower_material"]["shear_modulus"] == 2.5
     assert document["method"] == "self-similar"
@@ -252,12 +251,11 @@ def test_the_first_front_is_that_of_the_faster_body_and_the_report_has_both_bodi
 )
 def test_wrong_answers_differ(name, wrong):
     pair = pair_called(name)
+    upper, lower = pair.bodies
     others = {
         "friction": replace(pair, friction=1.03 * pair.friction),
-        "exchanged": replace(pair, upper=pair.lower, lower=pair.upper),
-        "stiffer": replace(
-            pair, lower=replace(pair.lower, shear_modulus=1.1 * pair.lower.shear_modulus)
-        ),
+        "exchanged": replace(pair, material=lower, lower_material=upper),
+        "stiffer": with_numbers(pair, {"lower_shear_modulus": 1.1 * lower.shear_modulus}),
     }
     answer = answer_to(others[wrong])
     judgement = judge(answer, paired(name))
@@ -270,9 +268,7 @@ def test_bodies_on_which_errors_of_the_mesh_grow_are_unresolved_and_agree_with_m
     pair = pair_called("random 20")
     answer, judged = answer_to(pair), {}
     for damping in (0.02, 0.2):
-        run = simulate(
-            pair.alike, 1.0, resolution=RESOLUTION, lower_material=pair.lower, damping=damping
-        )
+        run = simulate(pair, 1.0, resolution=RESOLUTION, damping=damping)
         judged[damping] = judge(answer, with_companions(run))
         assert judged[damping].having("differs") == ()
     assert judged[0.02].verdict == "unresolved"
@@ -283,14 +279,14 @@ def test_bodies_on_which_errors_of_the_mesh_grow_are_unresolved_and_agree_with_m
 
 
 def test_answers_for_identical_bodies_are_refused():
-    with pytest.raises(SceneError, match="give the answer to the Pair"):
-        judge(solve(find("pair-slip").alike), paired("pair-slip"))
+    with pytest.raises(SceneError, match="give the answer to its scene"):
+        judge(solve(replace(find("pair-slip"), lower_material=None)), paired("pair-slip"))
 
 
 def test_the_mesh_follows_the_shear_waves_of_a_slower_lower_body():
     upper, slow = Material(1.0, 1.0, 0.25), Material(0.01, 1.0, 0.25)
-    pair = Pair(upper, slow, 0.2, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
-    choice = choose_mesh(None, pair.alike, lower_material=slow)
+    pair = Scene(upper, 0.2, Tractions(1.0, 0.0), Tractions(0.0, 1.0), lower_material=slow)
+    choice = choose_mesh(None, pair)
     assert choice.resolution == 160  # 16 elements over the way of its shear waves
     assert "shear waves of the slower body" in choice.reason
-    assert choose_mesh(None, pair.alike).resolution == 100
+    assert choose_mesh(None, replace(pair, lower_material=None)).resolution == 100

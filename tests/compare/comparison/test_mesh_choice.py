@@ -215,7 +215,7 @@ def test_a_weakening_front_takes_some_elements():
         choice = choose_mesh(None, WEAKENING, end_time)
         needed = math.ceil(WEAKENING_ELEMENTS * end_time / width)
         assert (needed <= choice.resolution) == (end_time <= 2.0)
-        seen = not weakening_caution(WEAKENING, None, end_time, choice.resolution)
+        seen = not weakening_caution(WEAKENING, end_time, choice.resolution)
         assert seen == (end_time <= 2.0)
         assert [one.resolution for one in choice.unresolved] == [needed] * (end_time > 2.0)
     assert choice.unresolved[0].name.startswith("the weakening front, 0.0")

@@ -15,7 +15,7 @@ from faults import ROOT, identity_of, start
 import slipfront.cli.commands
 from compare.output.places import working_folder
 from compare.tasks.workers import run_tasks
-from semianalytic import InterfaceHistory
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import ComputationError
 from slipfront.cli.commands import main
 from slipfront.cli.endings.interruption import INTERRUPTION

@@ -22,8 +22,8 @@ from compare.figures.saving import save_figure
 from compare.output.files import append_text, write_text
 from compare.output.places import LOCK, check_file, save_somewhere, working_folder
 from fem import simulate
-from semianalytic import InterfaceHistory
 from semianalytic.results.files import check_seal, new_file, whole_hdf5
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene
 

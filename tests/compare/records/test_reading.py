@@ -12,7 +12,8 @@ import pytest
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
 from fem import simulate
-from semianalytic import InterfaceHistory, find
+from semianalytic import find
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene import extras
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
 from semianalytic.scene.tables.units import si_size

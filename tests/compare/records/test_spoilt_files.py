@@ -14,7 +14,7 @@ from faults import flip_bits, randomness
 
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
-from semianalytic import InterfaceHistory
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 
 ENTRANTS = Path(__file__).parents[2] / "data" / "entrants"

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 import types
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -193,7 +194,7 @@ def test_without_a_checkpoint_resume_starts_at_the_beginning(tmp_path):
         ({"every": 2}, "every"),
         ({"mesh": "graded"}, "mesh"),
         ({"element": "P1"}, "element"),
-        ({"lower_material": sf.Material(2.0, 1.0, 0.2)}, "lower material"),
+        ({"scene": replace(MIXED, lower_material=sf.Material(2.0, 1.0, 0.2))}, "scene"),
     ],
 )
 def test_checkpoint_of_another_run_is_refused(kept, changes, named):

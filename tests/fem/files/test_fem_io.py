@@ -10,7 +10,8 @@ import pytest
 from catalogue import UNIT
 
 import semianalytic as sf
-from fem import load_simulation, prepare, simulate
+from fem import load_simulation, simulate
+from fem.model import prepare
 from fem.run import drift, levels
 from tests.fem.runs import MIXED, SHEARED_ALONG_Z, assert_same, interrupted
 

@@ -75,7 +75,7 @@ def test_like_bodies():
     assert whole_line.half_line_speed(ALIKE, 0.3, 1.0) == pytest.approx(0.375, rel=1e-13)
     assert whole_line.half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)
     for speed, missing in ((0.3, 0.5), (0.6, 0.6)):
-        patch = sf.WholeLine(SOLID, missing, sf.Tractions(1.0, 0.0), sf.Patch(speed, shear=1.0))
+        patch = sf.Scene(SOLID, missing, sf.Tractions(1.0, 0.0), sf.Patch(speed, shear=1.0))
         known = sf.solve(patch).edge_speed
         assert whole_line.patch_speeds(ALIKE, 0.2, missing, speed) == pytest.approx(
             (known, known), rel=1e-9

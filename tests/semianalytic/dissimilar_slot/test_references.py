@@ -12,9 +12,9 @@ from semianalytic import Material
 from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar_slot.densities.density import density_of
-from semianalytic.dissimilar_slot.densities.interface import Interface
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
 from semianalytic.dissimilar_slot.densities.panels import edge_exponents, rule_for
-from semianalytic.dissimilar_slot.densities.zones import Zone, edges_of
+from semianalytic.dissimilar_slot.densities.zones import MovingZone, edges_of
 from semianalytic.dissimilar_slot.placement import edge_tractions, place, polished
 
 TOLERANCE = 1e-11
@@ -23,7 +23,7 @@ TOLERANCE = 1e-11
 def interface(pair, friction, base_pressure, load, base_shear=0.0):
     """`load` is (Q_0, -P_0), the jump of tau and sigma."""
     bodies = compliance_of(*(PAIRS[pair] if isinstance(pair, str) else pair))
-    return Interface(bodies, friction, 0.0, base_pressure, base_shear, -load[1], load[0])
+    return LoadedBodies(bodies, friction, 0.0, base_pressure, base_shear, -load[1], load[0])
 
 
 def placed(known, zones):
@@ -52,7 +52,7 @@ def test_level_at_which_slip_from_the_slot_ends(edge, level, least):
     """The prototype had 0.854873248232 and 0.578629452911, 9e-11 and 6e-11 less: its tractions on
     stick were integrated along the cut, past a hidden zero."""
     known = interface("0", 0.2, 0.0, (1.0, -0.5))
-    zones = (Zone(edge, None, 1),)
+    zones = (MovingZone(edge, None, 1),)
     density = density_of(known, glued(known.compliance, 1e-13), zones, rule_for(TOLERANCE))
     tau, sigma = edge_tractions(density).at(edge)
     assert tau + 0.2 * sigma == pytest.approx(level, abs=2e-11)
@@ -71,7 +71,7 @@ def test_level_at_which_slip_from_the_slot_ends(edge, level, least):
 def test_slip_from_the_slot(pair, pressure, load, speed, rate):
     """A and C at P_0 = 0 leave out an opening within x/t < 1e-5, which changes them by 3e-9."""
     known = interface(pair, 0.2, pressure, load)
-    result = placed(known, (Zone(1 / 0.37, None, -1),))
+    result = placed(known, (MovingZone(1 / 0.37, None, -1),))
     assert 1 / result.zones[0].left == pytest.approx(speed, abs=1e-11)
     assert_no_constant_is_free(known, result.zones, 0.333)
     assert result.density.change(0)[0] == pytest.approx(rate, abs=1e-10)
@@ -79,7 +79,7 @@ def test_slip_from_the_slot(pair, pressure, load, speed, rate):
 
 def test_a_detached_zone():
     known = interface("0", 0.4, 0.7, (-1.0, -5.5))
-    result = placed(known, (Zone(1 / 1.25, 1 / 0.54, -1),))
+    result = placed(known, (MovingZone(1 / 1.25, 1 / 0.54, -1),))
     speeds = 1 / np.array(edges_of(result.zones))
     np.testing.assert_allclose(speeds, [1.24499152201, 0.5476249625], atol=4e-10)
     assert_no_constant_is_free(known, result.zones, 0.368)
@@ -91,7 +91,7 @@ def test_a_detached_zone():
 @pytest.mark.slow
 def test_two_zones():
     known = interface("C", 0.2, 1.1, (-1.0, 0.0))
-    start = (Zone(1 / 1.16, 1 / 0.985, -1), Zone(1 / 0.93, None, -1))
+    start = (MovingZone(1 / 1.16, 1 / 0.985, -1), MovingZone(1 / 0.93, None, -1))
     result = placed(known, start)
     speeds = 1 / np.array(edges_of(result.zones))
     np.testing.assert_allclose(speeds, [1.16734526, 0.98407487, 0.93325727], atol=6e-9)
@@ -105,7 +105,7 @@ def test_two_zones():
     [((0.5, 1.0), 1, 0.5570204652, 0.1574862063), ((-0.5, 1.0), -1, 0.5528459861, 0.1245261371)],
 )
 def test_opening_with_slip_ahead(load, sense, slip, opening):
-    start = (Zone(1 / 0.556, 1 / 0.14, sense), Zone(1 / 0.14, None, sense, True))
+    start = (MovingZone(1 / 0.556, 1 / 0.14, sense), MovingZone(1 / 0.14, None, sense, True))
     known = interface("0", 0.3, 1.5, load)
     result = placed(known, start)
     assert_no_constant_is_free(known, result.zones, 0.277)
@@ -120,7 +120,7 @@ def test_far_apart_edges_do_not_spoil_the_equations():
     matrix = glued(known.compliance, 1e-9)
     values = []
     for edge in (1e1, 1e3, 1e5):
-        zones = (Zone(2.677, edge, -1), Zone(edge, None, -1, True))
+        zones = (MovingZone(2.677, edge, -1), MovingZone(edge, None, -1, True))
         values.append(density_of(known, matrix, zones, rule_for(1e-6)).smallest_singular_value)
     assert min(values) > 0.25
     assert max(values) / min(values) < 1.2
@@ -130,6 +130,6 @@ def test_shear_fronts_of_both_bodies_at_once():
     """There K is singular like d^(-1/2), and a power of omega above 1/2 would admit too much."""
     solid = Material(1.0, 1.0, -0.2)
     known = interface((solid, solid), 0.37, 1.0, (-0.8, 0.0), -0.3)
-    zones = (Zone(0.889, 1.054, -1), Zone(1.375, None, -1))
+    zones = (MovingZone(0.889, 1.054, -1), MovingZone(1.375, None, -1))
     density = density_of(known, glued(known.compliance, 1e-9), zones, rule_for(1e-6))
     assert density.smallest_singular_value > 0.02

@@ -32,7 +32,9 @@ def held(pair, load, nodes, side=1, friction=0.005):
 def exact(pair, load, distance, friction=0.005):
     """tau + i sigma of the stuck contact, x > 0, beyond the base."""
     base = sf.Tractions(PRESSURE, 0.0)
-    answer = sf.solve(sf.Pair(*pair, friction, base, sf.Tractions(*load)))
+    upper, lower = pair
+    scene = sf.Scene(upper, friction, base, sf.Tractions(*load), lower_material=lower)
+    answer = sf.solve(scene)
     shear, pressure = answer.shear_traction(distance, 1.0), answer.pressure(distance, 1.0)
     return shear + 1j * (PRESSURE - pressure)
 

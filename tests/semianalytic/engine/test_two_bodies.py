@@ -156,7 +156,7 @@ def test_a_slot_is_met_by_the_exact_answer(load, pressure, friction):
     """Slip against a rising pressure; and an opening beside the slot with slip ahead of it."""
     upper, lower = PAIRS["0"]
     sides = sf.Tractions(pressure, 0.0), sf.Tractions(*load)
-    exact = sf.solve(sf.Pair(upper, lower, friction, *sides), rtol=1e-6)
+    exact = sf.solve(sf.Scene(upper, friction, *sides, lower_material=lower), rtol=1e-6)
     given = sf.Interface(
         upper,
         sf.Coulomb(friction),

@@ -125,7 +125,7 @@ def canonical(v, edge, eta):
 @pytest.mark.parametrize(("edge", "eta"), [(0.407297, 0.5), (0.9, 4.0), (0.02, 0.1)])
 def test_canonical_product_of_viscosity(edge, eta):
     """What multiplies sqrt((b + k)/(u_s + k)) on the cut, on stick and on slip."""
-    zone = antiplane._ViscousZone(edge, eta)
+    zone = antiplane._AntiplaneFilm(edge, eta)
     for xi in (0.3 * edge, 0.9 * edge, edge + 0.1 * (1 - edge), edge + 0.8 * (1 - edge)):
         found = zone._factor(np.array([xi]), np.array([abs(xi - edge)]))[0]
         exact = canonical(1 / mp.mpf(xi), mp.mpf(edge), mp.mpf(eta))

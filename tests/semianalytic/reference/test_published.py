@@ -9,7 +9,7 @@ from semianalytic.reference import (
     ARTICLE_SHEAR_SLOWNESS,
     DEFAULT_READING,
     REVERSE_LIMIT,
-    Reading,
+    AlgorithmReading,
     examine_all,
     examine_reading,
     kernel_primitives,
@@ -48,7 +48,7 @@ def test_printed_arctan_in_the_papers_units():
 @pytest.mark.parametrize("basis", ["box", "hat"])
 def test_matrix_against_quadrature(basis):
     """L_j(u_k) by mpmath, kernel by kernel, delays from their own fronts."""
-    grid = published_grid(Reading(basis=basis), 6)
+    grid = published_grid(AlgorithmReading(basis=basis), 6)
     a, edges = mp.mpf(1) / 2, [mp.mpf(e) for e in grid.edges]
 
     def kernel(lag):
@@ -77,7 +77,7 @@ def test_delays_as_printed_leave_no_equation():
     assert len(literal) == 72
     assert all(np.isinf(published_grid(reading, 10).condition) for reading in literal)
     with pytest.raises(SceneError, match="singular"):
-        published_slip(0.5, Reading(delay="printed"))
+        published_slip(0.5, AlgorithmReading(delay="printed"))
 
 
 def test_default_reading():

@@ -173,7 +173,7 @@ def test_bars_of_a_simulation_hold():
 
 def test_a_pair_of_equal_bodies_reads_like_one_body():
     solid, base, load = sf.Material(1.0, 1.0, 0.25), sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 0.8)
-    pair = coupled(sf.Pair(solid, solid, 0.4, base, load), 1e-6)
+    pair = coupled(sf.Scene(solid, 0.4, base, load, lower_material=solid), 1e-6)
     exact = sf.solve(sf.Scene(solid, 0.4, base, load), rtol=1e-12)
     x = np.linspace(0.05, 1.5, 30)
     assert over_bars(pair, exact, x) < 1

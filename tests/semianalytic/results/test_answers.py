@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
-from semianalytic.results.answer import FIELDS, TOTALS
+from semianalytic.results.answer import FIELDS, TOTALS, Answer, OpenInterval, SlipInterval
 from semianalytic.results.datasets import QUANTITIES
 from semianalytic.results.in_words import digits_apart
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import open_intervals, slip_intervals
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.given.named import NAMED_SCENES
@@ -27,7 +28,7 @@ TIMES = np.array([0.31, 0.62, 1.0])
 
 
 @cache
-def answer(name, method) -> sf.Answer:
+def answer(name, method) -> Answer:
     marched = {"end_time": END, "nodes": NODES} if method == "space-time" else {}
     return sf.solve(name, method=method, **marched)
 
@@ -223,7 +224,7 @@ def test_what_is_linear_in_position_and_in_time_is_told_exactly(widths, steps, f
         return one + two * x + three * t + four * x * t
 
     sampled = field(x, t[:, None])
-    recorded = Recorded(sf.InterfaceHistory(x, t, *[sampled] * 5))
+    recorded = Recorded(InterfaceHistory(x, t, *[sampled] * 5))
     time, place = t[-1] * on, x[0] + (x[-1] - x[0]) * along
     assert recorded.slip(place, time) == pytest.approx(field(place, time), abs=1e-10)
     assert recorded.slip(x[0] / 2, time) == pytest.approx(field(x[0], time), abs=1e-10)
@@ -234,7 +235,7 @@ def test_what_is_linear_in_position_and_in_time_is_told_exactly(widths, steps, f
 
 def test_the_record_reaches_from_the_edge_to_a_spacing_beyond_the_last_node():
     x, t = np.array([0.25, 0.5, 0.75, 1.0]), np.array([0.0, 1.0])
-    recorded = Recorded(sf.InterfaceHistory(x, t, *[np.outer(t, x)] * 5))
+    recorded = Recorded(InterfaceHistory(x, t, *[np.outer(t, x)] * 5))
     assert recorded.slip(1e-9, 1.0) == 0.25
     assert recorded.slip(1.25, 1.0) == 1.0
     for beyond in (-0.1, 0.0, 1.26):
@@ -245,7 +246,7 @@ def test_the_record_reaches_from_the_edge_to_a_spacing_beyond_the_last_node():
 def test_the_last_time_may_be_missed_by_rounding():
     t = np.array([0.0, 1.0 - 1e-12])
     totals = Totals(t, *[np.array([0.0, 2.0])] * 3)
-    recorded = Recorded(sf.InterfaceHistory(np.array([0.5]), t, *[np.ones((2, 1))] * 5), totals)
+    recorded = Recorded(InterfaceHistory(np.array([0.5]), t, *[np.ones((2, 1))] * 5), totals)
     assert recorded.slip(0.5, 1.0) == 1.0
     assert recorded.max_slip(1.0) == 2.0
 
@@ -278,9 +279,9 @@ def test_zones_end_where_an_opening_begins_and_hold_nothing_open():
     x, t = np.arange(1, 101) / 100, np.array([0.0, 1.0])
     gap = np.outer(t, np.maximum(0.3051 - x, 0) ** 1.5)
     rate = np.outer(t, 2 + np.sqrt(np.maximum(0.6049 - x, 0)) - 2 * (x > 0.6049))
-    recorded = Recorded(sf.InterfaceHistory(x, t, rate, rate, rate, rate, gap))
+    recorded = Recorded(InterfaceHistory(x, t, rate, rate, rate, rate, gap))
     (zone,), (opening,) = recorded.zones_at(1.0), recorded.openings_at(1.0)
-    assert opening == sf.OpenInterval(0.0, pytest.approx(0.3051))
+    assert opening == OpenInterval(0.0, pytest.approx(0.3051))
     assert zone.start == opening.end
     assert zone.end == pytest.approx(0.6049, abs=0.02)
     assert recorded.openings_at(0.0) == ()
@@ -291,7 +292,7 @@ def test_zones_end_where_an_opening_begins_and_hold_nothing_open():
 def test_zones_of_a_solution_move_with_its_edges():
     solution = sf.solve(NAMED_SCENES["auxetic"].scene)
     assert isinstance(solution, sf.Solution)
-    expected = [sf.SlipInterval(2 * z.inner, 2 * z.outer, z.sense) for z in solution.zones]
+    expected = [SlipInterval(2 * z.inner, 2 * z.outer, z.sense) for z in solution.zones]
     assert list(solution.zones_at(2.0)) == expected
 
 

@@ -6,8 +6,9 @@ import h5py
 import numpy as np
 import pytest
 
-from semianalytic import DataFileError, InterfaceHistory, SceneError
+from semianalytic import DataFileError, SceneError
 from semianalytic.results import memory as memory_module
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.memory import available_memory, check_memory, memory_limit
 
 

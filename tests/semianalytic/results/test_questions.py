@@ -109,7 +109,7 @@ def test_what_is_not_known_is_refused_in_one_sentence(name, tmp_path):
 def test_path_and_work_of_a_pair_are_those_of_one_body():
     """The solver of two bodies, of equal ones, against the closed form with its own totals."""
     scene = sf.Scene(sf.Material(1.0, 1.0, 0.25), 0.4, BASE, sf.Tractions(0.0, 0.8))
-    pair = sf.Pair(scene.material, scene.material, 0.4, scene.base, scene.load)
+    pair = sf.Scene(scene.material, 0.4, scene.base, scene.load, lower_material=scene.material)
     one, two, x = sf.solve(scene), coupled(pair, 1e-9), np.linspace(0.03, 1.6, 12)
     for name in ("path", "work_density"):
         known, found = (getattr(each, name)(x, 1.3) for each in (one, two))

@@ -158,7 +158,7 @@ def test_a_load_refuses_in_one_sentence(make, said):
         ({"load": sf.IncidentWave("P", 0.0, 0.1), "load_on": "remote"}, "leave out load_on"),
         (
             {"load": sf.MovingLoad(1.0, 0.0, 1.0), "shear_history": sf.Ramp(1.0)},
-            "leave out its histories",
+            "leave out histories",
         ),
         (
             {"load": sf.IncidentWave("SV", 20.0, 0.1), "shear_history": sf.Pulse(1.0)},

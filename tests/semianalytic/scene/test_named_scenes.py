@@ -8,6 +8,7 @@ import pytest
 from pint import UnitRegistry
 
 import slipfront as sf
+from fem.model import prepare
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.files import read_scene
@@ -206,7 +207,7 @@ def test_functions_of_a_scene_take_its_name_or_file(steel):
         ).scene,  # in the units of the file
         sf.sweep(given, [0.3]).scene,
         sf.fit([record], given, "gain").scene,  # which leaves the scene as it is
-        sf.prepare(given, end, resolution=8).plan.scene,
+        prepare(given, end, resolution=8).plan.scene,
         sf.simulate(given, end * units.s, resolution=8).scene,
     ]
     assert scenes == [read_scene(path)] * len(scenes)
@@ -220,7 +221,7 @@ def test_functions_of_a_scene_take_its_name_or_file(steel):
 def test_named_scenes_are_solved_by_name():
     assert sf.solve("preloaded").zones == sf.solve(sf.find("preloaded")).zones
     assert sf.solve("ramp", method="space-time", end_time=0.5, nodes=32).error_estimate > 0
-    with pytest.raises(sf.SceneError, match="whole-line-patch has no slot"):
+    with pytest.raises(sf.SceneError, match="whole-line-patch: this knows scenes with a slot"):
         sf.sweep("whole-line-patch", [0.3])
 
 

@@ -32,9 +32,9 @@ PATCHES = [
 def patch_line(mode, speed, missing, solid=SOLID):
     """A line whose patch adds 1 to what drives motion, of which `missing` are missing."""
     if mode == "I":
-        return sf.WholeLine(solid, 0.5, sf.Tractions(missing, 0.0), sf.Patch(speed, pressure=-1.0))
+        return sf.Scene(solid, 0.5, sf.Tractions(missing, 0.0), sf.Patch(speed, pressure=-1.0))
     shear = "antiplane" if mode == "III" else "in-plane"
-    return sf.WholeLine(solid, missing, BASE, sf.Patch(speed, shear=1.0), mode=shear)
+    return sf.Scene(solid, missing, BASE, sf.Patch(speed, shear=1.0), mode=shear)
 
 
 def plain(mode, eta):
@@ -51,12 +51,12 @@ def gauss(density):
 
 
 def rates(answer, x, t):
-    return answer.gap_rate(x, t) if answer.line.opens else answer.slip_rate(x, t)
+    return answer.gap_rate(x, t) if answer.drive.opens else answer.slip_rate(x, t)
 
 
 def driving(answer, x, t):
     """The traction that drives motion, above that of the base."""
-    line = answer.line
+    line = answer.drive
     if line.opens:
         return line.base.pressure - answer.pressure(x, t)
     return line.sense * (answer.shear_traction(x, t) - line.base.shear)
@@ -90,7 +90,7 @@ def test_the_edge_of_a_patch_is_that_of_the_notes_and_of_mpmath(mode, speed, mis
 
 
 def test_the_edge_of_a_point_force_is_that_of_the_notes_and_of_mpmath():
-    found = sf.solve(sf.WholeLine(SOLID, 1.0, BASE, sf.PointForce(shear=1.0)))
+    found = sf.solve(sf.Scene(SOLID, 1.0, BASE, sf.PointForce(shear=1.0)))
     assert found.edge_speed == pytest.approx(0.290552362, abs=5e-10)
     with mpmath.workdps(45):
 
@@ -114,7 +114,7 @@ def test_a_small_patch_is_a_point_force(mode):
     stress = {name: value / (2 * speed) for name, value in force.items()}
     shear = "antiplane" if mode == "III" else "in-plane"
     point, patch = (
-        sf.solve(sf.WholeLine(SOLID, 0.8, sf.Tractions(1.0, 0.0), load, mode=shear))
+        sf.solve(sf.Scene(SOLID, 0.8, sf.Tractions(1.0, 0.0), load, mode=shear))
         for load in (sf.PointForce(**force), sf.Patch(speed, **stress))
     )
     assert patch.edge_speed == pytest.approx(point.edge_speed, rel=1e-6)
@@ -180,7 +180,7 @@ def test_what_a_line_obeys(line):
     try:
         found = sf.solve(line)
     except sf.SceneError as refusal:
-        if "must be more than" not in str(refusal):
+        if "more than" not in str(refusal):
             raise
         return
     assert found.status == "converged"
@@ -191,13 +191,14 @@ def test_what_a_line_obeys(line):
     outside = np.linspace(1 + 1e-9, 6, 60) * edge * t
     assert np.all(rates(found, inside, t) > 0)  # it moves in the sense of its load
     assert np.all(rates(found, outside, t) == 0)
-    driven, missing = driving(found, outside, t), line.missing
+    drive = found.drive
+    driven, missing = driving(found, outside, t), drive.missing
     assert np.all(driven <= missing * (1 + 1e-12))  # Coulomb, or no tension
-    if not line.opens:
-        assert np.all(np.abs(found.shear_traction(outside, t)) <= line.strength * (1 + 1e-12))
-        assert found.shear_traction(inside, t) == pytest.approx(line.strength)
+    if not drive.opens:
+        assert np.all(np.abs(found.shear_traction(outside, t)) <= drive.strength * (1 + 1e-12))
+        assert found.shear_traction(inside, t) == pytest.approx(drive.strength)
         assert found.frictional_work(t) == pytest.approx(
-            line.strength * found.accumulated_slip(t), rel=1e-12
+            drive.strength * found.accumulated_slip(t), rel=1e-12
         )
     else:
         assert np.all(found.pressure(inside, t) == 0)
@@ -233,7 +234,7 @@ def test_the_energy_of_the_waves_is_positive_and_less_than_what_is_set_free(
 
 
 def test_slip_is_the_integral_of_its_rate_and_the_area_that_of_slip():
-    found = sf.solve(sf.WholeLine(SOLID, 0.5, sf.Tractions(1, 0.1), sf.Patch(0.3, -0.4, 0.5)))
+    found = sf.solve(sf.Scene(SOLID, 0.5, sf.Tractions(1, 0.1), sf.Patch(0.3, -0.4, 0.5)))
     edge = found.edge_speed
     for x in (0.0, 0.1, 0.299, 0.35):
         begins = x / edge
@@ -255,7 +256,7 @@ def test_slip_is_the_integral_of_its_rate_and_the_area_that_of_slip():
 
 def test_the_other_sense_is_the_mirror_image():
     there, back = (
-        sf.solve(sf.WholeLine(SOLID, 0.5, sf.Tractions(1, s * 0.1), sf.Patch(0.3, 0.1, s * 0.8)))
+        sf.solve(sf.Scene(SOLID, 0.5, sf.Tractions(1, s * 0.1), sf.Patch(0.3, 0.1, s * 0.8)))
         for s in (1, -1)
     )
     x = np.linspace(-1, 1, 21)
@@ -267,7 +268,7 @@ def test_the_other_sense_is_the_mirror_image():
 
 def test_units_scale():
     solid = sf.Material(30e9, 2700.0, 1 / 3)
-    line = sf.WholeLine(
+    line = sf.Scene(
         solid, 0.5, sf.Tractions(4e6, 0.0), sf.Patch(0.3 * solid.shear_speed, shear=4e6)
     )
     found, plain = sf.solve(line), sf.solve(patch_line("II", 0.3, 0.5))
@@ -278,7 +279,7 @@ def test_units_scale():
     )
     work = plain.frictional_work(1.0) * 4e6**2 / solid.shear_impedance * c
     assert found.frictional_work(1.0) == pytest.approx(work, rel=1e-12)
-    force = sf.WholeLine(solid, 1.0, sf.Tractions(4e6, 0.0), sf.PointForce(shear=4e6 * c))
+    force = sf.Scene(solid, 1.0, sf.Tractions(4e6, 0.0), sf.PointForce(shear=4e6 * c))
     assert sf.solve(force).edge_speed == pytest.approx(0.29055236202 * c, rel=1e-10)
 
 
@@ -286,7 +287,7 @@ def test_units_scale():
 
 
 def test_a_half_line_moves_like_a_slot_that_sheds_its_excess():
-    line = sf.WholeLine(SOLID, 1.0, sf.Tractions(1.0, 0.25), sf.HalfLine(shear=1.5))
+    line = sf.Scene(SOLID, 1.0, sf.Tractions(1.0, 0.25), sf.HalfLine(shear=1.5))
     found = sf.solve(line)
     assert isinstance(found, sf.Solution)
     assert found.scene.load == sf.Tractions(0.0, 0.75)
@@ -299,7 +300,7 @@ def test_a_half_line_moves_like_a_slot_that_sheds_its_excess():
 
 
 def test_a_half_line_that_opens_is_a_slot_under_pressure():
-    found = sf.solve(sf.WholeLine(SOLID, 0.3, BASE, sf.HalfLine(pressure=-2.0)))
+    found = sf.solve(sf.Scene(SOLID, 0.3, BASE, sf.HalfLine(pressure=-2.0)))
     assert found.scene.load == sf.Tractions(-1.0, 0.0)
     assert found.openings[0].outer == pytest.approx(0.1875, rel=1e-9)
 
@@ -342,12 +343,11 @@ def test_a_march_converges_to_the_answer(mode, speed, missing, _):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"load": sf.Tractions(0.0, 1.0)}, "tractions on the faces of a slot belong to a Scene"),
         ({"load": sf.Patch(0.3, shear=0.5)}, "nothing slips"),
         ({"load": sf.Patch(0.95, shear=1.0)}, "slower than the Rayleigh wave, 0.932526"),
         ({"friction": -0.1}, "friction must not be negative"),
-        ({"base": sf.Tractions(-1.0, 0.0)}, "strength is negative"),
-        ({"base": sf.Tractions(1.0, 0.6)}, "would slide as a whole"),
+        ({"base": sf.Tractions(-1.0, 0.0)}, "base pressure must not be negative"),
+        ({"base": sf.Tractions(1.0, 0.5)}, "would slide as a whole"),
         ({"load": sf.Patch(0.3, -2.0, 1.0)}, "opens the interface"),
         ({"load": sf.PointForce(1.0, 1.0)}, "set its pressure or its shear to 0"),
         ({"load": sf.PointForce(1.0, 0.0)}, "moves nothing"),
@@ -361,7 +361,7 @@ def test_a_march_converges_to_the_answer(mode, speed, missing, _):
 def test_a_line_that_cannot_be_is_refused_in_a_sentence(change, said):
     parts = {"material": SOLID, "friction": 0.5, "base": BASE, "load": sf.Patch(0.3, shear=1.0)}
     with pytest.raises(sf.SceneError, match=said) as refusal:
-        sf.solve(sf.WholeLine(**{**parts, **change}))
+        sf.solve(sf.Scene(**{**parts, **change}))
     assert refusal.value.exit_code == 2
     assert str(refusal.value).endswith(".")
     assert "\n" not in str(refusal.value)
@@ -398,10 +398,8 @@ def test_solve_and_march_name_what_takes_a_line():
         lambda one: sf.solve(one, method="space-time"),
         lambda one: sf.sweep(one, [0.3]),
     ):
-        with pytest.raises(sf.SceneError, match="a Scene"):
+        with pytest.raises(sf.SceneError, match=r"without a slot|with a slot alone"):
             function(line)
-    with pytest.raises(sf.SceneError, match="Pair or WholeLine or GrowingSlot"):
-        sf.solve(SOLID)
 
 
 def test_a_spoilt_edge_shows_in_the_second_evaluation():

@@ -1,6 +1,7 @@
 """Two different bodies on every road a user takes: what works, and what refuses in one sentence."""
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 import slipfront as sf
 from fem import load_simulation
-from semianalytic.scene.given.finding import find_blocks, find_scene
+from semianalytic.scene.given.finding import find_scene
 from slipfront.cli import solve_command
 from slipfront.cli.commands import main
 
@@ -29,7 +30,7 @@ pressure = 0.0
 shear = 1.0
 """
 UPPER, LOWER = sf.Material(1.0, 1.0, 0.25), sf.Material(4.0, 2.0, 0.4)
-PAIR = sf.Pair(UPPER, LOWER, 0.3, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0))
+PAIR = sf.Scene(UPPER, 0.3, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0), lower_material=LOWER)
 RUNNING = sf.Interface(
     UPPER,
     sf.Coulomb(0.3),
@@ -44,7 +45,7 @@ GAUGE = sf.Gauge(0.4, np.array([0.1, 0.2]), np.array([0.1, 0.2]), 0.1)
 @cache
 def solved(friction=0.3, **options):
     """The answer for the bodies of the file, with another friction if one is given."""
-    return sf.solve(sf.Pair(UPPER, LOWER, friction, PAIR.base, PAIR.load), **options)
+    return sf.solve(replace(PAIR, friction=friction), **options)
 
 
 @pytest.fixture(autouse=True)
@@ -58,7 +59,6 @@ FUNCTIONS = {
     "sweep": lambda scene: sf.sweep(scene, [0.3]),
     "fit": lambda scene: sf.fit([GAUGE], scene, ["friction"]),
     "validate": lambda scene: sf.validate("record.csv", scene),
-    "find_scene": find_scene,
 }
 
 
@@ -66,11 +66,11 @@ FUNCTIONS = {
 def test_functions_of_a_scene_say_what_can(name):
     with pytest.raises(sf.SceneError, match=r"slipfront solve or survey, or\s+simulate"):
         FUNCTIONS[name]("two.toml")
-    # interfaces of two bodies may be fitted, or not, as those of one
-    given = {"find_scene": (), "fit": (PAIR,)}.get(name, (PAIR, RUNNING))
-    for described in given:
-        with pytest.raises(sf.SceneError, match=r"two bodies are for solve, survey and simulate"):
-            FUNCTIONS[name](described)
+    with pytest.raises(sf.SceneError, match=r"slipfront solve or survey, or\s+simulate"):
+        FUNCTIONS[name](PAIR)
+    if name != "fit":  # interfaces of two bodies may be fitted, as those of one
+        with pytest.raises(sf.SceneError, match="scene must be a Scene"):
+            FUNCTIONS[name](RUNNING)
 
 
 def test_a_file_of_two_bodies_is_solved(shown, printed, monkeypatch):
@@ -135,18 +135,19 @@ def test_a_file_of_two_bodies_is_written_from_another(printed):
         lower = document["scene"]["lower_material"]
         assert lower["shear_modulus"] == scale * LOWER.shear_modulus
         pair = sf.find("new.toml")
-        assert pair.lower.shear_modulus == pytest.approx(scale * LOWER.shear_modulus, rel=1e-14)
-        assert pair.lower.poisson_ratio == LOWER.poisson_ratio
-        ratio = pair.lower.density / pair.upper.density
+        lower = pair.lower_material
+        assert lower.shear_modulus == pytest.approx(scale * LOWER.shear_modulus, rel=1e-14)
+        assert lower.poisson_ratio == LOWER.poisson_ratio
+        ratio = lower.density / pair.material.density
         assert ratio == pytest.approx(LOWER.density / UPPER.density, rel=1e-14)
-        assert set(document["units"]["scene"]["lower_material"]) == set(lower)
+        assert set(document["units"]["scene"]["lower_material"]) == {*document["scene"]["material"]}
 
 
 def test_a_simulation_of_a_file_takes_its_lower_body():
     pytest.importorskip("skfem")
     scene = sf.Scene(UPPER, 0.3, PAIR.base, PAIR.load)
     told = sf.cost("two.toml", resolution=8)
-    assert told == sf.cost(scene, resolution=8, lower_material=LOWER)
+    assert told == sf.cost(PAIR, resolution=8)
     assert told != sf.cost(scene, resolution=8)
 
 
@@ -175,7 +176,7 @@ def test_compare_judges_two_bodies(printed, refused, shown, folder, monkeypatch)
     from compare.comparison import prediction
 
     wrong = solved(0.36, rtol=1e-5)
-    monkeypatch.setattr(prediction, "solve", lambda pair: wrong)
+    monkeypatch.setattr(prediction, "solve", lambda scene, method: wrong)
     assert "Verdict: differs" in shown("compare two.toml --from out -q", 1).out
 
 
@@ -191,14 +192,14 @@ def simulated(line):
 def test_options_replace_single_parameters():
     sim = simulated("two.toml --lower-shear-modulus 9 --poisson-ratio 0.3 --quiet")
     assert sim.scene.material == sf.Material(1.0, 1.0, 0.3)
-    assert sim.lower_material == sf.Material(9.0, 2.0, 0.4)
+    assert sim.scene.lower_material == sf.Material(9.0, 2.0, 0.4)
     assert sim.model == "two blocks of different materials"
 
 
 def test_folder_says_what_the_lower_block_was(shown):
     shown("simulate preloaded --lower-density 0.5 --resolution 8 --no-snapshots --quiet")
     sim = load_simulation("results/preloaded-lower-density-0.5")
-    assert sim.lower_material == sf.Material(1.0, 0.5, 1 / 3)
+    assert sim.scene.lower_material == sf.Material(1.0, 0.5, 1 / 3)
 
 
 @pytest.mark.parametrize(
@@ -213,7 +214,7 @@ def test_folder_says_what_the_lower_block_was(shown):
 def test_mistakes_in_the_table_are_named(before, after, match, folder):
     (folder / "two.toml").write_text(FILE.replace(before, after))
     with pytest.raises(sf.SceneError, match=match):
-        find_blocks("two.toml")
+        find_scene("two.toml")
 
 
 def test_opening_and_what_is_under_resolved_are_told(capsys):

@@ -236,6 +236,7 @@ def test_what_cannot_be_surveyed_is_refused_in_one_sentence(values, options, sai
 def test_every_number_of_a_scene_is_a_parameter():
     assert set(numbers_of(WEAKENING)) == {
         *("friction", "shear_modulus", "density", "poisson_ratio"),
+        *("lower_shear_modulus", "lower_density", "lower_poisson_ratio"),
         *("base_pressure", "base_shear", "load_pressure", "load_shear"),
         *("shear_history_rise_time", "friction_law_reduction", "friction_law_distance"),
     }

@@ -30,7 +30,7 @@ def failing(monkeypatch, error):
     def fail(*_):
         raise error
 
-    monkeypatch.setattr("slipfront.cli.scenes.commands.bodies_document", fail)
+    monkeypatch.setattr("slipfront.cli.scenes.commands.scene_document", fail)
 
 
 def report(capsys, folder):

@@ -54,8 +54,10 @@ def test_a_line_in_si_units_has_them(tmp_path, printed):
     path.write_text(text.replace('"patch"\nspeed = 500.0', '"point-force"'))
     document = printed(["solve", path])
     assert document["units"]["scene"]["load"]["shear"] == "N/(m s)"
-    growing = text.replace('contact = "whole line"', "growth = 2").replace("[base]", "[load]")
-    path.write_text(growing.partition("[load]\nkind")[0].replace("shear = 1e6", "shear = 8e6"))
+    growing = text.replace('contact = "whole line"', "").replace("pressure = 10e6", "pressure = 0")
+    growing = growing.replace("shear = 1e6", "shear = 0")
+    load = '"growing"\npower = 2\npressure = 10e6'
+    path.write_text(growing.replace('"patch"\nspeed = 500.0', load))
     document = printed(["solve", path])
     assert document["units"]["scene"]["load"]["shear"] == "Pa/s^2"
     assert document["units"]["edge"]["amplitude"] == "m/s^3"
