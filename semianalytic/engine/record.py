@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.result import Run
+from semianalytic.engine.stepping.onsets import onsets_until
 from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.symmetry import times_of_loads
@@ -58,7 +59,7 @@ class Record:
 
     def begin(self, now: State) -> None:
         """Record the state at the beginning of the run."""
-        self._count([now.time], now.rate[None])
+        self._count([now.time] * 2, np.array([now.rate] * 2))
         if self.times is None:
             self._write(now.time, self._shown(now))
         else:
@@ -96,27 +97,12 @@ class Record:
             self._write(now.time, self._shown(now))
 
     def _count(self, times: Sequence[float], rates: Array) -> None:
-        """Note the peaks of slip rates, and when slip begins: slip rates are linear over a step."""
+        """Note the peaks of slip rates, and when slip begins."""
         speeds = np.abs(rates[:, self._touching])
-        new = slice(len(times) > 1, None)
-        self.step_times += times[new]
-        self.peak_rates += speeds[new].max(axis=1, initial=0.0).tolist()
-        onset = self.onset[self._touching]
-        waiting = np.flatnonzero(np.isnan(onset))
-        begins = speeds[new, waiting] > self.slipping
-        began = np.flatnonzero(begins.any(axis=0))
-        if not len(began):
-            return
-        # at the beginning of a run the level before is the first one itself
-        after = np.argmax(begins[:, began], axis=0) + (len(times) > 1)
-        before = np.maximum(after - 1, 0)
-        node, t = waiting[began], np.asarray(times)
-        old = speeds[before, node]
-        rise = np.maximum(speeds[after, node] - old, 1e-300)
-        with np.errstate(over="ignore"):  # of a rate that has not risen
-            share = np.clip((self.slipping - old) / rise, 0.0, 1.0)
-        onset[node] = t[before] + share * (t[after] - t[before])
-        self.onset[self._touching] = onset
+        self.step_times += times[1:]
+        self.peak_rates += speeds[1:].max(axis=1, initial=0.0).tolist()
+        onset, threshold = self.onset[self._touching], np.full(len(times) - 1, self.slipping)
+        self.onset[self._touching] = onsets_until(onset, times, speeds, threshold)
 
     def _write(self, time: float, shown: Sequence[Array]) -> None:
         self.t.append(time)

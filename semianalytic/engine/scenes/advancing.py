@@ -1,22 +1,28 @@
 """Advance a march and its companion from the state they have reached, from jump to jump.
 
-The companion of a march is the same march on half the nodes in half the steps.  The difference
-between the two gives the error estimate (docs/spacetime.md, "Error of a march").  The companion
-follows a block of steps behind: little has to be stored for the comparison, and either grid stays
-in the processor cache for a while.  Each of its nodes lies half-way between two nodes of the march.
+A step takes the loads at its end, computes the traction that would stop each node under the memory
+of past slip, from it and the friction law the slip rate, and adds the new slip to the memory.
+Steps are summed up and recorded in blocks (`Blocks`; docs/spacetime.md, "Method").
+
+The companion of a march is the same march on half the nodes in half the steps, whose levels are
+every second of the march.  The difference between the two gives the error estimate
+(docs/spacetime.md, "Error of a march").  The companion follows a block of steps behind: nothing has
+to be stored for the comparison.  Each of its nodes lies half-way between two nodes of the march.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.convergence import Departure
+from semianalytic.engine.scenes.friction import SceneFriction
 from semianalytic.engine.scenes.loads import (
+    SWEEPS,
     FrontLoad,
     FrontPressure,
     GridPressure,
@@ -26,13 +32,25 @@ from semianalytic.engine.scenes.loads import (
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.record import MarchRecord
 from semianalytic.engine.scenes.room import affordable_every, state_bytes
-from semianalytic.engine.scenes.stepping import Segment, Walk, segments_between
+from semianalytic.engine.scenes.stepping import (
+    Segment,
+    checked_pressure,
+    levels_of,
+    load_jumps,
+    segments_between,
+)
+from semianalytic.engine.stepping.balance import Balance
+from semianalytic.engine.stepping.blocks import BLOCK_STEPS, Blocks, Level
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
+from semianalytic.memory.line_memory import LineMemory
 
 TOLERANCES = (1e-11, 1e-2)
 """Range of the memory's tolerance: 1e-11 takes 45 poles; 1e-2 is coarser than the grid."""
+SINGLE_SIZE = 4096
+"""Nodes up to which the memory has single precision: slip rates change by 5e-6 of themselves."""
 
+Progress = Callable[[int, int], object]
 Array = NDArray[np.float64]
 
 
@@ -41,7 +59,7 @@ def advance(
     end_time: float,
     memory: float | None,
     setup: float,
-    progress: Callable[[int, int], object] | None,
+    progress: Progress | None,
 ) -> Marched:
     """Continue a march from the state reached to the end time, with its companion if there is one.
 
@@ -76,49 +94,146 @@ def advance(
     table = _table_bytes(marched, segments)
     table += 0.0 if companion is None else _table_bytes(companion, coarser)
     every = affordable_every(marched, memory, sum(part.steps for part in segments), table)
-    walk = _walk(marched, segments, every, progress)
-    if companion is None:
-        for segment in segments:
-            _march_segment(segment, walk, None)
-        return _reached(marched, walk, every, setup, time.perf_counter() - began)
-    # Half of `every`, rounded up, of half the steps: stored levels lie at about the same times.
-    own_every = -(-every // 2)
-    # The companion has no progress of its own; it stops where the march was stopped.
-    behind = _walk(companion, coarser, own_every, lambda done, steps: follower.stopping)
-    follower = Follower(behind, walk, marched.departure)
+    walk, behind = _Walk(marched, segments, every, progress), None
+    if companion is not None:
+        # Half of `every`, rounded up, of half the steps: stored levels lie at about the same times.
+        behind = _Walk(companion, coarser, -(-every // 2), None)
+    departure = marched.departure
     for segment in segments:
-        _march_segment(segment, walk, follower)
-    companion = _reached(companion, behind, own_every, 0.0, follower.seconds)
-    marched = replace(marched, companion=companion, departure=follower.departure)
-    return _reached(marched, walk, every, setup, time.perf_counter() - began)
+        walk.begin(segment)
+        if behind is not None:
+            behind.begin(segment.coarser)
+        while walk.done < segment.steps and not walk.record.stopped:
+            walk.advance(BLOCK_STEPS)
+            if behind is not None:
+                behind.advance(walk.done // 2 - behind.done, walk.record.stopped)
+                departure = _departure(departure, walk, behind)
+        walk.end()
+        if behind is not None:
+            behind.end()
+        if walk.record.stopped:
+            break
+    if companion is not None and behind is not None:
+        companion = _reached(companion, behind, 0.0, 0.0)
+    marched = replace(marched, companion=companion, departure=departure)
+    return _reached(marched, walk, setup, time.perf_counter() - began)
 
 
-def _march_segment(segment: Segment, walk: Walk, follower: Follower | None) -> None:
-    """March to the end of a segment, or until stopped; do nothing if already stopped."""
-    if walk.record.stopped:
-        return
-    walk.begin(segment)
-    if follower is not None:
-        follower.begin(segment)
-    while walk.done < segment.steps and not walk.record.stopped:
-        walk.advance(segment.steps - walk.done)
-        if follower is not None:
-            follower.follow()
-    walk.end()
-    if follower is not None:
-        follower.end()
+def _departure(before: Departure, walk: _Walk, behind: _Walk) -> Departure:
+    """Return a departure with the last block of a march and its companion, by the trapezoidal rule.
+
+    Companion node i at (i + 1/2) 2h lies half-way between nodes 2i and 2i + 1 of the march.
+    """
+    slot, own = walk.grid.slot, behind.grid.observe(behind.rates)
+    contact = walk.rates[::2, slot : slot + 2 * behind.grid.observed]
+    rates = (contact[:, ::2] + contact[:, 1::2]) / 2
+    cell = behind.grid.spacing * behind.time_step
+    return Departure(
+        before.difference + cell * float(np.trapezoid(np.abs(rates - own).sum(axis=1))),
+        before.slip_rate + cell * float(np.trapezoid(np.abs(rates).sum(axis=1))),
+    )
 
 
-def _walk(
-    marched: Marched,
-    segments: Sequence[Segment],
-    every: int,
-    progress: Callable[[int, int], object] | None,
-) -> Walk:
-    """Prepare a march for its way through segments."""
-    pressure, front = loads_on_grid(marched, segments)
-    steps = sum(segment.steps for segment in segments)
-    return Walk(marched, pressure, front, MarchRecord(marched, steps, every, progress))
+class _Walk:
+    """A march under way, carried block by block of steps through segments.
+
+    Parameters
+    ----------
+    marched : Marched
+        Where the march starts from; it is not changed.
+    segments : sequence of Segment
+        The time steps to come.
+    every : int
+        Store every n-th level, and the last.
+    progress : callable, optional
+        Called with (step, steps) after each step; see `MarchRecord`.
+
+    Attributes
+    ----------
+    time_step : float
+        Length of the steps of the present segment [time].
+    done : int
+        Steps that have been taken in the present segment.
+    """
+
+    def __init__(
+        self,
+        marched: Marched,
+        segments: Sequence[Segment],
+        every: int,
+        progress: Progress | None,
+    ) -> None:
+        self.grid, self.every, self.time_step, self.done = marched.grid, every, 0.0, 0
+        self.record = MarchRecord(marched, sum(part.steps for part in segments), every, progress)
+        self._marched, (self._pressure, self._front) = marched, loads_on_grid(marched, segments)
+        grid, scene, line = marched.grid, marched.scene, marched.grid.line
+        law = SceneFriction(scene.friction_law, scene.friction)
+        impedance = scene.material.shear_impedance / 2
+        self.memory = LineMemory(marched.memory, line.wavenumbers, single=grid.size <= SINGLE_SIZE)
+        self.memory.put_back(marched.past)
+        touching = np.arange(grid.size) >= grid.slot
+        self.blocks = Blocks(
+            line,
+            Balance(law, impedance, touching, line, falls=True),
+            law,
+            self.memory,
+            marched.reached,
+            kept=grid.contact,
+            impedance=impedance,
+            speed=scene.material.shear_speed,
+            sweeps=SWEEPS,
+            damping=marched.damping,
+            means_last=True,
+        )
+
+    @property
+    def rates(self) -> Array:
+        """Slip rates at the levels of the last block and the one before it, (k + 1, size)."""
+        return self.blocks.levels[0]
+
+    def begin(self, segment: Segment) -> None:
+        """Enter a segment, applying the load jump at its beginning."""
+        marched, scene, blocks = self._marched, self._marched.scene, self.blocks
+        self.time_step, self.done = segment.time_step, 0
+        self._levels = levels_of(scene, segment, self._pressure, self._front)
+        first = next(self._levels)
+        # A segment that begins neither with the load nor at a jump continues an earlier march,
+        # whose rate is the right one already.
+        if segment.begin == marched.begins or segment.begin in load_jumps(scene):
+            blocks.jump(first)
+            self.record.jump(blocks.reached)
+        else:
+            blocks.recall(first.pressure)
+        if segment.begin == marched.recorded_from:
+            self.record.begin(blocks.reached, first.pressure)
+
+    def advance(self, steps: int, last: bool = False) -> None:
+        """Take a block of up to so many steps, and record it; its end may be the `last` level.
+
+        Raises
+        ------
+        TensionError
+            If the contact would open.
+        SceneError
+            If friction weakens too fast under a pressure that arises.
+        ComputationError
+            If a slip rate is no longer finite.
+        """
+        blocks = self.blocks
+        last |= blocks.advance(self._checked(), self.record.count, steps)
+        self.done += len(blocks.pressures)
+        self.record.add(blocks.times, blocks.pressures, *blocks.levels, last)
+
+    def end(self) -> None:
+        """Complete the memory, so that a segment of another step length can begin from it."""
+        self.blocks.settle()
+
+    def _checked(self) -> Iterator[Level]:
+        """Return the levels to come, each of which is checked if loads change the pressure."""
+        scene = self._marched.scene
+        if not scene.superposition.taken_off.pressure:
+            return self._levels
+        return (checked_pressure(scene, level, self.grid.spacing) for level in self._levels)
 
 
 def loads_on_grid(
@@ -162,7 +277,7 @@ def _finest(segments: Sequence[Segment]) -> float:
     return min(segment.time_step for segment in segments)
 
 
-def _reached(marched: Marched, walk: Walk, every: int, setup: float, steps: float) -> Marched:
+def _reached(marched: Marched, walk: _Walk, setup: float, steps: float) -> Marched:
     """Return the march at the state that was reached, with the seconds it took added."""
     before, record = marched.statistics, walk.record
     seconds = {
@@ -173,109 +288,9 @@ def _reached(marched: Marched, walk: Walk, every: int, setup: float, steps: floa
         marched,
         interface=record.interface(),
         totals=record.totals(),
-        every=every,
+        every=walk.every,
         statistics=replace(before, steps=before.steps + record.done, seconds=seconds),
-        state=walk.state,
+        reached=walk.blocks.reached,
+        past=walk.memory.past(),
         seen=record.seen,
     )
-
-
-class Follower:
-    """A companion under way, behind the march it follows.
-
-    Parameters
-    ----------
-    walk : Walk
-        The steps of the companion.
-    leader : Walk
-        The steps of the march.
-    departure : Departure
-        Difference between the two until now.
-
-    Attributes
-    ----------
-    departure : Departure
-        Difference between the two, updated with each step of the companion.
-    stopping : bool
-        Whether the step under way is the last, because the march was stopped.
-    seconds : float
-        Time that the companion has taken [s].
-    """
-
-    def __init__(self, walk: Walk, leader: Walk, departure: Departure) -> None:
-        self.departure, self.stopping, self.seconds = departure, False, 0.0
-        self._walk, self._leader = walk, leader
-
-    def begin(self, segment: Segment) -> None:
-        """Enter a segment of the march, after the march has entered it."""
-        self._steps, self._segment = segment.steps, segment.coarser
-        self._walk.begin(self._segment)
-        self._rates = self._paired(self._leader.rates)
-        self._difference, self._slip_rate = self._look(self._rates, self._walk.rates)
-
-    def follow(self) -> None:
-        """Catch up with a block of steps of the march; if it was stopped, to a level before."""
-        began = time.perf_counter()
-        done, whole = self._leader.done, self._segment.steps
-        self._rates = np.concatenate([self._rates[-1:], self._paired(self._leader.rates[1:])])
-        # Times are compared as whole numbers: level i of n steps of the march and level j of m
-        # steps of the companion are at i m and j n.
-        reached = (done * whole - self._leader.record.stopped) // self._steps
-        first = done - len(self._rates) + 1
-        while self._walk.done < reached:
-            before = self._walk.done
-            self._walk.advance(reached - before)
-            levels = self._steps * np.arange(before + 1, self._walk.done + 1)
-            # the level of the march at or after each, and the share of the level before it
-            after, share = -(-levels // whole) - first, (-levels % whole)[:, None] / whole
-            rates = self._rates[after]
-            if share.any():
-                rates = (1 - share) * rates + share * self._rates[np.maximum(after - 1, 0)]
-            self._add(rates)
-        self.seconds += time.perf_counter() - began
-
-    def end(self) -> None:
-        """Leave the segment where the march leaves it."""
-        self._walk.end()
-        if self._leader.record.stopped:
-            # the march may have stopped between two levels of the companion: one step of its own
-            # length brings the companion to the same time
-            self.stopping = True
-            self._walk.begin(Segment(self._walk.time, self._leader.time, 1))
-            self._walk.advance(1)
-            self._add(self._paired(self._leader.rates[-1:]))
-            self._walk.end()
-
-    def _add(self, rates: Array) -> None:
-        """Add the last steps of the companion, by the trapezoidal rule.
-
-        `rates` (k, n) are the slip rates of the march at their ends, at the companion's nodes.
-        """
-        differences, slip_rates = self._look(rates, self._walk.rates[1:])
-        half = self._walk.grid.spacing * self._walk.time_step / 2
-        self.departure = Departure(
-            self.departure.difference + half * _ends(self._difference, differences),
-            self.departure.slip_rate + half * _ends(self._slip_rate, slip_rates),
-        )
-        self._difference, self._slip_rate = differences, slip_rates
-
-    def _look(self, rates: Array, own: Array) -> tuple[Array, Array]:
-        """Sum |V - V of the companion| and |V| over the nodes, given V of the march, (k, n)."""
-        own = self._walk.grid.observe(own)
-        return np.abs(rates - own).sum(axis=1), np.abs(rates).sum(axis=1)
-
-    def _paired(self, rates: Array) -> Array:
-        """Return slip rates of the march (k, size) at the nodes of the companion, (k, n)."""
-        # companion node i at (i + 1/2) 2h lies half-way between nodes 2i and 2i + 1 of the march
-        slot = self._leader.grid.slot
-        contact = rates[:, slot : slot + 2 * self._walk.grid.observed]
-        return np.asarray((contact[:, ::2] + contact[:, 1::2]) / 2)
-
-
-def _ends(before: Array, now: Array) -> float:
-    """Return the sum over steps of the values at both their ends.
-
-    `now` holds the values at the ends of the steps, `before` ends with that at the start of the
-    first one.
-    """
-    return float(before[-1] + 2 * now[:-1].sum() + now[-1])

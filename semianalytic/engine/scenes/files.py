@@ -10,8 +10,10 @@ from typing import Any, TypeVar
 
 from semianalytic.engine.convergence import Departure
 from semianalytic.engine.scenes.nodes import Grid
-from semianalytic.engine.scenes.state import Extremes, MarchState, MarchStatistics
+from semianalytic.engine.scenes.state import Extremes, MarchStatistics
+from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory
+from semianalytic.memory.line_memory import Past
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
@@ -19,7 +21,7 @@ from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.scene import Scene
 
-FORMAT = "slipfront march 4"
+FORMAT = "slipfront march 5"
 
 _OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int, "entry": float}
 _GROUPS = {
@@ -27,7 +29,8 @@ _GROUPS = {
     "totals": Totals,
     "grid": Grid,
     "memory": Memory,
-    "state": MarchState,
+    "reached": Reached,
+    "past": Past,
     "seen": Extremes,
 }
 

@@ -132,8 +132,8 @@ def march(
         default is `length`; times then begin before 0, where the front reaches the tip.
     progress : callable, optional
         Called with (step, steps) after each step of a march, not of its companion; if it returns
-        True the march ends there, and can go on with `march_on`.  With `rtol` each march counts
-        its own steps.
+        True the march ends there, or one step later where its companion has a level, and can go on
+        with `march_on`.  With `rtol` each march counts its own steps.
 
     Returns
     -------

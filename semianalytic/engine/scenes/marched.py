@@ -16,8 +16,10 @@ from semianalytic.engine.convergence import Departure, slip_rate_error
 from semianalytic.engine.resolution import Shortfall, advice, coarse_weakening, missed_zone
 from semianalytic.engine.scenes.files import read_march, write_march
 from semianalytic.engine.scenes.nodes import Grid
-from semianalytic.engine.scenes.state import Extremes, MarchState, MarchStatistics
+from semianalytic.engine.scenes.state import Extremes, MarchStatistics
+from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory
+from semianalytic.memory.line_memory import Past
 from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import SAMPLED_SAFETY
@@ -53,8 +55,8 @@ class Marched(SampledAnswer):
         Options of the march, which a continuation keeps.
     statistics : MarchStatistics
         Steps, nodes, poles and seconds.
-    grid, memory, state
-        The grid, memory kernel and state from which a continuation starts.
+    grid, memory, reached, past
+        Grid, memory kernel, and the state and past slip from which a continuation starts.
     seen : Extremes
         Largest values and onset times of slip over all steps, stored or not.
     companion : Marched or None
@@ -98,7 +100,8 @@ class Marched(SampledAnswer):
     statistics: MarchStatistics
     grid: Grid
     memory: Memory
-    state: MarchState
+    reached: Reached
+    past: Past
     seen: Extremes
     companion: Marched | None = None
     departure: Departure = field(default_factory=Departure)
@@ -120,7 +123,7 @@ class Marched(SampledAnswer):
     @property
     def end_time(self) -> float:
         """Time reached [time]."""
-        return self.state.time
+        return self.reached.time
 
     @property
     def error_estimate(self) -> float:
@@ -314,12 +317,12 @@ class Marched(SampledAnswer):
     @property
     def final_path(self) -> Array:
         """Accumulated |slip| at the observed nodes until the end (n,) [length]."""
-        return self.state.path[: self.grid.observed]
+        return self.reached.state[: self.grid.observed]
 
     @property
     def final_work_density(self) -> Array:
         """Energy turned to heat at the observed nodes until the end, per area [stress length]."""
-        return self.state.work[: self.grid.observed]
+        return self.reached.work[: self.grid.observed]
 
     def __repr__(self) -> str:
         grid, estimate = self.grid, self.error_estimate

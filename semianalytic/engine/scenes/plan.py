@@ -20,9 +20,11 @@ from semianalytic.engine.scenes.advancing import advance
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.nodes import Grid, causal_grid
 from semianalytic.engine.scenes.room import check_size
-from semianalytic.engine.scenes.state import Extremes, MarchState, MarchStatistics
+from semianalytic.engine.scenes.state import Extremes, MarchStatistics
+from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory, fit_memory
 from semianalytic.memory.impedance import impedance_of
+from semianalytic.memory.line_memory import Past
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import checked_size
@@ -185,23 +187,21 @@ class MarchPlan:
 
     def _on(self, grid: Grid, past: Memory) -> Marched:
         """Return a march on a grid before its first step, without a companion."""
-        no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
+        poles, no_times, rest = len(past.poles), np.zeros(0), np.zeros(grid.size - grid.slot)
         marched = Marched(
             scene=self.scene,
-            interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 5),
+            interface=InterfaceHistory(grid.x, no_times, *[np.zeros((0, grid.observed))] * 5),
             totals=Totals(*[no_times] * 4),
             latest=self.latest,
             step_ratio=self.step_ratio,
             damping=self.damping,
             every=self.every,
-            statistics=MarchStatistics(
-                0, grid.size, len(past.poles), past.error, {"setup": 0.0, "steps": 0.0}
-            ),
+            statistics=MarchStatistics(0, grid.size, poles, past.error, {"setup": 0, "steps": 0}),
             grid=grid,
             memory=past,
-            state=MarchState.at_rest(len(past.poles), grid),
+            reached=Reached(0.0, np.zeros(grid.size), rest, rest, rest, rest),
+            past=Past(np.zeros((1, poles, grid.size), complex), np.zeros((1, grid.size))),
             seen=Extremes.at_rest(grid.observed),
             entry=self.entry,
         )
-        state = MarchState.at_rest(len(past.poles), grid, marched.begins)
-        return replace(marched, state=state)
+        return replace(marched, reached=replace(marched.reached, time=marched.begins))

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.scenes.marched import Marched
-from semianalytic.engine.scenes.state import MarchState
+from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 
 Array = NDArray[np.float64]
-
-_FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
-"""Fields that are stored of each level; a march ends where the contact would open."""
 
 
 class MarchRecord:
@@ -31,14 +29,15 @@ class MarchRecord:
     every : int
         Store every n-th level, and the last.
     progress : callable, optional
-        Called with (step, steps) after each step; if it returns True the march is `stopped`.
+        Called with (step, steps) after each step until it returns True; the march then ends at the
+        next even step, which its companion reaches as well.
 
     Attributes
     ----------
     done : int
         Steps recorded since the march was entered.
     stopped : bool
-        Whether `progress` has ended the march.
+        Whether the march has ended because `progress` asked for it.
     seen : Extremes
         Extremes over every step, stored or not.
     """
@@ -51,48 +50,41 @@ class MarchRecord:
         progress: Callable[[int, int], object] | None,
     ) -> None:
         self._marched, self._steps, self._every, self._progress = marched, steps, every, progress
-        self._observed, self._spacing = marched.grid.observed, marched.grid.spacing
-        self.done, self.stopped, self.seen = 0, False, marched.seen
+        self.done, self.stopped, self.seen, self._asked = 0, False, marched.seen, False
         earlier, before = marched.interface, marched.statistics.steps
-        self._stored = len(earlier.t)
         # Levels are counted from t = 0, so that a continued march stores the same ones.
         whole = (before + steps) // every - before // every
         # besides every n-th: the level at t = 0, the last, and one where the march may be stopped
-        levels = self._stored + (not self._stored) + whole + bool((before + steps) % every) + 1
-        self._times = _extended(earlier.t, levels)
-        self._fields = [_extended(getattr(earlier, name), levels) for name in _FIELDS]
-        self._summed = len(marched.totals.t)
-        self._totals = [
-            _extended(getattr(marched.totals, field.name), self._summed + (not before) + steps)
-            for field in fields(Totals)
-        ]
+        levels = (not len(earlier.t)) + whole + bool((before + steps) % every) + 1
+        # a march ends where the contact would open, so that the gap, the last field, is zero
+        stored = [getattr(earlier, one.name) for one in fields(earlier)][1:-1]
+        self._levels = _Rows(stored, levels)
+        summed = [getattr(marched.totals, one.name) for one in fields(Totals)]
+        self._totals = _Rows(summed, (not before) + steps)
 
-    def begin(self, state: MarchState, pressure: Array) -> None:
+    def begin(self, now: Reached, pressure: Array) -> None:
         """Store the level at t = 0, with the pressure of the contact, unless it is stored."""
-        if self._stored:
-            return
-        rate = self._marched.grid.observe(state.rate)
-        fields = (state.slip, rate, state.traction, pressure)
-        self._store([state.time], *(field[None] for field in fields))
-        self._sum([state.time], state.slip[None], state.path[None], state.work[None])
+        if not self._levels.count:
+            values = now.slip, now.rate, now.traction, now.state, now.work
+            slip, rate, traction, path, work = (value[None] for value in values)
+            self._store([now.time], slip, rate, traction, [pressure])
+            self._sum([now.time], slip, path, work)
 
-    def jump(self, time: float, rate: Array, slip: Array) -> None:
-        """Include in `seen` the slip rate (size,) right after a jump of the loads."""
+    def jump(self, now: Reached) -> None:
+        """Include in `seen` the slip rate right after a jump of the loads."""
         # Both levels are the same one: nothing is interpolated across a jump.
-        rate = self._marched.grid.observe(rate)
-        self.seen = self.seen.with_levels(
-            [time, time], np.stack([rate, rate]), slip[None, : self._observed]
-        )
+        rates = self._marched.grid.observe(np.stack([now.rate, now.rate]))
+        self.seen = self.seen.with_levels([now.time] * 2, rates, now.slip[None, : rates.shape[1]])
 
     def count(self, time: float) -> bool:
-        """Count a step to a time, which belongs to the next levels that are added, and tell of it.
+        """Count a step, which belongs to the next levels that are added, and report it.
 
         Return whether the march is to end there.
         """
         self.done += 1
-        self.stopped = self._progress is not None and (
-            self._progress(self.done, self._steps) is True
-        )
+        if self._progress is not None and not self._asked:
+            self._asked = self._progress(self.done, self._steps) is True
+        self.stopped = self._asked and self.done % 2 == 0
         return self.stopped
 
     def add(
@@ -104,6 +96,7 @@ class MarchRecord:
         slips: Array,
         paths: Array,
         works: Array,
+        last: bool,
     ) -> None:
         """Add the levels of the last k steps, which lie within one segment.
 
@@ -116,18 +109,20 @@ class MarchRecord:
         rates : (k + 1, size) array
             Slip rates at `times`.
         tractions, slips, paths, works : (k + 1, contact) arrays
-            Fields of `MarchState` at `times`.
+            Fields of the contact at `times`.
+        last : bool
+            Whether the march ends with these levels.
         """
-        rates, taken = self._marched.grid.observe(rates), len(times) - 1
-        kept = np.zeros(taken, dtype=bool)
+        taken, kept = len(times) - 1, np.zeros(len(times) - 1, dtype=bool)
         # a segment ends where the record begins
         if times[-1] > self._marched.recorded_from:
-            self.seen = self.seen.with_levels(times, rates, slips[1:, : self._observed])
+            observed = self._marched.grid.observe(rates)
+            self.seen = self.seen.with_levels(times, observed, slips[1:, : observed.shape[1]])
             self._sum(times[1:], slips[1:], paths[1:], works[1:])
             reached = self._marched.statistics.steps + self.done
             kept = np.arange(reached - taken + 1, reached + 1) % self._every == 0
             kept[-1] |= self.done == self._steps
-        kept[-1] |= self.stopped
+        kept[-1] |= last
         rows = np.flatnonzero(kept)
         if len(rows):
             # all rows without the copy of an index, which would take as long as the storing
@@ -141,46 +136,48 @@ class MarchRecord:
         slips: Array,
         rates: Array,
         tractions: Array,
-        pressures: Sequence[Array] | Array,
+        pressures: Sequence[Array],
     ) -> None:
-        """Store levels."""
-        part = slice(self._stored, self._stored + len(times))
-        self._times[part] = times
-        for kept, field in zip(self._fields, (slips, rates, tractions), strict=False):
-            kept[part] = field[:, : self._observed]
-        for row, pressure in zip(self._fields[-1][part], pressures, strict=True):
-            row[:] = pressure[: self._observed]
-        self._stored += len(times)
+        """Store levels at the observed nodes."""
+        grid = self._marched.grid
+        observed = [one[: grid.observed] for one in pressures]
+        slips, tractions = (field[:, : grid.observed] for field in (slips, tractions))
+        self._levels.add(times, slips, grid.observe(rates), tractions, observed)
 
     def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
         """Add the totals of levels: sums over nodes times h are integrals over the contact."""
-        n, part = self._observed, slice(self._summed, self._summed + len(times))
         # Each node is the middle of a stretch h (x = (i + 1/2) h): the midpoint rule.
-        totals = (
-            times,
-            np.abs(slips[:, :n]).max(axis=1),
-            paths[:, :n].sum(axis=1) * self._spacing,
-            works[:, :n].sum(axis=1) * self._spacing,
-        )
-        for kept, total in zip(self._totals, totals, strict=True):
-            kept[part] = total
-        self._summed += len(times)
+        n, h = self._marched.grid.observed, self._marched.grid.spacing
+        largest = np.abs(slips[:, :n]).max(axis=1)
+        self._totals.add(times, largest, *(one[:, :n].sum(axis=1) * h for one in (paths, works)))
 
     def interface(self) -> InterfaceHistory:
         """Return the stored levels."""
-        kept = slice(0, self._stored)
-        fields = [field[kept] for field in self._fields]
-        # a march ends where the contact would open, so the gap is zero throughout
-        closed = np.broadcast_to(0.0, (self._stored, self._observed))
-        return InterfaceHistory(self._marched.grid.x, self._times[kept], *[*fields, closed])
+        times, *stored = self._levels.arrays()
+        closed = np.broadcast_to(0.0, stored[0].shape)
+        return InterfaceHistory(self._marched.grid.x, times, *[*stored, closed])
 
     def totals(self) -> Totals:
         """Return the totals of every step."""
-        return Totals(*(total[: self._summed] for total in self._totals))
+        return Totals(*self._totals.arrays())
 
 
-def _extended(earlier: Array, rows: int) -> Array:
-    """Return an array of so many rows that begins with the rows of an earlier one."""
-    longer = np.empty((rows, *earlier.shape[1:]))
-    longer[: len(earlier)] = earlier
-    return longer
+class _Rows:
+    """Arrays of which rows are filled one after the other, so many `more` than there are."""
+
+    def __init__(self, earlier: Sequence[Array], more: int) -> None:
+        self.count = len(earlier[0])
+        self._arrays = [np.empty((self.count + more, *one.shape[1:])) for one in earlier]
+        for array, one in zip(self._arrays, earlier, strict=True):
+            array[: self.count] = one
+
+    def add(self, *rows: Any) -> None:
+        """Fill rows, of which each array has some."""
+        part = slice(self.count, self.count + len(rows[0]))
+        for array, values in zip(self._arrays, rows, strict=True):
+            array[part] = values
+        self.count = part.stop
+
+    def arrays(self) -> list[Array]:
+        """Return the rows that are filled."""
+        return [array[: self.count] for array in self._arrays]

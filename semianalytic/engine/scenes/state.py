@@ -1,4 +1,4 @@
-"""The state of a march at one time, and what it remembers of all steps until then."""
+"""What a march remembers of all steps until a time, and its cost."""
 
 from __future__ import annotations
 
@@ -8,49 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.scenes.nodes import Grid
+from semianalytic.engine.stepping.onsets import onsets_until
 from semianalytic.results.sampled import ONSET_SHARE
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class MarchState:
-    """The state of a march at one time, from which it can be continued.
-
-    Attributes
-    ----------
-    time : float
-        Time reached [time].
-    modes : (poles, size) complex array
-        Memory of past slip, per pole and cosine [length / time].
-    lasting : (size,) array
-        Static part of the memory, per cosine [length / time].
-    rate : (size,) array
-        Relative slip rate, slot included [length / time].
-    traction : (size - slot,) array
-        Shear traction of the contact [stress].
-    slip, path : (size - slot,) arrays
-        Slip and accumulated |slip| on the contact [length].
-    work : (size - slot,) array
-        Frictional work per area of the contact [stress length].
-    """
-
-    time: float
-    modes: NDArray[np.complex128]
-    lasting: Array
-    rate: Array
-    traction: Array
-    slip: Array
-    path: Array
-    work: Array
-
-    @classmethod
-    def at_rest(cls, poles: int, grid: Grid, time: float = 0.0) -> MarchState:
-        """Return the state before anything happens, at a time, for so many poles."""
-        lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
-        modes = np.zeros((poles, grid.size), dtype=complex)
-        return cls(time, modes, lasting, lasting, contact, contact, contact, contact)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,27 +60,12 @@ class Extremes:
         forward = np.maximum(self.forward, rates[1:].max(axis=0))
         reverse = np.minimum(self.reverse, rates[1:].min(axis=0))
         slip = np.maximum(self.slip, np.maximum(slips.max(axis=0), -slips.min(axis=0)))
-        waiting = np.flatnonzero(np.isinf(self.onset))
-        if not len(waiting):
-            return Extremes(forward, reverse, slip, self.onset)
         # The threshold of a level uses only what was until then, so that a march that is continued
         # finds the same onsets.
         speeds = np.abs(rates)
         until = np.maximum.accumulate(speeds[1:].max(axis=1))
         threshold = ONSET_SHARE * np.maximum(until, float(self.slip_rate.max()))
-        begins = speeds[1:, waiting] > threshold[:, None]
-        first = np.argmax(begins, axis=0)
-        began = np.flatnonzero(begins[first, np.arange(len(waiting))])
-        if not len(began):
-            return Extremes(forward, reverse, slip, self.onset)
-        level, node, t = first[began], waiting[began], np.asarray(times)
-        late, speed = speeds[level, node], speeds[level + 1, node]
-        # |V| is linear between the two levels; after a jump, where they are one, onset is now
-        rise = np.where(speed > late, speed - late, 1.0)
-        share = np.where(speed > late, (threshold[level] - late) / rise, 0.0)
-        onset = self.onset.copy()
-        onset[node] = t[level] + (t[level + 1] - t[level]) * np.clip(share, 0.0, 1.0)
-        return Extremes(forward, reverse, slip, onset)
+        return Extremes(forward, reverse, slip, onsets_until(self.onset, times, speeds, threshold))
 
 
 @dataclass(frozen=True)

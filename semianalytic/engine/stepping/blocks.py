@@ -134,7 +134,8 @@ class Blocks:
         self._follows = law.follows_state
         # Slip rates whose fields stay in the cache: with half a march takes 1.1 times as long.
         size = len(reached.rate)
-        self._block = max(1, min(BLOCK_STEPS, (1 << 15) // size))
+        # An even number: a march on half the nodes takes half as many steps.
+        self._block = 2 * max(1, min(BLOCK_STEPS, (1 << 15) // size) // 2)
         # the levels of a block, of which the first is the one before it
         values = reached.rate, reached.traction, reached.slip, reached.state, reached.work
         self._fields = [np.empty((self._block + 1, len(value))) for value in values]
