@@ -10,17 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.result import Run
-from semianalytic.engine.stepping.onsets import onsets_until
-from semianalytic.engine.stepping.state import State
+from semianalytic.engine.result import FIELDS, Run
+from semianalytic.engine.stepping.state import State, onsets_until
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.symmetry import times_of_loads
 from semianalytic.memory.line_memory import LineMemory, Past
 from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]
-
-FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
 class Record:

@@ -18,26 +18,18 @@ from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
+from semianalytic.results.datasets import dataset
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.results.intervals import front_speeds
 from semianalytic.results.questions import Questions
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.extras import needing
 
 Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
 FORMAT = "slipfront interface run 8"
-_UNITS = {
-    "slip": ("length", "relative slip, upper minus lower side"),
-    "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
-    "shear_traction": ("stress", "shear traction"),
-    "state": ("", "state of friction"),
-    "pressure": ("stress", "contact pressure, 0 where the contact is open and on slots"),
-    "felt_pressure": ("stress", "pressure that friction follows, 0 on slots"),
-    "gap": ("length", "gap, on slots the change of their width"),
-}
+FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,18 +299,8 @@ class Run(Questions):
         MissingLibraryError
             If xarray is not installed.
         """
-        with needing("to_xarray"):
-            import xarray
-
-        data = xarray.Dataset(
-            {name: (("t", "x"), getattr(self, name)) for name in _UNITS},
-            coords={"x": self.x, "t": self.t},
-        )
-        for name, (unit, meaning) in _UNITS.items():
-            data[name].attrs.update(units=unit, long_name=meaning)
+        data = dataset(self.x, self.t, {name: getattr(self, name) for name in FIELDS})
         data["onset"] = ("x", self.onset, {"units": "time", "long_name": "time of first slip"})
-        data["x"].attrs.update(units="length", long_name="position along the interface")
-        data["t"].attrs.update(units="time", long_name="time")
         data.attrs.update(status=self.status, nodes=self.nodes, steps=self.steps)
         data.attrs.update({f"error_{name}": value for name, value in self.error_estimates.items()})
         return data
@@ -435,7 +417,7 @@ def _unbroken(nodes: NDArray[np.intp]) -> int:
 
 _LEAST_READ = 4
 """Nodes on either side of an edge that must stick, or be free, for its tractions to be read."""
-_ARRAYS = ("x", "touching", "t", *_UNITS, "onset", "step_times", "peak_rates")
+_ARRAYS = ("x", "touching", "t", *FIELDS, "onset", "step_times", "peak_rates")
 
 
 def _beginning(file: Any, prefix: str) -> dict[str, Any]:

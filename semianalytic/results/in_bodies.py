@@ -1,32 +1,25 @@
-"""What exact answers say of the bodies: velocity, stress and displacement anywhere in them."""
+"""What answers say of the bodies: velocity, stress and displacement anywhere in them."""
 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.results.answer import Array, BodyFields
+from semianalytic.results.answer import Array
 from semianalytic.results.gridded import Gridded
 from semianalytic.scene.quantities import asked_in_units
 
 
-class EstimatedFields(BodyFields, Protocol):
-    """Fields in the bodies, with an estimate of their error."""
-
-    @property
-    def error(self) -> float:
-        """Estimate of the error of velocities and stresses, for exact edges of zones."""
-        ...
-
-
 @asked_in_units
 class AnswerInBodies(Gridded):
-    """An answer that knows the fields in both bodies exactly, up to one interpolation.
+    """An answer that knows the fields in both bodies.
 
-    Smirnov and Sobolev's method gives them.  A picture of 100,000 points takes a tenth of a second,
-    and about a second the first time, when what does not depend on the points is prepared.
+    Exact answers know them exactly, up to one interpolation, by Smirnov and Sobolev's method: a
+    picture of 100,000 points takes a tenth of a second, and about a second the first time, when
+    what does not depend on the points is prepared.
     """
 
     @property
@@ -41,8 +34,8 @@ class AnswerInBodies(Gridded):
             """Estimate of the error of the answer, that of the edges of zones included."""
 
         @property
-        def _bodies(self) -> EstimatedFields:
-            """The fields in both bodies."""
+        def _bodies(self) -> Any:
+            """The fields in both bodies (`BodyFields`), exact ones with their error."""
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity anywhere in the bodies [length / time].
@@ -65,7 +58,7 @@ class AnswerInBodies(Gridded):
         Raises
         ------
         SceneError
-            If a position or a time is not a finite number.
+            If a position or a time is not a finite number, or beyond what was computed.
 
         Examples
         --------
@@ -76,7 +69,7 @@ class AnswerInBodies(Gridded):
         >>> answer.velocity(1.0, [0.0, -0.0], 2e-3)[0].round(3)  # the slip rate is 0.25
         array([ 0.141, -0.109])
         """
-        return self._bodies.velocity(x, y, t)
+        return np.asarray(self._bodies.velocity(x, y, t))
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the stress anywhere in the bodies, tension positive [stress]; parameters as
@@ -90,7 +83,7 @@ class AnswerInBodies(Gridded):
             determine the initial sigma_xx, so that one is the change since t = 0.  At the contact
             edge the value is that just ahead of it, where that is finite.
         """
-        return self._bodies.stress(x, y, t)
+        return np.asarray(self._bodies.stress(x, y, t))
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the displacement since t = 0 anywhere in the bodies [length]; parameters as
@@ -101,7 +94,7 @@ class AnswerInBodies(Gridded):
         (2, ...) array
             u_x, u_y; in antiplane shear (3, ...), with u_z.
         """
-        return self._bodies.displacement(x, y, t)
+        return np.asarray(self._bodies.displacement(x, y, t))
 
     @cached_property
     def field_error(self) -> float:
@@ -110,4 +103,4 @@ class AnswerInBodies(Gridded):
 
         It adds the change on a coarser rule at some points and the error of the zone edges.
         """
-        return self._bodies.error + self.error_estimate
+        return float(self._bodies.error + self.error_estimate)

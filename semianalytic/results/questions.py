@@ -15,7 +15,14 @@ from semianalytic.results.answer import FIELDS, OpenInterval, SlipInterval, chec
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import open_intervals, slip_intervals
 from semianalytic.results.places import line_points, line_positions
-from semianalytic.results.sampled import NO_SLIP, between, check_times, onset_between, onsets
+from semianalytic.results.sampled import (
+    NO_SLIP,
+    between,
+    check_times,
+    onset_between,
+    onsets,
+    path_and_heat,
+)
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 
@@ -51,16 +58,14 @@ class Questions:
 
         Positions and times broadcast.
         """
-        return _interpolated(self, _summed(np.abs(np.diff(self.slip, axis=0))), x, t)
+        return _interpolated(self, path_and_heat(self.slip, self.shear_traction)[0], x, t)
 
     def work_density(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length].
 
         It is that of the frames; errors are those of `history`.
         """
-        shear = np.abs(self.shear_traction)
-        work = np.abs(np.diff(self.slip, axis=0)) * (shear[1:] + shear[:-1]) / 2
-        return _interpolated(self, _summed(work), x, t)
+        return _interpolated(self, path_and_heat(self.slip, self.shear_traction)[1], x, t)
 
     def arrival(self: Any, x: ArrayLike, of: str = "slip") -> Array:
         """Return the first time at which the sides slip, or come apart, at x [time].
@@ -93,10 +98,7 @@ class Questions:
             If the time is not a finite number or beyond the last.
         """
         least = NO_SLIP * float(np.abs(self.slip_rate[:, self.touching]).max(initial=0.0))
-        gap, rate = (
-            _frame(self, "zones_at", t, self.gap),
-            _frame(self, "zones_at", t, self.slip_rate),
-        )
+        gap, rate = (_frame(self, "zones_at", t, one) for one in (self.gap, self.slip_rate))
         rubbing = np.where(gap > 0, 0.0, rate)
         return tuple(_on_parts(self, rubbing, lambda x, rate: slip_intervals(x, rate, least)))
 
@@ -104,11 +106,6 @@ class Questions:
         """Return the open parts of the contact at a time, in the order of x, as `zones_at`."""
         gap = np.maximum(_frame(self, "openings_at", t, self.gap), 0.0)
         return tuple(_on_parts(self, gap, open_intervals))
-
-
-def _summed(steps: Array) -> Array:
-    """Return what the changes between frames (m - 1, n) add up to at all frames (m, n)."""
-    return np.cumsum(np.vstack([np.zeros((1, steps.shape[1])), steps]), axis=0)
 
 
 def _check_places(run: Any, x: Array) -> None:

@@ -143,11 +143,8 @@ class SampledAnswer(Gridded):
     def _sums(self) -> tuple[InterfaceHistory, InterfaceHistory]:
         """Histories whose slip is the path, and the work, that the stored levels add up to."""
         seen = self.interface
-        steps, held = np.abs(np.diff(seen.slip, axis=0)), np.abs(seen.shear_traction)
-        work = steps * (held[1:] + held[:-1]) / 2
-        path = np.abs(seen.slip[:1]) + np.cumsum(np.vstack([steps[:1] * 0.0, steps]), axis=0)
-        heat = np.cumsum(np.vstack([work[:1] * 0.0, work]), axis=0)
-        return replace(seen, slip=path), replace(seen, slip=heat)
+        path, heat = path_and_heat(seen.slip, seen.shear_traction)
+        return replace(seen, slip=np.abs(seen.slip[:1]) + path), replace(seen, slip=heat)
 
     def _accumulated(self, which: int, x: ArrayLike, t: ArrayLike) -> Array:
         check_times(np.asarray(t, dtype=float), self.interface.t)
@@ -295,6 +292,14 @@ class SampledAnswer(Gridded):
         # a record begins before t = 0 where a load comes along the slot no faster than its waves
         before = t < min(self.interface.t[0], 0.0)
         return np.asarray(np.where(before, at_rest, interpolated(self.interface, name, x, t)))
+
+
+def path_and_heat(slip: Array, shear: Array) -> tuple[Array, Array]:
+    """Return |slip| and work of friction that add up from level to level, (m, n) each."""
+    steps, held = np.abs(np.diff(slip, axis=0)), np.abs(shear)
+    none = np.zeros((1, slip.shape[1]))
+    work = steps * (held[1:] + held[:-1]) / 2
+    return np.cumsum(np.vstack([none, steps]), axis=0), np.cumsum(np.vstack([none, work]), axis=0)
 
 
 class Sampled(Protocol):

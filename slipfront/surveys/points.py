@@ -189,7 +189,7 @@ def _of_march(marched: Marched, question: Question) -> Values:
     return {
         "end_time": end,
         "largest_slip_rate": float(seen.slip_rate.max()),
-        "largest_slip": float(seen.slip.max()),
+        "largest_slip": float(marched.totals.max_slip.max()),
         "onset": float(seen.onset.min()) if slipped.any() else np.nan,
         "reach_of_slip": float(marched.grid.x[slipped].max(initial=0.0)),
         **_totals(marched, end),

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields
+from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar
+
+import numpy as np
 
 from semianalytic.engine.convergence import Departure
 from semianalytic.engine.scenes.nodes import Grid
@@ -19,31 +21,26 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, scene_from_document
-from semianalytic.scene.scene import Scene
 
 FORMAT = "slipfront march 5"
 
-_OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int, "entry": float}
-_GROUPS = {
+_PARTS: dict[str, Callable[..., Any]] = {
     "interface": InterfaceHistory,
     "totals": Totals,
+    "statistics": MarchStatistics,
     "grid": Grid,
     "memory": Memory,
     "reached": Reached,
     "past": Past,
     "seen": Extremes,
+    "departure": Departure,
 }
 
 Made = TypeVar("Made")
 
 
-def write_march(
-    path: str | Path,
-    scene: Scene,
-    march: Mapping[str, Any],
-    companion: Mapping[str, Any] | None,
-) -> None:
-    """Write a march and its companion, each by its attributes, to a file that appears complete.
+def write_march(path: str | Path, march: Any) -> None:
+    """Write a march and its companion to a file that appears complete.
 
     Raises
     ------
@@ -54,10 +51,8 @@ def write_march(
     """
     with whole_hdf5(path) as file:
         file.attrs["format"] = FORMAT
-        file.attrs["scene"] = json.dumps(scene_document(scene))
+        file.attrs["scene"] = json.dumps(scene_document(march.scene))
         _write(file, march)
-        if companion is not None:
-            _write(file.create_group("companion"), companion)
 
 
 def read_march(path: str | Path, make: Callable[..., Made]) -> Made:
@@ -75,49 +70,35 @@ def read_march(path: str | Path, make: Callable[..., Made]) -> Made:
             if file.attrs.get("format") != FORMAT:
                 raise DataFileError(f"{path} is not a slipfront march; give a file of one.")
             scene = scene_from_document(json.loads(file.attrs["scene"]))
-            companion = None
-            if "companion" in file:
-                companion = make(scene=scene, **_read(file["companion"]))
-            return make(scene=scene, companion=companion, **_read(file))
+
+            def march(**parts: Any) -> Made:
+                return make(scene=scene, **parts)
+
+            return _read(file, march, {**_PARTS, "companion": march})
     except (OSError, KeyError, TypeError, ValueError, SceneError) as error:
         raise DataFileError(f"{path} cannot be read as a march ({error}); march again.") from error
 
 
-def _write(group: Any, march: Mapping[str, Any]) -> None:
-    """Write all attributes of a march but scene and companion into an HDF5 group."""
-    for name in _OPTIONS:
-        group.attrs[name] = march[name]
-    for name in ("rtol", "order"):
-        if march[name] is not None:
-            group.attrs[name] = march[name]
-    group.attrs["statistics"] = json.dumps(asdict(march["statistics"]))
-    group.attrs["departure"] = json.dumps(asdict(march["departure"]))
-    for name in _GROUPS:
-        part = group.create_group(name)
-        for field in fields(march[name]):
-            part[field.name] = getattr(march[name], field.name)
+def _write(group: Any, whole: Any) -> None:
+    """Write arrays and parts as members of an HDF5 group, numbers as its attributes."""
+    for field in fields(whole):
+        name, value = field.name, getattr(whole, field.name)
+        if name in _PARTS or (name == "companion" and is_dataclass(value)):
+            _write(group.create_group(name), value)
+        elif isinstance(value, np.ndarray):
+            group[name] = value
+        elif name != "scene" and value is not None:
+            group.attrs[name] = json.dumps(value)
 
 
-def _read(group: Any) -> dict[str, Any]:
-    """Return the attributes that `_write` wrote, by name."""
-    parts = {
-        name: kind(**{field.name: group[name][field.name][()] for field in fields(kind)})
-        for name, kind in _GROUPS.items()
+def _read(group: Any, make: Callable[..., Made], parts: dict[str, Callable[..., Any]]) -> Made:
+    """Return what `_write` wrote, made from the values by name."""
+    values = {
+        name: _read(member, parts[name], parts) if name in parts else member[()]
+        for name, member in group.items()
     }
-    # HDF5 returns numpy scalars; the grid of a new march holds Python's own numbers.
-    parts["grid"] = Grid(
-        float(parts["grid"].spacing),
-        *(int(getattr(parts["grid"], name)) for name in ("slot", "observed", "size")),
-    )
-    return {
-        **{name: kind(group.attrs[name]) for name, kind in _OPTIONS.items()},
-        "statistics": MarchStatistics(**json.loads(group.attrs["statistics"])),
-        "departure": Departure(**json.loads(group.attrs["departure"])),
-        "rtol": _number_or_none(group, "rtol"),
-        "order": _number_or_none(group, "order"),
-        **parts,
-    }
+    own = {name: json.loads(value) for name, value in group.attrs.items() if name not in _HEAD}
+    return make(**values, **own)
 
 
-def _number_or_none(group: Any, name: str) -> float | None:
-    return float(group.attrs[name]) if name in group.attrs else None
+_HEAD = ("format", "scene")

@@ -191,8 +191,8 @@ def march(
     )
     tolerance = _check_range("tolerance", tolerance, *TOLERANCES)
     if nodes is not None:
-        nodes = _check_count("nodes", nodes, LEAST_NODES)
-    every = _check_count("every", every, 1)
+        nodes = checked_count("march: nodes", nodes, LEAST_NODES, "a whole number from")
+    every = checked_count("march: every", every, 1, "a whole number from")
     if rtol is not None:
         rtol = _check_range("rtol", rtol, 0.0, 1.0)
         if nodes is not None:
@@ -320,8 +320,3 @@ def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> 
     return checked_number(
         f"march: {name}", value, f"be above {low:g}{limit}", lambda given: low < given <= high
     )
-
-
-def _check_count(name: str, value: int, least: int) -> int:
-    """Return a whole number from `least` on; raise SceneError if it is not one."""
-    return checked_count(f"march: {name}", value, least, "a whole number from")

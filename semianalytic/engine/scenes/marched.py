@@ -20,26 +20,31 @@ from semianalytic.engine.scenes.state import Extremes, MarchStatistics
 from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.line_memory import Past
-from semianalytic.results.in_words import html_table
+from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions
-from semianalytic.scene.units import unit
 
 Array = NDArray[np.float64]
 
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
-class Marched(SampledAnswer):
+class Marched(AnswerInBodies, SampledAnswer):
     """The slip history of an interface by the space-time solver; see `SampledAnswer`.
 
     `march` returns it.  Fields are known at the stored levels and interpolated linearly between
     them; where `every` is above 1, ask for values at the stored levels, `interface.t`.  Totals are
     known at every step.
+
+    In the bodies the effect of load jumps on the stuck interface is exact.  The effects of slip,
+    and of loads that rise and fall gradually, are as accurate as the march, and are smoothed over a
+    hundredth of the distance that waves have travelled; they are refused where waves have come from
+    beyond the observed contact.  Points at one time, or at one depth, share most of the work:
+    100,000 at once take seconds.  See docs/spacetime.md, "Fields in the bodies".
 
     Attributes
     ----------
@@ -241,62 +246,6 @@ class Marched(SampledAnswer):
             )
         return MarchedBodies(self.scene, self.interface, self.field_share)
 
-    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the particle velocity anywhere in the bodies [length / time].
-
-        The effect of load jumps on the stuck interface is exact.  The effects of slip, and of loads
-        that rise and fall gradually, are as accurate as the march, and are smoothed over a
-        hundredth of the distance that waves have travelled.  Points at one time, or at one depth,
-        share most of the work: 100,000 at once take seconds.  See docs/spacetime.md, "Fields in the
-        bodies".
-
-        Parameters
-        ----------
-        x, y : arrays
-            Positions [length] that broadcast with t: y > 0 is the upper body, y < 0 the lower one,
-            0.0 and -0.0 are their faces.
-        t : array
-            Times [time], up to the end time; until t = 0 the base state is at rest.
-
-        Returns
-        -------
-        (2, ...) array
-            v_x, v_y; in antiplane shear (3, ...), with v_z.
-
-        Raises
-        ------
-        SceneError
-            If a position or a time is not a finite number, a time is later than the march, or waves
-            have come from beyond the contact it observed.
-        """
-        return self._bodies.velocity(x, y, t)
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the stress anywhere in the bodies, tension positive [stress].
-
-        Parameters and errors are those of `velocity`.
-
-        Returns
-        -------
-        (3, ...) array
-            sigma_xx, sigma_yy, sigma_xy; in antiplane shear (5, ...), with sigma_xz and sigma_yz.
-            The base tractions are part of sigma_yy and sigma_xy (or sigma_yz); sigma_xx is the
-            change since t = 0.
-        """
-        return self._bodies.stress(x, y, t)
-
-    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the displacement since t = 0 anywhere in the bodies [length].
-
-        Parameters and errors are those of `velocity`.
-
-        Returns
-        -------
-        (2, ...) array
-            u_x, u_y; in antiplane shear (3, ...), with u_z.
-        """
-        return self._bodies.displacement(x, y, t)
-
     @cached_property
     def field_error(self) -> float:
         """Estimate of the L1 error of stress in the bodies, relative to the change of stress.
@@ -333,17 +282,6 @@ class Marched(SampledAnswer):
             f"{error}>"
         )
 
-    def _repr_html_(self) -> str:
-        end, units = self.end_time, self.scene.units
-        facts = (
-            ("largest slip", self.max_slip(end), "length"),
-            ("accumulated slip over the contact", self.accumulated_slip(end), "length^2"),
-            ("frictional work over the contact", self.frictional_work(end), "stress length^2"),
-        )
-        rows = [(name, f"{float(value):.6g}", unit(of, units)) for name, value, of in facts]
-        caption = repr(self).strip("<>")
-        return html_table(caption, ("at the end", "value", "unit"), rows)
-
     def save(self, path: str | Path) -> None:
         """Write the march as HDF5, to be loaded or continued.
 
@@ -361,8 +299,7 @@ class Marched(SampledAnswer):
         DataFileError
             If the file cannot be written.
         """
-        companion = None if self.companion is None else vars(self.companion)
-        write_march(path, self.scene, vars(self), companion)
+        write_march(path, self)
 
     @classmethod
     def load(cls, path: str | Path) -> Marched:

@@ -74,7 +74,7 @@ class MarchRecord:
         """Include in `seen` the slip rate right after a jump of the loads."""
         # Both levels are the same one: nothing is interpolated across a jump.
         rates = self._marched.grid.observe(np.stack([now.rate, now.rate]))
-        self.seen = self.seen.with_levels([now.time] * 2, rates, now.slip[None, : rates.shape[1]])
+        self.seen = self.seen.with_levels([now.time] * 2, rates)
 
     def count(self, time: float) -> bool:
         """Count a step, which belongs to the next levels that are added, and report it.
@@ -116,8 +116,7 @@ class MarchRecord:
         taken, kept = len(times) - 1, np.zeros(len(times) - 1, dtype=bool)
         # a segment ends where the record begins
         if times[-1] > self._marched.recorded_from:
-            observed = self._marched.grid.observe(rates)
-            self.seen = self.seen.with_levels(times, observed, slips[1:, : observed.shape[1]])
+            self.seen = self.seen.with_levels(times, self._marched.grid.observe(rates))
             self._sum(times[1:], slips[1:], paths[1:], works[1:])
             reached = self._marched.statistics.steps + self.done
             kept = np.arange(reached - taken + 1, reached + 1) % self._every == 0

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.stepping.onsets import onsets_until
+from semianalytic.engine.stepping.state import onsets_until
 from semianalytic.results.sampled import ONSET_SHARE
 
 Array = NDArray[np.float64]
@@ -22,8 +22,6 @@ class Extremes:
     ----------
     forward, reverse : (n,) arrays
         Largest slip rate so far, at least 0, and least one, at most 0 [length / time].
-    slip : (n,) array
-        Largest |slip| so far [length].
     onset : (n,) array
         Time at which slip began [time], inf where it did not: |V| passed 1 % of the largest |V|
         anywhere until then, interpolated linearly between the two levels around that time.
@@ -31,21 +29,20 @@ class Extremes:
 
     forward: Array
     reverse: Array
-    slip: Array
     onset: Array
 
     @classmethod
     def at_rest(cls, nodes: int) -> Extremes:
         """Return the extremes at so many nodes before anything happens."""
         rest = np.zeros(nodes)
-        return cls(rest, rest, rest, np.full(nodes, np.inf))
+        return cls(rest, rest, np.full(nodes, np.inf))
 
     @property
     def slip_rate(self) -> Array:
         """Largest |slip rate| (n,) [length / time]."""
         return np.maximum(self.forward, np.abs(self.reverse))
 
-    def with_levels(self, times: Sequence[float], rates: Array, slips: Array) -> Extremes:
+    def with_levels(self, times: Sequence[float], rates: Array) -> Extremes:
         """Return the extremes with k more levels included.
 
         Parameters
@@ -54,18 +51,15 @@ class Extremes:
             Times of the levels and of the one before them [time].
         rates : (k + 1, n) array
             Slip rates at these [length / time].
-        slips : (k, n) array
-            Slip at the levels [length].
         """
         forward = np.maximum(self.forward, rates[1:].max(axis=0))
         reverse = np.minimum(self.reverse, rates[1:].min(axis=0))
-        slip = np.maximum(self.slip, np.maximum(slips.max(axis=0), -slips.min(axis=0)))
         # The threshold of a level uses only what was until then, so that a march that is continued
         # finds the same onsets.
         speeds = np.abs(rates)
         until = np.maximum.accumulate(speeds[1:].max(axis=1))
         threshold = ONSET_SHARE * np.maximum(until, float(self.slip_rate.max()))
-        return Extremes(forward, reverse, slip, onsets_until(self.onset, times, speeds, threshold))
+        return Extremes(forward, reverse, onsets_until(self.onset, times, speeds, threshold))
 
 
 @dataclass(frozen=True)
