@@ -21,7 +21,7 @@ from semianalytic.interface.interface import Interface
 from semianalytic.results.datasets import dataset
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.results.intervals import front_speeds
-from semianalytic.results.questions import Questions
+from semianalytic.results.on_line import LineAnswer
 from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pres
 
 
 @dataclass(frozen=True, eq=False)
-class Run(Questions):
+class Run(LineAnswer):
     """The fields of an interface from t = 0 until the end of a run, with their error estimates.
 
     Attributes

@@ -1,172 +1,210 @@
-"""What is asked of a run at places and times between its nodes and frames, as of other answers."""
+"""What is asked of answers that were recorded, about places and times between the samples."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
-from dataclasses import replace
-from itertools import zip_longest
-from typing import Any, TypeVar
+from functools import cached_property
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.results.answer import FIELDS, OpenInterval, SlipInterval, checked_arrival
-from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.intervals import open_intervals, slip_intervals
-from semianalytic.results.places import line_points, line_positions
-from semianalytic.results.sampled import (
-    NO_SLIP,
-    between,
-    check_times,
-    onset_between,
-    onsets,
-    path_and_heat,
+from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
+from semianalytic.results.intervals import (
+    EDGE_STEPS,
+    beside_openings,
+    open_intervals,
+    slip_intervals,
 )
-from semianalytic.scene.checks import checked_number, shown
+from semianalytic.results.places import finite_times
+from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.quantities import asked_in_units
 
 Array = NDArray[np.float64]
-Interval = TypeVar("Interval", SlipInterval, OpenInterval)
+Interval = TypeVar("Interval", SlipInterval, OpenInterval, covariant=True)
+
+ROUNDING = 1e-9
+"""Relative amount by which a time or position may exceed the last one."""
+ONSET_SHARE = 0.01
+"""Share of the largest slip rate that is slip; a tenth would let it begin ahead of the waves."""
+NO_SLIP = 1e-6
+"""Fraction of the largest recorded slip rate that counts as none; it is exactly 0 in stick."""
 
 
+class Finder(Protocol[Interval]):
+    """A function that finds intervals of x (n,) from values (n,) at these places."""
+
+    def __call__(self, x: Array, values: Array) -> tuple[Interval, ...]: ...
+
+
+@asked_in_units
 class Questions:
-    """Questions to a `Run` about any place of the contact and any time until its end."""
+    """Questions to recorded fields, about any place of the contact and any time until the end.
 
-    def history(self: Any, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """Return all fields at positions x (n,) of the contact and times t (m,), linear between.
+    A class that inherits from this one says in `_seen` which fields (m, n) it has at nodes x (n,)
+    and times t (m,); `_onset` gives the times at which something begins at the nodes, `_places`
+    checks positions and says where along the nodes they are, `_between` interpolates a field,
+    `_frame` gives it at the nodes at one time, and `_on_parts` finds intervals along the contact.
+    """
+
+    def path(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return the accumulated |slip| [length], from the stored levels.
+
+        Positions and times broadcast.
 
         Raises
         ------
         SceneError
-            If x or t is not finite, off the contact, or beyond the period or the end of the run.
-
-        Examples
-        --------
-        >>> import semianalytic as sf
-        >>> patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
-        >>> line = sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.5), 8.0, loads=[patch])
-        >>> sf.solve(line, end_time=1.0, nodes=64).history([-0.3, 0.1], [0.5, 1.0]).slip.shape
-        (2, 2)
+            If x or t is not finite, not on the contact, or beyond what was recorded.
         """
-        x, t = (np.atleast_1d(np.asarray(one, dtype=float)) for one in (x, t))
-        values = (_interpolated(self, getattr(self, name), x, t[:, None]) for name in FIELDS)
-        return InterfaceHistory(x, t, *values)
-
-    def path(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the accumulated |slip| [length], from the frames; errors are those of `history`.
-
-        Positions and times broadcast.
-        """
-        return _interpolated(self, path_and_heat(self.slip, self.shear_traction)[0], x, t)
+        return np.asarray(self._between(self._sums[0], x, t))
 
     def work_density(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length].
 
-        It is that of the frames; errors are those of `history`.
+        It is that of the stored levels; errors are those of `path`.
         """
-        return _interpolated(self, path_and_heat(self.slip, self.shear_traction)[1], x, t)
+        return np.asarray(self._between(self._sums[1], x, t))
+
+    @cached_property
+    def _sums(self: Any) -> tuple[Array, Array]:
+        """|slip| and work of friction that add up from one stored level to the next, (m, n)."""
+        slip, shear = self._seen.slip, np.abs(self._seen.shear_traction)
+        steps, none = np.abs(np.diff(slip, axis=0)), np.zeros((1, slip.shape[1]))
+        work = np.vstack([none, steps * (shear[1:] + shear[:-1]) / 2])
+        path = np.abs(slip[:1]) + np.cumsum(np.vstack([none, steps]), axis=0)
+        return path, np.cumsum(work, axis=0)
 
     def arrival(self: Any, x: ArrayLike, of: str = "slip") -> Array:
         """Return the first time at which the sides slip, or come apart, at x [time].
 
-        "slip" is interpolated from `onset`, which is known at every step; "forward" and "reverse"
-        begin where the rate of that sense passes 1 % of the largest one anywhere until then, and
-        "opening" at the first frame with a gap.  It is inf where it has not come by the end.
+        Slip has begun where its rate passes 1 % of the largest one anywhere until then, or the
+        `slipping` of a `Run`, and an opening at the first stored level with a gap.  Times are
+        interpolated linearly between levels and nodes.
+
+        Parameters
+        ----------
+        x : array
+            Positions [length] on the contact, within what was recorded.
+        of : str
+            "slip" of either sense, "forward" or "reverse" for slip towards +x or -x alone, or
+            "opening".  Slip includes the motion of open parts.
+
+        Returns
+        -------
+        array
+            Times of the shape of x; inf where it has not come by the end.
 
         Raises
         ------
         SceneError
-            If a position is not finite, off the contact or beyond the period, or there is no such
+            If a position is not finite, off the contact or beyond the nodes, or there is no such
             arrival.
         """
-        of, x = checked_arrival(of), line_positions(x)
-        _check_places(self, x)
-        onset = np.where(np.isnan(self.onset), np.inf, self.onset)
-        known = onset if of == "slip" else onsets(self, of)
-        place = np.abs(x) if self.interface.even else x
-        return onset_between(self.x, place, np.where(self.touching, known, np.inf))
+        onset = self._onset(checked_arrival(of))
+        return onset_between(self._seen.x, self._places(x), onset)
+
+    def first_motion(self: Any, x: ArrayLike, of: str = "slip") -> Array:
+        """Return the first time at which anything moves at x [time]; parameters as `arrival`.
+
+        A slip rate of a millionth of the largest one counts here, so that this is the time of the
+        slowest precursor that the grid shows.
+        """
+        onset = self._onset(checked_arrival(of), NO_SLIP)
+        return onset_between(self._seen.x, self._places(x), onset)
 
     def zones_at(self: Any, t: float) -> tuple[SlipInterval, ...]:
         """Return the parts of the contact that slip at a time, in the order of x.
 
-        `slip_intervals` finds them on each part of the contact; open parts are not among them.
+        `slip_intervals` finds them.  Between two stored levels these are the parts that slip at
+        either; parts that are open at both are left out.
 
         Raises
         ------
         SceneError
             If the time is not a finite number or beyond the last.
         """
-        least = NO_SLIP * float(np.abs(self.slip_rate[:, self.touching]).max(initial=0.0))
-        gap, rate = (_frame(self, "zones_at", t, one) for one in (self.gap, self.slip_rate))
+        t, seen = checked_number("zones_at: t", t), self._seen
+        least = NO_SLIP * float(np.abs(seen.slip_rate[:, self._on]).max(initial=0.0))
+        gap, rate = (self._frame(values, t) for values in (seen.gap, seen.slip_rate))
+        # Open sides move along one another without friction, which is no slip of the contact.
         rubbing = np.where(gap > 0, 0.0, rate)
-        return tuple(_on_parts(self, rubbing, lambda x, rate: slip_intervals(x, rate, least)))
+        zones = self._on_parts(rubbing, lambda x, values: slip_intervals(x, values, least))
+        openings, near = self.openings_at(t), EDGE_STEPS * float(np.abs(seen.x).min())
+        return tuple(beside_openings(zone, openings, near) for zone in zones)
 
     def openings_at(self: Any, t: float) -> tuple[OpenInterval, ...]:
-        """Return the open parts of the contact at a time, in the order of x, as `zones_at`."""
-        gap = np.maximum(_frame(self, "openings_at", t, self.gap), 0.0)
-        return tuple(_on_parts(self, gap, open_intervals))
+        """Return the open parts of the contact at a time, in the order of x.
+
+        `open_intervals` finds them.  Errors are those of `zones_at`.
+        """
+        gap = self._frame(self._seen.gap, checked_number("openings_at: t", t))
+        return tuple(self._on_parts(gap, open_intervals))
 
 
-def _check_places(run: Any, x: Array) -> None:
-    """Raise SceneError for positions beyond the period or off the contact."""
-    half = run.interface.length / 2
-    beyond = x[np.abs(x) > half]
-    if beyond.size:
+class Sampled(Protocol):
+    """Fields (m, n) at nodes x (n,) and times t (m,)."""
+
+    @property
+    def x(self) -> Array: ...
+    @property
+    def t(self) -> Array: ...
+    @property
+    def slip_rate(self) -> Array: ...
+    @property
+    def gap(self) -> Array: ...
+
+
+def onsets(seen: Sampled, of: str, share: float = ONSET_SHARE) -> Array:
+    """Return the times at which something begins at the nodes, from the stored levels (n,).
+
+    A share of the largest slip rate so far counts as slip.
+    """
+    if of == "opening":
+        opened = seen.gap > 0
+        return np.where(opened.any(axis=0), seen.t[opened.argmax(axis=0)], np.inf)
+    # The wanted sense counts positive; the other one must not pass for slip.
+    rate = {"forward": 1.0, "reverse": -1.0}.get(of, 0.0) * seen.slip_rate
+    rate = np.maximum(rate, 0.0) if of != "slip" else np.abs(seen.slip_rate)
+    # Measured by what was until then, so that later and larger slip does not delay an onset.
+    largest = np.maximum.accumulate(np.abs(seen.slip_rate).max(axis=1, initial=0.0))
+    # rounding moves nodes of elements before any slip, when nothing larger was there
+    threshold = np.maximum(share * largest, NO_SLIP * largest[-1])[:, None]
+    begun = rate > threshold
+    level = begun.argmax(axis=0)
+    before, node = np.maximum(level - 1, 0), np.arange(len(seen.x))
+    late, speed = rate[before, node], rate[level, node]
+    # At the first level, or after a jump, there is no earlier value to interpolate from.
+    rise = np.where(speed > late, speed - late, 1.0)
+    along = np.clip((threshold[level, 0] - late) / rise, 0.0, 1.0)
+    times = seen.t[before] + (seen.t[level] - seen.t[before]) * along
+    return np.where(begun.any(axis=0), times, np.inf)
+
+
+def onset_between(nodes: Array, x: Array, onset: Array) -> Array:
+    """Interpolate onsets (n,) at nodes (n,), some of which may be inf, at positions x [time]."""
+    left, right, along = between(nodes, x)
+    # A node that never begins has inf, which a mean would pass on: the nearer node decides
+    # then.
+    nearest = np.where(along < 0.5, onset[left], onset[right])
+    both = np.isfinite(onset[left]) & np.isfinite(onset[right])
+    first, second = (np.where(both, onset[side], 0.0) for side in (left, right))
+    return np.where(both, (1 - along) * first + along * second, nearest)
+
+
+def between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Return the samples on either side, and the fraction of the way from one to the other."""
+    after = np.clip(np.searchsorted(samples, at, "right"), 0, len(samples) - 1)
+    before = np.maximum(after - 1, 0)
+    width = samples[after] - samples[before]
+    share = (at - samples[before]) / np.where(width > 0, width, 1.0)
+    return before, after, np.clip(share, 0.0, 1.0)
+
+
+def check_times(t: Array, recorded: Array) -> None:
+    """Raise SceneError for times that are not finite or later than what was recorded."""
+    if np.any(finite_times(t) > recorded[-1] * (1 + ROUNDING)):
         raise SceneError(
-            f"this answer reaches to |x| = {half:.6g}, got {shown(float(beyond[0]))}; ask for "
-            "nearer positions, or compute it with a greater `length`."
+            f"this answer ends at t = {recorded[-1]:.6g}; ask for earlier times, or compute it to "
+            "a later end time."
         )
-    off = x[~run.interface.contact.touches(np.abs(x) if run.interface.even else x)]
-    if off.size:
-        raise SceneError(
-            f"the bodies do not touch at x = {off[0]:.6g}; ask for positions of the contact, or "
-            "read nodes of the slot."
-        )
-
-
-def _interpolated(run: Any, values: Array, x: ArrayLike, t: ArrayLike) -> Array:
-    """Return a field of nodes and frames (m, n) at positions and times, which broadcast."""
-    x, t = line_points(x, t)
-    _check_places(run, x)
-    check_times(t, run.t)
-    places, which = np.unique(x, return_inverse=True)
-    along, column = run.at(values, places), which.reshape(x.shape)
-    earlier, later, on = between(run.t, t)
-    return np.asarray((1 - on) * along[earlier, column] + on * along[later, column])
-
-
-def _frame(run: Any, what: str, t: float, values: Array) -> Array:
-    """Return a field at the nodes at one time (n,)."""
-    time = np.asarray(checked_number(f"{what}: t", t))
-    check_times(time, run.t)
-    earlier, later, on = between(run.t, time)
-    return np.asarray((1 - on) * values[earlier] + on * values[later])
-
-
-def _on_parts(
-    run: Any, values: Array, found: Callable[[Array, Array], tuple[Interval, ...]]
-) -> Iterator[Interval]:
-    """Yield the intervals that are found on each part of the contact from values at the nodes."""
-    x, touching, half = run.x, run.touching, run.interface.length / 2
-    if run.interface.even:
-        own = np.flatnonzero(x > 0)[::-1]
-        x, touching, values = (
-            np.concatenate([image, nodes])
-            for image, nodes in ((-x[own], x), (touching[own], touching), (values[own], values))
-        )
-    for begin, end in run.interface.contact.intervals:
-        begin, end = max(begin, -half), min(end, half)
-        on = touching & (begin < x) & (x < end)
-        if on.sum() < 2:
-            continue
-        # distances from the begin of the part, which intervals from the first node on start at
-        last = begin
-        parts = found(x[on] - begin, values[on])
-        for one, after in zip_longest(parts, parts[1:]):
-            stop = min(begin + one.end, end) if math.isfinite(one.end) else end
-            # ends on either side of a single node lie beyond it: the intervals share its place
-            if after is not None and begin + after.start < stop:
-                stop = (begin + after.start + stop) / 2
-            yield replace(one, start=max(begin + one.start, last), end=stop)
-            last = stop

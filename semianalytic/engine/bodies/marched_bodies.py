@@ -22,7 +22,7 @@ from semianalytic.field.body import checked_points
 from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.sampled import ROUNDING
+from semianalytic.results.questions import ROUNDING
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material, Scene

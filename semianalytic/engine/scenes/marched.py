@@ -22,8 +22,9 @@ from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.line_memory import Past
 from semianalytic.results.in_bodies import AnswerInBodies
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.questions import ONSET_SHARE
 from semianalytic.results.reading import SAMPLED_SAFETY
-from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
+from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.state import onsets_until
-from semianalytic.results.sampled import ONSET_SHARE
+from semianalytic.results.questions import ONSET_SHARE
 
 Array = NDArray[np.float64]
 
