@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.result import FIELDS, Run
-from semianalytic.engine.stepping.state import State, onsets_until
+from semianalytic.engine.stepping.state import Checkpoint, State, onsets_until
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.symmetry import times_of_loads
-from semianalytic.memory.line_memory import LineMemory, Past
 from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]
@@ -129,35 +128,20 @@ class Record:
         return tuple(shown)
 
 
-def _memories(stepper: Stepper) -> list[tuple[str, LineMemory]]:
-    """Return the memories of slip and of opening, with what their names begin with in files."""
-    memories = [("", stepper.memory)]
-    if stepper.unilateral is not None:
-        memories.append(("normal_", stepper.unilateral.memory))
-    return memories
-
-
-def checkpoint(stepper: Stepper, record: Record, now: State, print_of: str) -> dict[str, Any]:
-    """Return everything that `resumed` needs to continue a run with a fingerprint."""
-    return {
-        **{one.name: getattr(now, one.name) for one in fields(State)},
-        **{
-            f"{prefix}{one.name}": getattr(past, one.name)
-            for prefix, past in ((one, memory.past()) for one, memory in _memories(stepper))
-            for one in fields(Past)
-        },
-        **{f"{prefix}horizon": one.horizon for prefix, one in _memories(stepper)},
-        "fingerprint": print_of,
-        "every": record.every,
-        "count": record.count,
-        "slipping": record.slipping,
-    }
-
-
-def past_of(kept: Mapping[str, Any], prefix: str = "") -> Past:
-    """Return the memory in a checkpoint: that of slip, or of opening with "normal_"."""
-    modes, lasting, last = (kept[f"{prefix}{one.name}"] for one in fields(Past))
-    return Past(modes, lasting, float(last))
+def checkpoint(stepper: Stepper, record: Record, now: State, latest: float) -> Checkpoint:
+    """Return everything that `resumed` needs to continue a run until a latest time."""
+    opening = stepper.unilateral
+    return Checkpoint(
+        now,
+        stepper.memory.past(),
+        None if opening is None else opening.memory.past(),
+        stepper.memory.horizon,
+        fingerprint(stepper, latest),
+        record.every,
+        record.count,
+        record.slipping,
+        latest,
+    )
 
 
 def fingerprint(stepper: Stepper, latest: float) -> str:
@@ -198,18 +182,16 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
 def resumed(stepper: Stepper, record: Record, earlier: Run, end_time: float) -> State:
     """Put the memory and the record of an earlier run in place and return its state."""
     kept = earlier.checkpoint
-    if str(kept["fingerprint"]) != fingerprint(stepper, float(kept["latest"])):
+    if kept.fingerprint != fingerprint(stepper, kept.latest):
         raise DataFileError(
             "run: `go_on` is a run of another interface, grid or step; continue it with its own "
             "interface, `nodes` and `step_ratio`."
         )
-    if float(kept["time"]) >= end_time:
+    if kept.state.time >= end_time:
+        raise SceneError(f"run: `end_time` must be beyond that of `go_on`, {kept.state.time:.6g}.")
+    if record.slipping != kept.slipping:
         raise SceneError(
-            f"run: `end_time` must be beyond that of `go_on`, {float(kept['time']):.6g}."
-        )
-    if record.slipping != float(kept["slipping"]):
-        raise SceneError(
-            f"run: slip began beyond {float(kept['slipping']):.6g} in the run that `go_on` "
+            f"run: slip began beyond {kept.slipping:.6g} in the run that `go_on` "
             "continues; leave out `slipping`, or give the same."
         )
     gone = [one for one in record.times or () if one <= earlier.end_time]
@@ -219,18 +201,19 @@ def resumed(stepper: Stepper, record: Record, earlier: Run, end_time: float) -> 
             f"run: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
             "stored it; leave out such `times`, or compute it again."
         )
-    for prefix, memory in _memories(stepper):
-        if float(kept[f"{prefix}horizon"]) != memory.horizon:
-            raise SceneError(
-                f"run: the memory of `go_on` reaches t = {float(kept['latest']):g}; compute it "
-                f"again with `latest` = {end_time:g} to continue it until then."
-            )
-        memory.put_back(past_of(kept, prefix))
-    record.every, record.count = int(kept["every"]), int(kept["count"])
+    if kept.horizon != stepper.memory.horizon:
+        raise SceneError(
+            f"run: the memory of `go_on` reaches t = {kept.latest:g}; compute it again with "
+            f"`latest` = {end_time:g} to continue it until then."
+        )
+    stepper.memory.put_back(kept.past)
+    if stepper.unilateral is not None and kept.opening is not None:
+        stepper.unilateral.memory.put_back(kept.opening)
+    record.every, record.count = kept.every, kept.count
     record.t = list(earlier.t)
     for name in FIELDS:
         record.fields[name] = list(getattr(earlier, name))
-    if record.times is None and record.count % record.every and record.t[-1] == kept["time"]:
+    if record.times is None and record.count % record.every and record.t[-1] == kept.state.time:
         # This frame was recorded only because the earlier run ended there.
         record.t.pop()
         for name in FIELDS:
@@ -239,8 +222,4 @@ def resumed(stepper: Stepper, record: Record, earlier: Run, end_time: float) -> 
         record.times = [one for one in record.times if one > earlier.end_time]
     record.onset = earlier.onset.copy()
     record.step_times, record.peak_rates = list(earlier.step_times), list(earlier.peak_rates)
-    scalars: dict[str, Any] = {"time": float(kept["time"]), "rung": int(kept["rung"])}
-    arrays: dict[str, Any] = {
-        one.name: np.array(kept[one.name]) for one in fields(State) if one.name not in scalars
-    }
-    return State(**scalars, **arrays)
+    return kept.state

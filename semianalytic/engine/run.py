@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from semianalytic.engine.checks import too_short
 from semianalytic.engine.convergence import more_nodes, order_seen
 from semianalytic.engine.estimate import deciding, estimated, unresolved
-from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
+from semianalytic.engine.record import Record, checkpoint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.stepping.advance import advanced
 from semianalytic.engine.stepping.line import fitting_nodes
@@ -240,9 +240,7 @@ def _one(
 
     With `check`, friction between different bodies that this grid cannot follow is refused.
     """
-    latest = (
-        options["latest"] if go_on is None else max(float(go_on.checkpoint["latest"]), end_time)
-    )
+    latest = options["latest"] if go_on is None else max(go_on.checkpoint.latest, end_time)
     ratio, shift = options["step_ratio"], options["shift"]
     stepper = Stepper(interface, nodes, ratio, end_time=latest, shift=shift, **settings)
     if check:
@@ -250,7 +248,7 @@ def _one(
         stepper.ladder.check_longest()
     begun = options["slipping"]
     if begun is None:
-        begun = _slipping(stepper) if go_on is None else float(go_on.checkpoint["slipping"])
+        begun = _slipping(stepper) if go_on is None else go_on.checkpoint.slipping
     record = Record(stepper, options["every"], options["frames"], options["times"], begun)
     if go_on is None:
         now = stepper.begin()
@@ -299,8 +297,7 @@ def _one(
         step_times=np.array(record.step_times),
         peak_rates=np.array(record.peak_rates),
         status=status,
-        checkpoint=checkpoint(stepper, record, now, fingerprint(stepper, latest))
-        | {"latest": latest},
+        checkpoint=checkpoint(stepper, record, now, latest),
     )
 
 

@@ -17,7 +17,7 @@ from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import (
     checked_arrival,
 )
-from semianalytic.results.in_bodies import AnswerInBodies
+from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.reading import (
     Reading,
     first_times,

@@ -14,22 +14,24 @@ from numpy.typing import ArrayLike, NDArray
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies
 from semianalytic.engine.convergence import Departure, slip_rate_error
 from semianalytic.engine.resolution import Shortfall, advice, coarse_weakening, missed_zone
-from semianalytic.engine.scenes.files import read_march, write_march
 from semianalytic.engine.scenes.nodes import Grid
 from semianalytic.engine.scenes.state import Extremes, MarchStatistics
 from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.line_memory import Past
-from semianalytic.results.in_bodies import AnswerInBodies
+from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.questions import ONSET_SHARE
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
+from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions
 
 Array = NDArray[np.float64]
+
+FORMAT = "slipfront march 6"
 
 
 @asked_in_units
@@ -300,7 +302,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         DataFileError
             If the file cannot be written.
         """
-        write_march(path, self)
+        write_answer(path, FORMAT, self)
 
     @classmethod
     def load(cls, path: str | Path) -> Marched:
@@ -318,4 +320,4 @@ class Marched(AnswerInBodies, SampledAnswer):
         DataFileError
             If the file is missing, damaged or not a march.
         """
-        return read_march(path, cls)
+        return read_answer(path, FORMAT, cls, "a file of one", "march again")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.unilateral import Faces
+from semianalytic.memory.line_memory import Past
 
 Array = NDArray[np.float64]
 
@@ -44,6 +45,39 @@ class State(Faces):
     work: Array
     rung: int = 0
     pace: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """Everything from which a run goes on.
+
+    Attributes
+    ----------
+    state : State
+        The state at its end.
+    past, opening : Past
+        Memories of slip, and of opening where the interface may open.
+    horizon : float
+        Largest q c_t t of these memories.
+    fingerprint : str
+        Digest of what the run depends on until `latest`.
+    every, count : int
+        Steps per stored level, and steps so far.
+    slipping : float
+        |slip rate| beyond which slip has begun [length / time].
+    latest : float
+        Time up to which the run may go on [time].
+    """
+
+    state: State
+    past: Past
+    opening: Past | None
+    horizon: float
+    fingerprint: str
+    every: int
+    count: int
+    slipping: float
+    latest: float
 
 
 def onsets_until(onset: Array, times: Sequence[float], speeds: Array, threshold: Array) -> Array:
