@@ -12,7 +12,6 @@ from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.cut.load import check_pressure
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.resolution import nodes_for_loads
-from semianalytic.engine.scenes.march import check_march
 from semianalytic.engine.scenes.plan import MOST_NODES
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer
@@ -69,7 +68,9 @@ def check_marched(scene: Scene, method: str, resolution: int, end_time: float | 
     end_time = 1 / speed if end_time is None else end_time
     reach = scene.fastest_speed * end_time
     nodes, length = _grid(scene, reach, end_time, speed * end_time / resolution, resolution)
-    check_march(scene, end_time, nodes, length)
+    # the same march as `predict_like` makes, which costs little beside a simulation
+    options = {"end_time": end_time, "nodes": nodes, "length": length, "companion": False}
+    solve(scene, method="space-time", **options)
 
 
 def _chosen(scene: Scene, method: str) -> str:

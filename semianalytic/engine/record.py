@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.result import FIELDS, Run
+from semianalytic.engine.stepping.acting import times_of_loads
 from semianalytic.engine.stepping.state import Checkpoint, State, onsets_until
 from semianalytic.engine.stepping.steps import Stepper
-from semianalytic.engine.stepping.symmetry import times_of_loads
 from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]

@@ -77,35 +77,7 @@ def nodes_for_loads(
     return nodes, reason
 
 
-def check_loads(
-    scene: Scene,
-    latest: float,
-    length: float,
-    nodes: int,
-    most: int,
-    step_ratio: float = TURN_RATIO,
-) -> int:
-    """Return the contact nodes to march with: `nodes`, or as many up to `most` as the loads need.
-
-    Parameters are those of `nodes_for_loads`, with `nodes` for `least`.
-
-    Raises
-    ------
-    SceneError
-        If more than `most` are needed; the message states their number.
-    """
-    # Nodes that were given are not raised silently: `most` equals them, and the message says more.
-    needed, name = nodes_for_loads(scene, latest, length, nodes, step_ratio)
-    if needed > most:
-        raise SceneError(
-            f"march: the {name} history turns faster than {most} nodes on a length of {length:.4g} "
-            f"follow; raise `nodes` to {_rounded(needed)}, or shorten `length` "
-            f"{needed / most:.2g} times (docs/limits.md)."
-        )
-    return needed
-
-
-def _rounded(count: float) -> str:
+def rounded_up(count: float) -> str:
     """Write a number of nodes, rounded up to two figures."""
     unit = 10 ** max(0, int(math.log10(count)) - 1)
     rounded = math.ceil(count / unit) * unit
@@ -162,23 +134,6 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     return float(np.minimum(zone, scene.fastest_speed * times).max())
 
 
-def nodes_for_zone(scene: Scene, end_time: float, length: float) -> int:
-    """Return how many contact nodes on a length resolve the slip zone at the edge; 0 without one.
-
-    `zone_at_edge` gives the longest zone until `end_time` [time]; `length` is in [length].
-    """
-    zone = zone_at_edge(scene, end_time)
-    return math.ceil(ZONE_NODES * length / zone) if zone else 0
-
-
-def nodes_for_weakening(scene: Scene, length: float) -> int:
-    """Return how many contact nodes on a length resolve the process zone of slip weakening.
-
-    The number is 0 for other friction laws.
-    """
-    return math.ceil(WEAKENING_NODES * length / process_zone(scene))
-
-
 @dataclass(frozen=True)
 class Shortfall:
     """A reason why a march is too coarse.
@@ -200,7 +155,7 @@ def advice(shortfalls: Sequence[Shortfall], option: str) -> str:
     if not shortfalls:
         return ""
     reasons = "; ".join(one.reason for one in shortfalls)
-    return f"{reasons}; raise `{option}` {_rounded(max(one.times for one in shortfalls))} times"
+    return f"{reasons}; raise `{option}` {rounded_up(max(one.times for one in shortfalls))} times"
 
 
 def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> Shortfall | None:
@@ -256,6 +211,6 @@ def check_weakening_seen(scene: Scene, spacing: float) -> None:
     if zone < 2.0 * spacing:  # below two nodes slip is off by 4 %, its rate by 22 %
         raise SceneError(
             f"march: friction weakens within about {zone:.3g} of length, which nodes {spacing:.3g} "
-            f"apart do not resolve; raise `nodes` {_rounded(WEAKENING_NODES * spacing / zone)} "
+            f"apart do not resolve; raise `nodes` {rounded_up(WEAKENING_NODES * spacing / zone)} "
             "times (docs/limits.md)."
         )

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.checks import too_short
 from semianalytic.engine.convergence import more_nodes, order_seen
-from semianalytic.engine.estimate import deciding, estimated, unresolved
+from semianalytic.engine.estimate import deciding, estimated, too_short, unresolved
 from semianalytic.engine.record import Record, checkpoint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.stepping.advance import advanced

@@ -55,6 +55,8 @@ class Kernels:
         Factor with which a rate enters the lasting slip.
     lasting : (k,) array
         Factors of that in each kernel; one kernel has it as it is.
+    horizon : float
+        Largest q c_t t for which the kernels are made.
     """
 
     poles: Complex
@@ -62,6 +64,37 @@ class Kernels:
     reads: Complex | None
     static: float
     lasting: Array
+    horizon: float
+
+    @classmethod
+    def of(cls, memory: Memory) -> Kernels:
+        """Return the one kernel h of a memory."""
+        one = memory.poles, memory.residues, None, memory.static, np.ones(1)
+        return cls(*one, memory.horizon)
+
+    @classmethod
+    def coupled(cls, fit: SharedMemory, own: int, direct: float) -> Kernels:
+        """Return the two kernels of slip, or opening, of different bodies.
+
+        Slip changes the pressure between bodies that differ, and opening the shear traction,
+
+            tau = tau_0 - Z_V [V + h_s * V] + i sgn(q) Z_U h_p * U,
+            p   = p_0   + Z_U [U + h_n * U] + i sgn(q) Z_V h_q * V,
+
+        with Z_V, Z_U the impedances of plane waves; nothing of the coupling is at once
+        (`dissimilar.kernels`).
+
+        Parameters
+        ----------
+        fit : SharedMemory
+            Sums of exponentials of Z_s, Z_n and H.
+        own : int
+            0 for slip, whose own kernel is Z_s; 1 for opening, whose own is Z_n.
+        direct : float
+            Z_V or Z_U over the unit of the kernels.
+        """
+        reads, lasting = fit.residues[[own, 2]] / direct, fit.static[[own, 2]] / direct
+        return cls(fit.poles, np.ones_like(fit.poles), reads, 1.0, lasting, fit.horizon)
 
     def exerted(self, modes: Complex, lasting: Array, out: Array) -> None:
         """Write what numbers m (p, size) and lasting slip (size,) exert, (k, size)."""
@@ -127,8 +160,8 @@ class LineMemory:
 
     Parameters
     ----------
-    memory : Memory
-        Poles, residues and the static part of h.
+    memory : Memory or Kernels
+        Poles, residues and the static part of h, or of several kernels.
     wavenumbers : (size,) array
         q [1 / length].
     rows : int
@@ -142,27 +175,16 @@ class LineMemory:
 
     def __init__(
         self,
-        memory: Memory,
+        memory: Memory | Kernels,
         wavenumbers: Array,
         rows: int = 1,
         tables: int = 1,
         single: bool = False,
     ) -> None:
-        kernels = Kernels(memory.poles, memory.residues, None, memory.static, np.ones(1))
-        self._set(memory, kernels, wavenumbers, rows, tables, single)
-
-    def _set(
-        self,
-        fit: Memory | SharedMemory,
-        kernels: Kernels,
-        wavenumbers: Array,
-        rows: int,
-        tables: int,
-        single: bool = False,
-    ) -> None:
+        kernels = memory if isinstance(memory, Kernels) else Kernels.of(memory)
         self._kind: type = np.complex64 if single else complex
         self._real: type = np.float32 if single else float
-        self.horizon = fit.horizon
+        self.horizon = kernels.horizon
         self._kernels, self._q, self._most = kernels, wavenumbers, tables
         poles, size = len(kernels.poles), len(wavenumbers)
         self.size = size
@@ -253,43 +275,6 @@ class LineMemory:
         for modes, row in zip(self._modes, self._as_numbers(amplitudes), strict=True):
             modes += np.multiply(table.end, row, out=self._scratch)
         self._lasting += table.half * amplitudes
-
-
-class CoupledMemory(LineMemory):
-    """The memory of slip, or opening, of different bodies, which exert two tractions each.
-
-    Slip changes the pressure between bodies that differ, and opening the shear traction,
-
-        tau = tau_0 - Z_V [V + h_s * V] + i sgn(q) Z_U h_p * U,
-        p   = p_0   + Z_U [U + h_n * U] + i sgn(q) Z_V h_q * V,
-
-    with Z_V, Z_U the impedances of plane waves; nothing of the coupling is at once
-    (`dissimilar.kernels`).
-
-    Parameters
-    ----------
-    fit : SharedMemory
-        Sums of exponentials of Z_s, Z_n and H.
-    own : int
-        0 for slip, whose own kernel is Z_s; 1 for opening, whose own is Z_n.
-    direct : float
-        Z_V or Z_U over the unit of the kernels.
-    wavenumbers, rows, tables
-        As for `LineMemory`.
-    """
-
-    def __init__(
-        self,
-        fit: SharedMemory,
-        own: int,
-        direct: float,
-        wavenumbers: Array,
-        rows: int = 1,
-        tables: int = 1,
-    ) -> None:
-        reads, lasting = fit.residues[[own, 2]] / direct, fit.static[[own, 2]] / direct
-        kernels = Kernels(fit.poles, np.ones_like(fit.poles), reads, 1.0, lasting)
-        self._set(fit, kernels, wavenumbers, rows, tables)
 
 
 def phi(z: Complex) -> tuple[Complex, Complex, Complex]:

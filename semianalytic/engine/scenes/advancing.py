@@ -12,26 +12,26 @@ to be stored for the comparison.  Each of its nodes lies half-way between two no
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.convergence import Departure
-from semianalytic.engine.scenes.friction import SceneFriction
 from semianalytic.engine.scenes.loads import (
     SWEEPS,
     FrontLoad,
     FrontPressure,
     GridPressure,
-    NodalPressure,
     table_bytes,
 )
 from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.scenes.nodes import state_bytes
 from semianalytic.engine.scenes.record import MarchRecord
-from semianalytic.engine.scenes.room import affordable_every, state_bytes
 from semianalytic.engine.scenes.stepping import (
     Segment,
     checked_pressure,
@@ -41,17 +41,56 @@ from semianalytic.engine.scenes.stepping import (
 )
 from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.blocks import BLOCK_STEPS, Blocks, Level
+from semianalytic.interface.law import InterfaceLaw
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
 from semianalytic.memory.line_memory import LineMemory
+from semianalytic.results.memory import check_memory, memory_limit
+from semianalytic.scene.friction import (
+    CoulombFriction,
+    FrictionLaw,
+    RateFriction,
+    SlipWeakening,
+    ViscousFriction,
+)
 
 TOLERANCES = (1e-11, 1e-2)
 """Range of the memory's tolerance: 1e-11 takes 45 poles; 1e-2 is coarser than the grid."""
 SINGLE_SIZE = 4096
 """Nodes up to which the memory has single precision: slip rates change by 5e-6 of themselves."""
 
+BYTES_STORED = 32
+"""Bytes per observed node and stored level: four fields."""
+
 Progress = Callable[[int, int], object]
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SceneFriction(InterfaceLaw):
+    """The friction law of a scene, whose state is the accumulated |slip|, and its coefficient."""
+
+    given: FrictionLaw
+    friction: float
+
+    def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
+        """Return the strength; see `InterfaceLaw.strength`."""
+        return self.given.strength(self.friction * pressure, speed, state)
+
+    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
+        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
+        return self.given.slip_speed(stopping, self.friction * pressure, impedance, state)
+
+    def steady_slope(self) -> Any:
+        """Return the viscosity, or None; see `InterfaceLaw.steady_slope`."""
+        if type(self.given) is ViscousFriction:
+            return self.given.viscosity
+        return 0.0 if type(self.given) in (CoulombFriction, SlipWeakening) else None
+
+    @property
+    def follows_state(self) -> bool:
+        """Whether strength may depend on the path; only these laws are known not to ask for it."""
+        return not isinstance(self.given, CoulombFriction | RateFriction)
 
 
 def advance(
@@ -132,6 +171,42 @@ def _departure(before: Departure, walk: _Walk, behind: _Walk) -> Departure:
         before.difference + cell * float(np.trapezoid(np.abs(rates - own).sum(axis=1))),
         before.slip_rate + cell * float(np.trapezoid(np.abs(rates).sum(axis=1))),
     )
+
+
+def affordable_every(marched: Marched, memory: float | None, steps: int, table: float) -> int:
+    """Return `every`, raised until the stored levels fit into the memory.
+
+    Parameters
+    ----------
+    marched : Marched
+        The march to be continued; its companion is counted too.
+    memory : float or None
+        Memory that the march may take [bytes].
+    steps : int
+        Steps that are to come.
+    table : float
+        Size of the pressure tables [bytes].
+
+    Raises
+    ------
+    SceneError
+        If the march does not fit even without storing anything.
+    """
+    both = [one for one in (marched, marched.companion) if one is not None]
+    state = sum(state_bytes(one.grid.size, one.statistics.poles) for one in both)
+    per_level = sum(one.grid.observed * BYTES_STORED for one in both)
+    earlier = sum(len(one.interface.t) * one.grid.observed * BYTES_STORED for one in both)
+    sums = len(both) * steps * 96  # for times, loads and totals
+    fixed = int(state + table + sums + earlier + 16 * per_level)  # at least 16 levels must fit
+    check_memory(
+        fixed,
+        memory,
+        f"march: {steps:.6g} steps of {marched.grid.size} nodes",
+        "lower `nodes` or `end_time`, or raise `step_ratio` or `length`",
+    )
+    # `fixed` has room for 16 levels already, which leaves one level more as a margin.
+    levels = (memory_limit(memory) - fixed) // per_level + 1
+    return max(marched.every, math.ceil(steps / levels))
 
 
 class _Walk:
@@ -238,7 +313,7 @@ class _Walk:
 
 def loads_on_grid(
     marched: Marched, segments: Sequence[Segment]
-) -> tuple[NodalPressure, FrontLoad | None]:
+) -> tuple[GridPressure | FrontPressure, FrontLoad | None]:
     """Return the pressure at the nodes of a march, and its load if the front of that moves.
 
     Parameters
@@ -258,7 +333,7 @@ def loads_on_grid(
             # as accurate as the memory of shear
             tolerance = min(max(memory.error, 2 * TOLERANCES[0]), TOLERANCES[1])
             opening = fit_memory(impedance, memory.horizon, tolerance)
-            start = (front, opening, grid.wavenumbers, marched.damping, marched.begins, finest)
+            start = (front, opening, grid.line.wavenumbers, marched.damping, marched.begins, finest)
             return FrontPressure(*start), front
     contact = grid.size - grid.slot
     return GridPressure(scene, contact, grid.spacing, segments[-1].end, finest), front

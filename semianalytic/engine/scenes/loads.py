@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,16 +48,6 @@ def _needs_table(scene: Scene) -> bool:
     pieces = scene.pressure_history.pieces
     load = scene.superposition.taken_off
     return bool(load.pressure and (pieces.waves or len(pieces.kinks) > EXACT_KINKS))
-
-
-class NodalPressure(Protocol):
-    """The contact pressure at the nodes of a grid."""
-
-    spacing: float
-
-    def over(self, times: Array) -> Iterator[Array]:
-        """Yield the pressure at evenly spaced times, (contact,) each [stress]."""
-        ...
 
 
 class GridPressure:

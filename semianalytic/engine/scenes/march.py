@@ -1,21 +1,10 @@
 """Slip under any load history: the interface alone is marched in time on a spectral grid.
 
-On the whole line y = 0, slot included, the shear traction is (4.40), with the sign of section 6,
-
-    tau = Q_b - (rho c_t / 2) [V + int h(q c_t (t - s)) q c_t V ds]   for each wavenumber q.
-
-V is the relative slip rate and h comes from `exponentials`.  On the slot tau is prescribed, which
-gives V.  On the contact V follows from Coulomb's law and the traction that would stop the point.
-V is linear in time over a step.  The contribution of its end value to the memory is small and is
-iterated twice; the iteration converges while that contribution, for the shortest wave, stays below
-the local term (`feedback` < 1).  Short waves are damped by raising their feedback in proportion to
-(q/q_max)^4, so that resolved wavelengths are hardly affected.
-
-The cosine series is even about both ends of the grid and so mirrors the scene there.  The grid is
-long enough that no wave from x = 0 returns from a mirror to the observed length before the latest
-time.  Jumps of the loads fall on time levels; between them a level takes the load at its time, or
-the exact mean over a step that holds several samples of a table.  Loads that turn faster than the
-grid can follow are refused (`grid.resolution`).  See docs/spacetime.md, "Method".
+The grid is long enough that no wave from x = 0 returns from a mirror at its ends to the observed
+length before the latest time.  Jumps of the loads fall on time levels; between them a level takes
+the load at its time, or the exact mean over a step that holds several samples of a table.  Loads
+that turn faster than the grid can follow are refused (`resolution`).  The steps are those of
+`stepping.blocks`; see docs/spacetime.md, "Method".
 """
 
 from __future__ import annotations
@@ -26,8 +15,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
 
-from semianalytic.engine.resolution import check_weakening_seen
-from semianalytic.engine.scenes.advancing import TOLERANCES, advance, loads_on_grid
+from semianalytic.engine.scenes.advancing import TOLERANCES, advance
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.plan import (
     LEAST_NODES,
@@ -36,7 +24,6 @@ from semianalytic.engine.scenes.plan import (
     checked_entry,
     default_damping,
 )
-from semianalytic.engine.scenes.stepping import check_levels, segments_between
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.tuning import STEP_RATIO
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
@@ -224,37 +211,6 @@ def march(
 
 
 solve = march  # as the table of methods asks for it
-
-
-def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> None:
-    """Raise the errors that `march` would raise for the loads of a scene, without taking a step.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene to be checked.
-    end_time : float
-        Time until which the loads are checked [time].
-    nodes : int
-        Contact nodes on the observed length.
-    length : float
-        Length of the contact that is observed [length].
-
-    Raises
-    ------
-    SceneError
-        If the grid sees nothing of slip weakening, or rate weakening is ill posed at a pressure
-        that arises.
-    TensionError
-        If the pressure turns tensile at a node.
-    """
-    entry = checked_entry(scene, end_time, length, None)
-    check_held(scene, end_time + length * abs(scene.front_slowness))
-    ranges = (scene, end_time, end_time, length, STEP_RATIO, default_damping(scene), 1, TOLERANCE)
-    at_rest = MarchPlan(*ranges, None, False, entry).at_rest(nodes)
-    check_weakening_seen(scene, at_rest.grid.spacing)
-    segments = segments_between(scene, at_rest.begins, end_time, STEP_RATIO, at_rest.grid.spacing)
-    check_levels(scene, segments, *loads_on_grid(at_rest, segments))
 
 
 @taking_quantities

@@ -1,4 +1,4 @@
-"""The nodes of a march, on a line so long that no wave comes back from its ends in time."""
+"""The nodes of a march, on a line from whose ends no wave comes back, and the memory they need."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.stepping import line as stepping_line
+from semianalytic.results.memory import check_memory
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -54,12 +55,6 @@ class Grid:
     def observe(self, values: Array) -> Array:
         """Return values (..., size) at the observed nodes of the contact, (..., observed)."""
         return values[..., self.slot : self.slot + self.observed]
-
-    @property
-    def wavenumbers(self) -> Array:
-        """Wavenumbers of the cosines, (size,) [1 / length]."""
-        # cos(q x) is even about both ends of a grid of length size h
-        return np.asarray(np.pi * np.arange(self.size) / (self.size * self.spacing))
 
 
 def extents(scene: Scene, latest: float, length: float, entry: float) -> tuple[float, float]:
@@ -119,3 +114,36 @@ def causal_grid(scene: Scene, latest: float, length: float, nodes: int, entry: f
     # the nodes that are added for the fast transform lengthen the slot
     size = next_fast_len(contact + slot, real=True)
     return Grid(spacing, size - contact, nodes, size)
+
+
+def state_bytes(size: int, poles: int) -> int:
+    """Return the memory of a march on a grid of `size` nodes [bytes], measured at its peak."""
+    # Bytes at the peak of a march, measured: eight complex arrays of poles.
+    return size * (poles * 128 + 400)
+
+
+def check_size(
+    scene: Scene,
+    latest: float,
+    length: float,
+    nodes: int,
+    memory: float | None,
+    companion: bool,
+    entry: float = 0.0,
+) -> None:
+    """Refuse a grid whose state, with that of its companion, does not fit into the memory.
+
+    Raises
+    ------
+    SceneError
+        If it does not fit; `memory` [bytes] is what the march may take.
+    """
+    # all nodes over the observed ones, as in `causal_grid`
+    share = sum(extents(scene, latest, length, entry)) / length
+    size = int(min(share, 1e30) * min(nodes, 1e30))
+    check_memory(
+        state_bytes(size + companion * (size // 2), 25),  # 15 to 40 poles
+        memory,
+        f"march: a grid of {size:.3g} nodes",
+        "lower `nodes`, `end_time` or `latest`, or raise `length`",
+    )

@@ -11,16 +11,16 @@ import numpy as np
 
 from semianalytic.engine.convergence import Tried, more_nodes, order_seen
 from semianalytic.engine.resolution import (
-    check_loads,
+    WEAKENING_NODES,
+    ZONE_NODES,
     check_weakening_seen,
-    nodes_for_weakening,
-    nodes_for_zone,
+    nodes_for_loads,
+    rounded_up,
+    zone_at_edge,
 )
 from semianalytic.engine.scenes.advancing import advance
-from semianalytic.engine.scenes.marched import Marched
-from semianalytic.engine.scenes.nodes import Grid, causal_grid
-from semianalytic.engine.scenes.room import check_size
-from semianalytic.engine.scenes.state import Extremes, MarchStatistics
+from semianalytic.engine.scenes.marched import Extremes, Marched, MarchStatistics
+from semianalytic.engine.scenes.nodes import Grid, causal_grid, check_size
 from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory, fit_memory
 from semianalytic.memory.impedance import impedance_of
@@ -28,7 +28,7 @@ from semianalytic.memory.line_memory import Past
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import checked_size
-from semianalytic.scene.contact import wave_slips_ahead
+from semianalytic.scene.contact import process_zone, wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 
@@ -111,19 +111,23 @@ class MarchPlan:
             If the loads need more than are given, or more than `MOST_NODES`.
         """
         self._check_size(nodes or least, memory)
-        most = nodes
+        scene, most = self.scene, nodes or MOST_NODES
         if nodes is None:
-            zones = (
-                nodes_for_zone(self.scene, self.end_time, self.length),
-                nodes_for_weakening(self.scene, self.length),
-            )
+            zone, weakening = zone_at_edge(scene, self.end_time), process_zone(scene)
+            resolving = [math.ceil(WEAKENING_NODES * self.length / weakening)]
+            resolving += [math.ceil(ZONE_NODES * self.length / zone)] if zone else []
             # A zone that even MOST_NODES do not resolve is marched on the usual number of nodes
             # and reported as "unresolved" (`Marched.caution`).
-            nodes = max(least, *(needed for needed in zones if needed <= MOST_NODES), LEAST_NODES)
-            most = MOST_NODES
-        return check_loads(
-            self.scene, self.latest, self.length, nodes, most or nodes, self.step_ratio
-        )
+            nodes = max(least, LEAST_NODES, *(one for one in resolving if one <= MOST_NODES))
+        # Nodes that were given are not raised silently.
+        needed, name = nodes_for_loads(scene, self.latest, self.length, nodes, self.step_ratio)
+        if needed > most:
+            raise SceneError(
+                f"march: the {name} history turns faster than {most} nodes on a length of "
+                f"{self.length:.4g} follow; raise `nodes` to {rounded_up(needed)}, or shorten "
+                f"`length` {needed / most:.2g} times (docs/limits.md)."
+            )
+        return needed
 
     def run_within(
         self,
@@ -174,7 +178,7 @@ class MarchPlan:
         # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
         # same sum of exponentials serves both.
         passing = self.latest + max(self.scene.front_slowness, 0.0) * self.entry
-        horizon = grid.wavenumbers[-1] * self.scene.material.shear_speed * passing
+        horizon = grid.line.wavenumbers[-1] * self.scene.material.shear_speed * passing
         past = fit_memory(impedance_of(self.scene), horizon, self.tolerance)
         marched = self._on(grid, past)
         if not self.companion:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice, pairwise
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.scenes.loads import FrontLoad, NodalPressure
+from semianalytic.engine.scenes.loads import FrontLoad, FrontPressure, GridPressure
 from semianalytic.engine.stepping.blocks import Level
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.friction import CoulombFriction
@@ -85,7 +85,7 @@ def load_jumps(scene: Scene) -> list[float]:
 
 
 def levels_of(
-    scene: Scene, segment: Segment, pressure: NodalPressure, front: FrontLoad | None
+    scene: Scene, segment: Segment, pressure: GridPressure | FrontPressure, front: FrontLoad | None
 ) -> Iterator[Level]:
     """Yield the levels of a segment.
 
@@ -102,31 +102,6 @@ def levels_of(
             yield Level(now, step, kept + load, kept, on_contact)
         else:
             yield Level(now, step, uncut, uncut - load, on_contact)
-
-
-def check_levels(
-    scene: Scene,
-    segments: Sequence[Segment],
-    pressure: NodalPressure,
-    front: FrontLoad | None,
-) -> None:
-    """Raise the errors that steps through segments would raise for the pressure.
-
-    The pressure can be checked without marching because slip between identical bodies does not
-    change it.
-
-    Raises
-    ------
-    TensionError
-        If the contact would open.
-    SceneError
-        If friction weakens too fast under a pressure that arises.
-    """
-    if not scene.superposition.taken_off.pressure:
-        return
-    for segment in segments:
-        for level in islice(levels_of(scene, segment, pressure, front), 1, None):
-            checked_pressure(scene, level, pressure.spacing)
 
 
 def _shear_loads(scene: Scene, levels: Array) -> Array:

@@ -8,15 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.stepping.acting import ActingLoads
+from semianalytic.engine.stepping.acting import ActingLoads, check_even, check_touching
 from semianalytic.engine.stepping.balance import Balance, freed_rate
 from semianalytic.engine.stepping.ladder import Ladder
-from semianalytic.engine.stepping.line import grid_of
+from semianalytic.engine.stepping.line import grid_of, memories
 from semianalytic.engine.stepping.means import check_feedback
-from semianalytic.engine.stepping.memories import memories
 from semianalytic.engine.stepping.pace import LoadPace, in_fours
 from semianalytic.engine.stepping.state import State
-from semianalytic.engine.stepping.symmetry import check_even, check_touching
 from semianalytic.engine.stepping.tuning import BOUND_SHARE
 from semianalytic.engine.stepping.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.stepping.window import check_window
@@ -183,17 +181,7 @@ class Stepper:
         felt = now.felt if self._is_delayed else self._pressure(faces)
         rate, traction = self.balance(stopping, slot, now.state, felt, self._open(faces))
         self.memory.exchange(self._amplitudes(rate - now.rate))
-        return replace(
-            now,
-            pressure=faces.pressure,
-            gap=faces.gap,
-            gap_rate=faces.gap_rate,
-            closing=faces.closing,
-            opened=faces.opened,
-            rate=rate,
-            traction=traction,
-            felt=felt,
-        )
+        return replace(now, **vars(faces) | {"rate": rate, "traction": traction, "felt": felt})
 
     def length(self, now: State) -> tuple[float, int]:
         """Return length and rung of the step that may follow a state [time]."""
@@ -282,22 +270,19 @@ class Stepper:
         half = length / 2
         new, turned = rate[self.touching], np.abs(rate - now.rate)[self.touching]
         fastest = max(float(np.abs(new).max()), float(old.max()), 1e-300)
-        return State(
-            pressure=faces.pressure,
-            gap=faces.gap,
-            gap_rate=faces.gap_rate,
-            closing=faces.closing,
-            opened=faces.opened,
-            time=time,
-            rate=rate,
-            slip=now.slip + half * (now.rate + rate),
-            traction=traction,
-            state=state,
-            felt=felt,
-            work=now.work + half * (now.traction * now.rate + traction * rate) * self.touching,
-            rung=rung,
-            pace=float(turned.max()) / fastest / length,
-        )
+        power = (now.traction * now.rate + traction * rate) * self.touching
+        after = {
+            "time": time,
+            "rate": rate,
+            "slip": now.slip + half * (now.rate + rate),
+            "traction": traction,
+            "state": state,
+            "felt": felt,
+            "work": now.work + half * power,
+            "rung": rung,
+            "pace": float(turned.max()) / fastest / length,
+        }
+        return State(**vars(faces) | after)
 
     def _push(self, convolutions: Array) -> Array:
         """Return the pressure (n,) that slip of different bodies exerts."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.checks import missed_slip
+from semianalytic.engine.estimate import missed_slip
 from semianalytic.results import files
 
 SOLID = sf.Material(1.0, 1.0, 1 / 3)
