@@ -19,11 +19,7 @@ from semianalytic.engine.stepping.advance import advanced
 from semianalytic.engine.stepping.line import fitting_nodes
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.stepping.steps import Stepper
-from semianalytic.engine.stepping.tuning import (
-    MOST_NODES,
-    NODES,
-    STEP_RATIO,
-)
+from semianalytic.engine.stepping.tuning import MOST_NODES, NODES, STEP_RATIO
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
 from semianalytic.results.interruption import deferred_interrupt

@@ -202,12 +202,10 @@ class SampledAnswer(Questions, Gridded):
         return found(self.interface.x, values)
 
     def _field(self, name: str, x: ArrayLike, t: ArrayLike, at_rest: float = 0.0) -> Array:
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        _check_positions(x, self.interface.x)
-        check_times(t, self.interface.t)
         # a record begins before t = 0 where a load comes along the slot no faster than its waves
-        before = t < min(self.interface.t[0], 0.0)
-        return np.asarray(np.where(before, at_rest, interpolated(self.interface, name, x, t)))
+        before = np.asarray(t) < min(self.interface.t[0], 0.0)
+        values = self._between(getattr(self.interface, name), x, t)
+        return np.asarray(np.where(before, at_rest, values))
 
 
 def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Array:

@@ -22,7 +22,7 @@ from semianalytic.field.body import checked_points
 from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.questions import ROUNDING
+from semianalytic.results.questions import ROUNDING, check_times
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material, Scene
@@ -224,12 +224,7 @@ class MarchedBodies:
 
     def _check_reach(self, x: Array, y: Array, t: Array) -> None:
         """Raise SceneError for times and places that the recorded interface does not determine."""
-        last = self.interface.t[-1]
-        if np.any(t > last * (1 + ROUNDING)):
-            raise SceneError(
-                f"this answer ends at t = {last:.6g}; ask for earlier times, or compute it to a "
-                "later end time."
-            )
+        check_times(t, self.interface.t)
         end = float(self.interface.x[-1] + self.interface.x[0])
         # beyond the recorded contact something happens from the first wave on
         arrival = (end + np.hypot(x - end, y)) / self.scene.fastest_speed

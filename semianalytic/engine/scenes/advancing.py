@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -34,13 +34,12 @@ from semianalytic.engine.scenes.nodes import state_bytes
 from semianalytic.engine.scenes.record import MarchRecord
 from semianalytic.engine.scenes.stepping import (
     Segment,
-    checked_pressure,
     levels_of,
     load_jumps,
     segments_between,
 )
 from semianalytic.engine.stepping.balance import Balance
-from semianalytic.engine.stepping.blocks import BLOCK_STEPS, Blocks, Level
+from semianalytic.engine.stepping.blocks import BLOCK_STEPS, Blocks
 from semianalytic.interface.law import InterfaceLaw
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
@@ -147,9 +146,9 @@ def advance(
             if behind is not None:
                 behind.advance(walk.done // 2 - behind.done, walk.record.stopped)
                 departure = _departure(departure, walk, behind)
-        walk.end()
+        walk.blocks.settle()  # a segment of another step length may follow
         if behind is not None:
-            behind.end()
+            behind.blocks.settle()
         if walk.record.stopped:
             break
     if companion is not None and behind is not None:
@@ -163,8 +162,8 @@ def _departure(before: Departure, walk: _Walk, behind: _Walk) -> Departure:
 
     Companion node i at (i + 1/2) 2h lies half-way between nodes 2i and 2i + 1 of the march.
     """
-    slot, own = walk.grid.slot, behind.grid.observe(behind.rates)
-    contact = walk.rates[::2, slot : slot + 2 * behind.grid.observed]
+    slot, own = walk.grid.slot, behind.grid.observe(behind.blocks.levels[0])
+    contact = walk.blocks.levels[0][::2, slot : slot + 2 * behind.grid.observed]
     rates = (contact[:, ::2] + contact[:, 1::2]) / 2
     cell = behind.grid.spacing * behind.time_step
     return Departure(
@@ -240,7 +239,7 @@ class _Walk:
     ) -> None:
         self.grid, self.every, self.time_step, self.done = marched.grid, every, 0.0, 0
         self.record = MarchRecord(marched, sum(part.steps for part in segments), every, progress)
-        self._marched, (self._pressure, self._front) = marched, loads_on_grid(marched, segments)
+        self._marched, (self._pressure, self._front) = marched, _loads_on_grid(marched, segments)
         grid, scene, line = marched.grid, marched.scene, marched.grid.line
         law = SceneFriction(scene.friction_law, scene.friction)
         impedance = scene.material.shear_impedance / 2
@@ -260,11 +259,6 @@ class _Walk:
             damping=marched.damping,
             means_last=True,
         )
-
-    @property
-    def rates(self) -> Array:
-        """Slip rates at the levels of the last block and the one before it, (k + 1, size)."""
-        return self.blocks.levels[0]
 
     def begin(self, segment: Segment) -> None:
         """Enter a segment, applying the load jump at its beginning."""
@@ -295,34 +289,15 @@ class _Walk:
             If a slip rate is no longer finite.
         """
         blocks = self.blocks
-        last |= blocks.advance(self._checked(), self.record.count, steps)
+        last |= blocks.advance(self._levels, self.record.count, steps)
         self.done += len(blocks.pressures)
-        self.record.add(blocks.times, blocks.pressures, *blocks.levels, last)
-
-    def end(self) -> None:
-        """Complete the memory, so that a segment of another step length can begin from it."""
-        self.blocks.settle()
-
-    def _checked(self) -> Iterator[Level]:
-        """Return the levels to come, each of which is checked if loads change the pressure."""
-        scene = self._marched.scene
-        if not scene.superposition.taken_off.pressure:
-            return self._levels
-        return (checked_pressure(scene, level, self.grid.spacing) for level in self._levels)
+        self.record.add(blocks, last)
 
 
-def loads_on_grid(
+def _loads_on_grid(
     marched: Marched, segments: Sequence[Segment]
 ) -> tuple[GridPressure | FrontPressure, FrontLoad | None]:
-    """Return the pressure at the nodes of a march, and its load if the front of that moves.
-
-    Parameters
-    ----------
-    marched : Marched
-        The march; its grid, memory and damping are used.
-    segments : sequence of Segment
-        The time steps to come.
-    """
+    """Return the pressure at the nodes of a march, and its load if the front of that moves."""
     scene, grid, finest = marched.scene, marched.grid, _finest(segments)
     front = None
     if scene.front_slowness:

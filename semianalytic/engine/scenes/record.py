@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.scenes.marched import Marched
-from semianalytic.engine.stepping.blocks import Reached
+from semianalytic.engine.stepping.blocks import Blocks, Reached
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 
@@ -87,32 +87,10 @@ class MarchRecord:
         self.stopped = self._asked and self.done % 2 == 0
         return self.stopped
 
-    def add(
-        self,
-        times: Sequence[float],
-        pressures: Sequence[Array],
-        rates: Array,
-        tractions: Array,
-        slips: Array,
-        paths: Array,
-        works: Array,
-        last: bool,
-    ) -> None:
-        """Add the levels of the last k steps, which lie within one segment.
-
-        Parameters
-        ----------
-        times : (k + 1,) sequence
-            Times of the levels and of the one before them [time].
-        pressures : k arrays of (contact,)
-            Pressure of the contact at the levels [stress].
-        rates : (k + 1, size) array
-            Slip rates at `times`.
-        tractions, slips, paths, works : (k + 1, contact) arrays
-            Fields of the contact at `times`.
-        last : bool
-            Whether the march ends with these levels.
-        """
+    def add(self, blocks: Blocks, last: bool) -> None:
+        """Add the levels of the last block; with the `last` one the march ends."""
+        times, pressures = blocks.times, blocks.pressures
+        rates, tractions, slips, paths, works = blocks.levels
         taken, kept = len(times) - 1, np.zeros(len(times) - 1, dtype=bool)
         # a segment ends where the record begins
         if times[-1] > self._marched.recorded_from:

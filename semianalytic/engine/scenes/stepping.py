@@ -85,9 +85,12 @@ def load_jumps(scene: Scene) -> list[float]:
 
 
 def levels_of(
-    scene: Scene, segment: Segment, pressure: GridPressure | FrontPressure, front: FrontLoad | None
+    scene: Scene,
+    segment: Segment,
+    pressure: GridPressure | FrontPressure,
+    front: FrontLoad | None,
 ) -> Iterator[Level]:
-    """Yield the levels of a segment.
+    """Yield the levels of a segment; raise as `_check` does where loads change the pressure.
 
     At a jump, the first level takes the shear load just after it and the last one that before it.
     """
@@ -95,7 +98,10 @@ def levels_of(
     # the slot carries Q_b - Q_0 f
     loads, uncut = _shear_loads(scene, times), scene.superposition.in_place.shear
     arrives, kept = scene.arrives, scene.before_load.shear
+    changes = scene.superposition.taken_off.pressure != 0
     for now, load, on_contact in zip(times.tolist(), loads, pressure.over(times), strict=True):
+        if changes and now > segment.begin:
+            _check(scene, now, on_contact, pressure.spacing)
         if front is not None:
             yield Level(now, step, *front.tractions("shear", now, step), on_contact)
         elif arrives:
@@ -123,16 +129,14 @@ def _shear_loads(scene: Scene, levels: Array) -> Array:
     return np.asarray(scene.superposition.taken_off.shear * loads)
 
 
-def checked_pressure(scene: Scene, level: Level, spacing: float) -> Level:
-    """Return a level; raise if the contact would open or friction weakens too fast under it."""
-    pressure = level.pressure
+def _check(scene: Scene, time: float, pressure: Array, spacing: float) -> None:
+    """Raise an error if the contact would open or friction weakens too fast under a pressure."""
     node = int(np.argmin(pressure))
     if pressure[node] < 0:
         solved = scene.is_self_similar and scene.friction_law == CoulombFriction()
         raise TensionError(
             f"the pressure would turn tensile at x = {(node + 0.5) * spacing:.4g}, "
-            f"t = {level.time:.4g}; raise the base pressure, {'use `solve`, ' if solved else ''}"
+            f"t = {time:.4g}; raise the base pressure, {'use `solve`, ' if solved else ''}"
             "or simulate the scene with finite elements (docs/limits.md)."
         )
     scene.check_weakening(float(pressure.max()))
-    return level

@@ -162,13 +162,12 @@ class Blocks:
         return self.at(self._last)
 
     @property
-    def levels(self) -> tuple[Array, Array, Array, Array, Array]:
+    def levels(self) -> tuple[Array, ...]:
         """Slip rate, traction, slip, state and work of the last block, (k + 1, ...) each.
 
         The first level is the one before the block.
         """
-        rates, *others = (field[: self._last + 1] for field in self._fields)
-        return rates, others[0], others[1], others[2], others[3]
+        return tuple(field[: self._last + 1] for field in self._fields)
 
     def settle(self) -> None:
         """Complete the memory, so that steps of another march can begin from it."""

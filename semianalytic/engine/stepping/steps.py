@@ -234,10 +234,12 @@ class Stepper:
         path = self.speed * length
         faces: Faces = now
         parting = None
-        if self.pair is not None and self.unilateral is not None:
+        if self.unilateral is not None:
             parting = Parting(self.unilateral, now, time, length, path)
-        elif self.unilateral is not None:
-            faces = self.unilateral.step(now, time, length, path, self.sweeps)
+        if parting is not None and self.pair is None:  # slip does not change the pressure
+            for _ in range(self.sweeps):
+                parting.sweep()
+            faces, parting = parting.faces, None
         amplitudes = self._amplitudes(now.rate)
         past = self.memory.advance(amplitudes, path)
         feedback = self.memory.feedback

@@ -97,25 +97,6 @@ class Unilateral:
         self.memory.exchange(self.grid.amplitudes(rate - now.gap_rate))
         return Faces(pressure, now.gap, rate, now.closing, now.opened)
 
-    def step(self, now: Faces, time: float, length: float, path: float, sweeps: int) -> Faces:
-        """Return pressure and gap one step later, and advance the memory to the same time.
-
-        Parameters
-        ----------
-        now : Faces
-            Pressure and gap at the beginning of the step.
-        time : float
-            End of the step [time].
-        length, path : float
-            Its length [time], and c_t times it [length].
-        sweeps : int
-            Iterations.
-        """
-        parting = Parting(self, now, time, length, path)
-        for _ in range(sweeps):
-            parting.sweep()
-        return parting.faces
-
     def held(self, now: Faces) -> Array:
         """Return the convolutions now, one per kernel, (1 or 2, rows, m)."""
         return self.memory.convolution(self.grid.amplitudes(now.gap_rate))
@@ -195,8 +176,14 @@ class Parting:
 
     Parameters
     ----------
-    unilateral, now, time, length, path
-        As in `Unilateral.step`.
+    unilateral : Unilateral
+        Contact and memory.
+    now : Faces
+        Pressure and gap at the beginning of the step.
+    time : float
+        End of the step [time].
+    length, path : float
+        Its length [time], and c_t times it [length].
     """
 
     def __init__(
