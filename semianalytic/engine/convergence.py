@@ -48,36 +48,6 @@ class Tried:
     share: float
 
 
-def slip_rate_error(
-    departure: Departure, order: float | None, memory_error: float, missed: bool
-) -> float:
-    """Return an estimate of the relative L1 error of the slip rate, meant as a bound.
-
-    Parameters
-    ----------
-    departure : Departure
-        Difference from the companion.
-    order : float or None
-        Order of convergence, where two marches have shown it.
-    memory_error : float
-        Relative error of the memory's transform.
-    missed : bool
-        Whether the edge must slip although the grid cannot see it.
-
-    Returns
-    -------
-    float
-        The estimate; inf where nothing slips though it must, 0 where nothing slips and need not.
-    """
-    # Without slip the ratio is 0 / 0.  That is no error where the edge sticks in the continuum
-    # as well, and a total one where K_II exceeds f K_I and the grid misses the zone.
-    if departure.slip_rate == 0:
-        return math.inf if departure.difference or missed else 0.0
-    # Both marches share the error of the memory's transform, which their difference does not
-    # show.
-    return safety(order) * departure.share + MEMORY_SAFETY * memory_error
-
-
 def safety(order: float | None) -> float:
     """Return the estimate over the difference from half the nodes, for an order if one was seen."""
     if order is None:

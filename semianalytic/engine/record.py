@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.result import FIELDS, Run
 from semianalytic.engine.stepping.acting import times_of_loads
-from semianalytic.engine.stepping.state import Checkpoint, State, onsets_until
+from semianalytic.engine.stepping.state import Checkpoint, State
 from semianalytic.engine.stepping.steps import Stepper
+from semianalytic.results.questions import onsets_until
 from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]

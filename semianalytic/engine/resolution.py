@@ -13,7 +13,6 @@ its process zone.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -148,58 +147,6 @@ class Shortfall:
 
     reason: str
     times: float
-
-
-def advice(shortfalls: Sequence[Shortfall], option: str) -> str:
-    """Return the reasons, and how many times an option has to be raised; "" without reasons."""
-    if not shortfalls:
-        return ""
-    reasons = "; ".join(one.reason for one in shortfalls)
-    return f"{reasons}; raise `{option}` {rounded_up(max(one.times for one in shortfalls))} times"
-
-
-def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> Shortfall | None:
-    """Return the slip zone at the edge that a march does not resolve; None if there is none.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene that was marched.
-    end_time : float
-        End time of the march [time].
-    spacing : float
-        Node distance [length].
-    reach : float
-        Largest distance from the edge at which the march found slip [length].
-    """
-    least = ZONE_NODES * spacing
-    # What the march found is asked first, because it costs nothing.
-    if reach >= least:
-        return None
-    zone = zone_at_edge(scene, end_time)
-    if not 0 < zone < least:
-        return None
-    return Shortfall(
-        f"the edge slips over a length of about {zone:.2g}, which nodes {spacing:.2g} apart do not "
-        "resolve",
-        least / zone,
-    )
-
-
-def coarse_weakening(scene: Scene, spacing: float) -> Shortfall | None:
-    """Return the shortfall of slip weakening on too few nodes; None if they are enough.
-
-    `spacing` is the node distance [length].
-    """
-    zone = process_zone(scene)
-    nodes = zone / spacing
-    if nodes >= WEAKENING_NODES:
-        return None
-    return Shortfall(
-        f"friction weakens within about {zone:.2g} of length, over {nodes:.2g} nodes where "
-        f"{WEAKENING_NODES:g} resolve it",
-        WEAKENING_NODES / nodes,
-    )
 
 
 def check_weakening_seen(scene: Scene, spacing: float) -> None:

@@ -243,7 +243,10 @@ def _one(
         stepper.ladder.check_longest()
     begun = options["slipping"]
     if begun is None:
-        begun = _slipping(stepper) if go_on is None else go_on.checkpoint.slipping
+        # Slip under rate-and-state friction has begun: at 26 mm/s for TPV101.
+        begun = 1e-3 * float(stepper.pressure.max(initial=0.0)) / stepper.impedance
+        begun = 0.0 if stepper.law.has_threshold else begun
+        begun = begun if go_on is None else go_on.checkpoint.slipping
     record = Record(stepper, options["every"], options["frames"], options["times"], begun)
     if go_on is None:
         now = stepper.begin()
@@ -294,11 +297,3 @@ def _one(
         status=status,
         checkpoint=checkpoint(stepper, record, now, latest),
     )
-
-
-def _slipping(stepper: Stepper) -> float:
-    """Return the slip rate beyond which slip has begun, by default [length / time]."""
-    if stepper.law.has_threshold:
-        return 0.0
-    # Slip under rate-and-state friction has begun: at 26 mm/s for TPV101.
-    return 1e-3 * float(stepper.pressure.max(initial=0.0)) / stepper.impedance

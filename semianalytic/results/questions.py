@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, Protocol, TypeVar
 
@@ -169,16 +170,43 @@ def onsets(seen: Sampled, of: str, share: float = ONSET_SHARE) -> Array:
     # Measured by what was until then, so that later and larger slip does not delay an onset.
     largest = np.maximum.accumulate(np.abs(seen.slip_rate).max(axis=1, initial=0.0))
     # rounding moves nodes of elements before any slip, when nothing larger was there
-    threshold = np.maximum(share * largest, NO_SLIP * largest[-1])[:, None]
-    begun = rate > threshold
-    level = begun.argmax(axis=0)
-    before, node = np.maximum(level - 1, 0), np.arange(len(seen.x))
-    late, speed = rate[before, node], rate[level, node]
-    # At the first level, or after a jump, there is no earlier value to interpolate from.
-    rise = np.where(speed > late, speed - late, 1.0)
-    along = np.clip((threshold[level, 0] - late) / rise, 0.0, 1.0)
-    times = seen.t[before] + (seen.t[level] - seen.t[before]) * along
-    return np.where(begun.any(axis=0), times, np.inf)
+    threshold = np.maximum(share * largest, NO_SLIP * largest[-1])
+    # at the first level there is no earlier value to interpolate from
+    t, speeds = (np.concatenate([one[:1], one]) for one in (seen.t, rate))
+    return onsets_until(np.full(len(seen.x), np.inf), t, speeds, threshold)
+
+
+def onsets_until(
+    onset: Array, times: Sequence[float] | Array, speeds: Array, threshold: Array
+) -> Array:
+    """Return the times at which slip has begun at the nodes, (n,), with k more levels.
+
+    Parameters
+    ----------
+    onset : (n,) array
+        Times known so far [time]; not finite where slip has not begun.
+    times : (k + 1,) sequence
+        Times of the levels and of the one before them [time]; a jump is two levels at one time.
+    speeds : (k + 1, n) array
+        |slip rate| at these [length / time], linear between them.
+    threshold : (k,) array
+        |slip rate| beyond which slip has begun, at each of the k levels [length / time].
+    """
+    waiting = np.flatnonzero(~np.isfinite(onset))
+    if not len(waiting):
+        return onset
+    begins = speeds[1:, waiting] > threshold[:, None]
+    first = np.argmax(begins, axis=0)
+    began = np.flatnonzero(begins[first, np.arange(len(waiting))])
+    if not len(began):
+        return onset
+    level, node, t = first[began], waiting[began], np.asarray(times)
+    old, new = speeds[level, node], speeds[level + 1, node]
+    rises = new > old
+    share = np.where(rises, (threshold[level] - old) / np.where(rises, new - old, 1.0), 0.0)
+    onset = onset.copy()
+    onset[node] = t[level] + (t[level + 1] - t[level]) * np.clip(share, 0.0, 1.0)
+    return onset
 
 
 def onset_between(nodes: Array, x: Array, onset: Array) -> Array:

@@ -12,19 +12,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies
-from semianalytic.engine.convergence import Departure, slip_rate_error
-from semianalytic.engine.resolution import Shortfall, advice, coarse_weakening, missed_zone
+from semianalytic.engine.convergence import MEMORY_SAFETY, Departure, safety
+from semianalytic.engine.resolution import (
+    WEAKENING_NODES,
+    ZONE_NODES,
+    Shortfall,
+    rounded_up,
+    zone_at_edge,
+)
 from semianalytic.engine.scenes.nodes import Grid
 from semianalytic.engine.stepping.blocks import Reached
-from semianalytic.engine.stepping.state import onsets_until
 from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.line_memory import Past
 from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.questions import ONSET_SHARE
+from semianalytic.results.questions import ONSET_SHARE, onsets_until
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions
@@ -218,8 +224,14 @@ class Marched(AnswerInBodies, SampledAnswer):
         """
         if self.companion is None:
             return math.nan
-        missed = self._missed_zone is not None
-        return slip_rate_error(self.departure, self.order, self.memory.error, missed)
+        apart = self.departure
+        # Without slip the ratio is 0 / 0.  That is no error where the edge sticks in the continuum
+        # as well, and a total one where K_II exceeds f K_I and the grid misses the zone.
+        if apart.slip_rate == 0:
+            return math.inf if apart.difference or self._missed_zone is not None else 0.0
+        # Both marches share the error of the memory's transform, which their difference does not
+        # show.
+        return safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
 
     def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
         """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
@@ -265,8 +277,31 @@ class Marched(AnswerInBodies, SampledAnswer):
         """A slip zone at the edge that the grid does not resolve, or None."""
         # Any slip ever seen counts: a zone may have been on the grid and have healed since.
         slips = self.seen.slip_rate > 0
-        reach = float(self.grid.x[slips].max(initial=0.0))
-        return missed_zone(self.scene, self.end_time, self.grid.spacing, reach)
+        least = ZONE_NODES * self.grid.spacing
+        # What the march found is asked first, because it costs nothing.
+        if float(self.grid.x[slips].max(initial=0.0)) >= least:
+            return None
+        zone = zone_at_edge(self.scene, self.end_time)
+        if not 0 < zone < least:
+            return None
+        return Shortfall(
+            f"the edge slips over a length of about {zone:.2g}, which nodes "
+            f"{self.grid.spacing:.2g} apart do not resolve",
+            least / zone,
+        )
+
+    @property
+    def _coarse_weakening(self) -> Shortfall | None:
+        """Slip weakening on too few nodes, or None."""
+        zone = process_zone(self.scene)
+        nodes = zone / self.grid.spacing
+        if nodes >= WEAKENING_NODES:
+            return None
+        return Shortfall(
+            f"friction weakens within about {zone:.2g} of length, over {nodes:.2g} nodes where "
+            f"{WEAKENING_NODES:g} resolve it",
+            WEAKENING_NODES / nodes,
+        )
 
     @cached_property
     def shortfalls(self) -> tuple[Shortfall, ...]:
@@ -275,11 +310,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         These are slip at the edge over less than five nodes (which would otherwise look like no
         slip), slip weakening on too few nodes, and an error estimate above `rtol`, or above a half.
         """
-        every = (
-            self._missed_zone,
-            coarse_weakening(self.scene, self.grid.spacing),
-            self._inaccurate,
-        )
+        every = self._missed_zone, self._coarse_weakening, self._inaccurate
         return tuple(one for one in every if one is not None)
 
     @property
@@ -300,8 +331,11 @@ class Marched(AnswerInBodies, SampledAnswer):
     @property
     def caution(self) -> str:
         """A sentence that says why the grid is too coarse and what would do; "" if it is not."""
-        sentence = advice(self.shortfalls, "nodes")
-        return sentence and f"{sentence}, or shorten `length` as much"
+        if not self.shortfalls:
+            return ""
+        reasons = "; ".join(one.reason for one in self.shortfalls)
+        times = rounded_up(max(one.times for one in self.shortfalls))
+        return f"{reasons}; raise `nodes` {times} times, or shorten `length` as much"
 
     @property
     def status(self) -> str:

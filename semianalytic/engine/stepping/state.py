@@ -1,8 +1,7 @@
-"""The state of an interface at one time, and when slip has begun until then."""
+"""The state of an interface at one time, and what a run goes on from."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,34 +77,3 @@ class Checkpoint:
     count: int
     slipping: float
     latest: float
-
-
-def onsets_until(onset: Array, times: Sequence[float], speeds: Array, threshold: Array) -> Array:
-    """Return the times at which slip has begun at the nodes, (n,), with k more levels.
-
-    Parameters
-    ----------
-    onset : (n,) array
-        Times known so far [time]; not finite where slip has not begun.
-    times : (k + 1,) sequence
-        Times of the levels and of the one before them [time]; a jump is two levels at one time.
-    speeds : (k + 1, n) array
-        |slip rate| at these [length / time], linear between them.
-    threshold : (k,) array
-        |slip rate| beyond which slip has begun, at each of the k levels [length / time].
-    """
-    waiting = np.flatnonzero(~np.isfinite(onset))
-    if not len(waiting):
-        return onset
-    begins = speeds[1:, waiting] > threshold[:, None]
-    first = np.argmax(begins, axis=0)
-    began = np.flatnonzero(begins[first, np.arange(len(waiting))])
-    if not len(began):
-        return onset
-    level, node, t = first[began], waiting[began], np.asarray(times)
-    old, new = speeds[level, node], speeds[level + 1, node]
-    rises = new > old
-    share = np.where(rises, (threshold[level] - old) / np.where(rises, new - old, 1.0), 0.0)
-    onset = onset.copy()
-    onset[node] = t[level] + (t[level + 1] - t[level]) * np.clip(share, 0.0, 1.0)
-    return onset
