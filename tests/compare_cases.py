@@ -14,9 +14,11 @@ from semianalytic.scene.given.named import NAMED_SCENES
 SELF_SIMILAR = [
     name
     for name, named in NAMED_SCENES.items()
-    if named.scene.is_self_similar and isinstance(named.scene.load, Tractions)
+    if named.scene.is_self_similar
+    and isinstance(named.scene.load, Tractions)
+    and named.scene.lower_material is None
 ]
-"""Named self-similar scenes that finite elements simulate."""
+"""Named self-similar scenes of equal bodies that finite elements simulate."""
 
 
 def _gained(traction, gain):

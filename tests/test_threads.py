@@ -36,7 +36,17 @@ ARGUMENTS: dict[str, Any] = {
     "number": 0,
 }
 """Arguments of methods, by the names of their parameters."""
-ELSEWHERE = ("to_xarray", "save", "load", "derivative", "error_of", "seen", "trials", "plot")
+ELSEWHERE = (
+    "to_xarray",
+    "save",
+    "load",
+    "derivative",
+    "error_of",
+    "seen",
+    "trials",
+    "plot",
+    "animate",
+)
 """Asked below with other arguments, or of other objects; pyplot draws in one thread alone."""
 IN_BODIES = ("velocity", "stress", "displacement")
 RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}}

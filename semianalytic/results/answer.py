@@ -208,12 +208,12 @@ def sampled_history(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> Interf
     return InterfaceHistory(x, t, *(getattr(answer, name)(x, t[:, None]) for name in FIELDS))
 
 
-def answer_dataset(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> Any:
+def answer_dataset(answer: Answer, x: ArrayLike, t: ArrayLike) -> Any:
     """Return fields and totals of an answer as an `xarray.Dataset` of dimensions t and x.
 
     Parameters
     ----------
-    answer : ContactFields
+    answer : Answer
         The answer to be sampled.
     x : (n,) array
         Positions [length].
@@ -230,6 +230,6 @@ def answer_dataset(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> Any:
     history = answer.history(x, t)
     values = {field.name: getattr(history, field.name) for field in fields(history)}
     totals = {name: getattr(answer, name)(history.t) for name in TOTALS}
-    data = dataset(values.pop("x"), values.pop("t"), {**values, **totals})
+    data = dataset(values.pop("x"), values.pop("t"), {**values, **totals}, answer.scene.units)
     data.attrs["title"] = repr(answer)
     return data

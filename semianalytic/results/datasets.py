@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib.metadata import version
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from semianalytic.scene.extras import needing
+from semianalytic.scene.units import SI, unit
 
 QUANTITIES: Mapping[str, tuple[str, str]] = {
     "x": ("length", "position along the contact"),
@@ -23,13 +25,23 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
     "accumulated_slip": ("length^2", "integral of accumulated |slip| over the contact"),
     "frictional_work": ("stress length^2", "energy turned to heat per unit depth"),
 }
-"""Unit and meaning of what answers hold; units are those of the scene, any consistent set."""
+"""Dimension and meaning of what answers hold."""
 
 
-def dataset(x: ArrayLike, t: ArrayLike, values: Mapping[str, Any]) -> Any:
+def attributes(dimension: str, meaning: str, units: str) -> dict[str, str]:
+    """Return the attributes of a variable: `units`, `dimension` and `long_name`.
+
+    Units are those of the SI if the scene is in them.  Those of any other consistent set have no
+    name that pint or the CF conventions know: they are "1", and the dimension says what is meant.
+    """
+    named = unit(dimension, SI) if units == SI else "1"
+    return {"units": named if dimension else "", "dimension": dimension, "long_name": meaning}
+
+
+def dataset(x: ArrayLike, t: ArrayLike, values: Mapping[str, Any], units: str = "") -> Any:
     """Return quantities at positions and times as an `xarray.Dataset` of dimensions t and x.
 
-    Every variable has the attributes `units` and `long_name` of `QUANTITIES`.
+    Every variable has `attributes`; the dataset names the program and its version as its source.
 
     Parameters
     ----------
@@ -39,6 +51,8 @@ def dataset(x: ArrayLike, t: ArrayLike, values: Mapping[str, Any]) -> Any:
         Times [time].
     values : mapping of name to array
         Fields (m, n), and totals of the contact (m,).
+    units : str
+        Units of the scene: "SI", or "" for any consistent set.
 
     Raises
     ------
@@ -54,5 +68,6 @@ def dataset(x: ArrayLike, t: ArrayLike, values: Mapping[str, Any]) -> Any:
         coords={"x": x, "t": t},
     )
     for name in ("x", "t", *values):
-        data[name].attrs["units"], data[name].attrs["long_name"] = QUANTITIES[name]
+        data[name].attrs |= attributes(*QUANTITIES[name], units)
+    data.attrs |= {"Conventions": "CF-1.11", "source": f"slipfront {version('slipfront')}"}
     return data

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.results.answer import Array, ContactFields, answer_dataset, sampled_history
+from semianalytic.results.answer import (
+    Answer,
+    Array,
+    ContactFields,
+    answer_dataset,
+    sampled_history,
+)
 from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import SceneError
@@ -47,13 +53,17 @@ class Gridded:
         self._unknown("save", "solve it again, or write to_xarray(x, t).to_netcdf(path)")
 
     def plot(self: Any, ax: Any = None, t: float | None = None) -> Any:
-        """Draw the slip rate over x at a time t [time]: its end, or 1 / c_t of an exact answer.
+        """Draw slip rate and tractions over x at a time, or the slip rate over (x, t).
+
+        Speeds of waves are marked.  In SI units lengths are in mm, times in µs, stresses in MPa.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw; by default on a new figure, with the tractions below it.
+            Where to draw, without the tractions; by default a new figure.
         t : float, optional
+            Time [time].  Left out, answers on a grid of nodes and times are drawn over (x, t), and
+            exact ones at 1 / c_t.
 
         Returns
         -------
@@ -67,6 +77,29 @@ class Gridded:
         from semianalytic.results.plotting import drawn
 
         return drawn(self, ax, t)
+
+    def animate(self: Any, path: str | Path, t: ArrayLike | None = None) -> None:
+        """Write slip rate and tractions over x as an animation in the format GIF.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write; its name ends with .gif.
+        t : (m,) array, optional
+            Times of the frames [time]; by default 40 until the end, of exact answers 1 / c_t.
+
+        Raises
+        ------
+        MissingLibraryError
+            If matplotlib is not installed.
+        SceneError
+            If the name has another ending.
+        DataFileError
+            If the file cannot be written.
+        """
+        from semianalytic.results.plotting import animated
+
+        animated(self, path, t)
 
     def _repr_html_(self: Any) -> str:
         """Return totals as a table of a notebook."""
@@ -84,7 +117,7 @@ class Gridded:
         """Return all fields at positions x (n,) and times t (m,); raises like `slip_rate`."""
         return sampled_history(self, x, t)
 
-    def to_xarray(self: ContactFields, x: ArrayLike, t: ArrayLike) -> Any:
+    def to_xarray(self: Answer, x: ArrayLike, t: ArrayLike) -> Any:
         """Return fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.
 
         Raises

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.results.datasets import QUANTITIES
+from semianalytic.results.datasets import QUANTITIES, attributes
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
@@ -153,9 +153,10 @@ class Sweep:
             coords={**places, "t": t, "x": x, "edge": ["inner", "outer"]},
             attrs={"title": repr(self)},
         )
-        for name, (units, meaning) in {**QUANTITIES, **_OF_SWEEPS}.items():
+        units = self.solutions[0].scene.units if len(self) else ""
+        for name, known in {**QUANTITIES, **_OF_SWEEPS}.items():
             if name in data.variables:
-                data[name].attrs.update(units=units, long_name=meaning)
+                data[name].attrs.update(attributes(*known, units))
         return data
 
     @property

@@ -18,6 +18,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import open_intervals, slip_intervals
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.template import in_si_units
 from slipfront.cli.terminal import end_table, zones_table
 
 NODES = 400
@@ -125,13 +126,14 @@ def test_refusals_say_what_to_ask_for(name, method):
 
 
 @any_answer
-def test_a_dataset_holds_fields_and_totals_with_their_units(name, method):
+def test_a_dataset_holds_fields_and_totals_with_their_dimensions(name, method):
     one, x, t = answer(name, method), np.array([0.2, 0.4]), np.array([0.0, 0.5, 1.0])
     data = one.to_xarray(x, t)
     assert dict(data.sizes) == {"t": 3, "x": 2}
     assert set(data.variables) == {"x", "t", *FIELDS, *TOTALS}
     for name_, variable in data.variables.items():
-        assert (variable.attrs["units"], variable.attrs["long_name"]) == QUANTITIES[name_]
+        assert (variable.attrs["dimension"], variable.attrs["long_name"]) == QUANTITIES[name_]
+        assert variable.attrs["units"] == "1"
     for field in FIELDS:
         np.testing.assert_allclose(data[field].sel(x=0.4), getattr(one, field)(0.4, t), rtol=1e-12)
     for total in TOTALS:
@@ -141,6 +143,15 @@ def test_a_dataset_holds_fields_and_totals_with_their_units(name, method):
     assert "\n" not in title
     assert len(title) < 200
     assert title.startswith("<Solution: " if method == "self-similar" else "<Marched: ")
+
+
+def test_units_of_datasets_in_si_are_those_that_pint_and_conventions_know():
+    pint, scene = pytest.importorskip("pint"), in_si_units(sf.find("preloaded"))
+    data = sf.solve(scene).to_xarray([0.2, 0.4], [1e-4])
+    known = {"slip": "m", "slip_rate": "m/s", "pressure": "Pa", "frictional_work": "J/m", "t": "s"}
+    for name, unit in known.items():
+        assert pint.Quantity(1.0, data[name].attrs["units"]).to(unit).magnitude == 1.0
+    assert data.attrs["source"].startswith("slipfront ")
 
 
 # --- what was recorded ------------------------------------------------------------------------

@@ -84,6 +84,10 @@ def test_status_error_and_looks(name, tmp_path):
     assert len(slip_rate.lines) >= 1
     assert len(tractions.lines) >= 2
     assert one.plot(ax=slip_rate, t=0.5) is slip_rate
+    one.animate(tmp_path / "a.gif", [0.4, 0.9])
+    assert (tmp_path / "a.gif").read_bytes().startswith(b"GIF89a")
+    if hasattr(one, "interface"):  # slip rate over (x, t), and the three waves
+        assert len(one.plot().lines) == 3
     matplotlib.pyplot.close("all")
 
 

@@ -249,7 +249,7 @@ def test_the_dataset_has_a_dimension_friction_and_units(swept):
         for j, solution in enumerate(swept):
             exact = getattr(solution, name)(X, T[:, None])
             np.testing.assert_array_equal(data[name].values[j], exact)
-    assert data.slip_rate.attrs["units"] == "length / time"
+    assert data.slip_rate.attrs["dimension"] == "length / time"
     assert all({"units", "long_name"} <= set(data[name].attrs) for name in (*data, *data.coords))
     np.testing.assert_array_equal(data.edges.sel(edge="outer"), swept.edges[..., 1])
     assert data.origin.values.tolist() == list(swept.origin)

@@ -73,7 +73,7 @@ REFUSED = {
         ("solve incident-sv --angle=-10 --wave-stress 2", "exceeds friction"),
         ("solve incident-p --method space-time --nodes 40", "would turn tensile"),
         # whole lines: commands of scenes with a slot name those that solve them
-        ("solve whole-line-patch --load-on remote", "scenes with a slot alone"),
+        ("solve whole-line-patch --load-on remote", "says itself where it acts"),
         ("solve whole-line-patch --method magic", "--method must be one of auto"),
         ("solve whole-line-patch --nodes 100", "is for the space-time solver; leave it out"),
         ("solve whole-line-patch --end-time -1", "end-time must be positive"),
@@ -90,7 +90,7 @@ REFUSED = {
         ("solve antiplane --lower-density 2", 'mode = "antiplane": between different bodies'),
         ("solve remote-shock --lower-density 2", 'load_on = "remote": between different bodies'),
         ("solve incident-p --lower-density 2", "the load is a wave or moves: between different"),
-        ("solve whole-line-patch --lower-density 2", "leave it out for whole-line-patch"),
+        ("solve whole-line-patch --lower-density 2", "of equal bodies and constant friction"),
         ("solve two.toml --friction 0.95", "and nothing has an answer"),
         (
             "survey two.toml --lower-density 1,2 --nodes 64",

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from semianalytic import RateWeakening, SlipWeakening, find, solve
+from semianalytic import GrowingLoad, PointForce, RateWeakening, SlipWeakening, find, solve
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.given.template import in_si_units, scene_text
@@ -27,6 +27,8 @@ def slip(scene):
     )
     off = scene.superposition.taken_off
     load = max(abs(off.pressure), abs(off.shear))
+    if isinstance(scene.load, PointForce | GrowingLoad):
+        load *= end  # rates of the load
     return answer.slip(X, end) * scene.material.shear_modulus / load
 
 
