@@ -19,7 +19,7 @@ from semianalytic.engine.stepping.state import Checkpoint
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
-from semianalytic.results.datasets import dataset
+from semianalytic.results.datasets import attributes, dataset
 from semianalytic.results.intervals import front_speeds
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.errors import DataFileError, SceneError
@@ -301,7 +301,7 @@ class Run(LineAnswer):
             If xarray is not installed.
         """
         data = dataset(self.x, self.t, {name: getattr(self, name) for name in FIELDS})
-        data["onset"] = ("x", self.onset, {"units": "time", "long_name": "time of first slip"})
+        data["onset"] = ("x", self.onset, attributes("time", "time of first slip", ""))
         data.attrs.update(status=self.status, nodes=self.nodes, steps=self.steps)
         data.attrs.update({f"error_{name}": value for name, value in self.error_estimates.items()})
         return data

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
 
-from semianalytic.engine.scenes.advancing import TOLERANCES, advance
+from semianalytic.engine.scenes.advancing import advance
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.plan import (
     LEAST_NODES,
@@ -24,6 +24,7 @@ from semianalytic.engine.scenes.plan import (
     checked_entry,
     default_damping,
 )
+from semianalytic.engine.scenes.walk import TOLERANCES
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.tuning import STEP_RATIO
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size

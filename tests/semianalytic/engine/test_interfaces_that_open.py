@@ -243,5 +243,5 @@ def test_without_loads_of_pressure_nothing_opens():
     assert (done.pressure == np.where(done.touching, 0.7, 0.0)).all()
     assert set(done.error_estimates) == {"slip", "slip_rate", "shear_traction"}
     data = done.to_xarray()
-    assert data["gap"].attrs["units"] == "length"
+    assert data["gap"].attrs["dimension"] == "length"
     assert data["pressure"].dims == ("t", "x")
