@@ -227,7 +227,7 @@ class LineMemory:
         table = self.table(step)
         # half as the start of this step, half as the end value left out of the one before
         self._lasting += table.whole * amplitudes
-        for modes, row in zip(self._modes, self._as_numbers(amplitudes), strict=True):
+        for modes, row in zip(self._modes, amplitudes.astype(self._real, copy=False), strict=True):
             modes *= table.decay
             modes += np.multiply(table.gain, row, out=self._scratch)
         return self._exerted()
@@ -267,12 +267,9 @@ class LineMemory:
             self._kernels.exerted(modes, lasting, exerted[:, row])
         return exerted
 
-    def _as_numbers(self, amplitudes: Array) -> NDArray[np.floating]:
-        return amplitudes.astype(self._real, copy=False)
-
     def _add(self, table: StepTable, amplitudes: Array) -> None:
         """Add the share of a rate at the end of a step to the memory."""
-        for modes, row in zip(self._modes, self._as_numbers(amplitudes), strict=True):
+        for modes, row in zip(self._modes, amplitudes.astype(self._real, copy=False), strict=True):
             modes += np.multiply(table.end, row, out=self._scratch)
         self._lasting += table.half * amplitudes
 

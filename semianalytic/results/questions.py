@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, Protocol, TypeVar
 
@@ -22,7 +22,9 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import asked_in_units
 
 Array = NDArray[np.float64]
-Interval = TypeVar("Interval", SlipInterval, OpenInterval, covariant=True)
+Interval = TypeVar("Interval", SlipInterval, OpenInterval)
+Finder = Callable[[Array, Array], tuple[Interval, ...]]
+"""What finds intervals of x (n,) from values (n,) at these places."""
 
 ROUNDING = 1e-9
 """Relative amount by which a time or position may exceed the last one."""
@@ -30,12 +32,6 @@ ONSET_SHARE = 0.01
 """Share of the largest slip rate that is slip; a tenth would let it begin ahead of the waves."""
 NO_SLIP = 1e-6
 """Fraction of the largest recorded slip rate that counts as none; it is exactly 0 in stick."""
-
-
-class Finder(Protocol[Interval]):
-    """A function that finds intervals of x (n,) from values (n,) at these places."""
-
-    def __call__(self, x: Array, values: Array) -> tuple[Interval, ...]: ...
 
 
 @asked_in_units

@@ -66,7 +66,8 @@ def advance(
     segments = segments_between(
         marched.scene, marched.end_time, end_time, marched.step_ratio, marched.grid.spacing
     )
-    coarser, companion = [segment.coarser for segment in segments], marched.companion
+    coarser = [replace(segment, steps=segment.steps // 2) for segment in segments]
+    companion = marched.companion
     # `every` is chosen before the first step, from all memory that the march will hold at once.
     table = _table_bytes(marched, segments)
     table += 0.0 if companion is None else _table_bytes(companion, coarser)
@@ -76,10 +77,10 @@ def advance(
         # Half of `every`, rounded up, of half the steps: stored levels lie at about the same times.
         behind = Walk(companion, coarser, -(-every // 2), None)
     departure = marched.departure
-    for segment in segments:
+    for segment, half in zip(segments, coarser, strict=True):
         walk.begin(segment)
         if behind is not None:
-            behind.begin(segment.coarser)
+            behind.begin(half)
         while walk.done < segment.steps and not walk.stopped:
             walk.advance(BLOCK_STEPS)
             if behind is not None:

@@ -17,17 +17,12 @@ from os import PathLike
 
 from semianalytic.engine.scenes.advancing import advance
 from semianalytic.engine.scenes.marched import Marched
-from semianalytic.engine.scenes.plan import (
-    LEAST_NODES,
-    MarchPlan,
-    check_held,
-    checked_entry,
-    default_damping,
-)
+from semianalytic.engine.scenes.plan import LEAST_NODES, MarchPlan, checked_entry
 from semianalytic.engine.scenes.walk import TOLERANCES
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.tuning import STEP_RATIO
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
+from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import of_scene, scene_of_one_solid
 from semianalytic.scene.quantities import taking_quantities
@@ -35,6 +30,13 @@ from semianalytic.scene.scene import Scene
 
 TOLERANCE = 1e-6
 """Default tolerance of the memory's transform: for 1024 nodes as good as 1e-10."""
+
+DAMPING, WEAKENING_DAMPING = 0.6, 0.7
+"""Default least feedback of the shortest wave, and that under slip weakening.
+
+Without any, small steps leave an odd-even mode.  With 0.5 slip weakening is 1.4 times less exact;
+0.7 instead of 0.6 makes pulses 3 % less exact.
+"""
 
 _log = logging.getLogger(__name__)
 
@@ -170,7 +172,7 @@ def march(
     # The feedback refuses 0.5 to 0.7 or more, by Poisson ratio.
     step_ratio = _check_range("step_ratio", step_ratio, 0.0, 2.0)
     if damping is None:
-        damping = default_damping(scene)
+        damping = WEAKENING_DAMPING if scene.friction_law.fall_with_slip else DAMPING
     damping = checked_number(
         "march: damping",
         damping,
@@ -188,7 +190,13 @@ def march(
         if not companion:
             raise SceneError("march: `rtol` needs the companion; leave `companion` out.")
     entry = checked_entry(scene, latest, length, entry)
-    check_held(scene, latest + length * abs(scene.front_slowness))
+    slowness = scene.front_slowness  # a wave that meets the contact first is all over it before
+    if slowness < 0 and wave_slips_ahead(scene, latest + length * abs(slowness)):
+        raise SceneError(
+            "march: the wave alone exceeds friction, so that the contact slips from its front "
+            "on, before anything comes from the slot; lower the wave, or raise friction or the "
+            "base pressure (docs/limits.md)."
+        )
     plan = MarchPlan(
         scene,
         end_time,

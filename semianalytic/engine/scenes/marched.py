@@ -57,12 +57,6 @@ class Extremes:
     reverse: Array
     onset: Array
 
-    @classmethod
-    def at_rest(cls, nodes: int) -> Extremes:
-        """Return the extremes at so many nodes before anything happens."""
-        rest = np.zeros(nodes)
-        return cls(rest, rest, np.full(nodes, np.inf))
-
     @property
     def slip_rate(self) -> Array:
         """Largest |slip rate| (n,) [length / time]."""

@@ -28,24 +28,13 @@ from semianalytic.memory.line_memory import Past
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import checked_size
-from semianalytic.scene.contact import process_zone, wave_slips_ahead
+from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 
 LEAST_NODES = 16
 MOST_NODES = 8000
 """Largest number of nodes that a march chooses by itself, some 20 seconds of work."""
-DAMPING, WEAKENING_DAMPING = 0.6, 0.7
-"""Default least feedback of the shortest wave, and that under slip weakening.
-
-Without any, small steps leave an odd-even mode.  With 0.5 slip weakening is 1.4 times less exact;
-0.7 instead of 0.6 makes pulses 3 % less exact.
-"""
-
-
-def default_damping(scene: Scene) -> float:
-    """Return the default damping of a march."""
-    return WEAKENING_DAMPING if scene.friction_law.fall_with_slip else DAMPING
 
 
 def checked_entry(scene: Scene, latest: float, length: float, entry: float | None) -> float:
@@ -70,20 +59,6 @@ def checked_entry(scene: Scene, latest: float, length: float, entry: float | Non
         return length
     # the first wave of the beginning reaches the tip at `latest`
     return latest / (1 / scene.fastest_speed - slowness)
-
-
-def check_held(scene: Scene, until: float) -> None:
-    """Raise SceneError if a wave that meets the contact first makes it slip behind its front.
-
-    The wave has passed all of the contact before the march begins.  `until` is the time after its
-    front to which its history matters [time].
-    """
-    if scene.front_slowness < 0 and wave_slips_ahead(scene, until):
-        raise SceneError(
-            "march: the wave alone exceeds friction, so that the contact slips from its front "
-            "on, before anything comes from the slot; lower the wave, or raise friction or the "
-            "base pressure (docs/limits.md)."
-        )
 
 
 @dataclass(frozen=True)
@@ -192,6 +167,7 @@ class MarchPlan:
     def _on(self, grid: Grid, past: Memory) -> Marched:
         """Return a march on a grid before its first step, without a companion."""
         poles, no_times, rest = len(past.poles), np.zeros(0), np.zeros(grid.size - grid.slot)
+        still = np.zeros(grid.observed)
         marched = Marched(
             scene=self.scene,
             interface=InterfaceHistory(grid.x, no_times, *[np.zeros((0, grid.observed))] * 5),
@@ -205,7 +181,7 @@ class MarchPlan:
             memory=past,
             reached=Reached(0.0, np.zeros(grid.size), rest, rest, rest, rest),
             past=Past(np.zeros((1, poles, grid.size), complex), np.zeros((1, grid.size))),
-            seen=Extremes.at_rest(grid.observed),
+            seen=Extremes(still, still, np.full(grid.observed, np.inf)),
             entry=self.entry,
         )
         return replace(marched, reached=replace(marched.reached, time=marched.begins))

@@ -36,11 +36,6 @@ class Segment:
         return (self.end - self.begin) / self.steps
 
     @property
-    def coarser(self) -> Segment:
-        """The same span of time in half as many steps, for the companion."""
-        return Segment(self.begin, self.end, self.steps // 2)
-
-    @property
     def levels(self) -> Array:
         """Begin and end of all steps, (steps + 1,) [time]."""
         # the end is taken as it is: a jump there has to fall on the level to the last digit
