@@ -13,8 +13,10 @@ from fem.run import Complaints, run_plan
 from fem.settings import LEAST_RESOLUTION, Pace, Settings
 from fem.snapshots import COMPANIONS, companion_folder
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 
 
+@checking
 def with_companions(
     simulation: Simulation,
     progress: Callable[[int, int], None] | None = None,

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from fem.stepping import MarchedBody
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.scene import Scene
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -45,39 +46,39 @@ class FacePair:
     body: MarchedBody
     upper: NDArray[np.int64]
     lower: NDArray[np.int64] | None
-    root: list[NDArray[np.float64]]
-    length: NDArray[np.float64]
+    root: list[Array]
+    length: Array
     step: float
 
     @cached_property
-    def compliance(self) -> NDArray[np.float64]:
+    def compliance(self) -> Array:
         """Change c = dt^2 L (1/m + 1/m') of the relative increment per traction, (n,)."""
         upper, lower = self.root[0], self.root[-1]
         return self.step**2 * self.length * (1 / upper**2 + 1 / lower**2)
 
-    def _jump(self, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _jump(self, unknowns: Array) -> Array:
         """Return upper minus lower face of a mass-normalised vector, (n,) [length]."""
         # the lower face of a half moves oppositely: twice the upper one
         upper = unknowns[self.upper] / self.root[0]
         return 2 * upper if self.lower is None else upper - unknowns[self.lower] / self.root[1]
 
-    def offset(self) -> NDArray[np.float64]:
+    def offset(self) -> Array:
         """Relative displacement, upper minus lower, (n,) [length]."""
         return self._jump(self.body.displacement)
 
-    def increment(self) -> NDArray[np.float64]:
+    def increment(self) -> Array:
         """Relative increment over the step after this time level, (n,) [length]."""
         return self._jump(self.body.increment)
 
-    def past_increment(self) -> NDArray[np.float64]:
+    def past_increment(self) -> Array:
         """Relative increment over the step before this time level, (n,) [length]."""
         return self._jump(self.body.before)
 
-    def mean_increment(self) -> NDArray[np.float64]:
+    def mean_increment(self) -> Array:
         """Mean of the relative increments before and after this time level, (n,) [length]."""
         return (self.past_increment() + self.increment()) / 2
 
-    def push(self, traction: NDArray[np.float64], part: float) -> None:
+    def push(self, traction: Array, part: float) -> None:
         """Apply a traction to the upper face, and its opposite to the lower one.
 
         Parameters
@@ -94,12 +95,7 @@ class FacePair:
             self.body.increment[self.lower] -= impulse / self.root[1]
 
 
-def contact_pressure(
-    gap: NDArray[np.float64],
-    increment: NDArray[np.float64],
-    base: float | NDArray[np.float64],
-    compliance: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def contact_pressure(gap: Array, increment: Array, base: float | Array, compliance: Array) -> Array:
     """Return the pressure that ends the step with the gap closed, or zero if that needs tension.
 
     An open pair that would interpenetrate is stopped exactly at the end of the step, so the gap
@@ -120,74 +116,6 @@ def contact_pressure(
     return np.maximum(base - (gap + increment) / compliance, 0.0)
 
 
-def coulomb_traction(
-    increment: NDArray[np.float64],
-    base: float | NDArray[np.float64],
-    strength: NDArray[np.float64],
-    compliance: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return the shear traction that stops the pair at this step, at most the strength.
-
-    If the strength is not enough, the remaining slip has the direction of the traction.
-
-    Parameters
-    ----------
-    increment : (n,) array
-        Slip over the step if only the base traction acted [length].
-    base : float or (n,) array
-        Shear traction at which `increment` holds [stress].
-    strength : (n,) array
-        Friction times pressure [stress], >= 0.
-    compliance : (n,) array
-        Slip over the step taken away per traction [length / stress].
-    """
-    # shear traction opposes the slip of the upper face: base + increment / compliance stops it
-    return np.clip(base + increment / compliance, -strength, strength)
-
-
-def strength(
-    law: FrictionLaw,
-    frictional: NDArray[np.float64],
-    path: NDArray[np.float64],
-    stopping: NDArray[np.float64],
-    impedance: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return the largest shear traction of each pair under a friction law [stress], (n,).
-
-    The law takes the slip accumulated up to this time level and the slip rate in the step after
-    it, which the traction itself determines.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-    frictional : (n,) array
-        The scene's friction times pressure [stress].
-    path : (n,) array
-        Accumulated |slip| [length].
-    stopping : (n,) array
-        Traction that would stop the pair at this step [stress].
-    impedance : (n,) array
-        Traction that reduces the slip rate by 1, dt over the compliance [stress time / length].
-
-    Raises
-    ------
-    SceneError
-        If friction falls with slip rate faster than a pair of nodes can radiate.
-    """
-    # steeper than that, a pair has several slip rates, or none, for one stopping traction
-    slope = frictional * law.fall_with_rate
-    worst = int(np.argmax(slope / impedance))
-    if slope[worst] >= impedance[worst]:
-        raise SceneError(
-            "simulate: friction falls with slip rate faster than a node of the interface can "
-            f"radiate (by {slope[worst]:.4g} per slip rate under the pressure it has reached, its "
-            f"impedance is {impedance[worst]:.4g}); raise the rate or lower the reduction of the "
-            "friction law, or lower `step_ratio` (docs/limits.md)."
-        )
-    speed = law.slip_speed(np.abs(stopping), frictional, impedance, path)
-    return law.strength(frictional, speed, path)
-
-
 STICK = 0
 """State of a node that does not move along the interface."""
 FORWARD = 1
@@ -205,8 +133,8 @@ class Carried(NamedTuple):
     incident wave that rises and falls.
     """
 
-    pressure: float | NDArray[np.float64]
-    shear: float | NDArray[np.float64]
+    pressure: float | Array
+    shear: float | Array
 
 
 class InterfaceWork(NamedTuple):
@@ -228,9 +156,9 @@ class InterfaceSums(NamedTuple):
     the work of friction per area [stress length].
     """
 
-    work: NDArray[np.float64]
-    path: NDArray[np.float64]
-    friction: NDArray[np.float64]
+    work: Array
+    path: Array
+    friction: Array
 
 
 class MeshContact:
@@ -266,7 +194,7 @@ class MeshContact:
     def __init__(
         self,
         scene: Scene,
-        length: NDArray[np.float64],
+        length: Array,
         sliding: FacePair | None,
         pressing: FacePair | None,
     ) -> None:
@@ -276,7 +204,7 @@ class MeshContact:
         self.held = Carried(in_place.pressure, in_place.shear)
         self.pressure = np.full(len(length), self.held.pressure)
         self.shear = np.full(len(length), self.held.shear)
-        self.strength = scene.friction * self.pressure
+        self.strength = scene.strength(self.pressure)
         self.path = np.zeros(len(length))
         self.offset = np.zeros(len(length))
         self.work = InterfaceWork(0.0, 0.0, 0.0)
@@ -293,7 +221,7 @@ class MeshContact:
             state[self.pressure == 0] = OPEN
         return state
 
-    def work_density(self) -> NDArray[np.float64]:
+    def work_density(self) -> Array:
         """Work per area taken by friction up to the level of the last kick (n,) [stress length].
 
         Half of what the last kick does on the step after it is still missing.
@@ -344,17 +272,41 @@ class MeshContact:
         self._impact -= float(work @ self.pressure)
         self._external -= float(np.sum(work * held))
 
+    def _strength(self, stopping: Array, impedance: Array) -> Array:
+        """Return the strength at the slip rate of the step, which follows from it (n,) [stress].
+
+        The path is that up to this time level.
+
+        Raises
+        ------
+        SceneError
+            If friction falls with slip rate faster than a pair of nodes can radiate.
+        """
+        law = self.scene.law
+        # steeper than that, a pair has several slip rates, or none, for one stopping traction
+        slope = self.pressure * law.fall_with_rate
+        worst = int(np.argmax(slope / impedance))
+        if slope[worst] >= impedance[worst]:
+            raise SceneError(
+                "simulate: friction falls with slip rate faster than a node of the interface can "
+                f"radiate (by {slope[worst]:.4g} per slip rate under the pressure it has reached, "
+                f"its impedance is {impedance[worst]:.4g}); raise the rate or the dynamic friction "
+                "of the law, or lower `step_ratio` (docs/limits.md)."
+            )
+        speed = law.slip_speed(stopping, self.pressure, impedance, self.path)
+        return law.strength(self.pressure, speed, self.path)
+
     def _slide(self, faces: FacePair, part: float) -> None:
         """Find the shear traction of this kick, apply it and add up its work."""
-        held, law = self.held.shear, self.scene.friction_law
+        held = self.held.shear
         increment, compliance = faces.increment(), part * faces.compliance
         self.path += np.abs(faces.past_increment())
-        frictional = self.scene.friction * self.pressure
         stopping = held + increment / compliance
-        self.strength = strength(law, frictional, self.path, stopping, faces.step / compliance)
+        self.strength = self._strength(np.abs(stopping), faces.step / compliance)
         if self.pressing is not None:
             self.strength[self.pressure == 0] = 0.0  # open: nothing rubs, whatever the law
-        self.shear = coulomb_traction(increment, held, self.strength, compliance)
+        # of the traction that stops the pair, what friction bears; slip that is left has its sense
+        self.shear = np.clip(stopping, -self.strength, self.strength)
         # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy
         faces.push(held - self.shear, part)
         slip = part * faces.mean_increment()

@@ -24,8 +24,10 @@ from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene
 
+Array = NDArray[np.float64]
 
-def kick_means(history: LoadHistory, step: float, steps: int) -> NDArray[np.float64]:
+
+def kick_means(history: LoadHistory, step: float, steps: int) -> Array:
     """Return the mean of f(t) over the interval of each kick, (steps + 1,).
 
     Parameters
@@ -42,15 +44,13 @@ def kick_means(history: LoadHistory, step: float, steps: int) -> NDArray[np.floa
     return history.mean(*_kick(np.arange(steps + 1), step))
 
 
-def _kick(level: ArrayLike, step: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _kick(level: ArrayLike, step: float) -> tuple[Array, Array]:
     """Return the beginning and the end of the intervals that kicks at levels stand for [time]."""
     level = np.asarray(level, dtype=float)
     return np.maximum(level - 0.5, 0.0) * step, (level + 0.5) * step
 
 
-def _spread_mean(
-    history: LoadHistory, delay: NDArray[np.float64], level: int, step: float
-) -> NDArray[np.float64]:
+def _spread_mean(history: LoadHistory, delay: Array, level: int, step: float) -> Array:
     """Return the mean of f(t - p x) over a kick and over the places (k, n) of each node, (k,)."""
     start, end = _kick(level, step)
     return np.asarray(history.mean(start - delay, end - delay).mean(axis=1))
@@ -70,8 +70,8 @@ class SlotTractions:
     """
 
     body: MarchedBody
-    amplitude: NDArray[np.float64]
-    means: NDArray[np.float64]
+    amplitude: Array
+    means: Array
 
     def set(self, level: int) -> None:
         """Set the body's load to that of a time level."""
@@ -98,9 +98,9 @@ class FrontTractions:
     """
 
     body: MarchedBody
-    amplitude: NDArray[np.float64]
+    amplitude: Array
     histories: tuple[LoadHistory, LoadHistory]
-    delay: NDArray[np.float64]
+    delay: Array
     step: float
 
     def set(self, level: int) -> None:
@@ -118,9 +118,7 @@ of c_t enters node by node with 1, and the mesh rings: the error of slip rate at
 6.6 %, with 2, 4 and 8 places 3.3, 3.1 and 2.9 %; a faster load shows no difference."""
 
 
-def front_delays(
-    x: NDArray[np.float64], slowness: float, *, contact: bool = False
-) -> NDArray[np.float64]:
+def front_delays(x: Array, slowness: float, *, contact: bool = False) -> Array:
     """Return the times p x at which a front reaches the parts of nodes, (k, `SPREAD`).
 
     Parameters
@@ -160,7 +158,7 @@ class ContactLoad:
 
     interface: MeshContact
     scene: Scene
-    delay: NDArray[np.float64]
+    delay: Array
     step: float
 
     def set(self, level: int) -> None:
@@ -175,9 +173,7 @@ class ContactLoad:
         )
 
 
-def contact_loads(
-    scene: Scene, interface: MeshContact, step: float, x: NDArray[np.float64]
-) -> list[ContactLoad]:
+def contact_loads(scene: Scene, interface: MeshContact, step: float, x: Array) -> list[ContactLoad]:
     """Return what changes with time on the contact itself: an incident wave that is no step.
 
     Parameters
@@ -200,7 +196,7 @@ def slot_loads(
     bodies: list[MarchedBody],
     step: float,
     steps: int,
-    places: list[NDArray[np.float64]],
+    places: list[Array],
 ) -> list[SlotTractions] | list[FrontTractions]:
     """Return the loads of bodies that change with time; none if all are steps that come at once.
 
@@ -239,14 +235,12 @@ class Arrived(NamedTuple):
         Stress by component: xx, yy, xy, xz and yz [stress], tension positive.
     """
 
-    displacement: NDArray[np.float64]
-    velocity: NDArray[np.float64]
-    stress: dict[str, NDArray[np.float64]]
+    displacement: Array
+    velocity: Array
+    stress: dict[str, Array]
 
 
-def arrived_wave(
-    scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64], t: float
-) -> Arrived | None:
+def arrived_wave(scene: Scene, x: Array, y: Array, t: float) -> Arrived | None:
     """Return what an incident wave does at points of the uncut body at a time; None without one.
 
     The simulation computes what the slot scatters of it, so that this is to be added.

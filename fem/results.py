@@ -15,6 +15,7 @@ from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import SI, unit
 
@@ -308,6 +309,7 @@ class Simulation(SampledAnswer):
         write_answer(directory / FILE_NAME, FORMAT, self, compression=4)
 
 
+@checking
 def load_simulation(directory: str | Path) -> Simulation:
     """Read the simulation that `Simulation.save` wrote into a folder.
 
@@ -342,6 +344,7 @@ def load_simulation(directory: str | Path) -> Simulation:
     return read_answer(path, FORMAT, Simulation, instead, "simulate again")
 
 
+@checking
 def opening_sentence(simulation: Simulation) -> str:
     """Say whether the contact came apart, and where, when, how far and over which length.
 

@@ -7,14 +7,16 @@ that has an exact answer but those that slip ahead of all waves.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
 import pytest
 
 from semianalytic import (
+    Coulomb,
     Harmonic,
+    Law,
     Material,
     Pulse,
     Ramp,
@@ -24,7 +26,6 @@ from semianalytic import (
     Solution,
     Tabulated,
     Tractions,
-    ViscousFriction,
 )
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.selfsimilar.solver import solve
@@ -72,10 +73,20 @@ def unit_scene(
     load: tuple[float, float] = (0.0, 1.0),
     *,
     nu: float = 1 / 3,
+    law: Law | None = None,
     **parts: Any,
 ) -> Scene:
-    """A scene of unit shear modulus and density; tractions are (pressure, shear)."""
-    return Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(*load), **parts)
+    """A scene of unit shear modulus and density; tractions are (pressure, shear).
+
+    The law is taken with the friction for its coefficient.
+    """
+    given = friction if law is None else law.with_coefficient(friction)
+    return Scene(Material(1.0, 1.0, nu), given, Tractions(*base), Tractions(*load), **parts)
+
+
+def under(scene: Scene, law: Law) -> Scene:
+    """The scene under another law of the same coefficient."""
+    return replace(scene, friction=law.with_coefficient(scene.coefficient))
 
 
 REMOTE: dict[str, Any] = {"base": (0.0, 0.0), "load": (1.0, 1.0), "load_on": "remote"}
@@ -140,25 +151,25 @@ PROBLEMS = (
     _exact("base released by pressure", "+", "", unit_scene(0.5, (2.0, 0.99), (1.5, 0.0))),
     _exact("base against the load", "+", "", unit_scene(0.2, (1.0, -0.19), (0.5, 0.6))),
     _exact("both senses", "--+", "thin", unit_scene(0.05, (1.0, 0.05), (0.6, -1.3), nu=0.25)),
-    _exact("viscous", "++", "witness", unit_scene(friction_law=ViscousFriction(0.1))),
-    _exact("viscous across c_R", "+", "", unit_scene(0.1, friction_law=ViscousFriction(0.05))),
+    _exact("viscous", "++", "witness", unit_scene(law=Coulomb(1.0, viscosity=0.1))),
+    _exact("viscous across c_R", "+", "", unit_scene(0.1, law=Coulomb(1.0, viscosity=0.05))),
     _exact(
         "viscous slip everywhere",
         "+",
         "remote slides",
-        unit_scene(0.5, **REMOTE, friction_law=ViscousFriction(0.25)),
+        unit_scene(0.5, **REMOTE, law=Coulomb(1.0, viscosity=0.25)),
     ),
     _exact(
         "viscous, both senses",
         "+-+",
         "reverse",
-        unit_scene(0.02, nu=-0.5, friction_law=ViscousFriction(0.2)),
+        unit_scene(0.02, nu=-0.5, law=Coulomb(1.0, viscosity=0.2)),
     ),
     _exact(
         "a film alone",
         "+",
         "",
-        unit_scene(0.0, (1.0, 0.0), (0.5, 1.0), friction_law=ViscousFriction(0.5)),
+        unit_scene(0.0, (1.0, 0.0), (0.5, 1.0), law=Coulomb(1.0, viscosity=0.5)),
     ),
     _exact("antiplane", "+", "witness", NAMED_SCENES["antiplane"].scene),
     _exact(
@@ -175,7 +186,7 @@ PROBLEMS = (
         "antiplane, viscous",
         "+",
         "witness",
-        unit_scene(0.5, mode="antiplane", friction_law=ViscousFriction(0.25)),
+        unit_scene(0.5, mode="antiplane", law=Coulomb(1.0, viscosity=0.25)),
     ),
     _exact(
         "antiplane slip from the longitudinal front",
@@ -198,8 +209,8 @@ PROBLEMS = (
         "march",
         unit_scene(shear_history=Tabulated((0.05, 0.25, 0.25, 0.6), (0.0, 1.0, -1.0, 0.5))),
     ),
-    _other("slip weakening", "march", unit_scene(friction_law=SlipWeakening(0.6, 0.1))),
-    _other("rate weakening", "rated", unit_scene(friction_law=RateWeakening(0.4, 1.0))),
+    _other("slip weakening", "march", unit_scene(law=SlipWeakening(1.0, 0.4, 0.1))),
+    _other("rate weakening", "rated", unit_scene(law=RateWeakening(1.0, 0.6, 1.0))),
 )
 
 

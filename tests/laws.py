@@ -3,16 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
+from catalogue import under
 from hypothesis import strategies as st
 
 from semianalytic import (
-    CoulombFriction,
+    Coulomb,
     Material,
     Scene,
     SceneError,
     TensionError,
     Tractions,
-    ViscousFriction,
 )
 from semianalytic.engine.scenes.march import march
 from semianalytic.regimes import opening_threshold
@@ -37,10 +37,10 @@ def opening_scene(random):
 
 def viscous_scene(random):
     """A scene with a film of any viscosity, in plane or out of it, a third of them opening."""
-    law = ViscousFriction(10 ** random.uniform(-6, 8))
+    law = Coulomb(1.0, viscosity=10 ** random.uniform(-6, 8))
     mode = "antiplane" if random.random() < 1 / 3 else "in-plane"
     if random.random() < 1 / 3:
-        return replace(opening_scene(random), friction_law=law, mode=mode)
+        return under(replace(opening_scene(random), mode=mode), law)
     poisson_ratio, friction = random.uniform(-0.9, 0.49), 10 ** random.uniform(-2, 0.5)
     shear, pressure = random.normal(), random.choice([0.0, abs(random.normal())])
     base, load, load_on = Tractions(1.0, 0.0), Tractions(pressure, shear), "slot"
@@ -49,7 +49,7 @@ def viscous_scene(random):
     elif random.random() < 0.5:
         base = Tractions(1.0, random.uniform(-1, 1) * friction)
     material = Material(1.0, 1.0, poisson_ratio)
-    return Scene(material, friction, base, load, friction_law=law, mode=mode, load_on=load_on)
+    return Scene(material, law.with_coefficient(friction), base, load, mode=mode, load_on=load_on)
 
 
 def inside(x, parts):
@@ -91,10 +91,10 @@ def scenes(draw):
         base = Tractions(1.0, share * friction)
         load = Tractions(abs(draw(number)), shear)
     viscosity = draw(st.sampled_from([0.0, 0.0, 0.0, 1e-4, 0.01, 0.1, 0.5, 3.0]))
-    law = ViscousFriction(viscosity) if viscosity else CoulombFriction()
+    law = Coulomb(1.0, viscosity=viscosity) if viscosity else Coulomb(1.0)
     place = "remote" if kind == "remote shock" else "slot"
     solid = Material(1.0, 1.0, poisson_ratio)
-    return Scene(solid, friction, base, load, friction_law=law, load_on=place)
+    return Scene(solid, law.with_coefficient(friction), base, load, load_on=place)
 
 
 def check_march_converges(exact, nodes):
@@ -127,8 +127,7 @@ def check_invariants(scene):
         return
     x = XI * scene.material.shear_speed
     rate, traction = solution.slip_rate(x, 1.0), solution.shear_traction(x, 1.0)
-    frictional = scene.friction * solution.pressure(x, 1.0)
-    strength = scene.friction_law.strength(frictional, rate, 0.0)
+    strength = scene.strength(solution.pressure(x, 1.0), rate)
     largest = max(np.abs(rate).max(), abs(solution.edge_slip_rate), 1e-300)
     load = solution.stress_unit
     slips, parted = (inside(x, parts) for parts in (solution.zones, solution.openings))
@@ -150,7 +149,7 @@ def check_invariants(scene):
         solution.zones
         and solution.zones[-1].outer >= (1 - 1e-13) * scene.material.longitudinal_speed
     ):
-        strength = scene.friction * held.pressure  # what is below friction sticks at first
+        strength = scene.coefficient * held.pressure  # what is below friction sticks at first
         assert abs(held.shear) >= strength * (1 - 1e-12) or strength < 1e-12 * load
     ahead = np.array([1.001, 2.0]) * scene.material.longitudinal_speed
     np.testing.assert_allclose(solution.slip_rate(ahead, 1.0), scene.far_slip_rate, rtol=1e-15)

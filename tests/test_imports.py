@@ -171,11 +171,17 @@ def imports_between_files(package, root=ROOT):
     return graph
 
 
+SPLIT = {"semianalytic.scene.laws": "semianalytic.scene"}
+"""Folders that hold a part of the trade of their parent, too many files for one folder: scenes hold
+laws, and laws take checks, units and plugins from beside the scene."""
+
+
 def imports_between_folders(package, root=ROOT):
     """Return the folders, nested ones on their own, that the files of each folder take from."""
     files = imports_between_files(package, root)
     faces = {module_name(path, root) for path in (root / package).rglob("__init__.py")}
     folder = {name: name if name in faces else name.rpartition(".")[0] for name in files}
+    folder = {name: SPLIT.get(one, one) for name, one in folder.items()}
     graph = {}
     for name, taken in files.items():
         # The face of a folder shows what is inside, in deeper folders too.

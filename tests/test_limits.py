@@ -82,12 +82,12 @@ def test_what_slipfront_does_not_do_is_refused_with_its_page(words, tmp_path, re
     assert re.search(r"\(docs/not_here\.md\)\.\n$", refused(["solve", path]))
 
 
-@pytest.mark.parametrize("given", [{"mode": "3-D"}, {"layers": 3}, {"friction_law": "ageing"}])
+@pytest.mark.parametrize("given", [{"mode": "3-D"}, {"layers": 3}, {"evolution": "ageing"}])
 def test_parameters_of_what_slipfront_does_not_do_name_its_page(given):
     with pytest.raises(SceneError, match=r"\(docs/not_here\.md\)\.$"):
         unit_scene(**given)
 
 
 def test_a_misspelt_parameter_is_not_taken_for_one():
-    with pytest.raises(SceneError, match=r"did you mean friction_law\?$"):
-        unit_scene(frction_law=1)
+    with pytest.raises(SceneError, match=r"did you mean lower_material\?$"):
+        unit_scene(lower_materal=1)

@@ -22,7 +22,7 @@ import pytest
 from catalogue import unit_scene
 
 from fem import simulate
-from semianalytic import Gauge, ViscousFriction, fit, solve, sweep
+from semianalytic import Coulomb, Gauge, fit, solve, sweep
 from semianalytic.scene.given.finding import find_scene
 
 THREADS = 4
@@ -136,7 +136,7 @@ def asked_of_some(like: Any, numbers: Iterable[int]) -> dict[str, Question]:
 
 
 SCENES = {
-    "a viscous film": unit_scene(friction_law=ViscousFriction(0.1)),
+    "a viscous film": unit_scene(law=Coulomb(1.0, viscosity=0.1)),
     "two zones": unit_scene(),
     "antiplane": find_scene("antiplane"),
     "an opening": find_scene("lift-off-shear"),

@@ -177,7 +177,7 @@ def march(pair, nodes, reach, viscosity=0.0, courant=0.4):
             pressure = np.where(opened, 0.0, np.maximum(pressure, 0.0))
             stuck = (tau_1 - tau_2) / (upper.shear + lower.shear)
             total = base.shear + tau_1 - upper.shear * stuck
-            excess = np.maximum(np.abs(total) - pair.friction * pressure, 0.0)
+            excess = np.maximum(np.abs(total) - pair.coefficient * pressure, 0.0)
             rate = np.sign(total) * excess / (series + viscosity)
             tau = np.where(opened, -base.shear, total - series * rate - base.shear)
             tau = np.where(slot, -load.shear, tau)

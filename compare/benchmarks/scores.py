@@ -26,7 +26,8 @@ from compare.benchmarks.answers import (
 )
 from compare.benchmarks.sheets import SI, Sheet, find_sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
-from compare.records.read import ARRAYS, HDF5, MESHES, read_records
+from compare.records.names import not_read
+from compare.records.read import MESHES, binary_reader, read_records
 from compare.records.record import QUANTITIES, Record, Records
 from compare.validation import Conventions, validate
 from semianalytic import Scene
@@ -66,6 +67,8 @@ class Score:
         As by `class_of`; "" where the run holds less than `ENOUGH`.
     held : float
         Part of the time, at all stations together, that the run holds without gaps.
+    notes : tuple of str
+        What was made of the run in reading it, and what was not read, a sentence each.
     """
 
     file: str
@@ -75,6 +78,7 @@ class Score:
     error: float
     grade: str
     held: float
+    notes: tuple[str, ...]
 
 
 def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Score, ...]:
@@ -112,6 +116,11 @@ def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Scor
                         f"{records.source}: {column} is in {unit.name}; hand it in where "
                         f"{of.units}, without a unit."
                     )
+            if records.stated.faces or records.stated.changes:
+                raise DataFileError(
+                    f"{records.source} holds motion of one face, or changes of tractions; hand in "
+                    "slip of one face relative to the other, and tractions."
+                )
             scores += score(of, records)
     return tuple(scores)
 
@@ -119,7 +128,7 @@ def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Scor
 def _named(path: Path) -> str | None:
     """Name of the sheet that a file, or the first one of a folder that does, says it is of."""
     for file in sorted(path.iterdir()) if path.is_dir() else [path]:
-        if file.suffix.lower() in (*MESHES, *ARRAYS, *HDF5) or file.is_dir():
+        if file.is_dir() or file.suffix.lower() in MESHES or binary_reader(file):
             continue
         said = (line.removeprefix("#").partition(":") for line in lines_of(file) if line[:1] == "#")
         for label, _, name in said:
@@ -137,8 +146,8 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
         If the run has no station of the sheet between 0 and T.
     """
     answer, end = answer_to(sheet), sheet.end_time
-    near = (_until(one, end) for one in records.stations if _near(sheet, one.x).any())
-    known = [one for one in near if len(one.t) > 1]
+    near = [one for one in records.stations if _near(sheet, one.x).any()]
+    known = [one for one in (_until(one, end) for one in near) if len(one.t) > 1]
     if not known:
         places = ", ".join(f"{x:g}" for x in sheet.stations)
         raise DataFileError(
@@ -147,6 +156,12 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     verdict = ""
     if scene := _slot_in_one_solid(sheet):
         verdict = validate(records, scene, conventions=_STATED).verdict
+    notes = (*records.notes, *not_read(records.unread))
+    left = {
+        "stations that the sheet does not have": len(records.stations) - len(near),
+        "times beyond T": sum(int(np.sum(one.t > end * (1 + NOTHING))) for one in near),
+    }
+    notes += tuple(f"{count} {what} are left out" for what, count in left.items() if count)
     step = records.stated.step or 0.0
     errors = {ARRIVAL: _arrival_error(sheet, answer, known)} if sheet.arrival else {}
     errors |= {name: _relative_error(sheet, answer, known, name, step) for name in sheet.report}
@@ -154,7 +169,7 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     for name, error in errors.items():
         held = _held(sheet, known, arrival_quantity(sheet) if name == ARRIVAL else name)
         grade = class_of(sheet, name, error) if held >= ENOUGH else ""
-        scores.append(Score(records.source, sheet.name, verdict, name, error, grade, held))
+        scores.append(Score(records.source, sheet.name, verdict, name, error, grade, held, notes))
     return tuple(scores)
 
 

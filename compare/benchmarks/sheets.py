@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from semianalytic import Scene, find
-from semianalytic.interface.files import InterfaceFile, parsed
+from semianalytic.interface.files import InterfaceFile, described
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import DataFileError, SceneError
@@ -115,7 +115,7 @@ class Sheet:
     def problem(self) -> Scene | InterfaceFile:
         """The scene or interface; all but the last in `PLAIN` units."""
         if self.is_interface:
-            return parsed(self.interface, self.name, Path())
+            return described(tomllib.loads(self.interface), self.name)
         found: Scene = find(self.name)
         return found
 

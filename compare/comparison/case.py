@@ -179,7 +179,7 @@ class Case:
             pressure = np.abs(fine.pressure - interpolated(coarse, "pressure", x, t))
             slips = np.abs(fine.slip_rate) > NOTHING * self.rate
             slips &= beyond_edge(fine.x, run)
-            changes.append(self.scene.friction * np.where(slips, pressure, 0.0) / self.stress)
+            changes.append(self.scene.coefficient * np.where(slips, pressure, 0.0) / self.stress)
         return tuple(changes)
 
     @cached_property
@@ -246,8 +246,8 @@ class Case:
         friction that falls with slip rate, in proportion to their wave number.  They do so on this
         mesh if slip rates, or pressures, are rougher on it than on that of 2h.
         """
-        law, different = self.scene.friction_law, self.scene.bodies[0] != self.scene.bodies[1]
-        falls = law.fall_with_rate > 0
+        falls, bodies = self.scene.law.fall_with_rate > 0, self.scene.bodies
+        different = bodies[0] != bodies[1]
         if not (different or falls) or len(self.runs) < 2:
             return ""
         fields = ("slip_rate", "pressure") if different else ("slip_rate",)

@@ -28,6 +28,7 @@ from semianalytic.scene.given.parameters import (
     load_parameters,
     part_parameters,
 )
+from semianalytic.scene.kinds import HISTORY_FIELDS
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
@@ -42,11 +43,11 @@ Dimensions = Mapping[str, Any]
 below it."""
 
 
-def _dimensions_of(name: str) -> Callable[[Scene], Dimensions]:
-    """Return a function that gives the dimensions of the history or law of a scene."""
+def _dimensions_of(field: str) -> Callable[[Scene], Dimensions]:
+    """Return a function that gives the dimensions of a history, or the law, of a scene."""
 
     def dimensions(scene: Scene) -> Dimensions:
-        parameters = part_parameters(type(getattr(scene, name)))
+        parameters = part_parameters(type(getattr(scene, field)))
         return {key: one.dimension for key, one in parameters.items() if one.dimension}
 
     return dimensions
@@ -65,9 +66,8 @@ SCENE_DIMENSIONS: Dimensions = {
     "lower_material": _MATERIAL,
     "base": _TRACTIONS,
     "load": _dimensions_of_load,
-    **{
-        name: _dimensions_of(name) for name in ("pressure_history", "shear_history", "friction_law")
-    },
+    **{name: _dimensions_of(name) for name in HISTORY_FIELDS},
+    "friction_law": _dimensions_of("law"),
 }
 END_DIMENSIONS: Dimensions = {
     "time": "time",

@@ -96,7 +96,7 @@ def tractions_figure(
     shown = history.x <= _speed_limit(solution) * time
     velocity = history.x[shown] / time / unit
     shear = history.shear_traction[-1, shown] / scale
-    bound = scene.friction * history.pressure[-1, shown] / scale
+    bound = scene.strength(history.pressure[-1, shown]) / scale
 
     _shade_zones(panel, solution)
     predicted = _draw_predicted_tractions(panel, solution, time)
@@ -262,7 +262,7 @@ def _draw_predicted_tractions(panel: Axes, solution: Exact, time: float) -> Arra
     scene, scale = solution.scene, stress_scale(solution.scene)
     dense = _speeds(solution)
     shear = solution.shear_traction(dense * time, time) / scale
-    bound = scene.friction * solution.pressure(dense * time, time) / scale
+    bound = scene.strength(solution.pressure(dense * time, time)) / scale
     position = dense / scene.material.shear_speed
     panel.plot(position, shear, color=PREDICTION)
     for sign in (1, -1):

@@ -21,8 +21,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS, slip_rate_scale, stress_scale
-from semianalytic import CoulombFriction, Scene
+from semianalytic import Scene
 from semianalytic.scene.incident import IncidentWave, MovingLoad
+from semianalytic.scene.laws.kinds import law_table
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
@@ -155,8 +156,9 @@ def scene_words(scene: Scene) -> str:
     It gives bodies, friction, pressure and shear before the load, and the units of the axes,
     with their sizes in SI scenes.
     """
-    law = scene.friction_law
-    kind = "" if isinstance(law, CoulombFriction) else f" ({type(law).__name__})"
+    law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
+    numbers = [f"{name} {one:.3g}" for name, one in law.items() if isinstance(one, float)]
+    kind = f" ({', '.join([law['kind'], *numbers])})" if law else ""
     mode = "antiplane shear,  " if scene.antiplane else ""
     pascal = f" {unit('stress', scene.units)}" if scene.units else ""
     base = f"base ({scene.base.pressure:.3g}, {scene.base.shear:.3g}){pascal},  "
@@ -176,7 +178,7 @@ def scene_words(scene: Scene) -> str:
         moduli = lower.shear_modulus / upper.shear_modulus, lower.density / upper.density
         body = f",  lower body: {moduli[0]:.3g} μ, {moduli[1]:.3g} ρ, ν = {lower.poisson_ratio:.4g}"
     return (
-        f"{mode}ν = {upper.poisson_ratio:.4g},  f = {scene.friction:.3g}{kind},  {base}"
+        f"{mode}ν = {upper.poisson_ratio:.4g},  f = {scene.coefficient:.3g}{kind},  {base}"
         f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal},  V₀ = 2 τ₀ / ρcₜ{sizes}"
         f"{body}"
     )

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from fem.lines import LineSimulation
 from semianalytic import Run
 from semianalytic.engine.stepping.tuning import LEAST_GAP
-from semianalytic.interface.fields import at_nodes, sampled
+from semianalytic.interface.fields import at_nodes
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from fem.lines import Line
 from semianalytic.engine.stepping.acting import ActingLoads
 from semianalytic.engine.stepping.line import grid_of
-from semianalytic.interface.fields import at_nodes, sampled
+from semianalytic.interface.fields import at_nodes
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 

@@ -1,12 +1,13 @@
-"""Arrays over times and positions as records: NPZ and HDF5, those of this package included."""
+"""Arrays over times and positions as records: NPZ, HDF5 and NetCDF, those of this package included.
+
+NetCDF, as xarray writes it by way of h5netcdf, is HDF5 with units and scales of dimensions.
+"""
 
 from __future__ import annotations
 
 import math
 import zipfile
-import zlib
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,6 @@ from compare.records.names import known_columns, no_columns
 from compare.records.options import ReadingOptions
 from compare.records.record import QUANTITIES, Array, Records
 from compare.records.stations import (
-    contact_stations,
     joined_faces,
     stations_of_grid,
     stations_of_rows,
@@ -27,11 +27,6 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, check_numbers
 
 ANEW = "write it anew"
-_DAMAGES = (
-    *(OSError, ValueError, KeyError, EOFError, RuntimeError, TypeError, MemoryError),
-    *(NotImplementedError, zipfile.BadZipFile, zlib.error),
-)
-"""Errors by which numpy, zipfile and h5py refuse what is damaged."""
 
 
 def read_npz(path: Path, options: ReadingOptions) -> Records:
@@ -47,7 +42,7 @@ def read_npz(path: Path, options: ReadingOptions) -> Records:
     check_file_size(path)
     if not zipfile.is_zipfile(path):
         return records_of_arrays(path, _fields(path), options)
-    with _damage(path), zipfile.ZipFile(path) as file:
+    with zipfile.ZipFile(path) as file:
         members = {one.filename.removesuffix(".npy"): one for one in file.infolist()[:MOST_FILES]}
         heads = {name: _head(file, one) for name, one in members.items()}
         wanted = _wanted(path, list(members), options)
@@ -55,17 +50,20 @@ def read_npz(path: Path, options: ReadingOptions) -> Records:
             _check_head(path, name, heads[name], members[name].file_size)
         check_numbers(path, sum(math.prod(heads[name][0]) for name in wanted))
         arrays: dict[str, np.ndarray] = {}
-        for name in members:
+        for name, (shape, _) in heads.items():
             if name in wanted:
                 with file.open(members[name]) as stream:
                     arrays[name] = np.lib.format.read_array(stream, allow_pickle=False)
             else:
-                arrays[name] = NOT_READ
+                arrays[name] = _not_read(shape)
     return records_of_arrays(path, arrays, options)
 
 
-NOT_READ = np.zeros(0)
-"""Stands for arrays that hold nothing of the interface."""
+def _not_read(shape: tuple[int, ...]) -> np.ndarray:
+    """Stands for an array that holds nothing of the interface, and takes no memory."""
+    return np.broadcast_to(np.nan, shape)
+
+
 Head = tuple[tuple[int, ...], np.dtype[Any]]
 """Shape and type of an array, as a file says them."""
 
@@ -101,8 +99,7 @@ def _wanted(path: Path, names: list[str], options: ReadingOptions) -> set[str]:
 
 def _fields(path: Path) -> dict[str, np.ndarray]:
     """Fields of the rows of an NPY file."""
-    with _damage(path):
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
+    array = np.load(path, mmap_mode="r", allow_pickle=False)
     if not isinstance(array, np.ndarray) or array.dtype.names is None:
         raise DataFileError(
             f"{path} holds one array without names; save its columns with numpy.savez(t=..., "
@@ -124,13 +121,14 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
     import h5py
 
     check_file_size(path)
-    with _damage(path), h5py.File(path) as file:
+    with h5py.File(path) as file:
         kind = str(file.attrs.get("format", ""))
         sets = {name: one for name, one in file.items() if isinstance(one, h5py.Dataset)}
         wanted = _wanted(path, list(sets), options) if not kind.startswith("slipfront") else set()
         check_numbers(path, sum(map(_size, (sets[name] for name in wanted))) or _all_sizes(file))
         arrays = {
-            name: np.asarray(one) if name in wanted else NOT_READ for name, one in sets.items()
+            name: np.asarray(one) if name in wanted else _not_read(one.shape or ())
+            for name, one in sets.items()
         }
         units = {
             name: _text(one.attrs["units"]) for name, one in sets.items() if "units" in one.attrs
@@ -172,8 +170,9 @@ def read_simulation(folder: Path) -> Records:
 
 def of_history(path: Path, history: InterfaceHistory, spacing: float | None = None) -> Records:
     """Records at all positions of a history but that of the contact edge."""
-    values = {name: getattr(history, name) for name in QUANTITIES}
-    stations, notes = contact_stations(path, history.x, history.t, values)
+    ahead = history.x > 0
+    values = {name: getattr(history, name)[:, ahead] for name in QUANTITIES}
+    stations, notes = stations_of_grid(path, history.x[ahead], history.t, values)
     return Records(stations, None, str(path), tuple(notes), spacing)
 
 
@@ -217,7 +216,10 @@ def records_of_arrays(
     stations_of = stations_of_rows if in_rows else stations_of_grid
     stations, mended = stations_of(path, x, t, fitted)
     notes = (*known.notes, *more, *mended)
-    return Records(stations, None, str(path), notes, stated=stated, unread=known.unread)
+    # arrays of other shapes hold no quantity of these times and positions
+    shapes = {columns[name].shape for name in columns}
+    unread = tuple(name for name in known.unread if np.shape(arrays[name]) in shapes)
+    return Records(stations, None, str(path), notes, stated=stated, unread=unread)
 
 
 def _fitted(path: Path, name: str, value: Array, t: Array, x: Array) -> Array:
@@ -234,12 +236,3 @@ def _fitted(path: Path, name: str, value: Array, t: Array, x: Array) -> Array:
         f"{path}: {name} has shape {value.shape}, where t and x ask for ({len(t)}, {len(x)}); "
         f"{ANEW}."
     )
-
-
-@contextmanager
-def _damage(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except _DAMAGES as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DataFileError(f"{path} cannot be read ({reason}); {ANEW}.") from error

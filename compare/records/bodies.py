@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping
@@ -15,9 +13,9 @@ import numpy as np
 from compare.records.names import Columns, known_columns, named_unit
 from compare.records.options import ReadingOptions
 from compare.records.record import Array, Records, Stated, Unit
-from compare.records.stations import contact_stations, joined_faces
+from compare.records.stations import joined_faces, stations_of_grid
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, content_of
+from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, content_of, parsing
 
 VECTORS = {"velocity": "velocity v vel velo", "displacement": "displacement u disp displ"}
 """Names of vectors at nodes, in lower case."""
@@ -48,9 +46,10 @@ def read_bodies(path: Path, options: ReadingOptions) -> Records:
     times, rows = [], []
     notes: list[str] = []
     stated = Stated()
+    unread: tuple[str, ...] = ()
     x: Array | None = None
     for time, mesh in frames:
-        here, values, stated, notes = _interface(path, mesh, options)
+        here, values, stated, notes, unread = _interface(path, mesh, options)
         if x is not None and not np.array_equal(x, here):
             raise DataFileError(f"{path}: frames are on different meshes; give them on one.")
         x = here
@@ -60,11 +59,10 @@ def read_bodies(path: Path, options: ReadingOptions) -> Records:
     names = set.intersection(*(set(row) for row in rows))
     values = {name: np.array([row[name] for row in rows]) for name in sorted(names)}
     x = x - options.origin
-    if not (x > 0).any():
-        raise DataFileError(f"{path} has no node of the interface at x > {options.origin:g}.")
-    stations, mended = contact_stations(path, x, np.array(times), values)
-    spacing = float(np.median(np.diff(x[x > 0]))) if len(stations) > 1 else None
-    return Records(stations, None, str(path), (*notes, *mended), spacing, stated)
+    stations, mended = stations_of_grid(path, x, np.array(times), values)
+    spacing = float(np.median(np.diff(x))) if len(stations) > 1 else None
+    notes = [*notes, *mended]
+    return Records(stations, None, str(path), tuple(notes), spacing, stated, unread=unread)
 
 
 def _frames(path: Path) -> Iterator[Frame]:
@@ -84,10 +82,7 @@ def _pieces(path: Path) -> Iterator[tuple[float, Path]]:
     """Times and files of a PVD file."""
     content = content_of(path)
     _check_entities(path, content)
-    try:
-        root = ElementTree.fromstring(content)
-    except (ElementTree.ParseError, ValueError) as error:
-        raise DataFileError(f"{path} cannot be read ({error}); write it anew.") from error
+    root = ElementTree.fromstring(content)
     for number, entry in enumerate(root.iter("DataSet")):
         if number == MOST_FILES:
             raise DataFileError(f"{path} has more than {MOST_FILES} frames; leave some out.")
@@ -111,8 +106,7 @@ def _mesh(path: Path) -> Any:
     check_file_size(path)
     with path.open("rb") as stream:
         _check_entities(path, stream.read(HEAD))
-
-    with _parsing(path):
+    with parsing(path):
         return meshio.read(path)
 
 
@@ -120,28 +114,17 @@ def _xdmf_frames(path: Path) -> Iterator[Frame]:
     import meshio
 
     _check_entities(path, content_of(path))
-    with _parsing(path), meshio.xdmf.TimeSeriesReader(path) as reader:
+    with meshio.xdmf.TimeSeriesReader(path) as reader:
         points, cells = reader.read_points_cells()
         for step in range(reader.num_steps):
             time, point_data, _ = reader.read_data(step)
             yield float(time), meshio.Mesh(points, cells, point_data=point_data)
 
 
-@contextlib.contextmanager
-def _parsing(path: Path) -> Iterator[None]:
-    """Suppress what meshio prints and report any failure as a DataFileError of one sentence."""
-    try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            yield
-    except (Exception, SystemExit) as error:  # parsers of damaged files fail in any way at all
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DataFileError(f"{path} cannot be read ({reason}); write it anew.") from error
-
-
 def _interface(
     path: Path, mesh: Any, options: ReadingOptions
-) -> tuple[Array, dict[str, Array], Stated, list[str]]:
-    """Positions along the interface, quantities there, and what they are."""
+) -> tuple[Array, dict[str, Array], Stated, list[str], tuple[str, ...]]:
+    """Positions along the interface, quantities there, what they are, and fields not read."""
     points = np.asarray(mesh.points, dtype=float)
     scalars = {
         name: np.asarray(value, dtype=float)
@@ -160,11 +143,12 @@ def _interface(
         values, stated, more = joined_faces(columns, known)
         order = np.argsort(points[:, 0], kind="stable")
         ordered = {name: value[order] for name, value in values.items()}
-        return points[order, 0], ordered, stated, [*known.notes, *more]
+        unread = tuple(name for name in mesh.point_data if name not in scalars) + known.unread
+        return points[order, 0], ordered, stated, [*known.notes, *more], unread
     upper, lower = _faces(path, mesh, points, on)
     motion: dict[str, Array] = {}
     units: dict[str, Unit] = {}
-    guesses = []
+    guesses: dict[str, str] = {}
     for kind, aliases in VECTORS.items():
         name = options.columns.get(kind) or _called(aliases, mesh.point_data)
         if name is None:
@@ -179,14 +163,16 @@ def _interface(
             if len(face):
                 motion[f"{kind}_{side}"] = along[face] * (unit.size if unit else 1.0)
                 units |= {f"{kind}_{side}": unit} if unit else {}
-        guesses.append(f"{kind} is the field {name!r}")
+        guesses[name] = f"{kind} is the field {name!r}"
     if not motion:
         fields = ", ".join(mesh.point_data) or "none"
         raise DataFileError(
             f"{path} has no field of velocity or displacement among {fields}; say velocity=NAME."
         )
     values, stated, more = joined_faces(motion, Columns({}, units))
-    return points[upper if len(upper) else lower, 0], values, stated, [*guesses, *more]
+    unread = tuple(name for name in mesh.point_data if name not in guesses)
+    notes = [*guesses.values(), *more]
+    return points[upper if len(upper) else lower, 0], values, stated, notes, unread
 
 
 def _called(aliases: str, fields: Mapping[str, Any]) -> str | None:

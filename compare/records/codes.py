@@ -10,10 +10,10 @@ import numpy as np
 from compare.records.names import Columns
 from compare.records.options import ReadingOptions
 from compare.records.record import AFTER, Array, Records
-from compare.records.stations import contact_stations, joined_faces
+from compare.records.stations import joined_faces, stations_of_grid
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import check_file_size
-from semianalytic.scene.tables.text import text_of
+from semianalytic.scene.tables.text import read_table, text_of
 
 UGUCA_FIELDS = {
     "top_velo_0": "velocity_upper",
@@ -42,8 +42,8 @@ def read_uguca(path: Path, options: ReadingOptions) -> Records:
     """
     facts = dict(_words(path, 2))
     try:
-        coordinates = _numbers(path.parent / facts["coord_description"])
-        times = _numbers(path.parent / facts["time_description"])
+        coordinates = read_table(path.parent / facts["coord_description"], 1).rows
+        times = read_table(path.parent / facts["time_description"], 1).rows
         listed = _words(path.parent / facts["field_description"], 2)
         folder = path.parent / facts["folder_name"]
     except KeyError as error:
@@ -51,15 +51,18 @@ def read_uguca(path: Path, options: ReadingOptions) -> Records:
             f"{path} does not say {error.args[0]}; give the file NAME.info."
         ) from None
     columns = {
-        UGUCA_FIELDS[name]: _numbers(folder / file) for name, file in listed if name in UGUCA_FIELDS
+        UGUCA_FIELDS[name]: read_table(folder / file, 1).rows
+        for name, file in listed
+        if name in UGUCA_FIELDS
     }
     values, stated, notes = joined_faces(columns, Columns({}))
     x, t = coordinates[:, 0] - options.origin, times[:, -1]
     count = times[-1, 0] if times.shape[1] > 1 else 0.0
     stated = replace(stated, mean=AFTER, step=float(t[-1] / count) if count > 0 else None)
     _check_shapes(path, values, (len(t), len(x)))
-    stations, mended = contact_stations(path, x, t, values)
-    return Records(stations, None, str(path), (*notes, *mended), stated=stated)
+    stations, mended = stations_of_grid(path, x, t, values)
+    unread = tuple(name for name, _ in listed if name not in UGUCA_FIELDS)
+    return Records(stations, None, str(path), (*notes, *mended), stated=stated, unread=unread)
 
 
 def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
@@ -76,7 +79,7 @@ def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
         raise DataFileError(f"{path} is not a header of fault data; give it as written.") from None
     stem = str(path)[: -len(FAULT)]
     data = _fortran_records(Path(stem + "_sem2d.dat"), int(points), int(count))
-    initial = _numbers(Path(stem + "_init_sem2d.tab"))
+    initial = read_table(Path(stem + "_init_sem2d.tab"), 1).rows
     if len(names) != count or len(x) != points or len(initial) != points:
         raise DataFileError(f"{path} and the files beside it are not of one run; write them anew.")
     columns = {SEM_FIELDS[name]: data[:, i] for i, name in enumerate(names) if name in SEM_FIELDS}
@@ -84,9 +87,10 @@ def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
         if name in columns:
             columns[name] = columns[name] + initial[:, place]
     t = step * np.arange(float(len(data)))
-    stations, notes = contact_stations(path, x - options.origin, t, columns)
+    stations, notes = stations_of_grid(path, x - options.origin, t, columns)
     notes.append("Normal_Stress is read as pressure")
-    return Records(stations, None, str(path), tuple(notes))
+    unread = tuple(name for name in names if name not in SEM_FIELDS)
+    return Records(stations, None, str(path), tuple(notes), unread=unread)
 
 
 def _words(path: Path, least: int) -> list[list[str]]:
@@ -95,18 +99,6 @@ def _words(path: Path, least: int) -> list[list[str]]:
         if len(row) < least:
             raise DataFileError(f"{path}, line {number}: there should be {least} words.")
     return [row[:least] for row in rows]
-
-
-def _numbers(path: Path) -> Array:
-    """Rows of numbers of a text file, (n, k)."""
-    text = text_of(path)
-    try:
-        rows = [
-            [float(word) for word in line.split()] for line in text.splitlines() if line.strip()
-        ]
-        return np.array(rows).reshape(len(rows), -1)
-    except ValueError as error:
-        raise DataFileError(f"{path} cannot be read ({error}); write it anew.") from error
 
 
 def _check_shapes(path: Path, values: dict[str, Array], shape: tuple[int, int]) -> None:

@@ -14,8 +14,8 @@ from semianalytic.scene.tables.columns import split_heading
 from semianalytic.scene.tables.units import (
     DIMENSIONS,
     EXAMPLES,
+    known_size,
     names_no_unit,
-    si_size,
 )
 
 FACES = {
@@ -172,14 +172,14 @@ def known_columns(
         if kind in places:
             raise DataFileError(
                 f"{path}{_at(line)}: columns {names[places[kind]]!r} and {names[place]!r} are both "
-                f"{kind}; rename one, or tell slipfront validate --column {kind}=NAME."
+                f"{kind}; rename one, or say slipfront validate --column {kind}=NAME."
             )
         places[kind] = place
         if kinds.get(pure) == "pressure" and pure not in _COMPRESSION:
             notes.append(f"{names[place]} is read as pressure")
     for kind, place in places.items():
         text = apart.get(names[place], split[place][1])
-        unit = _unit(path, line, names[place], text, dimensions_of(kind))
+        unit = unit_of(path, line, f"the name of {names[place][:LONGEST]!r}", text, kind)
         if unit is not None:
             named[kind] = unit
             if unit.size != 1:
@@ -199,16 +199,16 @@ def _seissol(names: Sequence[str], place: int, changes: set[str]) -> str:
     return kind if kind in changes else ""
 
 
-def _unit(path: Path, line: int, name: str, text: str, dimensions: Sequence[str]) -> Unit | None:
-    """The unit that a column names; None if it has none."""
+def unit_of(path: Path, line: int, where: str, text: str, kind: str) -> Unit | None:
+    """The unit of a quantity in a column's name or a comment; None if it has none."""
+    dimensions = dimensions_of(kind)
     if any(names_no_unit(text, one) for one in dimensions):
         return None
-    sizes = (si_size(text, one) for one in dimensions)
-    size = next((one for one in sizes if one is not None), None)
+    size = known_size(text, dimensions)
     if size is None:
         shown = text if len(text) <= LONGEST // 4 else text[: LONGEST // 4] + "..."
         raise DataFileError(
-            f"{path}{_at(line)}: {shown!r} in the name of {name[:LONGEST]!r} is no known unit of "
+            f"{path}{_at(line)}: {shown!r} in {where} is no known unit of "
             f"{' or '.join(dimensions).replace('1', 'strain')}; write one, such as "
             f"{EXAMPLES[dimensions[0]]}, or none."
         )
@@ -217,7 +217,7 @@ def _unit(path: Path, line: int, name: str, text: str, dimensions: Sequence[str]
 
 def named_unit(path: Path, name: str, kind: str) -> Unit | None:
     """The unit that the name of a column or field ends in; None if it has none."""
-    return _unit(path, 0, name, _split(name, _KINDS)[1], dimensions_of(kind))
+    return unit_of(path, 0, f"the name of {name[:LONGEST]!r}", _split(name, _KINDS)[1], kind)
 
 
 def _at(line: int) -> str:
@@ -254,5 +254,6 @@ def no_columns(path: Path, names: Sequence[str], line: int = 0) -> DataFileError
     shown = ", ".join(repr(name[:LONGEST]) for name in names[:8]) or "nothing"
     return DataFileError(
         f"{path}{_at(line)} names {shown}: none of it is {', '.join(QUANTITIES)} of the interface; "
-        "rename what is, or tell slipfront validate --column slip_rate=NAME."
+        "rename what is, or say slipfront validate --column slip_rate=NAME, or slipfront fit "
+        "--gauge NAME=exx@X,Y of the column of a gauge."
     )

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import islice
 from pathlib import Path
-from tokenize import TokenError
 
 from compare.records.arrays import read_hdf5, read_npz, read_simulation
 from compare.records.bodies import read_bodies
@@ -15,14 +13,13 @@ from compare.records.options import ReadingOptions
 from compare.records.record import Records
 from compare.records.tables import joined, read_text
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.tables.bounds import MOST_FILES, size_of
+from semianalytic.scene.tables.bounds import MOST_FILES, beginning_of, parsing
 
 MESHES = (".vtu", ".vtk", ".pvd", ".xdmf", ".xmf")
-ARRAYS = (".npz", ".npy")
-HDF5 = (".h5", ".hdf5", ".hdf")
+ARRAYS = (".npz", ".npy", ".h5", ".hdf5", ".hdf", ".nc")
+BINARY = {b"PK\3\4": read_npz, b"\x93NUM": read_npz, b"\x89HDF": read_hdf5}
+"""Readers of arrays by the first bytes of their files, whatever these are called."""
 SIMULATION = "simulation.h5"
-_DAMAGES = (zlib.error, TokenError, SyntaxError, TypeError, NotImplementedError, RecursionError)
-"""Errors, besides those readers expect, that numpy and zipfile raise where a bit is flipped."""
 
 
 def read_records(
@@ -71,30 +68,29 @@ def read_records(
 
 def _read_file(path: Path, options: ReadingOptions, at: float | None) -> tuple[Records, bool]:
     """Records of a file, and whether it is one station of a run."""
-    try:
-        return _read_kind(path, options, at)
-    except _DAMAGES as error:
-        reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise DataFileError(f"{path} is damaged ({reason}); write it anew.") from error
-
-
-def _read_kind(path: Path, options: ReadingOptions, at: float | None) -> tuple[Records, bool]:
-    """Read a file with the reader for its kind; return as `_read_file` does."""
     suffix = path.suffix.lower()
     if not path.exists():
         raise DataFileError(f"{path} does not exist; give a file that does.")
-    size_of(path)
-    if suffix in MESHES:
-        return read_bodies(path, options), False
+    binary = binary_reader(path)
+    if options.gauges and (binary or suffix in MESHES):
+        raise DataFileError(f"{path}: gauges are columns of a table of text; leave them out.")
+    if reader := read_bodies if suffix in MESHES else binary:
+        with parsing(path):
+            return reader(path, options), False
     if suffix in ARRAYS:
-        return read_npz(path, options), False
-    if suffix in HDF5:
-        return read_hdf5(path, options), False
+        raise DataFileError(
+            f"{path} cannot be read: it is no NPZ, NPY, HDF5 or NetCDF-4 file; write it anew."
+        )
     if suffix == ".info":
         return read_uguca(path, options), False
     if path.name.endswith(FAULT):
         return read_sem2dpack(path, options), False
     return read_text(path, options, at)
+
+
+def binary_reader(path: Path) -> Callable[[Path, ReadingOptions], Records] | None:
+    """The reader of an ordinary file of arrays; None for any other file."""
+    return BINARY.get(beginning_of(path, 4))
 
 
 def _read_folder(folder: Path, options: ReadingOptions) -> Records:

@@ -35,6 +35,8 @@ class Record:
         Distance above the interface [length] of a point inside the bodies.
     noise : mapping from names to (n,) arrays
         Standard deviations, where columns give them.
+    name : str
+        Name of the gauge, where it has one.
     """
 
     x: float
@@ -42,6 +44,7 @@ class Record:
     values: Mapping[str, Array]
     y: float | None = None
     noise: Mapping[str, Array] = field(default_factory=dict)
+    name: str = ""
 
 
 @dataclass(frozen=True)

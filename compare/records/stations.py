@@ -18,7 +18,7 @@ def joined_faces(
 ) -> tuple[dict[str, Array], Stated, list[str]]:
     """Quantities of the interface from columns of it or of its faces.
 
-    One face alone stands for the relative quantity, which is for `validate` to double.
+    One face alone stands for the relative quantity, which is for `validate` and `fit` to double.
 
     Returns
     -------
@@ -131,13 +131,3 @@ def stations_of_grid(
         result.append(one)
         notes.update(dict.fromkeys(more))
     return tuple(result), list(notes)
-
-
-def contact_stations(
-    path: Path, x: Array, t: Array, values: Mapping[str, Array]
-) -> tuple[tuple[Record, ...], list[str]]:
-    """Records of arrays (m, n) at times (m,) and those of positions (n,) that are ahead of the
-    contact edge, x > 0."""
-    inside = x > 0
-    kept = {name: value[:, inside] for name, value in values.items()}
-    return stations_of_grid(path, x[inside], t, kept)

@@ -12,14 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.records.names import NOISE, Columns, known_columns, no_columns
+from compare.records.names import NOISE, Columns, known_columns, named_unit, no_columns, unit_of
 from compare.records.options import ReadingOptions
 from compare.records.record import AFTER, Array, Record, Records, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.tables.columns import split_heading
 from semianalytic.scene.tables.text import Table, read_table
-from semianalytic.scene.tables.units import EXAMPLES, NO_UNIT, common_size, si_size
+from semianalytic.scene.tables.units import EXAMPLES, common_size
 
 SCEC_UNIT = 100.0
 """Metres that one unit of the number in the name of a SCEC station stands for."""
@@ -60,11 +61,15 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
         return _rupture_times(table, options), False
     names = table.names or _bare_names(table, alone=at is not None or bool(_SCEC.search(path.name)))
     units = _units_of_comments(table, names)
-    known = known_columns(path, names, options.columns, table.line, units, bodies=True)
+    gauges = _gauges(table, names, options)
+    others = ["" if place in gauges.values() else name for place, name in enumerate(names)]
+    known = known_columns(path, others, options.columns, table.line, units, bodies=True)
     if "t" not in known.places:
         raise DataFileError(
             f"{path} has no column of times among {', '.join(names)}; call it t, or say t=NAME."
         )
+    if gauges:
+        return _records_of_gauges(table, names, options, gauges, known), False
     columns = {name: table.rows[:, i] * known.scale(name) for name, i in known.places.items()}
     values, stated, more = joined_faces(columns, known)
     fields = {name: columns[name] for name in FIELDS if name in columns}
@@ -110,6 +115,53 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
     spacing = _spacing(table, unit)
     notes += [*how, *mended]
     return Records((one,), None, source, tuple(notes), spacing, stated, unread=unread), True
+
+
+def _gauges(table: Table, names: Sequence[str], options: ReadingOptions) -> dict[str, int]:
+    """The column of each gauge, whose heading is its name, or its name and a unit in brackets."""
+    bare = [split_heading(name, lambda _: ())[0] for name in names]
+    places = {}
+    for gauge in options.gauges:
+        there = [place for place, name in enumerate(bare) if gauge in (name, names[place])]
+        if len(there) != 1:
+            has, change = f"{len(there)} columns", "rename them"
+            if not there:
+                has, change = "no column", f"choose among {', '.join(names)}"
+            raise DataFileError(f"{table.path} has {has} {gauge!r} of a gauge; {change}.")
+        places[gauge] = there[0]
+    return places
+
+
+def _records_of_gauges(
+    table: Table,
+    names: Sequence[str],
+    options: ReadingOptions,
+    gauges: Mapping[str, int],
+    known: Columns,
+) -> Records:
+    """Records of a table with a column for each gauge."""
+    t = table.rows[:, known.places["t"]] * known.scale("t")
+    stations: list[Record] = []
+    points: list[Record] = []
+    notes: list[str] = []
+    for gauge, place in gauges.items():
+        quantity, x, y = options.gauges[gauge]
+        unit = named_unit(table.path, names[place], quantity)
+        values = table.rows[:, place] * (unit.size if unit else 1.0)
+        one, mended = station(table.path, x, t, {quantity: values})
+        (points if quantity in FIELDS else stations).append(replace(one, y=y, name=gauge))
+        notes += mended
+    return Records(
+        tuple(stations),
+        source=str(table.path),
+        notes=tuple(dict.fromkeys(notes)),
+        points=tuple(points),
+        unread=tuple(
+            name
+            for place, name in enumerate(names)
+            if place not in (known.places["t"], *gauges.values())
+        ),
+    )
 
 
 def _units_of_comments(table: Table, names: Sequence[str]) -> dict[str, str]:
@@ -240,16 +292,7 @@ def _number(path: Path, text: str) -> float:
 
 def _unit(path: Path, text: str) -> Unit | None:
     """The unit behind a length in a comment; None where there is none."""
-    name = text.strip("[](),;.")
-    if name.lower() in NO_UNIT:
-        return None
-    size = si_size(name, "length")
-    if size is None:
-        raise DataFileError(
-            f"{path}: {name!r} in a comment is no known unit of length; write one, such as "
-            f"{EXAMPLES['length']}, or none."
-        )
-    return Unit(name, size)
+    return unit_of(path, 0, "a comment", text.strip("[](),;."), "x")
 
 
 def _mean(table: Table) -> dict[str, Any]:

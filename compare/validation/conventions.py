@@ -86,6 +86,9 @@ class Conventions:
                 raise SceneError(
                     f"validate: {name} must be one of {', '.join(words)}, got {shown(value)}."
                 )
+        for what, named in (("scale", self.scale), ("noise", self.noise)):
+            if not isinstance(named, Mapping):
+                raise SceneError(f"validate: {what} must be a mapping, got {shown(named)}.")
         for name, value in self.scale.items():
             if name not in (*BASIC, *DIMENSIONS):
                 raise SceneError(

@@ -23,6 +23,7 @@ from compare.validation.rows import quantity_norms, rows
 from semianalytic import Scene
 from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.units import InSI
 
@@ -107,6 +108,7 @@ class Validation(HasRows[JudgedRow]):
         return self.grids.finest.source
 
 
+@checking
 def validate(
     data: Data | Sequence[Data],
     scene: Scene | str | PathLike[str],

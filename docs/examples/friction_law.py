@@ -18,14 +18,14 @@ from compare.figures.style import describe, look
 MATERIAL = sf.Material(1.0, 1.0, 1 / 3)
 LOAD = sf.Tractions(0.0, 1.0)
 SCENE = sf.Scene(MATERIAL, 0.3, sf.Tractions(1.0, 0.0), LOAD, shear_history=sf.Ramp(0.5))
-LAWS = (sf.CoulombFriction(), sf.RateWeakening(0.4, 1.0), sf.SlipWeakening(0.6, 0.05))
+LAWS = (sf.Coulomb(0.3), sf.RateWeakening(0.3, 0.18, 1.0), sf.SlipWeakening(0.3, 0.12, 0.05))
 
 
 @look()
 def main(folder: Path = Path(".")) -> list[float]:
     """Write the final slip along the interface for each law; return the largest slip of each."""
     marches = [
-        sf.solve(replace(SCENE, friction_law=law), method="space-time", nodes=400) for law in LAWS
+        sf.solve(replace(SCENE, friction=law), method="space-time", nodes=400) for law in LAWS
     ]
     slips = [marched.interface.slip[-1] for marched in marches]
     x, names = marches[0].grid.x, [type(law).__name__ for law in LAWS]
@@ -40,7 +40,7 @@ def main(folder: Path = Path(".")) -> list[float]:
     axes.legend()
     figure.savefig(folder / "friction_law.png", dpi=100)
     try:
-        replace(SCENE, friction_law=sf.RateWeakening(0.9, 0.1))
+        replace(SCENE, friction=sf.RateWeakening(0.3, 0.03, 0.1))
     except sf.SceneError as error:
         refused = str(error).split(";")[0]
     largest = [float(slip.max()) for slip in slips]

@@ -74,11 +74,11 @@ def random_scene(random: Random) -> sa.Scene:
     """Return a self-similar scene: any mode, law and load, closed or opening."""
     solid = sa.Material(1.0, 1.0, float(random.uniform(-0.6, 0.48)))
     mode = str(random.choice(["in-plane", "antiplane"], p=[0.75, 0.25]))
-    law: sa.FrictionLaw = sa.CoulombFriction()
+    law: sa.Law = sa.Coulomb(1.0)
     if random.random() < 0.3:
-        law = sa.ViscousFriction(float(10 ** random.uniform(-1.5, 1.5)))
+        law = sa.Coulomb(1.0, viscosity=float(10 ** random.uniform(-1.5, 1.5)))
     elif random.random() < 0.1:
-        law = sa.RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0)))
+        law = sa.RateWeakening(1.0, 1 - random.uniform(0, 0.6), random.lognormal(1.0, 1.0))
     friction = friction_of(random)
     base = sa.Tractions(1.0, friction * float(random.choice([0.0, random.uniform(-0.9, 0.9)])))
     pressure = float(random.choice([0.0, random.uniform(-0.9, 3.0)]))
@@ -97,7 +97,7 @@ def random_scene(random: Random) -> sa.Scene:
         )
     elif kind < 0.45:
         load = sa.MovingLoad(float(random.uniform(0.2, 5.0)), load.pressure, load.shear)
-    return sa.Scene(solid, friction, base, load, friction_law=law, mode=mode, load_on=place)
+    return sa.Scene(solid, law.with_coefficient(friction), base, load, mode=mode, load_on=place)
 
 
 def random_history(random: Random) -> sa.LoadHistory:
@@ -115,22 +115,21 @@ def random_history(random: Random) -> sa.LoadHistory:
 
 def random_march(random: Random) -> sa.Scene:
     """Return a scene whose loads change in time, under any law."""
-    law: sa.FrictionLaw = one_of(
+    law: sa.Law = one_of(
         random,
-        sa.CoulombFriction(),
-        sa.RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0))),
-        sa.SlipWeakening(float(random.uniform(0, 0.8)), float(random.lognormal(-2.0, 0.7))),
-        sa.ViscousFriction(float(10 ** random.uniform(-1.0, 1.0))),
+        sa.Coulomb(1.0),
+        sa.RateWeakening(1.0, 1 - random.uniform(0, 0.6), random.lognormal(1.0, 1.0)),
+        sa.SlipWeakening(1.0, 1 - random.uniform(0, 0.8), random.lognormal(-2.0, 0.7)),
+        sa.Coulomb(1.0, viscosity=10 ** random.uniform(-1.0, 1.0)),
     )
     friction = friction_of(random)
     return sa.Scene(
         sa.Material(1.0, 1.0, float(random.uniform(-0.6, 0.48))),
-        friction,
+        law.with_coefficient(friction),
         sa.Tractions(1.0, float(random.choice([0.0, random.uniform(-0.9, 0.9)])) * friction),
         sa.Tractions(float(random.choice([0.0, random.uniform(0, 0.8)])), float(random.normal())),
         pressure_history=random_history(random),
         shear_history=random_history(random),
-        friction_law=law,
         mode=str(random.choice(["in-plane", "antiplane"], p=[0.8, 0.2])),
     )
 
@@ -142,16 +141,11 @@ def random_pair(random: Random) -> sa.Scene:
     viscous = random.random() < 0.25
     upper = sa.Material(1.0, 1.0, float(random.uniform(0.1, 0.4)))
     lower = sa.Material(density * ratio**2, density, float(random.uniform(0.1, 0.4)))
-    scene = sa.Scene(
-        upper,
-        friction,
-        sa.Tractions(1.0, friction * float(random.choice([0.0, random.uniform(-0.8, 0.8)]))),
-        sa.Tractions(float(random.choice([0.0, 0.0, random.uniform(-0.9, 2.0)])), random.normal()),
-        friction_law=sa.ViscousFriction(float(random.lognormal()))
-        if viscous
-        else sa.CoulombFriction(),
-        lower_material=lower,
-    )
+    base = sa.Tractions(1.0, friction * float(random.choice([0.0, random.uniform(-0.8, 0.8)])))
+    pressure = float(random.choice([0.0, 0.0, random.uniform(-0.9, 2.0)]))
+    load = sa.Tractions(pressure, random.normal())
+    law = sa.Coulomb(friction, viscosity=random.lognormal() if viscous else 0.0)
+    scene = sa.Scene(upper, law, base, load, lower_material=lower)
     check_bodies(scene)
     return scene
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from compare.figures.style import BLACK, SMALL, outline
 from docs.studies.runner import Point, Row, Study, drawn, main
-from semianalytic import Interface, InterfaceLoad, Material, SlipDependent
+from semianalytic import Interface, InterfaceLoad, Material, SlipWeakening
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import STEP_RATIO
 
@@ -65,7 +65,7 @@ def rupture(strength: float, half_length: float) -> Interface:
     distance = math.pi * (1 - SOLID.poisson_ratio) / (1 + strength)
     return Interface(
         SOLID,
-        SlipDependent(static=1 + strength, dynamic=0.0, distance=distance),
+        SlipWeakening(static=1 + strength, dynamic=0.0, distance=distance),
         2 * half_length,
         pressure=1.0,
         shear=1.0,

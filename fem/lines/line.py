@@ -4,40 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.scene.laws.law import Law
 from semianalytic.scene.material import Material
 
 Array = NDArray[np.float64]
 Tractions = Callable[..., tuple[Array, Array]]
 """Function of a time that returns the traction of the uncut line and that of slot faces, (n,) each;
 with ``after=True`` their values after a jump at that time."""
-
-
-class Friction(Protocol):
-    """Strength of an interface at the nodes of its contact, and the evolution of its state.
-
-    All arguments and results are arrays (contact,).
-    """
-
-    has_threshold: bool
-    """Whether the interface sticks below its strength at rest."""
-
-    def strength(self, pressure: Array, speed: Array, state: Array) -> Any:
-        """Return the shear traction that is carried at a speed |V| >= 0 [stress]."""
-
-    def evolved_under(
-        self, state: Array, speed: Array, time: float, before: Array, after: Array
-    ) -> Any:
-        """Return the state after a time at a mean speed, under a pressure that changes."""
-
-    def felt_pressure(
-        self, felt: Array, speed: Array, time: float, before: Array, after: Array
-    ) -> Array:
-        """Return the pressure that friction follows after a time at a mean speed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +33,7 @@ class Line:
         Positions of nodes [length], length / n apart.
     touching : (n,) array of bool
         Whether the bodies touch there; the rest is slot.
-    friction : Friction
+    friction : Law
         Law of the nodes that touch.
     state : (contact,) array
         Its state at t = 0.
@@ -75,7 +52,7 @@ class Line:
     length: float
     x: Array
     touching: NDArray[np.bool_]
-    friction: Friction
+    friction: Law
     state: Array
     shear: Tractions
     pressure: Tractions

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from fem.elements.assembly import X, Y, Z
 from fem.interface import contact_pressure
 from fem.lines.blocks import Block, check_work, make_blocks
-from fem.lines.friction import slip_speed
 from fem.lines.line import Line, Tractions
 from fem.model import RATE_WINDOW
 from fem.stepping import MarchedBody
@@ -217,7 +216,9 @@ class LineModel:
         stopping = (line + (jump.of("increment") + plate * self.step) / compliance)[on]
         impedance = (self.step / compliance)[on]
         touches, size = pressure > 0, np.abs(stopping)
-        speed = slip_speed(friction, size, self.felt, impedance, self.state, touches)
+        felt = np.where(touches, self.felt, 1.0)  # nothing rubs an open pair, whatever its law
+        speed = friction.slip_speed(size, felt, impedance, self.state)
+        speed = np.where(touches, speed, size / impedance)
         self.shear = slot.copy()
         self.shear[on] = stopping - np.sign(stopping) * impedance * speed
         self.strength[on] = touches * friction.strength(self.felt, speed, self.state)

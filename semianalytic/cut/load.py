@@ -14,7 +14,7 @@ from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
 from semianalytic.scene.errors import TensionError
-from semianalytic.scene.friction import ViscousFriction
+from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.scene import Scene
 
 LEAST_BASE = 1e-30
@@ -172,7 +172,7 @@ def per_set(value: float | Array) -> float | Array:
 
 def scaled_load(scene: Scene) -> tuple[Load, float]:
     """Return the load of a scene in units of its largest traction, and that unit [stress]."""
-    f, (base, load) = scene.friction, scene.superposition
+    f, (base, load) = scene.coefficient, scene.superposition
     parts = (load.shear, f * load.pressure, base.shear, f * base.pressure)
     # A scene without tractions has the unit 1.
     # In this unit all numbers are at most 1, so that tolerances need no scale of their own.
@@ -182,7 +182,7 @@ def scaled_load(scene: Scene) -> tuple[Load, float]:
 
 def common_load(scenes: Sequence[Scene], unit: float) -> Load:
     """Return the load of k scenes that differ in friction alone, in one unit of stress."""
-    friction = np.array([[scene.friction] for scene in scenes])
+    friction = np.array([[scene.coefficient] for scene in scenes])
     far_slip_rate = np.array([[scene.far_slip_rate] for scene in scenes])
     return _in_unit(scenes[0], friction, far_slip_rate, unit)
 
@@ -191,8 +191,7 @@ def _in_unit(
     scene: Scene, friction: float | Array, far_slip_rate: float | Array, unit: float
 ) -> Load:
     (base, load), impedance = scene.superposition, scene.material.shear_impedance
-    law = scene.friction_law
-    viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
+    viscosity = scene.law.viscosity if type(scene.law) is Coulomb else 0.0
     parts = base.pressure / unit, base.shear / unit
     return Load(
         friction,

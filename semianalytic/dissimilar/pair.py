@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.loads import Step
 from semianalytic.scene.scene import SLOT, Material, Scene, Tractions
 
@@ -36,9 +36,10 @@ def check_bodies(scene: Scene) -> None:
             "tractions on the slot faces, and Coulomb or viscous friction; simulate the scene, "
             "slipfront simulate, or march an interface (docs/dissimilar.md)."
         )
-    if not scene.friction > 0:
+    if not scene.coefficient > 0:
         raise SceneError(
-            f"scene: between different bodies friction must be positive, got {scene.friction:.6g}."
+            "scene: between different bodies friction must be positive, got "
+            f"{scene.coefficient:.6g}."
         )
     check_contrast(*scene.bodies, LARGEST_CONTRAST)
     if not scene.base.pressure > 0:
@@ -46,7 +47,7 @@ def check_bodies(scene: Scene) -> None:
             "scene: between different bodies base pressure must be positive, for nothing else "
             f"holds them together far ahead of the waves, got {scene.base.pressure}."
         )
-    strength = scene.friction * scene.base.pressure
+    strength = scene.coefficient * scene.base.pressure
     # A base exactly at friction lets slip run ahead of all waves, a case that is solved for
     # identical bodies alone.
     if not abs(scene.base.shear) < strength:
@@ -68,8 +69,8 @@ def _wrong(scene: Scene) -> Iterator[str]:
     for name in ("pressure_history", "shear_history"):
         if getattr(scene, name) != Step():
             yield name
-    if not isinstance(scene.friction_law, CoulombFriction | ViscousFriction):
-        yield f"friction_law is {type(scene.friction_law).__name__}"
+    if not (type(scene.law) is Coulomb and scene.law.keeps_similarity):
+        yield f"friction is {scene.friction}"
 
 
 def check_contrast(upper: Material, lower: Material, largest: float) -> None:

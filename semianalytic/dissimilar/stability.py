@@ -21,8 +21,8 @@ from semianalytic.dissimilar.thresholds import (
     growth_threshold,
     stoneley_speed,
 )
-from semianalytic.scene.checks import checked_number, shown
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.checks import checked_number
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 
@@ -135,6 +135,7 @@ class SlidingStability:
         return f"{sentence}."
 
 
+@checking
 def sliding_stability(upper: Material, lower: Material, friction: float) -> SlidingStability:
     """Return whether and how fast waves grow while two bodies slide under Coulomb friction.
 
@@ -165,9 +166,6 @@ def sliding_stability(upper: Material, lower: Material, friction: float) -> Slid
     >>> known.verdict
     'well posed: no wave grows while these bodies slide under friction below 0.5314.'
     """
-    for name, body in (("upper", upper), ("lower", lower)):
-        if not isinstance(body, Material):
-            raise SceneError(f"pair: {name} must be a Material, got {shown(body)}.")
     friction = checked_number(
         "pair: friction", friction, "be positive and finite", lambda given: given > 0
     )

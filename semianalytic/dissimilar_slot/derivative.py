@@ -14,14 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS
-from semianalytic.dissimilar_slot.densities.profile import (
-    GAP,
-    NORMAL,
-    OPENING,
-    RATE,
-    SHEAR,
-    SLIP,
-)
+from semianalytic.dissimilar_slot.densities.profile import GAP, NORMAL, OPENING, RATE, SHEAR, SLIP
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.neighbours import Member, Varied, border, neighbours
 from semianalytic.halfplane.rayleigh import Array
@@ -191,8 +184,7 @@ def differentiated(
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
     if name == "viscosity" and not numbers_of(own.scene)[name].value > 0:
         raise SceneError(
-            "derivative: with respect to viscosity the pair needs ViscousFriction of a positive "
-            "viscosity."
+            "derivative: with respect to viscosity the pair needs friction of a positive viscosity."
         )
     # Half and twice the step change derivatives by less than their estimates.
     varied = neighbours(own, name, _TOLERANCE, 2e-3 * _size(own, name))

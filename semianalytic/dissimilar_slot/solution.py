@@ -24,8 +24,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import ViscousFriction
-from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said
@@ -177,11 +176,9 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Strength less shear traction, f p + viscosity |V| - |tau| [stress] where it sticks; 0
         where it slips."""
-        law = self.scene.friction_law
-        frictional = self.scene.friction * self.pressure(x, t)
-        strength = law.strength(frictional, self.slip_rate(x, t), 0.0)
+        strength = self.scene.strength(self.pressure(x, t), self.slip_rate(x, t))
         margin = strength - np.abs(self.shear_traction(x, t))
-        film = isinstance(law, ViscousFriction) and law.viscosity > 0
+        film = not isinstance(self.scene.friction, float)
         return np.where(is_open(self.openings, x, t), 0.0, margin) if film else margin
 
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
@@ -210,7 +207,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         Parameters
         ----------
         name : str
-            "friction", "viscosity" (with `ViscousFriction`), "base_pressure", "base_shear",
+            "friction", "viscosity" (with `Coulomb` of a viscosity), "base_pressure", "base_shear",
             "load_pressure", "load_shear"; "shear_modulus", "density" or "poisson_ratio" of the
             upper body, and these with "lower_" before them of the lower one.
 
@@ -242,7 +239,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         """
         compliance = self.profile.density.interface.compliance
         senses = sorted({zone.sense for zone in self.zones})
-        frictions = [sense * self.scene.friction for sense in senses]
+        frictions = [sense * self.scene.coefficient for sense in senses]
         return tuple(wave for f in frictions for wave in growing_waves(compliance, f))
 
     @cached_property

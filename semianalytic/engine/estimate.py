@@ -16,8 +16,9 @@ from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import BESIDE_EDGE_ERROR, LEAST_GAP, ZONE_NODES
 from semianalytic.engine.stepping.window import doubt_of
-from semianalytic.interface.fields import at_nodes, sampled
+from semianalytic.interface.fields import at_nodes
 from semianalytic.interface.interface import Interface
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 

@@ -120,11 +120,11 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
             mode_two = intensities[1] * share
     # Beside the edge |tau| - f p ~ (|K_II| - f K_I) / sqrt(2 pi x).  The zone closes that against
     # f p less the shear that the slot faces carry, both of the tractions left on the slot.
-    excess = np.abs(mode_two) - scene.friction * mode_one
-    strength = scene.friction * (
+    excess = np.abs(mode_two) - scene.coefficient * mode_one
+    strength = scene.coefficient * (
         held.pressure - load.pressure * scene.pressure_history.value(times)
     ) - np.sign(mode_two) * (held.shear - load.shear * scene.shear_history.value(times))
-    scale = np.abs(mode_two).max() + scene.friction * np.abs(mode_one).max()
+    scale = np.abs(mode_two).max() + scene.coefficient * np.abs(mode_one).max()
     slips = excess > 1e-9 * scale  # rounding
     bounded = strength > 0
     ratio = np.where(slips, excess, 0.0) / np.where(bounded, strength, 1.0)

@@ -17,12 +17,12 @@ from semianalytic.engine.on_line import LineAnswer
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.state import Checkpoint
 from semianalytic.engine.stepping.tuning import LEAST_GAP
-from semianalytic.interface.fields import sampled
 from semianalytic.interface.interface import Interface
 from semianalytic.results.datasets import attributes, dataset
 from semianalytic.results.intervals import front_speeds
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 

@@ -34,6 +34,8 @@ _SHEARED = np.array([-1, 1, -1, -1, 1, -1, 1])
 _ALONG = np.array([-1, -1, 1, -1])
 """Signs that turn fields of antiplane shear into those of the lower body in the same way; for
 pressure the signs are -_SHEARED."""
+_BESIDE = np.outer([-1, 1], 10.0 ** -np.arange(1, 9)).ravel()
+"""Relative distances from the end of an opening at which rules are compared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +115,15 @@ class Bodies:
         coarser makes, near the edge as well.
         """
         coarse = replace(self, tolerance=tuning.COARSER * self.tolerance)
-        at = *points_around(self._shear.reach), 1 / self.scene.material.shear_speed
+        x, y = points_around(self._shear.reach)
+        if self.shear.borders and self.opened is not None:
+            # the traction of a film jumps on the face at the ends of an opening
+            ends = [
+                1 / end.v[0] for one in self.opened.zones for end in (one.left, one.right) if end
+            ]
+            beside = np.outer(ends, 1 + _BESIDE).ravel()
+            x, y = np.append(x, beside), np.append(y, 0 * beside)
+        at = x, y, 1 / self.scene.material.shear_speed
         rows, coarser = (
             np.concatenate([one._rows(quantity, *at) for quantity in PLANE])
             for one in (self, coarse)

@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 Array = NDArray[np.float64]
 
 
+@checking
 def strain(stress: ArrayLike, material: Material) -> Array:
     """Return the strain that a stress causes in plane strain, by Hooke's law.
 
@@ -76,6 +78,7 @@ def principal_difference(stress: ArrayLike) -> Array:
         return np.asarray(np.hypot(sigma_xx - sigma_yy, 2 * sigma_xy))
 
 
+@checking
 def fringe_order(stress: ArrayLike, thickness: float, fringe_constant: float) -> Array:
     """Return the isochromatic fringe order of light that crosses a body along z.
 
@@ -108,6 +111,7 @@ def fringe_order(stress: ArrayLike, thickness: float, fringe_constant: float) ->
     return principal_difference(stress) * (thickness / fringe_constant)
 
 
+@checking
 def fringes(stress: ArrayLike, thickness: float, fringe_constant: float) -> Array:
     """Return the light intensity behind a dark-field circular polariscope, from 0 to 1.
 

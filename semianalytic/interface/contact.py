@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.alike import Alike
-from semianalytic.interface.fields import sampled
-from semianalytic.interface.law import not_negative, positive
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.alike import Alike
+from semianalytic.scene.laws.law import not_negative, positive
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.alike import Alike
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
+from semianalytic.scene.laws.alike import Alike
+from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.tables.columns import read_columns
 from semianalytic.scene.tables.units import EXAMPLES
 
@@ -47,8 +49,6 @@ _OPERATORS: Mapping[type, Callable[..., Any]] = {
 }
 RESERVED = ("x", "t", "pi", "factor", *_FUNCTIONS)
 """Names that have a meaning in expressions."""
-BARRIER = 10.0
-"""Ratio at a jump up to which nodes take means: at 3 slip is .9 % off, at 30 5 % either way."""
 DEEPEST = 250
 """Levels of an expression.  Each takes a call within another, of which Python allows a thousand."""
 
@@ -83,7 +83,7 @@ class Table(Alike):
         for name in ("x", "values"):
             try:
                 given = np.array(getattr(self, name), dtype=float)  # the caller keeps its own
-            except (TypeError, ValueError):  # words, or rows of different lengths
+            except (TypeError, ValueError, OverflowError):  # words, or rows of different lengths
                 given = np.empty(0)
             if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all():
                 raise SceneError(f"table: {name} must be two or more finite numbers.")
@@ -96,6 +96,7 @@ class Table(Alike):
         return np.interp(np.asarray(x, float), self.x, self.values, left=math.nan, right=math.nan)
 
     @classmethod
+    @checking
     def read(cls, path: str | PathLike[str], column: str = "") -> Table:
         """Read a table from a file with a header such as ``x [km], pressure [MPa]``.
 
@@ -118,20 +119,10 @@ class Table(Alike):
         if not at:
             names = ", ".join(one.heading for one in columns)
             raise SceneError(f"{path}: there is no column {column!r}; it has {names}.")
-        read = []
-        for one, dimensions in ((columns[0], ("length",)), (at[0], tuple(EXAMPLES))):
-            size = one.size(dimensions)
-            if size is None:
-                raise SceneError(
-                    f"{path}: the heading {shown(one.heading)} must be a name and a unit such as "
-                    "x [km] or pressure [MPa]."
-                )
-            if not np.isfinite(one.values).all():
-                raise SceneError(f"{path}: {one.name} must hold finite numbers in every row.")
-            read.append(size * one.values)
-        if len(read[0]) < 2:
+        x, values = columns[0].numbers(path, ("length",)), at[0].numbers(path, EXAMPLES)
+        if len(x) < 2:
             raise SceneError(f"{path}: a table must have a header and two lines or more.")
-        return cls(*read)
+        return cls(x, values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,98 +147,6 @@ class Scaled(Alike):
 
 Field = float | Callable[[Array], Any] | Table
 """A number, a function of x (n,) that returns (n,), or a `Table`."""
-
-
-def sampled(
-    what: str, field: Any, x: Array, spacing: float = 0.0, largest: float = math.inf
-) -> Array:
-    """Return a field at positions x, (n,).
-
-    Parameters
-    ----------
-    what : str
-        Name of the field, for messages.
-    field : float, function of x or Table
-        The field.
-    x : (n,) array
-        Positions [length].
-    spacing : float
-        Node distance [length] of a field whose nodes stand for a cell each: where it jumps within
-        a cell, the node takes the mean.  A node that took its value would move the jump by up to
-        half a node distance, an error of first order.
-    largest : float
-        Largest ratio of the values in a cell of which the mean is taken.
-
-    Raises
-    ------
-    SceneError
-        If the field is of another kind, or has no finite number at one of the positions.
-    """
-    number = finite(field)
-    if number is not None:
-        return np.full(len(x), number)
-    if not callable(field):
-        raise SceneError(
-            f"{what} must be a number, a function of x or a Table, got {shown(field)}."
-        )
-    values = np.asarray(field(x), dtype=float)
-    if values.shape not in ((), x.shape):
-        raise SceneError(
-            f"{what}: the function of x must return {len(x)} numbers, got shape {values.shape}."
-        )
-    values = np.broadcast_to(values, x.shape).copy()
-    if not np.isfinite(values).all():
-        missing = x[~np.isfinite(values)]
-        raise SceneError(
-            f"{what} has no finite value at x = {missing[0]:.4g} … {missing[-1]:.4g}; "
-            "it must cover the contact."
-        )
-    return _with_jumps(field, x, values, spacing, largest) if spacing else values
-
-
-def moving(field: Any, x: Array, t: float, spacing: float) -> Array:
-    """Return a function of x and t at nodes (n,) and a time, with means where it jumps.
-
-    Its cells are looked at only where two neighbours differ by more than all others beside them,
-    as they do at a jump; a smooth function costs no more than its values at nodes.
-    """
-    values = np.broadcast_to(np.asarray(field(x, t), dtype=float), x.shape)
-    steps = np.abs(np.diff(values))
-    beside = np.concatenate([[0.0, 0.0], steps, [0.0, 0.0]])
-    around = beside[:-4] + beside[1:-3] + beside[3:-1] + beside[4:]
-    if not (steps > around).any():
-        return values
-
-    def now(x: Array) -> Any:
-        return field(x, t)
-
-    return _with_jumps(now, x, values.copy(), spacing, math.inf)
-
-
-def _with_jumps(field: Any, x: Array, values: Array, spacing: float, largest: float) -> Array:
-    """Return values at nodes (n,), of which those whose cells hold a jump are means."""
-    # With 4 a bump as wide as a cell passes for a jump, with 16 the same jumps are found.
-    parts = _across(field, x, spacing, 8)
-    with np.errstate(invalid="ignore"):  # beyond the ends of a table there is nan
-        steps = np.abs(np.diff(parts, axis=0))
-        # A smooth field has its change in many of the parts, 1/7 in each where it is linear and 1/4
-        # at a maximum, a jump in one.
-        jumps = steps.max(axis=0) > 0.5 * steps.sum(axis=0)
-        low, high = np.abs(parts).min(axis=0), np.abs(parts).max(axis=0)
-        jumps &= np.isfinite(parts).all(axis=0) & (high / largest <= low)
-    if jumps.any():
-        # A jump is put to 1/128 of the node distance.
-        values[jumps] = _across(field, x, spacing, 64)[:, jumps].mean(axis=0)
-    return values
-
-
-def _across(field: Any, x: Array, spacing: float, count: int) -> Array:
-    """Return a field amid equal parts of the cells of nodes, (count, n)."""
-    # the field is asked for as many values as there are nodes: it may be made for these alone
-    offsets = spacing * ((np.arange(count) + 0.5) / count - 0.5)
-    with np.errstate(all="ignore"):  # a formula may have no value beside the contact
-        rows = [np.broadcast_to(np.asarray(field(x + one), float), x.shape) for one in offsets]
-    return np.array(rows)
 
 
 def check_field(what: str, field: Any) -> None:

@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from semianalytic.interface.alike import Alike
 from semianalytic.interface.contact import Adhesion, Contact
-from semianalytic.interface.coulomb import Coulomb
 from semianalytic.interface.documents import interface_document
 from semianalytic.interface.fields import RESERVED, Expression, Table
 from semianalytic.interface.interface import Interface
-from semianalytic.interface.law import InterfaceLaw
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
-from semianalytic.interface.rate_and_state import RateAndState
-from semianalytic.interface.weakening import ForcedFront, RateDependent, SlipDependent
-from semianalytic.scene.checks import check_keys, checked_kind, checked_table, finite, made, shown
+from semianalytic.scene.checks import check_keys, checked_table, finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.files import INTERFACE_KEY
-from semianalytic.scene.given.text_files import text_of
+from semianalytic.scene.given.documents import history_from_table
+from semianalytic.scene.given.files import INTERFACE_KEY, read_document
 from semianalytic.scene.incident import IncidentWave, MovingLoad, load_from_document
-from semianalytic.scene.kinds import HISTORY_KINDS
+from semianalytic.scene.laws.alike import Alike
+from semianalytic.scene.laws.kinds import LAW_WORDS, law_from_table
+from semianalytic.scene.laws.law import Law
 from semianalytic.scene.material import Material
 
-LAWS: Mapping[str, type[InterfaceLaw]] = {
-    "coulomb": Coulomb,
-    "slip-dependent": SlipDependent,
-    "rate-dependent": RateDependent,
-    "rate-and-state": RateAndState,
-    "forced-front": ForcedFront,
-}
 _INTERFACE = ("length", "pressure", "shear", "mode", "rate", "plate_rate", "held", "even")
 _TAKEN = (*_INTERFACE, *(one.name for one in fields(Material)))
 """Names of parameters that named numbers cannot have."""
@@ -97,22 +86,11 @@ def read_interface(path: str | PathLike[str]) -> InterfaceFile:
         If the file cannot be read, or a key is missing, unknown or out of range; the message names
         file and key.
     """
-    try:
-        text = text_of(path)
-    except OSError as error:
-        raise SceneError(f"Cannot read the file {path}: {error.strerror or error}.") from error
-    except ValueError as error:
-        raise SceneError(f"{path} is not a text file in UTF-8.") from error
-    return parsed(text, str(path), Path(path).parent)
+    return described(read_document(path), str(path), Path(path).parent)
 
 
-def parsed(text: str, name: str, folder: Path) -> InterfaceFile:
-    """Return the interface that a text describes; tables of values are sought in a folder."""
-    try:
-        document = tomllib.loads(text)
-    # tomllib recurses into nested arrays: a file of a thousand brackets is a mistake as well.
-    except (ValueError, RecursionError) as error:
-        raise SceneError(f"{name} is not a valid TOML file: {error}.") from error
+def described(document: dict[str, Any], name: str, folder: Path = Path()) -> InterfaceFile:
+    """Return the interface of a document; tables of values are sought in a folder."""
     try:
         return _interface(document, folder)
     except SceneError as error:
@@ -199,21 +177,19 @@ def _solid(name: str, value: Any) -> Material:
         raise SceneError(str(error).replace("material:", f"{name}:", 1)) from error
 
 
-def _law(table: dict[str, Any], around: _Around) -> InterfaceLaw:
-    law = LAWS[checked_kind("law", table, LAWS)]
+def _law(table: dict[str, Any], around: _Around) -> Law:
     values = {
-        key: value if key in ("shape", "evolution") else _field(f"law.{key}", value, around)
+        key: value if key in LAW_WORDS else _field(f"law.{key}", value, around)
         for key, value in table.items()
-        if key != "kind"
     }
-    return made("law", law, values)
+    return law_from_table("law", values)
 
 
 def _front_load(table: dict[str, Any]) -> FrontLoad:
     """Return the wave or moving load that a table with a `kind` describes."""
     given = {name: table[name] for name in ("at",) if name in table}
     if "history" in table:
-        given["history"] = _history(table["history"])
+        given["history"] = history_from_table("load.history", table["history"])
     # Waves and moving loads are those of scenes; where they meet the line, and their history, are
     # of the engine.
     front = load_from_document(
@@ -225,13 +201,6 @@ def _front_load(table: dict[str, Any]) -> FrontLoad:
             f"{shown(table['kind'])}; give a patch as a function of x and t."
         )
     return FrontLoad(front, **given)
-
-
-def _history(given: Any) -> Any:
-    """Return the history that a table with a `kind` describes."""
-    table = checked_table("load.history", given)
-    kind = checked_kind("load.history", table, HISTORY_KINDS)
-    return made("load.history", HISTORY_KINDS[kind], table)
 
 
 def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad | FrontLoad:
@@ -257,7 +226,7 @@ def _load(table: dict[str, Any], around: _Around) -> InterfaceLoad | FrontLoad:
     if isinstance(history, str):
         values["history"] = around.expression(history, "t")
     elif history is not None:
-        values["history"] = _history(history)
+        values["history"] = history_from_table("load.history", history)
     return InterfaceLoad(**values)
 
 

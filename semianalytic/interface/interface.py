@@ -8,15 +8,15 @@ from typing import Any
 
 from semianalytic.dissimilar.kernels import BodyPair
 from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
-from semianalytic.interface.alike import Alike
 from semianalytic.interface.contact import Adhesion, Contact
 from semianalytic.interface.fields import check_field
 from semianalytic.interface.hilbert import comes_back
-from semianalytic.interface.law import InterfaceLaw
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
+from semianalytic.scene.laws.alike import Alike
+from semianalytic.scene.laws.law import Law
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import MODES
 
@@ -33,8 +33,8 @@ class Interface(Alike):
     ----------
     material : Material
         The solid on both sides, or that on y > 0.
-    law : InterfaceLaw
-        Friction; `Coulomb`, `SlipDependent`, `RateDependent`, `RateAndState`, or a law of your own.
+    law : Law
+        Friction; `Coulomb`, `SlipWeakening`, `RateWeakening`, `RateAndState`, or a law of your own.
     length : float
         Period of the line [length]; x runs from -length/2 to length/2.
     pressure : field
@@ -69,15 +69,15 @@ class Interface(Alike):
 
     Examples
     --------
-    >>> from semianalytic import Interface, Material, SlipDependent
-    >>> fault = Interface(Material(1.0, 1.0, 0.25), SlipDependent(0.6, 0.1, 0.02), length=20.0,
+    >>> from semianalytic import Interface, Material, SlipWeakening
+    >>> fault = Interface(Material(1.0, 1.0, 0.25), SlipWeakening(0.6, 0.1, 0.02), length=20.0,
     ...                   pressure=1.0, shear=lambda x: 0.4 + 0.25 * (abs(x) < 1))
     >>> fault.mode, fault.contact.is_whole
     ('in-plane', True)
     """
 
     material: Material
-    law: InterfaceLaw
+    law: Law
     length: float
     pressure: Any = 1.0
     shear: Any = 0.0
@@ -94,9 +94,9 @@ class Interface(Alike):
     def __post_init__(self) -> None:
         if not isinstance(self.material, Material):
             raise SceneError(f"interface: material must be a Material, got {shown(self.material)}.")
-        if not isinstance(self.law, InterfaceLaw):
+        if not isinstance(self.law, Law):
             raise SceneError(
-                "interface: law must be an InterfaceLaw such as Coulomb or RateAndState, got "
+                "interface: law must be a Law such as Coulomb or RateAndState, got "
                 f"{shown(self.law)}."
             )
         object.__setattr__(self, "length", checked_size("interface: length", self.length))

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.bonded import bonded_tractions
-from semianalytic.interface.alike import Alike
 from semianalytic.interface.fields import check_field
 from semianalytic.interface.hilbert import transformed
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
+from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping
 from os import PathLike, fspath
-from pathlib import Path
 
-from semianalytic.interface.files import InterfaceFile, parsed, read_interface
+from semianalytic.interface.files import InterfaceFile, described, read_interface
 from semianalytic.interface.interface import Interface
 from semianalytic.scene.given.finding import INTERFACE, kind_of
 
@@ -154,7 +154,7 @@ length = 96.0
 shear = 1.0
 even = true
 [law]
-kind = "slip-dependent"
+kind = "slip-weakening"
 static = 1.8
 dynamic = 0.0
 distance = 1.3089969389957472
@@ -198,7 +198,7 @@ shear = """
 70e6 + 11.6e6 * (abs(x) <= 1.5e3) + 8e6 * (abs(x + 7.5e3) <= 1.5e3)
 - 8e6 * (abs(x - 7.5e3) <= 1.5e3)"""
 [law]
-kind = "slip-dependent"
+kind = "slip-weakening"
 static = "where(abs(x) <= 15e3, 0.677, 1e4)"
 dynamic = 0.525
 distance = "where(abs(x) <= 15e3, 0.4, 1e12)"
@@ -222,7 +222,7 @@ def find_interface(source: str) -> InterfaceFile:
     """
     if source in NAMED_INTERFACES:
         # Descriptions that come with the package have no tables, and so no folder.
-        return parsed(NAMED_INTERFACES[source], source, Path())
+        return described(tomllib.loads(NAMED_INTERFACES[source]), source)
     return read_interface(source)
 
 

@@ -14,6 +14,7 @@ from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup
 from semianalytic.results.in_words import html_table
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 
@@ -151,6 +152,7 @@ class Fit:
         above = self.chi2_of_minima[1:] - self.chi2_of_minima[0]
         return float(above[0]) if above.size else np.inf
 
+    @checking
     def log_density(self, values: ArrayLike) -> float:
         """Return the logarithm of the posterior density of the parameters, up to a constant.
 

@@ -20,6 +20,7 @@ from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
 from semianalytic.inversion.verdict import covariance_of, verdict
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.scene import Scene
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from semianalytic.interface.interface import Interface
 
 
+@checking
 def fit(
     gauges: Sequence[Gauge],
     scene: Scene | Interface | InterfaceFile | str | PathLike[str],
@@ -93,7 +95,6 @@ def fit(
     """
     gauges = tuple(gauges) if isinstance(gauges, Iterable) else ()
     names = (parameters,) if isinstance(parameters, str) else tuple(parameters)
-    _check_kinds(priors, setup)
     priors, setup = dict(priors or {}), setup or Setup()
     trials = _trials(gauges, scene, names, priors, setup, rtol, nodes)
     names = trials.unknowns.names
@@ -185,17 +186,6 @@ def _trials(
     # A single sample has no span: its own time is then the scale of times, and 1 the last resort.
     duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
     return Trials(samples, Unknowns(names, scene, setup, duration), priors, rtol)
-
-
-def _check_kinds(priors: object, setup: object) -> None:
-    """Raise SceneError unless priors are a mapping and the set-up is a `Setup`."""
-    if priors is not None and not isinstance(priors, Mapping):
-        raise SceneError(
-            'fit: priors must be by name, as {"friction": Normal(0.3, 0.1)}, '
-            f"got {shown(priors)}."
-        )
-    if setup is not None and not isinstance(setup, Setup):
-        raise SceneError(f"fit: setup must be a Setup, got {shown(setup)}.")
 
 
 def _check(

@@ -89,7 +89,7 @@ class Gauge:
     name: str = ""
 
     def __post_init__(self) -> None:
-        if self.quantity not in QUANTITIES:
+        if not isinstance(self.quantity, str) or self.quantity not in QUANTITIES:
             known = ", ".join(QUANTITIES)
             raise SceneError(f"gauge: quantity must be among {known}, got {shown(self.quantity)}.")
         if self.on_interface:
@@ -142,7 +142,7 @@ class Gauge:
 def _numbers(name: str, given: ArrayLike) -> Array:
     try:
         return np.array(given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise SceneError(f"gauge: {name} must be numbers, got {shown(given)}.") from None
 
 

@@ -15,7 +15,6 @@ from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
 from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.interface.fields import sampled
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
 from semianalytic.inversion.gauges import FIELDS, Gauge
@@ -33,6 +32,7 @@ from semianalytic.parameters.numbers import Number, numbers_of, spelled, with_nu
 from semianalytic.results.questions import between
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.sampling import sampled
 
 
 @dataclass(frozen=True, eq=False)

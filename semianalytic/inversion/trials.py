@@ -169,11 +169,11 @@ class Trials:
                 ready.append((number, *self.at(point)))
         # With f p alone in play, a change of the base pressure is one of friction in a sweep whose
         # pressure is held.
-        frictions = [scene.friction for _, scene, _ in ready]
+        frictions = [scene.coefficient for _, scene, _ in ready]
         if "base_pressure" in of_scene:
             before = self.unknowns.scene.superposition.in_place.pressure
             frictions = [
-                scene.friction * scene.superposition.in_place.pressure / before
+                scene.coefficient * scene.superposition.in_place.pressure / before
                 for _, scene, _ in ready
             ]
         ratios = [scene.material.poisson_ratio for _, scene, _ in ready]

@@ -10,7 +10,6 @@ from semianalytic.inversion.gauges import Gauge
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.incident import GRAZING, OF_FRONT, IncidentWave, MovingLoad
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS, parameter
@@ -199,7 +198,7 @@ def has_similarity(scene: Scene) -> bool:
     """
     if isinstance(scene.load, MovingLoad) or getattr(scene.load, "velocity", None) is not None:
         return False
-    return type(scene.friction_law) is CoulombFriction
+    return isinstance(scene.friction, float)
 
 
 def is_of_setup(name: object) -> bool:
@@ -253,5 +252,5 @@ def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene)
             f"fit: the load is an incident wave; fit {' and '.join(_of_front(scene))}."
         )
     if "viscosity" in names and not parameter(scene, "viscosity"):
-        raise SceneError("fit: viscosity needs ViscousFriction of a positive viscosity in scene.")
+        raise SceneError("fit: viscosity needs a scene with friction of a positive viscosity.")
     check_each_once(names)

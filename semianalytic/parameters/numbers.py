@@ -11,8 +11,12 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, TypeVar
 
 from semianalytic.scene.checks import finite
-from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
+from semianalytic.scene.laws.coulomb import Coulomb
+from semianalytic.scene.laws.law import Law, coefficient_field, reduction_of
+from semianalytic.scene.laws.weakening import RateWeakening, SlipWeakening
+from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import PARAMETERS
 
 _OWN: Mapping[str, str] = {
@@ -24,20 +28,11 @@ _OWN: Mapping[str, str] = {
     "plate_rate": "length / time",
 }
 """Dimensions of the numbers of an interface itself."""
-_LAW: Mapping[str, str] = {
-    **dict.fromkeys(("friction", "static", "dynamic", "a", "b", "f0", "weakened"), "1"),
-    **{"cohesion": "stress", "viscosity": "stress time / length"},
-    **dict.fromkeys(("delay", "theta", "arrival", "fall"), "time"),
-    **dict.fromkeys(("distance", "delay_slip"), "length"),
-    **dict.fromkeys(("rate", "v0", "weakening_rate"), "length / time"),
-}
-"""Dimensions of the parameters of laws by name; those of other laws may go by the same names."""
 _ADHESION: Mapping[str, str] = {"strength": "stress", "length": "length"}
 """Dimensions of the numbers of adhesion."""
 _PARTS: Mapping[str, str] = {
     **{"material": "", "lower_material": "lower_", "base": "base_", "load": "load_"},
     **{f"{name}_history": f"{name}_history_" for name in ("pressure", "shear")},
-    "friction_law": "friction_law_",
 }
 """Prefixes of the numbers of the parts of a scene."""
 
@@ -96,7 +91,7 @@ def numbers_of(problem: Any) -> dict[str, Number]:
     for solid, prefix in (("material", ""), ("lower_material", "lower_")):
         if getattr(problem, solid) is not None:
             _add_numbers(found, prefix, getattr(problem, solid), (solid,), PARAMETERS)
-    _add_numbers(found, "law_", problem.law, ("law",), _LAW)
+    _add_numbers(found, "law_", problem.law, ("law",), PARAMETERS)
     _add_numbers(found, "adhesion_", problem.adhesion, ("adhesion",), _ADHESION)
     for number, load in enumerate(problem.loads):
         prefix = "load_" if len(problem.loads) == 1 else f"load_{number + 1}_"
@@ -107,22 +102,25 @@ def numbers_of(problem: Any) -> dict[str, Number]:
 
 
 def _add_scene(found: dict[str, Number], scene: Any) -> None:
-    """Add the numbers of a scene or a whole line; those of a lower body are known of any scene."""
-    _add_field(found, "friction", "1", scene.friction, ("friction",))
+    """Add the numbers of a scene; those of a lower body are known of any."""
+    law, of_law = scene.law, dict[str, Number]()
+    own = coefficient_field(type(law))
+    if own is not None:
+        _add_field(found, "friction", "1", scene.coefficient, ("law", "coefficient"))
     for part, prefix in _PARTS.items():
-        held = getattr(scene, part, None)  # whole lines have no histories
-        if part == "lower_material" and hasattr(scene, part):
-            held = scene.bodies[1]
+        held = scene.bodies[1] if part == "lower_material" else getattr(scene, part)
         prefix = "wave_" if isinstance(held, IncidentWave) else prefix
         _add_numbers(found, prefix, held, (part,), PARAMETERS)
     if "wave_angle" in found:
         found["angle"] = found.pop("wave_angle")
-    law = getattr(scene, "friction_law", None)  # whole lines have none
-    if isinstance(law, CoulombFriction | ViscousFriction):
-        found.pop("friction_law_viscosity", None)
-        viscosity = getattr(law, "viscosity", 0.0)
-        path: Path = ("friction_law", "viscosity")
-        found["viscosity"] = Number(viscosity, PARAMETERS["viscosity"], ((path, 1.0),))
+    _add_numbers(of_law, "", law, ("law",), PARAMETERS)
+    if "dynamic" in of_law:
+        _add_field(of_law, "reduction", "1", reduction_of(law), ("law", "reduction"))
+    # a scene knows no delays, and names the cohesion of a law that has one
+    for name, number in of_law.items():
+        if name not in (own, "delay", "delay_slip") and (name != "cohesion" or number.value):
+            film = name == "viscosity" and isinstance(law, Coulomb)
+            found[name if film else f"friction_law_{name}"] = number
 
 
 def _add_field(found: dict[str, Number], name: str, dimension: str, value: Any, path: Path) -> None:
@@ -198,8 +196,8 @@ def with_numbers(problem: Problem, values: Mapping[str, float], **parts: Any) ->
     """Return a scene or an interface with other values of some of `numbers_of`.
 
     All are replaced at once, and with them whole `parts` by name, for one change after the other
-    might pass through a scene that does not exist.  A viscosity turns constant friction into
-    viscous friction, and 0 turns it back.
+    might pass through a scene that does not exist.  A friction coefficient takes the dynamic
+    friction of a law along, in its ratio to it.
 
     Raises
     ------
@@ -240,17 +238,23 @@ def _changed(part: Any, changes: Mapping[Path, float]) -> Any:
     }
     if hasattr(part, "intervals"):
         return replace(part, intervals=_changed(part.intervals, changes))
-    if isinstance(part, CoulombFriction):
-        viscosity = changes[("viscosity",)]
-        return ViscousFriction(viscosity) if viscosity else part
-    if isinstance(part, ViscousFriction) and not changes[("viscosity",)]:
-        return CoulombFriction()
+    if isinstance(part, Law):
+        # first the coefficient: it takes dynamic friction along where that is not given as well
+        if "coefficient" in below:
+            part = part.with_coefficient(below.pop("coefficient")[()])
+        if "reduction" in below and isinstance(part, SlipWeakening | RateWeakening):
+            if "dynamic" in below:
+                raise SceneError("reduction and dynamic friction say the same; give one of them.")
+            below["dynamic"] = {(): part.static * (1 - below.pop("reduction")[()])}
     if isinstance(part, tuple):
         return tuple(
             _changed(one, below[number]) if number in below else one
             for number, one in enumerate(part)
         )
-    held = {head: getattr(part, head) for head in heads}
+    held = {head: getattr(part, head) for head in below}
     if held.get("lower_material", part) is None:  # a lower body of its own begins as the upper one
         held["lower_material"] = part.material
-    return replace(part, **{head: _changed(one, below[head]) for head, one in held.items()})
+    changed = {head: _changed(one, below[head]) for head, one in held.items()}
+    if "law" in changed and isinstance(part, Scene):  # whose friction may be a number
+        changed["friction"] = changed.pop("law")
+    return replace(part, **changed)

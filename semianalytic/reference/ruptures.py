@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
 from semianalytic.scene.checks import checked_number, checked_size
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.material import Material
 
 
@@ -89,6 +90,7 @@ def _value(impedance: Impedance, s: complex) -> complex:
     return complex(impedance(np.array([s]))[0])
 
 
+@checking
 def critical_wavelength(
     material: Material,
     a: float,
@@ -143,6 +145,7 @@ def critical_wavelength(
     return 2 * math.pi * material.shear_modulus * distance / (scale * kappa)
 
 
+@checking
 def supershear_strength(poisson_ratio: float, speed: float = 1.0) -> float:
     """Return the traction that a self-similar in-plane crack sends ahead with its shear wave.
 

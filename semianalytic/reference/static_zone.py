@@ -48,7 +48,7 @@ def static_zone(scene: Scene, t: float) -> StaticZone:
     held, load = scene.superposition
     gone = load.shear * float(scene.shear_history.value(t))
     # In excess of the shear that the slot faces still carry: the base less what the load took off.
-    strength = scene.friction * held.pressure - held.shear + gone
+    strength = scene.coefficient * held.pressure - held.shear + gone
     _, intensity = intensity_history(scene.shear_history, load, scene.material, t, scene.shear_mode)
     # K = 2 strength sqrt(2 length / pi), solved for the length.
     length = np.pi / 8 * (float(intensity) / strength) ** 2

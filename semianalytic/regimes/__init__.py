@@ -51,6 +51,7 @@ from semianalytic.regimes.viscous import (
     viscous_closing,
     viscous_nucleation,
 )
+from semianalytic.scene.given.arguments import checking_functions
 
 __all__ = [
     "Loading",
@@ -78,3 +79,4 @@ __all__ = [
     "viscous_closing",
     "viscous_nucleation",
 ]
+checking_functions(globals())

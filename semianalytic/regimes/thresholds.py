@@ -26,7 +26,8 @@ from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.loading import REMOTE, SLOT, Tractions
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.solver import solve
@@ -88,6 +89,8 @@ def scene_of(loading: Loading, poisson_ratio: float, chi: float) -> Scene:
     SceneError
         If the Poisson ratio is not in (-1, 0.5) or chi < 0.
     """
+    if loading not in _TRACTIONS:
+        raise SceneError(f"loading must be one of {', '.join(_TRACTIONS)}, got {shown(loading)}.")
     base, load, place = _TRACTIONS[loading]
     return Scene(Material(1.0, 1.0, poisson_ratio), chi, base, load, load_on=place)
 

@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 
 from semianalytic.results.datasets import dataset
 from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import asked_in_units
 
 FORMAT = "slipfront interface history 2"
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class InterfaceHistory:
     """The fields of the contact x > 0, sampled at positions x and times t.
@@ -52,7 +55,9 @@ class InterfaceHistory:
         shape = (len(self.t), len(self.x))
         for name in ("slip", "slip_rate", "shear_traction", "pressure", "gap"):
             if getattr(self, name).shape != shape:
-                raise ValueError(f"{name} has shape {getattr(self, name).shape}, expected {shape}.")
+                raise SceneError(
+                    f"history: {name} has shape {getattr(self, name).shape}, expected {shape}."
+                )
 
     def __repr__(self) -> str:
         ranges = (

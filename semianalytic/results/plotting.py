@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from semianalytic.results.files import new_file
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
-from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.units import SI
 
 _POINTS = 800
@@ -132,7 +131,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
         for name in ("shear_traction", "pressure"):
             values = stress[0] * getattr(answer, name)(x, end)
             panels[1].plot(x * length[0], values, label=name.replace("_", " "))
-        if type(getattr(answer.scene, "friction_law", CoulombFriction())) is CoulombFriction:
+        if isinstance(answer.scene.friction, float):
             strength = answer.scene.friction * values
             panels[1].plot(x * length[0], strength, ":", color="0.3", label="strength f p")
         panels[1].set_ylabel(_labelled("traction", stress[1]))

@@ -28,7 +28,7 @@ from semianalytic.results.questions import (
 )
 from semianalytic.results.reading import Reading, sampled_reading
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]

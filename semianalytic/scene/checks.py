@@ -201,14 +201,13 @@ def checked_table(name: str, value: Any) -> dict[str, Any]:
     return dict(value)
 
 
-def checked_kind(
-    name: str, table: Mapping[str, Any], kinds: Collection[str], more: str = ""
-) -> str:
-    """Return the kind that a table names; raise SceneError if it is none of those known."""
-    kind = table.get("kind")
+def checked_kind(name: str, kind: Any, kinds: Collection[str], more: str = "") -> str:
+    """Return the kind that a table gives; raise SceneError if it is none of those known."""
     if not isinstance(kind, str) or kind not in kinds:
-        known = ", ".join(kinds)
-        raise SceneError(f"{name}: kind must be one of {known}{more}, got {shown(kind)}.")
+        known = ", ".join(kinds) + more
+        raise SceneError(
+            f"{name}: kind must be one of {known}, got {shown(kind)} (docs/not_here.md)."
+        )
     return kind
 
 

@@ -79,7 +79,7 @@ def wave_slips_ahead(scene: Scene, until: float) -> bool:
     # end of the range.
     for share in (low, high):
         shear = abs(base.shear + share * load.shear)
-        strength = scene.friction * (base.pressure + share * load.pressure)
+        strength = scene.strength(base.pressure + share * load.pressure)
         if shear > strength * (1 + 1e-12):
             return True
     return False
@@ -88,12 +88,9 @@ def wave_slips_ahead(scene: Scene, until: float) -> bool:
 def process_zone(scene: Scene) -> float:
     """Return the length within which friction weakens behind a front [length].
 
-    It is mu / ((1 - nu) f p w), in antiplane shear without 1 - nu, where p is the pressure in place
-    and w the largest fall of the friction factor per slip: a crack of about that length is as
-    compliant as friction weakens.  It is inf if friction does not weaken with slip.
+    It is mu / ((1 - nu) w), in antiplane shear without 1 - nu, where w is the largest fall of
+    strength per slip under the pressure in place: a crack of about that length is as compliant as
+    friction weakens.  It is inf if friction does not weaken with slip.
     """
-    held = scene.superposition.in_place
-    fall = scene.friction * held.pressure * scene.friction_law.fall_with_slip
-    if not fall:
-        return math.inf
-    return scene.static_modulus / fall
+    fall = scene.law.weakening(np.array([scene.superposition.in_place.pressure]))
+    return scene.static_modulus / fall if fall else math.inf

@@ -8,12 +8,14 @@ plugins is used.
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, is_dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import checked_kind, shown
 from semianalytic.scene.errors import PluginError
 
 if TYPE_CHECKING:
@@ -149,31 +151,38 @@ def find_plugin(group: str, name: str) -> Plugin | None:
     return named[0] if named else None
 
 
-def known_class(group: str, base: type, own: Mapping[str, type], kind: str) -> type | None:
-    """Return the class that a kind stands for, from this package or a plugin; None without one.
+def known_class(name: str, group: str, base: type, own: Mapping[str, type], kind: Any) -> type:
+    """Return the class that a kind stands for, from this package or a plugin.
 
     Parameters
     ----------
+    name : str
+        Name of the table that gives the kind, for messages.
     group : str
         `LAWS` or `HISTORIES`.
     base : type
         Base class that a class of a plugin must inherit.
     own : mapping from kind to class
-        Classes of this package.
-    kind : str
+        Classes of this package, whose kinds cannot be taken by another one.
+    kind : object
         Name by which a scene refers to the class.
 
     Raises
     ------
+    SceneError
+        If there is no such kind.
     PluginError
         If the class of a plugin lacks something that solvers need.
     """
-    # Kinds of this package cannot be taken by another one.
-    if kind in own:
-        return own[kind]
-    plugin = find_plugin(group, kind)
+    if isinstance(kind, str) and "." in kind:  # of the program that runs; nothing is imported
+        module, _, attribute = kind.rpartition(".")
+        found = getattr(sys.modules.get(module), attribute, None)
+        if isinstance(found, type) and issubclass(found, base):
+            return found
+    kind = checked_kind(name, kind, (*own, *plugin_names(group, own)))
+    plugin = None if kind in own else find_plugin(group, kind)
     if plugin is None:
-        return None
+        return own[kind]
     described: type = plugin.load()
     for failing in _failings(described, base, own.values()):
         raise plugin.error(failing)
@@ -186,20 +195,10 @@ def kind_of(group: str, base: type, own: Mapping[str, type], described: type) ->
     for kind, known in own.items():
         if known is described:
             return kind
-    return _kind_brought(group, base, tuple(own.items()), described)
-
-
-@cache
-def _kind_brought(
-    group: str, base: type, own: tuple[tuple[str, type], ...], described: type
-) -> str | None:
-    for plugin in plugins(group):
-        try:
-            named = plugin.load() is described
-        except PluginError:
-            continue  # another package is broken; that does not concern this class
-        if named and known_class(group, base, dict(own), plugin.name) is described:
-            return plugin.name
+    for kind in plugin_names(group, own):
+        with suppress(PluginError):  # another package is broken; that does not concern this class
+            if known_class("", group, base, own, kind) is described:
+                return kind
     return None
 
 

@@ -9,22 +9,21 @@ from __future__ import annotations
 import difflib
 import functools
 import inspect
-from collections.abc import Callable
 from typing import Any, TypeVar
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.units import ARGUMENTS, PARAMETERS, SI, InSI, unit
+from semianalytic.scene.units import PARAMETERS, SI, InSI, unit
 
 _USUAL = {
     **dict.fromkeys(("E", "youngs_modulus", "young"), "Material.from_young(E, nu, rho)"),
     **dict.fromkeys(("mu", "G"), "shear_modulus"),
     **dict.fromkeys(("c_l", "c_t", "vp", "vs"), "Material.from_speeds(c_l, c_t, rho)"),
-    **{"nu": "poisson_ratio", "rho": "density", "f": "friction", "law": "friction_law"},
+    **{"nu": "poisson_ratio", "rho": "density", "f": "friction"},
+    **dict.fromkeys(("law", "friction_law"), "friction"),
 }
 """Usual symbols of parameters, and what they are called here."""
 Class = TypeVar("Class", bound=type)
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def is_quantity(value: object) -> bool:
@@ -107,42 +106,3 @@ def with_quantities(described: Class) -> Class:
 
     described.__init__ = init  # type: ignore[misc]
     return described
-
-
-def taking_quantities(
-    function: Function, described: Callable[[Any], object] = lambda first: first
-) -> Function:
-    """Let a function of a scene, or a method of an answer, take quantities for its `ARGUMENTS`.
-
-    They become numbers in the units of the scene, which is the first argument, or that of the
-    answer; `described` returns the scene if the first argument is only its name.
-    """
-    names = list(inspect.signature(function).parameters)
-
-    @functools.wraps(function)
-    def asked(*args: Any, **given: Any) -> Any:
-        if any(map(is_quantity, (*args[1:], *given.values()))):
-            given = {**dict(zip(names, args, strict=False)), **given}
-            args, units = (), _units_of(described(given[names[0]]))
-            for name in given.keys() & ARGUMENTS.keys():
-                what = f"{function.__name__}: {name}"
-                given[name] = in_units_of(units, what, given[name], ARGUMENTS[name])
-            args = (given.pop(names[0]),)
-        return function(*args, **given)
-
-    return asked  # type: ignore[return-value]
-
-
-def asked_in_units(answer: Class) -> Class:
-    """Let all public methods of the class of an answer take quantities: `taking_quantities`."""
-    for name, method in list(vars(answer).items()):
-        public = not name.startswith("_") and inspect.isfunction(method)
-        if public and ARGUMENTS.keys() & inspect.signature(method).parameters.keys():
-            setattr(answer, name, taking_quantities(method))
-    return answer
-
-
-def _units_of(first: Any) -> str:
-    """Return the units of a scene, or of the scene of an answer."""
-    described = getattr(first, "scene", first)
-    return SI if made_in_si(described) else getattr(described, "units", "")

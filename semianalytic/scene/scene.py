@@ -10,27 +10,22 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import NoneType
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.scene.checks import checked_number, shown
+from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import (
-    CoulombFriction,
-    FrictionLaw,
-    RateFriction,
-    check_balance,
-)
-from semianalytic.scene.incident import (
-    IncidentWave,
-    Load,
-    MovingLoad,
-)
-from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS, PARTS
+from semianalytic.scene.incident import IncidentWave, Load, MovingLoad
+from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
+from semianalytic.scene.laws.alike import expression
+from semianalytic.scene.laws.coulomb import Coulomb
+from semianalytic.scene.laws.kinds import LAW_KINDS, checked_friction
+from semianalytic.scene.laws.law import Law, check_balance, check_law
 from semianalytic.scene.loading import (
     LOADED,
     REMOTE,
@@ -43,9 +38,10 @@ from semianalytic.scene.loading import (
 )
 from semianalytic.scene.loads import LoadHistory, Step, check_pieces
 from semianalytic.scene.material import Material
-from semianalytic.scene.plugins import kind_of
 from semianalytic.scene.quantities import made_in_si, with_quantities
 from semianalytic.scene.units import SI
+
+Array = NDArray[np.float64]
 
 SLOWEST_FRONT = 1e-4
 """Least speed of a load's front over c_t: all digits are there, at a tenth of it ten."""
@@ -63,8 +59,10 @@ class Scene:
     ----------
     material : Material
         Solid on both sides of the interface, or that of the upper body, y > 0.
-    friction : float
-        Coulomb friction coefficient f >= 0.
+    friction : float or Law
+        Coulomb friction coefficient f >= 0, or a law: `Coulomb` with a viscosity or cohesion,
+        `RateWeakening`, `SlipWeakening`, or a class of your own.  Coulomb's law of a coefficient
+        alone is stored as that number.
     base : Tractions
         Uniform tractions (P_b, Q_b) [stress] on the whole line y = 0, at rest before t = 0.
     load : Tractions, IncidentWave, MovingLoad, Patch, PointForce, HalfLine or GrowingLoad
@@ -73,8 +71,6 @@ class Scene:
         a half-line load bodies that touch along the whole line, without a slot.
     pressure_history, shear_history : LoadHistory
         Histories f(t) by which P_0 and Q_0 are multiplied; steps by default.
-    friction_law : FrictionLaw
-        Dependence of strength on slip rate and slip; Coulomb's law by default, without any.
     mode : str
         "in-plane": shear and slip along x, plane strain; "antiplane": shear and slip along z.
         Pressure acts in plane strain in both.
@@ -114,12 +110,11 @@ class Scene:
     """
 
     material: Material
-    friction: float
+    friction: float | Law
     base: Tractions
     load: Load
     pressure_history: LoadHistory = field(default_factory=Step)
     shear_history: LoadHistory = field(default_factory=Step)
-    friction_law: FrictionLaw = field(default_factory=CoulombFriction)
     mode: str = IN_PLANE
     load_on: str = SLOT
     units: str = field(default="", compare=False)
@@ -140,12 +135,12 @@ class Scene:
         # Equal bodies are one problem, however it is stated.
         if self.lower_material == self.material:
             object.__setattr__(self, "lower_material", None)
-        # The class is frozen; the number is stored as a plain float, whatever its type was.
-        object.__setattr__(self, "friction", checked_number("scene: friction", self.friction))
-        for name, (group, base, own, _) in PARTS.items():
+        # The class is frozen; a number is stored as a plain float, whatever its type was.
+        object.__setattr__(self, "friction", checked_friction(self.friction))
+        for name in HISTORY_FIELDS:
             part = getattr(self, name)
-            if kind_of(group, base, own, type(part)) is None:
-                known = ", ".join(kind.__name__ for kind in own.values())
+            if history_kind(part) is None:
+                known = ", ".join(kind.__name__ for kind in HISTORY_KINDS.values())
                 raise SceneError(
                     f"scene: {name} must be one of {known}, or of a package that brings it "
                     f"(docs/extending.md), got {shown(part)} (docs/not_here.md)."
@@ -164,8 +159,6 @@ class Scene:
             object.__setattr__(self, "units", SI)
         if self.units not in ("", SI):
             raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
-        if self.friction < 0:
-            raise SceneError(f"scene: friction must not be negative, got {self.friction}.")
         if self.base.pressure < 0:
             raise SceneError(
                 "scene: base pressure must not be negative (compression is positive), "
@@ -200,13 +193,14 @@ class Scene:
 
     def _check_brought(self) -> None:
         """Raise SceneError unless laws and histories of other packages keep what they promise."""
-        for name in ("pressure_history", "shear_history"):
+        for name in HISTORY_FIELDS:
             history = getattr(self, name)
             if type(history) not in HISTORY_KINDS.values():
                 check_pieces(name, history)
-        strength = self.friction * self.superposition.in_place.pressure
-        if type(self.friction_law) not in FRICTION_LAWS.values() and strength > 0:
-            check_balance(self.friction_law, strength, self.material.shear_impedance / 2)
+        pressure = self.superposition.in_place.pressure
+        if type(self.law) not in LAW_KINDS.values() and pressure > 0:
+            check_law(self.law, np.full(3, pressure), np.zeros(3))
+            check_balance(self.law, pressure, self.material.shear_impedance / 2)
 
     def _check_remote(self) -> None:
         """Raise SceneError unless a load from far away is a step that leaves a contact."""
@@ -249,17 +243,11 @@ class Scene:
 
     def __repr__(self) -> str:
         """Return the expression that makes the scene, without parameters at their default."""
-        values = {part.name: getattr(self, part.name) for part in fields(self)}
-        defaults = {
-            part.name: part.default if part.default_factory is MISSING else part.default_factory()
-            for part in fields(self)
-        }
-        given = (f"{name}={value!r}" for name, value in values.items() if value != defaults[name])
-        return f"Scene({', '.join(given)})"
+        return expression(self)
 
     def check_weakening(self, pressure: float) -> None:
         """Raise SceneError if rate weakening is ill posed under a pressure [stress]."""
-        slope = self.friction * pressure * self.friction_law.fall_with_rate
+        slope = pressure * self.law.fall_with_rate
         # rho c_t / 2, the local term of the space-time equation: a steeper law would have several
         # slip rates, or none, for one stopping traction (docs/theory.md, "Any load history")
         radiated = self.material.shear_impedance / 2
@@ -267,15 +255,38 @@ class Scene:
             raise SceneError(
                 "scene: friction falls with slip rate faster than radiation can balance "
                 f"(by {slope:.4g} per slip rate under pressure {pressure:.4g}, the impedance is "
-                f"{radiated:.4g}); raise the rate or lower the reduction of the "
-                "friction law (docs/limits.md)."
+                f"{radiated:.4g}); raise the rate or the dynamic friction of the law "
+                "(docs/limits.md)."
             )
 
     def _at_rest(self, tractions: Tractions) -> bool:
         """Return whether friction holds the interface under tractions, up to rounding."""
-        strength = self.friction * tractions.pressure
+        strength = float(self.strength(tractions.pressure))
         # 1e-12 lets a base exactly at friction count as at rest though its product was rounded.
         return tractions.pressure >= 0 and abs(tractions.shear) <= strength * (1 + 1e-12)
+
+    @cached_property
+    def law(self) -> Law:
+        """The friction law, also where `friction` is a number."""
+        return self.friction if isinstance(self.friction, Law) else Coulomb(self.friction)
+
+    @cached_property
+    def coefficient(self) -> float:
+        """Friction coefficient at rest, before any slip."""
+        return self.friction if isinstance(self.friction, float) else self.law.coefficient
+
+    def strength(
+        self, pressure: ArrayLike, slip_rate: ArrayLike = 0.0, path: ArrayLike = 0.0
+    ) -> Array:
+        """Return the strength under a pressure [stress], at rest before any slip by default.
+
+        Slip rates may be of either sign; the shapes of all arguments broadcast.
+        """
+        if isinstance(self.friction, float):  # also where the slip rate is infinite
+            return np.asarray(self.friction * np.asarray(pressure))
+        given = np.broadcast_arrays(pressure, np.abs(slip_rate), path)
+        flat = (np.ravel(one).astype(float) for one in given)
+        return np.reshape(self.law.strength(*flat), given[0].shape)
 
     @cached_property
     def superposition(self) -> Superposition:
@@ -365,8 +376,7 @@ class Scene:
 
         The front of a load that comes along the slot must be ahead of all waves besides.
         """
-        lawful = isinstance(self.friction_law, CoulombFriction | RateFriction)
-        return self.is_step and lawful and not self.front_too_slow
+        return self.is_step and self.law.keeps_similarity and not self.front_too_slow
 
     @property
     def front_too_slow(self) -> bool:
@@ -404,9 +414,9 @@ class Scene:
         self.check_front()
         if not self.is_self_similar:
             raise SceneError(
-                "the self-similar solver takes step loads only, and friction that is constant or "
-                "depends on slip rate alone; use the space-time solver for this scene, `method` "
-                "space-time (docs/limits.md)."
+                "the self-similar solver takes step loads only, and friction without cohesion that "
+                "is constant or depends on slip rate alone; use the space-time solver for this "
+                "scene, `method` space-time (docs/limits.md)."
             )
 
     @property
@@ -417,14 +427,13 @@ class Scene:
         strength and radiation then balance.
         """
         held = self.superposition.in_place
-        shear, frictional = abs(held.shear), self.friction * held.pressure
+        shear, frictional = abs(held.shear), float(self.strength(held.pressure))
         # An excess of a few roundings is none: the contact ahead would slide at the rate of
         # rounding errors.
         if shear - frictional <= 4 * sys.float_info.epsilon * frictional:
             return 0.0
         radiated = self.material.shear_impedance / 2
         # Plane waves into both half-planes balance friction: shear - strength(V) = (rho c_t / 2) V.
-        speed = self.friction_law.slip_speed(
-            np.array(shear), np.array(frictional), radiated, np.array(0.0)
-        )
+        one = np.ones(1)
+        (speed,) = self.law.slip_speed(shear * one, held.pressure * one, radiated, 0 * one)
         return math.copysign(float(speed), held.shear)

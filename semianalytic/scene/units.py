@@ -78,9 +78,11 @@ PARAMETERS: Mapping[str, str] = {
     "t": "time",
     "value_at_t": "1",
     "viscosity": "stress time / length",
-    "reduction": "1",
-    "rate": "length / time",
-    "distance": "length",
+    **dict.fromkeys(("static", "dynamic", "reduction", "a", "b", "f0", "weakened"), "1"),
+    "cohesion": "stress",
+    **dict.fromkeys(("delay", "theta", "arrival", "fall"), "time"),
+    **dict.fromkeys(("distance", "delay_slip"), "length"),
+    **dict.fromkeys(("rate", "v0", "weakening_rate"), "length / time"),
     "angle": "angle",
     "velocity": "length / time",
     "stress": "stress",
@@ -88,7 +90,7 @@ PARAMETERS: Mapping[str, str] = {
     "wave_velocity": "length / time",
     "wave_stress": "stress",
 }
-"""Dimensions of the parameters of a scene and of its parts, by name."""
+"""Dimensions of the parameters of a scene and of its parts, laws among them, by name."""
 ARGUMENTS: Mapping[str, str] = {
     **{"x": "length", "y": "length", "t": "time"},
     **{"inner": "length", "outer": "length"},

@@ -15,7 +15,7 @@ from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arri
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.reading import first_times
 from semianalytic.scene.checks import checked_number
-from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.given.arguments import asked_in_units
 
 if TYPE_CHECKING:
     from semianalytic.scene.scene import Material

@@ -25,8 +25,8 @@ from semianalytic.results.reading import (
 )
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.loading import Tractions
-from semianalytic.scene.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said, zones_table
@@ -204,8 +204,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return strength less shear traction, f p - |tau| [stress], where it sticks; 0 where it
         slips."""
-        frictional = self.scene.friction * self.pressure(x, t)
-        strength = self.scene.friction_law.strength(frictional, self.slip_rate(x, t), 0.0)
+        strength = self.scene.strength(self.pressure(x, t), self.slip_rate(x, t))
         return strength - np.abs(self.shear_traction(x, t))
 
     @cached_property
@@ -233,7 +232,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         mode_one = pressure * mode_one + 0.0  # 0 where open, not -0
         # At a slipping edge the traction is s f p, and so is its singular part.
         if self.profile.edge_slips:
-            return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one + 0.0
+            return mode_one, self.profile.panels.sense[-1] * scene.coefficient * mode_one + 0.0
         return mode_one, self.stress_unit * self.profile.edge_intensity * sheared + 0.0
 
     def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -379,7 +378,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         ----------
         name : str
             "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
-            "load_shear" or "viscosity" (with `ViscousFriction`).
+            "load_shear" or "viscosity" (with `Coulomb` of a viscosity).
 
         Returns
         -------

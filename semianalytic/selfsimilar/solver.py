@@ -17,13 +17,8 @@ from semianalytic.cut.load import Load, check_pressure, contact_opens, scaled_lo
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import (
-    CoulombFriction,
-    FrictionLaw,
-    RateFriction,
-    ViscousFriction,
-)
 from semianalytic.scene.given.finding import scene_of_one_solid
+from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.rated.approach import (
     approached,
@@ -46,9 +41,7 @@ from semianalytic.selfsimilar.search import (
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones import tuning
-from semianalytic.selfsimilar.zones.estimate import (
-    loose_tolerance,
-)
+from semianalytic.selfsimilar.zones.estimate import loose_tolerance
 from semianalytic.selfsimilar.zones.motion import slip_zones
 from semianalytic.separation.normal import with_opening
 
@@ -61,7 +54,7 @@ def refuses(scene: Scene) -> str | None:
         scene.check_self_similar()
     except SceneError as error:
         return str(error).removeprefix("solve: ")
-    if scene.friction_law.fall_with_rate > 0:
+    if scene.law.fall_with_rate > 0:
         return (
             "where friction falls with slip rate the exact answer takes long, and is unstable; ask "
             "for it with `method` self-similar (docs/rate.md)."
@@ -117,7 +110,8 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )
     check_pressure(scene)
-    rated = _is_rated(scene.friction_law)
+    # strength that depends on slip rate other than linearly, as that of a viscous film does
+    rated = type(scene.law) is not Coulomb
     if rated and contact_opens(scene):
         raise SceneError(
             "solve: where the contact opens friction that falls with slip rate is not known; make "
@@ -168,12 +162,6 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
 
 
-def _is_rated(law: FrictionLaw) -> bool:
-    """Return whether strength depends on slip rate other than linearly, unlike that of a viscous
-    film."""
-    return isinstance(law, RateFriction) and not isinstance(law, ViscousFriction)
-
-
 def _strongest_viscosity(scene: Scene) -> float:
     """Return the largest viscosity for which a scene is solved [stress time / length]."""
     # eta = 2 viscosity / (rho c_t), as in `scaled_load`, solved for the viscosity.
@@ -186,7 +174,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     If several solutions exist, this is the one to which Newton's method leads from there
     (docs/rate.md, "Newton's method for any smooth law").
     """
-    clock, coulomb = [perf_counter()], replace(scene, friction_law=CoulombFriction())
+    clock, coulomb = [perf_counter()], replace(scene, friction=scene.coefficient)
     dry = solve(coulomb, rtol=max(rtol, 1e-8))
     # Without slip the law is that of Coulomb, since strength at rest is f p.
     if not dry.zones:

@@ -15,7 +15,6 @@ from semianalytic.halfplane.families import RayleighFamily, rayleigh_family
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stress_intensity
-from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Tractions
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps import tuning
@@ -58,8 +57,7 @@ def at_contact_edge(solutions: Sequence[Solution]) -> tuple[Array, Array]:
 def _shares(solution: Solution) -> bool:
     """Return whether the fields of a solution can be evaluated along with those of others."""
     scene, load = solution.scene, solution.profile.fields.load
-    # The exact type: a law of a package may be a subclass whose strength depends on more.
-    coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
+    coulomb = isinstance(scene.friction, float) and scene.shear_mode == "II"
     # Families of solids have tables for loads that come everywhere at once, and no opening.
     return coulomb and not (load.frictionless or load.opened or load.slowness)
 
@@ -132,7 +130,7 @@ def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Ar
         return np.zeros(len(scenes)), np.stack([mode_one, sheared], axis=1)
     value = profile.rate_starts[-1] + profile.rate_integral.totals[-1]
     over = np.array([2 * unit / scene.material.shear_impedance for scene in scenes])
-    friction = per_set(np.array([[scene.friction] for scene in scenes]))
+    friction = per_set(np.array([[scene.coefficient] for scene in scenes]))
     # At a slipping edge the traction is s f p, and so are the singular parts: K_II = s f K_I.
     held = profile.panels.sense[-1] * friction * mode_one + 0.0
     return over * value, np.stack([mode_one, held], axis=1)

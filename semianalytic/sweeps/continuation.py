@@ -60,7 +60,7 @@ class Continuation:
 
     def __init__(self, scenes: Sequence[Scene], rtol: float) -> None:
         self.scenes, self.rtol = scenes, rtol
-        self.friction = np.array([scene.friction for scene in scenes])
+        self.friction = np.array([scene.coefficient for scene in scenes])
         # One unit of stress for all scenes, so that their loads can stand in one array.
         self.unit = min((scaled_load(scene)[1] for scene in scenes), default=1.0)
         self.solutions: dict[int, Solution] = {}
@@ -192,7 +192,7 @@ class Continuation:
                 step = NUDGE * self.friction[chosen]
                 scenes = [self.scenes[i] for i in chosen]
                 beside = [
-                    replace(scene, friction=float(scene.friction + h))
+                    replace(scene, friction=scene.law.with_coefficient(scene.coefficient + h))
                     for scene, h in zip(scenes, step, strict=True)
                 ]
                 sets = ZoneSets(edges, common_load(scenes, self.unit))

@@ -54,7 +54,7 @@ class Plane:
         self.scenes, self.rtol = scenes, rtol
         self.loose = rule_for(loose_tolerance(rtol))
         ratio = np.array([scene.material.poisson_ratio for scene in scenes])
-        friction = np.array([scene.friction for scene in scenes])
+        friction = np.array([scene.coefficient for scene in scenes])
         both = np.stack([friction, ratio], axis=1)
         span = np.ptp(both, axis=0)
         # Distances between points are taken in the unit square, whatever the ranges of friction and

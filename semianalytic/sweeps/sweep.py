@@ -16,7 +16,6 @@ from semianalytic.results.datasets import QUANTITIES, attributes
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
-from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
@@ -281,8 +280,11 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
     materials = {
         ratio: replace(scene.material, poisson_ratio=ratio) for ratio in set(points[0].tolist())
     }
-    scenes = [replace(scene, material=materials[nu], friction=f) for nu, f in points.T.tolist()]
-    coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
+    scenes = [
+        replace(scene, material=materials[nu], friction=scene.law.with_coefficient(f))
+        for nu, f in points.T.tolist()
+    ]
+    coulomb = isinstance(scene.friction, float) and scene.shear_mode == "II"
     # tables of many solids at once are those of loads that come at once
     coulomb = coulomb and not scene.front_slowness
     # With many frictions for each Poisson ratio, following them one ratio at a time is faster than

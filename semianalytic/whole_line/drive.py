@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.loading import LineLoad, PointForce, Tractions
 from semianalytic.scene.scene import Scene
 
@@ -105,7 +104,7 @@ class Drive:
     @property
     def strength(self) -> float:
         """Shear that the interface bears outside of the load, f P_b [stress]."""
-        return self.scene.friction * self.base.pressure
+        return self.scene.coefficient * self.base.pressure
 
     @property
     def sense(self) -> int:
@@ -125,7 +124,7 @@ class Drive:
         if self.opens:
             return -self.load.pressure
         # Pressure of the load raises the strength, and so lowers the drive.
-        return self.sense * self.load.shear - self.scene.friction * self.load.pressure
+        return self.sense * self.load.shear - self.scene.coefficient * self.load.pressure
 
     @property
     def missing(self) -> float:
@@ -135,10 +134,10 @@ class Drive:
 
 def check_law(scene: Scene, owner: str) -> None:
     """Raise SceneError unless bodies are equal and friction is constant, as closed forms need."""
-    if scene.lower_material is not None or not isinstance(scene.friction_law, CoulombFriction):
+    if scene.lower_material is not None or not isinstance(scene.friction, float):
         raise SceneError(
             f"{owner}: the closed form is of equal bodies and constant friction; leave out "
-            "lower_material and friction_law, or march an interface (docs/engine.md)."
+            "lower_material and the friction law, or march an interface (docs/engine.md)."
         )
 
 

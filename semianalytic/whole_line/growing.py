@@ -13,6 +13,7 @@ from semianalytic.halfplane.rayleigh import Array, Mode, rayleigh_factors
 from semianalytic.results.places import contact_points
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.loading import GrowingLoad
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
@@ -21,6 +22,7 @@ from semianalytic.whole_line.drive import check_law
 from semianalytic.whole_line.growing_zone import GrowingZone, growing_zone
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class GrowingSolution(SelfSimilarAnswer):
     """Slip from the edge of a slot under a load and a strength that grow as t^n.
@@ -162,7 +164,7 @@ class GrowingSolution(SelfSimilarAnswer):
         It grows as t^(2n + 2).
         """
         n, time = self.load.power, np.maximum(np.asarray(t, dtype=float), 0.0)
-        strength = self.scene.friction * self.load.pressure
+        strength = self.scene.coefficient * self.load.pressure
         # The strength grows as t^n besides, so that the power grows as t^(2n + 1).
         return np.asarray(strength * self._area * time ** (2 * n + 2) / (2 * n + 2))
 
@@ -234,12 +236,12 @@ def solve(scene: Scene) -> GrowingSolution:
             "ramp) and fields are not self-similar; set the base to 0, or march a scene with this "
             "base and shear_history = Ramp(rise_time), slipfront solve --method space-time."
         )
-    if not scene.friction > 0:
-        raise SceneError(f"growing load: friction must be positive, got {scene.friction:.6g}.")
+    if not scene.coefficient > 0:
+        raise SceneError(f"growing load: friction must be positive, got {scene.coefficient:.6g}.")
     mode: Mode = "III" if scene.antiplane else "II"
     factors = rayleigh_factors(scene.material.poisson_ratio, mode)
     # strength over load, chi = f P_0 / |Q_0|
-    zone = growing_zone(factors, load.power, scene.friction * load.pressure / abs(load.shear))
+    zone = growing_zone(factors, load.power, scene.coefficient * load.pressure / abs(load.shear))
     _check_one_zone(zone)
     # The j-th condition is a moment of v^j: of the size u_s^j times the jump of traction.
     scale = zone.edge ** np.arange(load.power + 1) * (1 + zone.ratio)

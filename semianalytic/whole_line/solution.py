@@ -13,6 +13,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import checked_arrival
 from semianalytic.results.places import line_points, line_positions
 from semianalytic.results.reading import Reading, self_similar_reading
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.loading import Patch, PointForce
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
@@ -21,6 +22,7 @@ from semianalytic.whole_line.drive import Drive
 from semianalytic.whole_line.spreading import Spreading
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class LineSolution(SelfSimilarAnswer):
     """Self-similar slip or opening of a whole line around a growing patch or point force.
@@ -127,7 +129,7 @@ class LineSolution(SelfSimilarAnswer):
         drive, xi = self.drive, self._velocity(x, t)
         if drive.opens:
             return np.zeros(xi.shape)
-        slips = drive.sense * drive.scene.friction * self._load_pressure(xi)
+        slips = drive.sense * drive.scene.coefficient * self._load_pressure(xi)
         held = drive.base.shear + drive.sense * self._ahead(xi)
         return np.where(xi < self.edge_speed, slips, held)
 
@@ -184,7 +186,7 @@ class LineSolution(SelfSimilarAnswer):
         work = drive.strength * self._areas(self.spreading.area, t)
         if isinstance(drive.load, Patch) and drive.load.pressure:
             share = self._areas(self.spreading.area_on_patch, t)
-            work = work + drive.scene.friction * drive.load.pressure * share
+            work = work + drive.scene.coefficient * drive.load.pressure * share
         return np.asarray(work)
 
     @property

@@ -177,6 +177,8 @@ def simulate_into(
     def tell(sentence: str) -> None:
         notes.print(sentence, highlight=False, soft_wrap=True)
 
+    if checkpoints.get("resume") and not path.is_file():
+        tell(f"{label}: there is no {path} to resume from; it starts at t = 0.")
     if not quiet:
         for sentence in _expected(predicted, directory, foretold):
             notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)

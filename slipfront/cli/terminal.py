@@ -23,7 +23,7 @@ from compare.comparison.scales import WAVE_SYMBOLS, reference_values
 from compare.output.printed import PrintedTable
 from semianalytic import Scene
 from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
-from semianalytic.scene.given.documents import part_document
+from semianalytic.scene.given.documents import history_document
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import Step
 from semianalytic.scene.tabulated import Tabulated
@@ -139,7 +139,7 @@ def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
         yield name, f"{part.pressure:.6g}, {part.shear:.6g}", "stress"
     for name, history in scene.acting_histories.items():
         if history != Step():
-            words = str(part_document(history)["kind"]).replace("-", " ")
+            words = str(history_document(history)["kind"]).replace("-", " ")
             if isinstance(history, Tabulated):  # all other histories reach 1
                 words += f", largest value {max(map(abs, history.value_at_t)):.4g}"
             yield f"history of its {name}", words, ""

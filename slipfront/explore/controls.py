@@ -11,11 +11,13 @@ from urllib.parse import parse_qsl, urlencode
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import Scene
 from semianalytic.dissimilar.pair import check_bodies
+from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.documents import part_document, scene_document, scene_from_document
+from semianalytic.scene.given.documents import history_document, scene_document, scene_from_document
 from semianalytic.scene.given.finding import check_slot
 from semianalytic.scene.incident import SIDES, WAVES, IncidentWave, MovingLoad
+from semianalytic.scene.laws.kinds import law_table
 from semianalytic.scene.loading import LOADED, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES
 from semianalytic.scene.scene import IN_PLANE, MODES
@@ -25,8 +27,7 @@ Values = dict[str, Any]
 """Numbers and words of a scene, keyed by the control that sets them."""
 
 LAWS: Mapping[str, tuple[str, ...]] = {
-    "coulomb": (),
-    "viscous": ("viscosity",),
+    "coulomb": ("viscosity",),
     "rate-weakening": ("reduction", "rate"),
     "slip-weakening": ("reduction", "distance"),
 }
@@ -95,7 +96,7 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
     time, impedance = 1 / scene.material.shear_speed, scene.material.shear_impedance
     given = (
         ("poisson_ratio", "Poisson ratio ν", "1", -0.95, 0.49),
-        ("friction", "friction f", "1", 0.0, max(2.0, 2 * scene.friction)),
+        ("friction", "friction f", "1", 0.0, max(2.0, 2 * scene.coefficient)),
         ("base_pressure", "base pressure", "stress", 0.0, stress),
         ("base_shear", "base shear", "stress", -stress, stress),
         ("load_pressure", "load pressure", "stress", -stress, stress),
@@ -172,7 +173,7 @@ def values_of(scene: Scene) -> Values:
     check_slot("explore", scene)
     document = scene_document(scene)
     words = {"mode": scene.mode, "load_on": scene.load_on}
-    values: Values = {**document["material"], "friction": scene.friction, **words}
+    values: Values = {**document["material"], "friction": scene.coefficient, **words}
     values |= {f"base_{kind}": document["base"][kind] for kind in ("pressure", "shear")}
     values |= _load_values(scene)
     histories = list(scene.acting_histories.values())
@@ -180,16 +181,19 @@ def values_of(scene: Scene) -> Values:
         raise SceneError(
             "explore has one history for pressure and shear of the load; give both the same."
         )
-    history = part_document(histories[0]) if histories else {"kind": "step"}
-    law = part_document(scene.friction_law)
+    history = history_document(histories[0]) if histories else {"kind": "step"}
+    law = law_table(scene.law)
+    numbers = {name: one.value for name, one in numbers_of(scene).items()}
     for name, part, known in (("law", law, LAWS), ("history", history, HISTORIES)):
-        if part["kind"] not in known:
+        if part["kind"] not in known or "cohesion" in part or part.get("shape") == "exponential":
             raise SceneError(
                 f"explore has no controls for the {name} {part['kind']}; "
                 f"choose among {', '.join(known)}."
             )
         values[name] = part.pop("kind")
-        values |= part
+    values |= history | {
+        name: numbers.get(name, numbers.get(f"friction_law_{name}")) for name in LAWS[values["law"]]
+    }
     return values | {"units": scene.units} | _lower_values(scene)
 
 

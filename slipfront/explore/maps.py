@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.scales import stress_scale
-from semianalytic import CoulombFriction, Scene, Solution, TensionError, Tractions, solve
+from semianalytic import Scene, Solution, TensionError, Tractions, solve
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.regimes import regime
 from semianalytic.scene.errors import SceneError
@@ -52,18 +52,18 @@ def map_key(scene: Scene) -> tuple[object, ...]:
     tractions = [one for part in scene.superposition for one in (part.pressure, part.shear)]
     shares = tuple(round(one / stress, 9) for one in tractions)
     front = None if isinstance(scene.load, Tractions) else scene.load
-    return (*shares, front, scene.mode, scene.friction_law)
+    return (*shares, front, scene.mode, scene.law.with_coefficient(1.0))
 
 
 def highest_friction(scene: Scene) -> float:
     """Return the largest friction of the map of a scene."""
-    return float(max(1, math.ceil(1.5 * scene.friction)))
+    return float(max(1, math.ceil(1.5 * scene.coefficient)))
 
 
 def can_map(scene: Scene) -> bool:
     """Return whether the map of a scene takes seconds, not minutes."""
     alike = scene.lower_material is None
-    return alike and scene.is_self_similar and scene.friction_law.fall_with_rate == 0
+    return alike and scene.is_self_similar and scene.law.fall_with_rate == 0
 
 
 def regime_map(scene: Scene, progress: Progress) -> RegimeMap:
@@ -76,7 +76,7 @@ def regime_map(scene: Scene, progress: Progress) -> RegimeMap:
     progress : callable
         Called with the number of finished columns and of all columns.
     """
-    swept = isinstance(scene.friction_law, CoulombFriction)
+    swept = isinstance(scene.friction, float)
     size = SIZE if swept else SIZE_ONE_BY_ONE
     highest = highest_friction(scene)
     friction, ratios = _middles((0.0, highest), size), _middles(POISSON_RATIOS, size)
@@ -97,10 +97,15 @@ def _middles(ends: tuple[float, float], count: int) -> NDArray[np.float64]:
 
 def _exists(scene: Scene, friction: float) -> bool:
     try:
-        replace(scene, friction=friction).check_self_similar()
+        _under(scene, friction).check_self_similar()
     except SceneError:
         return False
     return True
+
+
+def _under(scene: Scene, friction: float) -> Scene:
+    """Return a scene with another friction coefficient at rest."""
+    return replace(scene, friction=scene.law.with_coefficient(friction))
 
 
 def _words(scene: Scene, friction: NDArray[np.float64], swept: bool) -> list[str]:
@@ -108,7 +113,7 @@ def _words(scene: Scene, friction: NDArray[np.float64], swept: bool) -> list[str
     try:
         if swept:
             return [_word(one) for one in sweep(scene, friction, RTOL)]
-        return [_word(solve(replace(scene, friction=float(one)), rtol=RTOL)) for one in friction]
+        return [_word(solve(_under(scene, float(one)), rtol=RTOL)) for one in friction]
     except TensionError:
         return ["failed"] * len(friction)
 

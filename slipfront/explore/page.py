@@ -207,7 +207,7 @@ class Session:
                 return
             self._march_worker.stop()
             self._shown = self._marching = None
-            self._map.place(scene.friction, scene.material.poisson_ratio)
+            self._map.place(scene.coefficient, scene.material.poisson_ratio)
             if chosen(scene).name == "self-similar":
                 self._show_solution(scene, moving, since, query)
             else:
@@ -293,11 +293,11 @@ class Session:
         different bodies have none.
         """
         key = map_key(scene) if can_map(scene) else None
-        if key == self._map_key and (key is None or scene.friction <= self._map_to):
+        if key == self._map_key and (key is None or scene.coefficient <= self._map_to):
             return
         self._map_key, self._map_to = key, highest_friction(scene)
         known = None if key is None else self._maps.get(key)
-        if known is not None and scene.friction <= known.friction[1]:
+        if known is not None and scene.coefficient <= known.friction[1]:
             self._map_worker.stop()
             self._map_to = known.friction[1]
             self._tell(regimes=self._map.draw(known), map="")

@@ -89,14 +89,14 @@ def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> Int
     end, stress = end_time(scene), stress_scale(scene)
     time, rate = share * end, slip_rate_scale(scene)
     x = _march_places(answer) if isinstance(answer, Marched) else _places(answer, nodes, share)
-    pressure = answer.pressure(x, time) / stress
+    pressure = answer.pressure(x, time)
     return InterfaceView(
         x=x / (scene.material.shear_speed * end),
         slip_rate=answer.slip_rate(x, time) / rate,
         slip=answer.slip(x, time) / (rate * end),
         shear=answer.shear_traction(x, time) / stress,
-        bound=scene.friction * pressure,
-        pressure=pressure,
+        bound=scene.strength(pressure) / stress,
+        pressure=pressure / stress,
     )
 
 

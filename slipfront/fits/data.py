@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from compare.records.names import NOISE
-from compare.records.options import ReadingOptions
+from compare.records.options import Placed, ReadingOptions
 from compare.records.read import read_records
 from compare.records.record import AFTER, Array, Record, Records
 from compare.validation.readings import base_of
-from semianalytic.interface.fields import sampled
 from semianalytic.interface.files import InterfaceFile
-from semianalytic.inversion.gauges import QUANTITIES, Gauge, checked_noise
-from semianalytic.scene.checks import checked_size, shown
+from semianalytic.inversion.gauges import FIELDS, QUANTITIES, Gauge, checked_noise
+from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.given.arguments import checking
+from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
 
@@ -28,10 +30,12 @@ _Made = tuple[Callable[[str], Gauge], str]
 _BASES = ("base_shear", "base_pressure", "shear", "pressure")
 
 
+@checking
 def read_gauges(
     paths: str | Path | Sequence[str | Path],
     noise: Mapping[str, float] | None = None,
     scene: Subject = None,
+    gauges: Mapping[str, tuple[Any, ...]] | None = None,
 ) -> tuple[Gauge, ...]:
     """Read gauges from files.
 
@@ -50,6 +54,9 @@ def read_gauges(
         for all other quantities.
     scene : Scene or InterfaceFile, optional
         What the records are of.  Without it changes of tractions are refused.
+    gauges : mapping from name to tuple, optional
+        Of tables with a column for each gauge: what the column of that name records, and where, as
+        ``{"SG1": ("exx", 0.02, 0.0035)}``, or without y on the interface.  No other is read.
 
     Returns
     -------
@@ -63,7 +70,7 @@ def read_gauges(
     SceneError
         If `noise` is no such mapping, or a number in it is out of range.
     """
-    return gauges_and_notes(paths, noise, scene)[0]
+    return gauges_and_notes(paths, noise, scene, gauges=gauges)[0]
 
 
 def gauges_and_notes(
@@ -71,6 +78,7 @@ def gauges_and_notes(
     noise: Mapping[str, float] | None = None,
     scene: Subject = None,
     fitted: Collection[str] = (),
+    gauges: Mapping[str, tuple[Any, ...]] | None = None,
 ) -> tuple[tuple[Gauge, ...], tuple[str, ...], tuple[str, ...]]:
     """Gauges as of `read_gauges`, what was made of the files, and names of columns not read.
 
@@ -83,9 +91,10 @@ def gauges_and_notes(
     parts: list[_Made] = []
     notes: dict[str, None] = {}
     unread: dict[str, None] = {}
-    runs = [run for path in paths for run in read_records([path], ReadingOptions())]
-    if not runs:
-        raise DataFileError("There is no file to read; name one at least.")
+    options = ReadingOptions(
+        gauges={name: _placed(name, one) for name, one in (gauges or {}).items()}
+    )
+    runs = read_records(list(paths), options)
     for run in runs:
         parts += _of_run(run, given, scene, fitted, notes)
         unread |= dict.fromkeys(run.unread)
@@ -93,20 +102,27 @@ def gauges_and_notes(
         sources = ", ".join(run.source for run in runs)
         raise DataFileError(f"{sources}: there is no station on the contact, x > 0; shift x.")
     counts: dict[str, int] = {}
-    gauges = []
+    made = []
     for make, quantity in parts:
         counts[quantity] = counts.get(quantity, 0) + 1
-        gauges.append(make(f"{quantity}-{counts[quantity]}"))
-    return tuple(gauges), tuple(notes), tuple(unread)
+        made.append(make(f"{quantity}-{counts[quantity]}"))
+    return tuple(made), tuple(notes), tuple(unread)
 
 
-def _checked_noise(noise: object) -> dict[str, float]:
-    """Return standard deviations by quantity; raise SceneError if they are invalid."""
-    if not isinstance(noise, Mapping):
+def _placed(name: str, given: object) -> Placed:
+    """Return what a column records, and where; raise SceneError if that is not said."""
+    if not isinstance(given, tuple) or len(given) not in (2, 3) or given[0] not in QUANTITIES:
         raise SceneError(
-            "read_gauges: noise must be numbers by quantity, as "
-            f'{{"slip": 1e-6}}, or {{"": ...}} for all, got {shown(noise)}.'
+            f"read_gauges: gauge {name} must be a quantity, x and for points in the bodies y, with "
+            f"a quantity among {', '.join(QUANTITIES)}, got {shown(given)}."
         )
+    quantity, *place = given
+    x, *y = (checked_number(f"read_gauges: place of {name}", one) for one in place)
+    return Placed(quantity, x, y[0] if y and (y[0] or quantity in FIELDS) else None)
+
+
+def _checked_noise(noise: Mapping[str, float]) -> dict[str, float]:
+    """Return standard deviations by quantity; raise SceneError if they are invalid."""
     for name in noise:
         if name not in ("", *QUANTITIES):
             known = ", ".join(QUANTITIES)
@@ -227,6 +243,7 @@ def _maker(
 
     def make(name: str) -> Gauge:
         try:
+            name = record.name or name
             return Gauge(record.x, t, values, factor * spread, quantity, record.y, name)
         except SceneError as refusal:
             where = f"x = {record.x:g}" + ("" if record.y is None else f", y = {record.y:g}")

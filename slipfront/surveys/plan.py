@@ -335,6 +335,6 @@ def _usual_chunk(scene: Subject, names: Sequence[str]) -> int:
         return RUN
     if of_two_bodies(scene, names):
         return PAIRS
-    if not scene.is_self_similar or scene.friction_law.fall_with_rate:
+    if not scene.is_self_similar or scene.law.fall_with_rate:
         return MARCHED
     return SWEPT if set(_SWEPT_TOGETHER) & set(names) else SOLVED

@@ -111,7 +111,7 @@ def _swept(scenes: Sequence[Scene], question: Question, start: float) -> list[Va
     """Return the rows of scenes that differ in friction and Poisson ratio, by one sweep."""
     found = sweep(
         scenes[0],
-        np.array([scene.friction for scene in scenes]),
+        np.array([scene.coefficient for scene in scenes]),
         question.rtol or DEFAULT_RTOL,
         poisson_ratio=np.array([scene.material.poisson_ratio for scene in scenes]),
     )

@@ -20,9 +20,9 @@ from semianalytic.interface.documents import can_travel
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
 from semianalytic.results.files import Seal, check_seal, write_bytes
-from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import XARRAY, require
+from semianalytic.scene.given.arguments import checking
 from slipfront.surveys.parameters import Subject
 from slipfront.surveys.plan import Question, SurveyPlan, planned
 from slipfront.surveys.points import solved_chunk
@@ -31,6 +31,7 @@ from slipfront.surveys.store import Store, opened_store
 FIELDS = ("slip_rate", "shear_traction", "pressure")
 
 
+@checking
 def survey(
     scene: Subject | Interface | str | os.PathLike[str],
     *,
@@ -117,7 +118,7 @@ def survey(
     MissingLibraryError
         If xarray, or a library that writes the file, is not installed.
     """
-    samples = {name: _samples(name, given) for name, given in (("x", x), ("t", t))}
+    samples = {name: _samples(given) for name, given in (("x", x), ("t", t))}
     asked = tuple(fields) if samples["t"] else ()
     question = Question(rtol, end_time, nodes, length, **samples, fields=asked)
     plan = planned(scene, parameters, question, together=together, chunk=chunk)
@@ -126,11 +127,8 @@ def survey(
     )
 
 
-def _samples(name: str, given: ArrayLike) -> tuple[float, ...]:
-    try:
-        return tuple(np.atleast_1d(np.asarray(given, dtype=float)).ravel().tolist())
-    except (TypeError, ValueError):
-        raise SceneError(f"survey: {name} must be numbers, got {shown(given)}.") from None
+def _samples(given: ArrayLike) -> tuple[float, ...]:
+    return tuple(np.atleast_1d(np.asarray(given, dtype=float)).ravel().tolist())
 
 
 def run_survey(

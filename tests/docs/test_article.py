@@ -7,20 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from docs.studies.article.__main__ import (
-    claims_table,
-    figure_2,
-    figure_5,
-    figure_6,
-    slot_figure,
-)
-from docs.studies.article.cases import (
-    Cases,
-    article_scene,
-    run_cases,
-    slot_errors,
-    slot_rows,
-)
+from docs.studies.article.__main__ import claims_table, figure_2, figure_5, figure_6, slot_figure
+from docs.studies.article.cases import Cases, article_scene, run_cases, slot_errors, slot_rows
 from docs.studies.article.claims import CLAIMS, METHODS
 from docs.studies.pages import read_data
 from semianalytic.halfplane.stuck import stuck_traction
@@ -39,7 +27,7 @@ def test_parameters_are_the_articles():
     assert material.shear_speed == pytest.approx(5)
     assert material.longitudinal_speed == pytest.approx(10)
     assert material.rayleigh_speed == pytest.approx(4.662, abs=1e-3)
-    assert scene.friction * scene.load.pressure / scene.load.shear == 0.5
+    assert scene.coefficient * scene.load.pressure / scene.load.shear == 0.5
 
 
 def test_the_two_honest_methods_agree(cases):

@@ -146,4 +146,4 @@ def test_scene_file_of_the_page_on_extending(tmp_path):
     path.write_text(page.split("```toml\n# slider.toml\n")[1].split("```")[0])
     scene = read_scene(path)
     assert scene.shear_history == Ramp(2e-5)
-    assert scene.friction_law == SlipWeakening(0.2, 1e-5)
+    assert scene.friction == SlipWeakening(0.4, 0.32, 1e-5)

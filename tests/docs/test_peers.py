@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from docs.studies.peers import adhesion, cracklet
-from semianalytic.interface.law import check_law
+from semianalytic.scene.laws.law import check_law
 
 
 @pytest.mark.parametrize("rest", [0.0, 1e-9])

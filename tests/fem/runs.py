@@ -32,22 +32,22 @@ RISING = {
     "jumps": sf.Tabulated((0.05, 0.25, 0.25, 0.6), (0.0, 1.0, -1.0, 0.5)),
 }
 LAWS = {
-    "coulomb": sf.CoulombFriction(),
-    "rate": sf.RateWeakening(0.4, 1.0),
-    "viscous": sf.ViscousFriction(0.3),
-    "slip": sf.SlipWeakening(0.6, 0.05),
+    "coulomb": sf.Coulomb(1.0),
+    "rate": sf.RateWeakening(1.0, 0.6, 1.0),
+    "viscous": sf.Coulomb(1.0, viscosity=0.3),
+    "slip": sf.SlipWeakening(1.0, 0.4, 0.05),
 }
 
 
 def sheared(history=sf.Step(), law=LAWS["coulomb"]):  # noqa: B008
     """Shear alone, under constant pressure."""
-    return unit_scene(shear_history=history, friction_law=law)
+    return unit_scene(shear_history=history, law=law)
 
 
 def mixed(history, law=LAWS["coulomb"]):
     """Shear and pressure, the pressure in waves, on an interface sheared beforehand."""
     histories = {"pressure_history": sf.Harmonic(1.0), "shear_history": history}
-    return unit_scene(0.5, (1.0, 0.2), (0.5, 0.8), friction_law=law, **histories)
+    return unit_scene(0.5, (1.0, 0.2), (0.5, 0.8), law=law, **histories)
 
 
 @cache

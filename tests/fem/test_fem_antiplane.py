@@ -96,7 +96,7 @@ def test_slip_converges_to_the_closed_form():
     ("scene", "name"),
     [
         (antiplane(1.0, **REMOTE), ANTIPLANE_LOCKSTEP),
-        (antiplane(0.5, friction_law=sf.ViscousFriction(0.25)), ANTIPLANE),
+        (antiplane(0.5, law=sf.Coulomb(1.0, viscosity=0.25)), ANTIPLANE),
         (antiplane(0.3, (1.0, 0.3), (1.0, 0.6)), ANTIPLANE_LOCKSTEP),
     ],
     ids=["shock", "viscous", "slip from the longitudinal front"],
@@ -110,7 +110,7 @@ def test_exact_solutions_are_met(scene, name):
 
 
 def test_slip_weakening_agrees_with_a_march():
-    scene = antiplane(0.5, friction_law=sf.SlipWeakening(0.5, 0.1))
+    scene = antiplane(0.5, law=sf.SlipWeakening(1.0, 0.5, 0.1))
     seen, marched = (
         simulate(scene, resolution=64).interface,
         sf.solve(scene, method="space-time", nodes=320),

@@ -18,7 +18,7 @@ from fem.resolution import (
 from semianalytic import solve
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import SlipWeakening
+from semianalytic.scene.laws.weakening import SlipWeakening
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material
 from semianalytic.scene.tabulated import Tabulated
@@ -138,8 +138,8 @@ def test_what_is_accepted_is_resolved(history):
 
 
 def weakening(friction=0.6, residual=0.2, distance=0.05, shear=(0.4, 0.4), nu=0.25, pressure=0.0):
-    law = SlipWeakening(1 - residual / friction, distance)
-    return unit_scene(friction, (1.0, shear[0]), (pressure, shear[1]), nu=nu, friction_law=law)
+    law = SlipWeakening(friction, residual, distance)
+    return unit_scene(friction, (1.0, shear[0]), (pressure, shear[1]), nu=nu, law=law)
 
 
 @pytest.mark.slow

@@ -250,6 +250,6 @@ def test_error_is_less_than_that_of_single_steps(scene, most):
 )
 def test_slip_beside_an_opening(base, load):
     """At the border slip rate is infinite, or nothing, where traction would jump."""
-    sim = run(unit_scene(0.3, base, load, friction_law=sf.ViscousFriction(0.25)), 40)
+    sim = run(unit_scene(0.3, base, load, law=sf.Coulomb(1.0, viscosity=0.25)), 40)
     exact, x = sf.solve(sim.scene, rtol=1e-6), sim.interface.x
     assert l1(sim.interface.slip[-1], exact.slip(x, sim.end_time)) < 0.01

@@ -5,11 +5,11 @@ import dataclasses
 
 import numpy as np
 import pytest
-from catalogue import PROBLEMS, STEEL, over
+from catalogue import PROBLEMS, STEEL, over, under
 from hypothesis import HealthCheck, given, settings
 from laws import check_invariants, random_scenes, scenes
 
-from semianalytic import SceneError, TensionError, Tractions, ViscousFriction
+from semianalytic import Coulomb, SceneError, TensionError, Tractions
 from semianalytic.engine.scenes.march import march
 from semianalytic.selfsimilar.solver import solve
 from tests.semianalytic.selfsimilar.test_separation import errors
@@ -84,10 +84,10 @@ def test_units_do_not_matter(problem):
     base, load = (
         Tractions(stress * one.pressure, stress * one.shear) for one in (scene.base, scene.load)
     )
-    law, speed = scene.friction_law, material.shear_speed
-    if isinstance(law, ViscousFriction):
-        law = ViscousFriction(law.viscosity * material.shear_impedance)
-    there = dataclasses.replace(scene, material=material, base=base, load=load, friction_law=law)
+    law, speed = scene.law, material.shear_speed
+    if isinstance(law, Coulomb):
+        law = Coulomb(1.0, viscosity=law.viscosity * material.shear_impedance)
+    there = under(dataclasses.replace(scene, material=material, base=base, load=load), law)
     solution, other = solve(scene), solve(there)
     np.testing.assert_allclose(other.edge_speeds, solution.edge_speeds * speed, rtol=1e-7)
     x = np.linspace(0.02, 1.95, 50)
@@ -121,7 +121,7 @@ def test_what_is_not_self_similar_is_refused_and_marched(problem):
         solve(problem.scene)
     marched = march(problem.scene, nodes=400)
     assert marched.status == "resolved"
-    strength = problem.scene.friction * marched.interface.pressure
+    strength = problem.scene.coefficient * marched.interface.pressure
     assert np.all(np.abs(marched.interface.shear_traction) <= strength * (1 + 2e-3))
     assert np.abs(marched.interface.slip).max() > 0
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from catalogue import under
 
 import slipfront as sf
 from semianalytic.dissimilar_slot.solution import PairSolution
@@ -123,7 +124,7 @@ def test_where_no_method_takes_a_scene_each_that_came_close_says_why():
 
 
 def test_friction_that_falls_with_slip_rate_is_marched_unless_the_exact_answer_is_asked_for():
-    falling = replace(SCENE, friction_law=sf.RateWeakening(0.1, 5.0))
+    falling = under(SCENE, sf.RateWeakening(1.0, 0.9, 5.0))
     assert isinstance(sf.solve(falling, nodes=64), sf.Marched)
     assert isinstance(sf.solve(falling, method="self-similar", rtol=1e-2), sf.Solution)
 
@@ -135,7 +136,7 @@ EQUAL = {
     "little friction": replace(SCENE, friction=0.03),
     "opening beside the slot": replace(SCENE, friction=0.2, load=sf.Tractions(-0.5, 2.0)),
     "opening ahead": sf.find("tap"),
-    "viscous film": replace(SCENE, friction=0.2, friction_law=sf.ViscousFriction(0.1)),
+    "viscous film": under(replace(SCENE, friction=0.2), sf.Coulomb(1.0, viscosity=0.1)),
     "reverse slip": sf.find("auxetic"),
 }
 

@@ -129,9 +129,9 @@ def _beyond_friction(case: Case) -> float | None:
     rates that are not means over a window are taken at the level itself.
     """
     simulation, seen, scene = case.simulation, case.seen, case.scene
-    frictional = scene.friction * seen.pressure
-    levels, speed = slice(None), np.zeros(frictional.shape)
-    if np.any(scene.friction_law.strength(1.0, case.rate, 0.0) > 1.0):
+    levels, speed = slice(None), np.zeros(seen.pressure.shape)
+    pressure = scene.superposition.in_place.pressure
+    if np.any(scene.strength(pressure, case.rate) > scene.strength(pressure)):
         passed = np.diff(seen.t)
         if not simulation.rate_window:
             speed = np.abs(seen.slip_rate)
@@ -140,7 +140,7 @@ def _beyond_friction(case: Case) -> float | None:
         else:
             steps = np.abs(np.diff(seen.slip, axis=0)) / passed[:, None]
             speed, levels = np.maximum(steps[:-1], steps[1:]), slice(1, -1)
-    allowed = scene.friction_law.strength(frictional[levels], speed, 0.0)
+    allowed = scene.strength(seen.pressure[levels], speed)
     return float(np.max(np.abs(seen.shear_traction[levels]) - allowed, initial=0.0))
 
 

@@ -169,7 +169,7 @@ def wear_rows(case: Case) -> Iterator[Row]:
             ("frictional work", "work", "final_work_density", slip * case.stress, "τ₀ V₀ T"),
         )
     ):
-        if kind == "work" and case.scene.friction == 0 == case.prediction.scene.friction:
+        if kind == "work" and case.scene.coefficient == 0 == case.prediction.scene.coefficient:
             continue
         start = NEAREST * case.length
         if kind == "work" and case.scene.superposition.taken_off.pressure:
@@ -298,7 +298,7 @@ def _unseen_shear(case: Case, reach: tuple[float, float]) -> float:
         shown = within(case.seen.x, *reach)
         shear, pressure = case.at_nodes.shear_traction[-1], case.at_nodes.pressure[-1]
         vary = (np.abs(np.diff(field[shown])).sum() for field in (shear, pressure))
-        moved = width * float(next(vary) + case.scene.friction * next(vary))
+        moved = width * float(next(vary) + case.scene.coefficient * next(vary))
     return moved / (case.stress * case.length) + case.norm_of(
         _unseen_stick(case) / case.stress, reach
     )

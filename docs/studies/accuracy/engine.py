@@ -283,7 +283,7 @@ def edges() -> Iterator[Row]:
     answer = sf.solve(scene)
     fault = sf.Interface(
         scene.material,
-        sf.Coulomb(scene.friction),
+        sf.Coulomb(scene.coefficient),
         16.0,
         loads=[sf.InterfaceLoad(1.0, on="slot")],
         contact=sf.Contact([(-math.inf, -2.0), (0.0, math.inf)]),
@@ -299,7 +299,7 @@ def beside_slot(name: str) -> tuple[sf.Scene, sf.Interface]:
     put = scene.superposition.taken_off
     face = sf.Interface(
         scene.material,
-        sf.Coulomb(scene.friction),
+        sf.Coulomb(scene.coefficient),
         10.0,
         scene.base.pressure,
         scene.base.shear,

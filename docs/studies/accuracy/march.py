@@ -46,13 +46,16 @@ _QUARTER = replace(_SOLID, poisson_ratio=0.25)
 
 def _weakening(base: float, shear: float, law: sf.SlipWeakening) -> sf.Scene:
     loads = sf.Tractions(1.0, base), sf.Tractions(0.0, shear)
-    return sf.Scene(_QUARTER, 0.6, *loads, friction_law=law)
+    return sf.Scene(_QUARTER, law, *loads)
 
 
-_HALVED = sf.SlipWeakening(0.5, 0.05)
+_HALVED = sf.SlipWeakening(0.6, 0.3, 0.05)
 WEAKENING: Mapping[str, tuple[sf.Scene, float]] = {
-    "step": (_weakening(0.4, 0.4, sf.SlipWeakening(2 / 3, 0.05)), 2.0),
-    "heavy": (replace(_weakening(0.1, 0.5, sf.SlipWeakening(0.9, 0.05)), material=_SOLID), 1.0),
+    "step": (_weakening(0.4, 0.4, sf.SlipWeakening(0.6, 0.2, 0.05)), 2.0),
+    "heavy": (
+        replace(_weakening(0.1, 0.5, sf.SlipWeakening(0.6, 0.06, 0.05)), material=_SOLID),
+        1.0,
+    ),
     "ramp": (replace(_weakening(0.3, 0.4, _HALVED), shear_history=sf.Ramp(0.4)), 1.0),
 }
 """Scenes that weaken with slip, and their end times."""
@@ -177,7 +180,7 @@ def error_points(quick: bool) -> list[Point]:
 def judged_march(kind: str, which: str | int, nodes: int = NODES) -> list[Row]:
     """Judge the march of a scene; return no rows if it has none, or if the march is unresolved."""
     scene = error_scene(kind, which)
-    if isinstance(scene.friction_law, sf.RateWeakening):
+    if isinstance(scene.law, sf.RateWeakening):
         kind = "rate weakening"
     else:
         kind = "self-similar" if scene.is_self_similar else "histories and slip weakening"

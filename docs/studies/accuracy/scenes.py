@@ -94,7 +94,7 @@ def summary(scene: str, resolution: int) -> Row:
     return {
         "scene": scene,
         "summary": named.summary,
-        "friction": named.scene.friction,
+        "friction": named.scene.coefficient,
         "solver": method_of(judgement.prediction),
         "verdict": judgement.verdict,
         "agree": judgement.counts[AGREES],

@@ -16,7 +16,7 @@ from compare.comparison.fields.changes import PARTS
 from compare.comparison.fields.errors import FieldErrors, field_errors
 from docs.studies.runner import Row
 from fem import Simulation, simulate, with_companions
-from semianalytic import CoulombFriction, Material, Scene, Tractions, ViscousFriction
+from semianalytic import Coulomb, Material, Scene, Tractions
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.halfplane.rayleigh import Array
 
@@ -58,13 +58,12 @@ def random_pair(rng: np.random.Generator) -> Scene:
     kind, shear = rng.integers(0, 5), rng.normal() * rng.choice([0.3, 1.0])
     pressures = [0.0, rng.uniform(0, 1.5), -rng.uniform(0, 1.5), rng.normal(), 0.0]
     film = rng.random() < 0.15
-    law = ViscousFriction(rng.uniform(0, 2)) if film else CoulombFriction()
+    law = Coulomb(friction, viscosity=rng.uniform(0, 2) if film else 0.0)
     return Scene(
         Material(1.0, 1.0, upper),
-        friction,
+        law,
         Tractions(1.0, base),
         Tractions(pressures[kind], shear),
-        friction_law=law,
         lower_material=Material(ratio**2 * density, density, lower),
     )
 
@@ -81,10 +80,10 @@ def _scene(
     load: tuple[float, float],
     film: float = 0.0,
 ) -> Scene:
-    law = ViscousFriction(film) if film else CoulombFriction()
+    law = Coulomb(friction, viscosity=film)
     upper, lower = bodies
     before, after = Tractions(base, 0.0), Tractions(*load)
-    return Scene(upper, friction, before, after, friction_law=law, lower_material=lower)
+    return Scene(upper, law, before, after, lower_material=lower)
 
 
 SCENES: Mapping[str, Scene] = {

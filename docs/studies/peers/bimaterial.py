@@ -51,7 +51,7 @@ def our_run(nodes: int) -> tuple[Fields, float]:
         sf.Material(density * speed**2, density, 0.25)
         for density, speed in ((2730.833867490239, 2620.0), (2745.739267606057, 3091.6))
     )
-    law = sf.SlipDependent(0.7, 0.6, 0.744e-3, delay=0.35e-3)
+    law = sf.SlipWeakening(0.7, 0.6, 0.744e-3, delay=0.35e-3)
 
     def shear(x: Array) -> Array:
         return 82.81e6 + 4.0955e6 * patch(x, 4.0)

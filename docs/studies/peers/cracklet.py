@@ -26,7 +26,7 @@ DISTANCE, SLOPE, RATE, MEMORY, PRESSURE = 5e-7, 0.075, 1e-7, 3.3e-4, 1e6
 
 
 @dataclass(frozen=True)
-class Pmma(sf.InterfaceLaw):
+class Pmma(sf.Law):
     """The friction of their two tests, with theta' = 1 - V theta / L.
 
     Without `rest` it is f + a ln(1 + V/V*) + b f ln(1 + theta/theta*); with `rest` = v0 it is

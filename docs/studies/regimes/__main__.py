@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from docs.studies.regimes import figures
 from docs.studies.runner import Point, Row, Study, main
-from semianalytic import Material, Scene, Solution, Tractions, ViscousFriction, regimes, solve
+from semianalytic import Coulomb, Material, Scene, Solution, Tractions, regimes, solve
 from semianalytic.reference import edge_speed_of_opening
 from semianalytic.regimes import Loading, regime, scene_of, stuck_threshold, thresholds
 from semianalytic.regimes.reverse_slip import log_frictionless_half_width
@@ -154,8 +154,9 @@ def viscous_rows(part: str, value: float, count: int) -> list[Row]:
     rows: list[Row] = []
     for chi in middles(0.0, figures.VISCOUS_FRICTION, count).tolist():
         scene = scene_of("preload", figures.VISCOUS_RATIO, chi)
-        law = ViscousFriction(value * scene.material.shear_impedance / 2)
-        name = regime(solve(replace(scene, friction_law=law), rtol=1e-6))
+        film = value * scene.material.shear_impedance / 2
+        law = Coulomb(scene.coefficient, viscosity=film)
+        name = regime(solve(replace(scene, friction=law), rtol=1e-6))
         rows.append({"part": part, "viscosity": value, "chi": chi, "regime": name})
     return rows
 

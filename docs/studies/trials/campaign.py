@@ -27,7 +27,7 @@ from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 Array = NDArray[np.float64]
 
 SCENES, SEED = 5000, 3
-FINE = {"CoulombFriction": 1e-12, "ViscousFriction": 1e-9, "RateWeakening": 1e-9}
+FINE = {"constant": 1e-12, "Coulomb": 1e-9, "RateWeakening": 1e-9}
 """Accuracies of better answers: films that open take minutes to 1e-12, and friction that falls with
 slip rate does not come further."""
 ROUGH = (1e-5, 1e-6, 1e-8)
@@ -58,7 +58,7 @@ def answer_row(seed: int, index: int) -> Row:
     """
     scene, random = drawn(seed, index, random_wide_scene)
     rtol, began = float(random.choice(ROUGH)), process_time()
-    law = type(scene.friction_law).__name__
+    law = "constant" if isinstance(scene.friction, float) else type(scene.law).__name__
     ratio = scene.superposition.in_place.pressure / _largest_load(scene)
     row: Row = {"index": index, "law": law, "mode": scene.mode, "ratio": ratio, "rtol": rtol}
     row |= {"opens": False, "outcome": "refused", "seconds": 0.0}
@@ -83,11 +83,11 @@ def errors(rough: Solution, fine: Solution, random: Generator, index: int) -> Ro
     another."""
     found = {"edges": error_between(rough, fine) / _bound(rough, fine)}
     found |= _on_the_interface(rough, fine, random) | _totals(rough, fine)
-    if isinstance(rough.scene.friction_law, sf.CoulombFriction):
+    if isinstance(rough.scene.friction, float):
         found["coulomb"] = broken_law(rough, random) / _bound(rough, fine)
     if index % 3 == 0:
         found |= _in_the_bodies(rough, fine, random)
-    rated = isinstance(rough.scene.friction_law, sf.RateWeakening)
+    rated = isinstance(rough.scene.law, sf.RateWeakening)
     if index % 3 == 1 and not rated and fine.statistics.nodes <= _MOST_NODES:
         with suppress(sf.SceneError):  # there is none, as in its own words
             found |= _derivatives(rough, fine, random)
@@ -138,7 +138,7 @@ def _on_the_interface(rough: Solution, fine: Solution, random: Generator) -> Row
     shear, shears = _both(rough, fine, "shear_traction", clear)
     pressure, _ = _both(rough, fine, "pressure", clear)
     load, base = _largest_load(scene), scene.superposition.in_place.pressure
-    rounding = _ROUNDING * max(base * max(scene.friction, 1.0), load) / bound
+    rounding = _ROUNDING * max(base * max(scene.coefficient, 1.0), load) / bound
     # a zone that slips less than the estimate may be missing
     peaks = (_peak(fine, one.inner, one.outer) for one in fine.zones)
     fastest_slip = max(np.abs(rates).max(initial=0.0), *peaks, 0)
@@ -267,9 +267,9 @@ def broken_law(solution: Solution, random: Generator) -> float:
     x = scene.material.longitudinal_speed * random.uniform(1e-3, 1.0, _POINTS)
     shear, rate = solution.shear_traction(x, 1.0), solution.slip_rate(x, 1.0)
     pressure = solution.pressure(x, 1.0)
-    strength, closed = scene.friction * pressure, pressure > 0
+    strength, closed = scene.coefficient * pressure, pressure > 0
     held, load = scene.superposition
-    loads = (held.shear, load.shear, scene.friction * load.pressure)
+    loads = (held.shear, load.shear, scene.coefficient * load.pressure)
     largest = max(float(strength.max()), *(abs(one) for one in loads))
     fastest = float(np.abs(rate).max()) or 1.0
     excess = float((np.abs(shear) - strength).max()) / largest
@@ -286,9 +286,7 @@ def summary(rows: list[Row]) -> list[Row]:
         "refused with a sentence": outcomes.count("refused"),
         "told as unresolved": outcomes.count("unresolved"),
         "raised anything else": sum(one.startswith("raised") for one in outcomes),
-        "of a law that depends on slip rate": sum(
-            row["law"] != "CoulombFriction" for row in answered
-        ),
+        "of a law that depends on slip rate": sum(row["law"] != "constant" for row in answered),
         "in antiplane shear": sum(row["mode"] == "antiplane" for row in answered),
         "where the contact opens": sum(row["opens"] for row in answered),
     }

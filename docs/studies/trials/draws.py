@@ -11,7 +11,6 @@ import numpy as np
 import semianalytic as sf
 from semianalytic.cut.load import contact_opens
 from semianalytic.regimes import opening_threshold
-from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import PULSE_SHAPES, LoadHistory
 
@@ -54,20 +53,18 @@ def random_history_scene(random: np.random.Generator) -> sf.Scene:
     nu = float(random.choice([*_SPECIAL_RATIOS, random.uniform(-0.9, 0.49)]))
     friction = float(np.exp(random.uniform(np.log(0.02), np.log(2))))
     pressure = float(random.choice([0.0, random.uniform(0, 1)], p=[0.6, 0.4]))
-    laws: Sequence[FrictionLaw] = (
-        sf.CoulombFriction(),
-        sf.RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0))),
-        sf.SlipWeakening(float(random.uniform(0, 0.8)), float(random.lognormal(-2.0, 0.7))),
+    laws: Sequence[sf.Law] = (
+        sf.Coulomb(1.0),
+        sf.RateWeakening(1.0, 1 - random.uniform(0, 0.6), random.lognormal(1.0, 1.0)),
+        sf.SlipWeakening(1.0, 1 - random.uniform(0, 0.8), random.lognormal(-2.0, 0.7)),
     )
-    return sf.Scene(
-        sf.Material(1.0, 1.0, nu),
-        friction,
-        sf.Tractions(1.0, float(random.choice([0.0, random.uniform(-1, 1)])) * friction),
+    base = sf.Tractions(1.0, float(random.choice([0.0, random.uniform(-1, 1)])) * friction)
+    load, histories = (
         sf.Tractions(pressure, float(random.normal())),
-        pressure_history=random_history(random),
-        shear_history=random_history(random),
-        friction_law=laws[random.choice(3, p=[0.5, 0.25, 0.25])],
+        (random_history(random), random_history(random)),
     )
+    law = laws[random.choice(3, p=[0.5, 0.25, 0.25])].with_coefficient(friction)
+    return sf.Scene(sf.Material(1.0, 1.0, nu), law, base, load, *histories)
 
 
 def drawn(
@@ -92,19 +89,16 @@ def random_wide_scene(random: np.random.Generator) -> sf.Scene:
     share = float(
         random.choice([0.0, *random.uniform(-1, 1, 3), 1.0, 1 - 10 ** random.uniform(-12, -1)])
     )
-    laws: Sequence[FrictionLaw] = (
-        sf.CoulombFriction(),
-        sf.ViscousFriction(float(10 ** random.uniform(-3, 3))),
-        sf.RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0))),
+    laws: Sequence[sf.Law] = (
+        sf.Coulomb(1.0),
+        sf.Coulomb(1.0, viscosity=10 ** random.uniform(-3, 3)),
+        sf.RateWeakening(1.0, 1 - random.uniform(0, 0.6), random.lognormal(1.0, 1.0)),
     )
-    return sf.Scene(
-        sf.Material(1.0, 1.0, nu),
-        friction,
-        sf.Tractions(base, share * friction * base),
-        sf.Tractions(pressure, float(random.choice([1.0, random.normal()]))),
-        mode=str(random.choice(["in-plane", "antiplane"], p=[0.7, 0.3])),
-        friction_law=laws[random.choice(3, p=[0.5, 0.3, 0.2])],
-    )
+    held = sf.Tractions(base, share * friction * base)
+    load = sf.Tractions(pressure, float(random.choice([1.0, random.normal()])))
+    mode = str(random.choice(["in-plane", "antiplane"], p=[0.7, 0.3]))
+    law = laws[random.choice(3, p=[0.5, 0.3, 0.2])].with_coefficient(friction)
+    return sf.Scene(sf.Material(1.0, 1.0, nu), law, held, load, mode=mode)
 
 
 def random_steps(random: np.random.Generator) -> sf.Scene:
@@ -154,7 +148,7 @@ def _random_solid(random: np.random.Generator) -> tuple[sf.Material, float]:
 
 def _random_judged_history(random: np.random.Generator) -> sf.Scene:
     scene = random_history_scene(random)
-    if isinstance(scene.friction_law, sf.RateWeakening):
+    if isinstance(scene.law, sf.RateWeakening):
         # short waves grow on any grid: there is nothing to converge to
         raise sf.SceneError("Rate weakening has no answer under histories.")
     return scene
@@ -162,9 +156,8 @@ def _random_judged_history(random: np.random.Generator) -> sf.Scene:
 
 def _random_film(random: np.random.Generator) -> sf.Scene:
     scene, share = random_steps(random), float(np.exp(random.uniform(np.log(0.01), np.log(3.0))))
-    return replace(
-        scene, friction_law=sf.ViscousFriction(share * scene.material.shear_impedance / 2)
-    )
+    film = share * scene.material.shear_impedance / 2
+    return replace(scene, friction=sf.Coulomb(scene.coefficient, viscosity=film))
 
 
 def _random_antiplane(random: np.random.Generator) -> sf.Scene:

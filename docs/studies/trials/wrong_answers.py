@@ -147,7 +147,9 @@ def _of_another_scene(other: sf.Scene, right: Answer) -> Answer | None:
 
 
 def _friction(size: float, share: float, scene: sf.Scene) -> sf.Scene:
-    return replace(scene, friction=(1 + size * share) * scene.friction)
+    return replace(
+        scene, friction=scene.law.with_coefficient((1 + size * share) * scene.coefficient)
+    )
 
 
 def _ratio(size: float, share: float, scene: sf.Scene) -> sf.Scene:

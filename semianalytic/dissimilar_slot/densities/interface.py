@@ -19,7 +19,7 @@ from semianalytic.dissimilar.phase import (
     rayleigh_phases,
     slip_phase,
 )
-from semianalytic.scene.friction import ViscousFriction
+from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 
@@ -104,16 +104,15 @@ def rayleigh_slowness(body: Body) -> float:
 def interface_of(scene: Scene) -> tuple[LoadedBodies, float]:
     """Return a scene of two bodies in its own units, and the unit of stress."""
     assert isinstance(scene.load, Tractions)
+    assert type(scene.law) is Coulomb
     base, load = scene.base, scene.load
     # Without a load nothing moves; the base then serves for a unit that is not 0.
     unit = max(abs(load.pressure), abs(load.shear)) or scene.base.pressure
-    law = scene.friction_law
-    viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
     interface = LoadedBodies(
         compliance_of(*scene.bodies),
-        scene.friction,
+        scene.coefficient,
         # Rates are relative here, as those of the film: no factor of 2, unlike identical bodies.
-        viscosity / scene.material.shear_impedance,
+        scene.law.viscosity / scene.material.shear_impedance,
         base.pressure / unit,
         base.shear / unit,
         load.pressure / unit,

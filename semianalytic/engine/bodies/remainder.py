@@ -287,11 +287,11 @@ def far_traction(scene: Scene, times: Array) -> Array:
     """
     impedance, held = scene.material.shear_impedance / 2, scene.superposition.in_place
     stopping = np.array([abs(held.shear)])
-    frictional = np.array([scene.friction * held.pressure])
+    pressure = np.array([held.pressure])
     # There V is uniform and the waves it sends are plane: no memory, only the local term of (4.40).
     path, rates = np.zeros(1), np.zeros(len(times))
     for level, step in enumerate(np.diff(times, append=times[-1])):
-        rates[level] = scene.friction_law.slip_speed(stopping, frictional, impedance, path)[0]
+        rates[level] = scene.law.slip_speed(stopping, pressure, impedance, path)[0]
         path = path + step * rates[level]
     return np.asarray(-np.sign(held.shear) * impedance * rates)
 

@@ -22,10 +22,10 @@ from semianalytic.engine.scenes.walk import TOLERANCES
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.tuning import STEP_RATIO
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
-from semianalytic.scene.contact import wave_slips_ahead
+from semianalytic.scene.contact import process_zone, wave_slips_ahead
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import taking_quantities
 from semianalytic.scene.given.finding import of_scene, scene_of_one_solid
-from semianalytic.scene.quantities import taking_quantities
 from semianalytic.scene.scene import Scene
 
 TOLERANCE = 1e-6
@@ -172,7 +172,7 @@ def march(
     # The feedback refuses 0.5 to 0.7 or more, by Poisson ratio.
     step_ratio = _check_range("step_ratio", step_ratio, 0.0, 2.0)
     if damping is None:
-        damping = WEAKENING_DAMPING if scene.friction_law.fall_with_slip else DAMPING
+        damping = WEAKENING_DAMPING if process_zone(scene) < math.inf else DAMPING
     damping = checked_number(
         "march: damping",
         damping,

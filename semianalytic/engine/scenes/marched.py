@@ -32,7 +32,7 @@ from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.quantities import asked_in_units
+from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions
 
 Array = NDArray[np.float64]

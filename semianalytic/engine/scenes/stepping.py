@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from semianalytic.engine.scenes.loads import FrontLoad, FrontPressure, GridPressure
 from semianalytic.engine.stepping.blocks import Level
 from semianalytic.scene.errors import TensionError
-from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -128,7 +127,7 @@ def _check(scene: Scene, time: float, pressure: Array, spacing: float) -> None:
     """Raise an error if the contact would open or friction weakens too fast under a pressure."""
     node = int(np.argmin(pressure))
     if pressure[node] < 0:
-        solved = scene.is_self_similar and scene.friction_law == CoulombFriction()
+        solved = scene.is_self_similar and isinstance(scene.friction, float)
         raise TensionError(
             f"the pressure would turn tensile at x = {(node + 0.5) * spacing:.4g}, "
             f"t = {time:.4g}; raise the base pressure, {'use `solve`, ' if solved else ''}"

@@ -8,7 +8,7 @@ Steps are summed up and recorded in blocks (`Blocks`; docs/spacetime.md, "Method
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -19,19 +19,11 @@ from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.stepping import Segment, levels_of, load_jumps
 from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.blocks import Blocks
-from semianalytic.interface.law import InterfaceLaw
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.scene.friction import (
-    CoulombFriction,
-    FrictionLaw,
-    RateFriction,
-    SlipWeakening,
-    ViscousFriction,
-)
 
 TOLERANCES = (1e-11, 1e-2)
 """Range of the memory's tolerance: 1e-11 takes 45 poles; 1e-2 is coarser than the grid."""
@@ -40,33 +32,6 @@ SINGLE_SIZE = 4096
 
 Progress = Callable[[int, int], object]
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class SceneFriction(InterfaceLaw):
-    """The friction law of a scene, whose state is the accumulated |slip|, and its coefficient."""
-
-    given: FrictionLaw
-    friction: float
-
-    def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the strength; see `InterfaceLaw.strength`."""
-        return self.given.strength(self.friction * pressure, speed, state)
-
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
-        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
-        return self.given.slip_speed(stopping, self.friction * pressure, impedance, state)
-
-    def steady_slope(self) -> Any:
-        """Return the viscosity, or None; see `InterfaceLaw.steady_slope`."""
-        if type(self.given) is ViscousFriction:
-            return self.given.viscosity
-        return 0.0 if type(self.given) in (CoulombFriction, SlipWeakening) else None
-
-    @property
-    def follows_state(self) -> bool:
-        """Whether strength may depend on the path; only these laws are known not to ask for it."""
-        return not isinstance(self.given, CoulombFriction | RateFriction)
 
 
 class Walk:
@@ -118,7 +83,7 @@ class Walk:
         summed = [getattr(marched.totals, one.name) for one in fields(Totals)]
         self._summed = _Rows(summed, (not before) + self._steps)
         grid, scene, line = marched.grid, marched.scene, marched.grid.line
-        law = SceneFriction(scene.friction_law, scene.friction)
+        law = scene.law
         impedance = scene.material.shear_impedance / 2
         self._memory = LineMemory(marched.memory, line.wavenumbers, single=grid.size <= SINGLE_SIZE)
         self._memory.put_back(marched.past)

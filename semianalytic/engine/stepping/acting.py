@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
-from semianalytic.interface.fields import at_nodes, moving, sampled
+from semianalytic.interface.fields import at_nodes
 from semianalytic.interface.interface import Interface
 from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.sampling import moving, sampled
 
 Array = NDArray[np.float64]
 

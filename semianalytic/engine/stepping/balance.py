@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.means import area_means
-from semianalytic.interface.law import InterfaceLaw
+from semianalytic.scene.laws.law import Law
 
 Array = NDArray[np.float64]
 
@@ -19,7 +19,7 @@ class Balance:
 
     Parameters
     ----------
-    law : InterfaceLaw
+    law : Law
         Friction, drawn on the nodes of the contact.
     impedance : float
         Traction per relative slip rate of plane waves [stress time / length].
@@ -39,7 +39,7 @@ class Balance:
 
     def __init__(
         self,
-        law: InterfaceLaw,
+        law: Law,
         impedance: float,
         touching: NDArray[np.bool_],
         grid: Grid,

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.means import check_feedback, damped
-from semianalytic.interface.law import InterfaceLaw
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.laws.law import Law
 
 BLOCK_STEPS = 64
 """Steps that are recorded at once: 16 take 1.2 times as long, 256 as long (256 nodes)."""
@@ -81,7 +81,7 @@ class Blocks:
         Nodes.
     balance : Balance
         The local problem.
-    law : InterfaceLaw
+    law : Law
         Friction, drawn on the nodes of the contact.
     memory : LineMemory
         Memory of past slip.
@@ -115,7 +115,7 @@ class Blocks:
         self,
         grid: Grid,
         balance: Balance,
-        law: InterfaceLaw,
+        law: Law,
         memory: LineMemory,
         reached: Reached,
         *,

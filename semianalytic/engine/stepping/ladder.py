@@ -12,8 +12,8 @@ from semianalytic.engine.stepping.pace import LoadPace
 from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.tuning import LADDER
 from semianalytic.engine.stepping.unilateral import Unilateral
-from semianalytic.interface.law import InterfaceLaw
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.law import Law
 
 Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ class Ladder:
 
     Parameters
     ----------
-    law : InterfaceLaw
+    law : Law
         Friction, drawn on the nodes of the contact.
     touching : (n,) array of bool
         Whether the bodies touch; the rest is slot.
@@ -44,7 +44,7 @@ class Ladder:
 
     def __init__(
         self,
-        law: InterfaceLaw,
+        law: Law,
         touching: NDArray[np.bool_],
         pace: LoadPace,
         unilateral: Unilateral | None,

@@ -19,11 +19,12 @@ from semianalytic.engine.stepping.tuning import BOUND_SHARE
 from semianalytic.engine.stepping.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.stepping.window import check_window
 from semianalytic.interface.contact import Adhesion
-from semianalytic.interface.fields import required, sampled
+from semianalytic.interface.fields import required
 from semianalytic.interface.interface import Interface
-from semianalytic.interface.law import check_law, check_rate
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.laws.law import check_law, check_rate
+from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 

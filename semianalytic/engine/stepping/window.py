@@ -17,8 +17,8 @@ from semianalytic.dissimilar.kernels import BodyPair, PairImpedance
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.stability import sliding_stability
 from semianalytic.dissimilar.thresholds import growth_threshold
-from semianalytic.interface.law import InterfaceLaw
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.law import Law
 
 Array = NDArray[np.float64]
 
@@ -26,16 +26,14 @@ _SHARE = 1e-6
 """Relative change of pressure by which friction is measured."""
 
 
-def check_window(
-    pair: BodyPair, law: InterfaceLaw, pressure: Array, speed: Array, spacing: float
-) -> None:
+def check_window(pair: BodyPair, law: Law, pressure: Array, speed: Array, spacing: float) -> None:
     """Raise SceneError if waves grow without bounds while the bodies slide.
 
     Parameters
     ----------
     pair : BodyPair
         The bodies.
-    law : InterfaceLaw
+    law : Law
         Friction at the nodes of the contact.
     pressure, speed : (contact,) array
         Pressure [stress] and |slip rate| before loads [length / time].
@@ -63,7 +61,7 @@ def check_window(
 
 def doubt_of(
     pair: BodyPair,
-    law: InterfaceLaw,
+    law: Law,
     pressure: Array,
     state: Array,
     fastest: float,
@@ -104,7 +102,7 @@ def doubt_of(
     )
 
 
-def growing_friction(pair: BodyPair, law: InterfaceLaw, pressure: Array) -> float:
+def growing_friction(pair: BodyPair, law: Law, pressure: Array) -> float:
     """Return the friction under which waves grow if a law has no delay, or 0 where none does."""
     if not law.has_threshold or not (pressure > 0).any():
         # A direct effect of slip rate damps the shortest waves, if it is large (`doubt_of`).
@@ -134,7 +132,7 @@ def least_delay(pair: BodyPair, spacing: float) -> float:
     return 3.0 * spacing / (math.pi * pair.speed)
 
 
-def _response(law: InterfaceLaw, pressure: Array, where: NDArray[np.bool_]) -> tuple[float, float]:
+def _response(law: Law, pressure: Array, where: NDArray[np.bool_]) -> tuple[float, float]:
     """Return the largest change of strength per pressure, and the least per slip rate."""
     count = len(where)
     base, rest = np.ones(count), np.zeros(count)

@@ -9,12 +9,14 @@ from typing import Any
 
 from semianalytic.scene.checks import checked_table, made, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.incident import load_document, load_from_document
-from semianalytic.scene.kinds import PARTS, Part
+from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
+from semianalytic.scene.laws.kinds import law_from_table, law_table
+from semianalytic.scene.laws.law import Law, coefficient_field
 from semianalytic.scene.loading import SLOT, WITHOUT_SLOT, Tractions
+from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
-from semianalytic.scene.plugins import kind_of, known_class, plugin_names
+from semianalytic.scene.plugins import HISTORIES, known_class
 from semianalytic.scene.scene import IN_PLANE, Scene
 
 WHOLE_LINE = "whole line"
@@ -24,21 +26,21 @@ WHOLE_LINE = "whole line"
 def scene_document(scene: Scene) -> dict[str, Any]:
     """Return a scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
 
-    Histories and friction law are named by `kind`.  These, the mode, the place of the load and the
-    units are left out if they are the default.
+    Histories and friction laws are named by `kind`; the coefficient at rest of a law stands outside
+    its table.  Defaults are left out, so that files stay short.
     """
     document: dict[str, Any] = {} if scene.has_slot else {"contact": WHOLE_LINE}
     document |= {
-        "friction": scene.friction,
+        **({"friction": scene.coefficient} if coefficient_field(type(scene.law)) else {}),
         "material": asdict(scene.material),
         "base": asdict(scene.base),
         "load": load_document(scene.load),
     }
-    for name, known in PARTS.items():
-        part = getattr(scene, name)
-        # Defaults are left out, so that files stay short and old files stay what they were.
-        if part != known.default:
-            document[name] = part_document(part)
+    for name in HISTORY_FIELDS:
+        if (history := getattr(scene, name)) != Step():
+            document[name] = history_document(history)
+    if isinstance(scene.friction, Law):
+        document["friction_law"] = law_table(scene.friction)
     if scene.antiplane:
         document["mode"] = scene.mode
     if scene.load_on != SLOT:
@@ -50,10 +52,9 @@ def scene_document(scene: Scene) -> dict[str, Any]:
     return document
 
 
-def part_document(part: Any) -> dict[str, Any]:
-    """Return a history or friction law as a dictionary of its kind and parameters."""
-    known = PARTS["friction_law" if isinstance(part, FrictionLaw) else "shear_history"]
-    return {"kind": kind_of(*known[:3], type(part)), **asdict(part)}
+def history_document(history: Any) -> dict[str, Any]:
+    """Return a history as a dictionary of its kind and parameters."""
+    return {"kind": history_kind(history), **asdict(history)}
 
 
 def scene_from_document(document: Mapping[str, Any]) -> Scene:
@@ -78,11 +79,16 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
             "whole line; other loads belong to a scene with a slot, without contact."
         )
     parts = {
-        name: _named(name, part, document[name]) for name, part in PARTS.items() if name in document
+        name: history_from_table(name, document[name])
+        for name in HISTORY_FIELDS
+        if name in document
     }
+    friction: float | Law | None = document.get("friction")
+    if "friction_law" in document:
+        friction = law_from_table("friction_law", document["friction_law"], friction, scene=True)
     return Scene(
         material=Material(**document["material"]),
-        friction=document["friction"],
+        friction=friction,  # type: ignore[arg-type]  # the scene refuses None
         base=Tractions(**document["base"]),
         load=load,
         mode=document.get("mode", IN_PLANE),
@@ -93,16 +99,10 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
     )
 
 
-def _named(name: str, part: Part, table: Any) -> Any:
-    """Make the history or friction law that a table with a kind and parameters describes."""
+def history_from_table(name: str, table: Any) -> Any:
+    """Return the history that a table with a kind and parameters describes."""
     kind = checked_table(name, table).get("kind")
-    described = known_class(*part[:3], kind) if isinstance(kind, str) else None
-    if described is None:
-        kinds = ", ".join((*part.own, *plugin_names(part.group, part.own)))
-        raise SceneError(
-            f"{name}: kind must be one of {kinds}, got {shown(kind)} (docs/not_here.md)."
-        )
-    return made(name, described, table)
+    return made(name, known_class(name, HISTORIES, LoadHistory, HISTORY_KINDS, kind), table)
 
 
 def toml_text(document: Mapping[str, Any], heading: str = "") -> str:

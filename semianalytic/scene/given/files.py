@@ -6,15 +6,17 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Collection, Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from semianalytic.scene.checks import check_keys, check_numbers, checked_table
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.load_tables import with_tables
-from semianalytic.scene.given.text_files import text_of
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.tables.bounds import LARGEST_DESCRIPTION
+from semianalytic.scene.tables.text import text_of
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
@@ -43,11 +45,12 @@ def read_scene(path: str | Path) -> Scene:
     "growing"`` with power, or, of bodies that touch along the whole line, "patch" with speed,
     "point-force" or "half-line"; ``contact = "whole line"`` may say so.
     It may hold ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time =
-    0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance =
-    1e-5``).  A history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header
-    has units.  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
-    "remote"`` lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s
-    and Pa.  A table ``[lower_material]`` has the keys of ``[material]``, for the lower body.
+    0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``dynamic = 0.2``, ``distance =
+    1e-5``; in place of ``dynamic``, ``reduction`` is the part of ``friction`` that is lost).  A
+    history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header has units.
+    Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on = "remote"``
+    lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.  A
+    table ``[lower_material]`` has the keys of ``[material]``, for the lower body.
 
     Raises
     ------
@@ -60,7 +63,8 @@ def read_scene(path: str | Path) -> Scene:
         raise SceneError(f"{path} {INTERFACE_HINT}")
     try:
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
-        check_tables(document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
+        needed = TABLES if "friction_law" in document else ("friction", *TABLES)
+        check_tables(document, needed, ("friction", *OPTIONAL_TABLES, *WORDS))
         return scene_from_document(with_tables(path, document))
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
@@ -82,16 +86,15 @@ def check_tables(
             check_numbers(f"{name}.", table)
 
 
-def read_document(path: str | Path) -> dict[str, Any]:
+def read_document(path: str | PathLike[str]) -> dict[str, Any]:
     """Read a TOML file; raise SceneError if it cannot be read, or is none."""
     text = ""
     try:
-        text = text_of(path)
+        text = text_of(Path(path), LARGEST_DESCRIPTION)
         return tomllib.loads(text)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
-    except ValueError as error:  # TOML syntax and UTF-8 errors alike
+    except DataFileError as error:
+        raise SceneError(str(error)) from error
+    except ValueError as error:
         # The parser names a line and column; that a table was appended to a file that has it
         # already is the usual reason, and easier to mend by name.
         twice = [head for head, count in Counter(_headings(text)).items() if count > 1]

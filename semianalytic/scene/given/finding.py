@@ -10,6 +10,7 @@ from pathlib import Path
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import Function, taking_quantities
 from semianalytic.scene.given.files import (
     INTERFACE_HINT,
     INTERFACE_KEY,
@@ -18,7 +19,6 @@ from semianalytic.scene.given.files import (
 )
 from semianalytic.scene.given.named import INTERFACES, NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
-from semianalytic.scene.quantities import Function, taking_quantities
 from semianalytic.scene.scene import Scene
 
 
@@ -71,10 +71,6 @@ def described_scene(source: str | PathLike[str]) -> Scene:
     >>> scene.friction, scene.load
     (0.3, Tractions(pressure=0.0, shear=1.0))
     """
-    if not isinstance(source, str | PathLike):
-        raise SceneError(
-            f"find: give the name of a scene or the path of a TOML file, got {shown(source)}."
-        )
     source = fspath(source)
     named = NAMED_SCENES.get(source)
     if named is not None:

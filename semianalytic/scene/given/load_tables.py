@@ -6,13 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.tables.columns import Column, read_columns
+from semianalytic.scene.tables.columns import read_columns
 from semianalytic.scene.tables.units import names_no_unit
-from semianalytic.scene.units import SI, units_shown
+from semianalytic.scene.units import SI
 
 FILE = "file"
 """The key of a history of kind "tabulated" that names a table in place of its numbers."""
@@ -82,33 +80,20 @@ def _read(
         )
     (at,), (of,) = time, value
     is_load = names[of] in loads
-    size = _size(table, columns[of], "stress" if is_load else "1", units)
+    if units != SI:
+        for one, dimension in ((columns[at], "time"), (columns[of], "stress" if is_load else "1")):
+            if dimension != "1" and not names_no_unit(one.unit, dimension):
+                raise SceneError(
+                    f"{table}: {one.name} has a unit, but the scene does not say which units its "
+                    f'own numbers have; write units = "{SI}" into its file, or take the unit out '
+                    "of the header."
+                )
+    numbers = columns[of].numbers(table, ("stress" if is_load else "1",))
     if is_load and not load:
         raise SceneError(
             f"{table} gives the {loads[0]} of the load, which is divided by that of [load]; set "
             f"{loads[0]} there to its largest value, not 0, or name the column value."
         )
-    lengths = _size(table, columns[at], "time", units)
-    return (
-        # Fifteen digits: 10 us are 1e-05 s, and a time given twice stays the same number twice.
-        [float(f"{lengths * one:.15g}") for one in columns[at].values.tolist()],
-        [size * one / (load if is_load else 1.0) for one in columns[of].values.tolist()],
-    )
-
-
-def _size(table: Path, column: Column, dimension: str, units: str) -> float:
-    """Return the factor from the unit of a column to that of the scene."""
-    if not np.isfinite(column.values).all():
-        raise SceneError(f"{table}: {column.name} must hold finite numbers in every row.")
-    size = column.size((dimension,))
-    if size is None:
-        raise SceneError(
-            f"{table}: {column.name} must be in {units_shown(dimension)}, or have no unit, got "
-            f"{shown(column.unit)}."
-        )
-    if units != SI and dimension != "1" and not names_no_unit(column.unit, dimension):
-        raise SceneError(
-            f"{table}: {column.name} has a unit, but the scene does not say which units its own "
-            f'numbers have; write units = "{SI}" into its file, or take the unit out of the header.'
-        )
-    return size
+    # Fifteen digits: 10 us are 1e-05 s, and a time given twice stays the same number twice.
+    times = [float(f"{one:.15g}") for one in columns[at].numbers(table, ("time",)).tolist()]
+    return times, (numbers / (load if is_load else 1.0)).tolist()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.incident import IncidentWave, MovingLoad
+from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.loading import REMOTE, GrowingLoad, Patch, PointForce
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.scene import Material, Scene, Tractions
@@ -77,7 +77,7 @@ NAMED_SCENES: dict[str, NamedScene] = {
         "constant shear, sudden loss of pressure on the slot: slip ahead of the shear wave",
     ),
     "viscous": NamedScene(
-        Scene(_UNIT_SOLID, 0.2, _PRELOAD, _SHEAR, friction_law=ViscousFriction(0.1)),
+        Scene(_UNIT_SOLID, Coulomb(0.2, viscosity=0.1), _PRELOAD, _SHEAR),
         "constant pressure, sudden shear, a viscous film: one slip zone across the Rayleigh front",
     ),
     "antiplane": NamedScene(

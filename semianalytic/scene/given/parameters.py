@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import Field, fields
 from typing import Any, NamedTuple
 
-from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.incident import IncidentWave, Load, MovingLoad
+from semianalytic.scene.laws.law import Law
 from semianalytic.scene.loading import GrowingLoad, HalfLine, LineLoad, Patch, PointForce
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.units import PARAMETERS
@@ -56,8 +56,6 @@ _ON_LINE: Mapping[type, Mapping[str, Parameter]] = {
     PointForce: _FORCE,
     HalfLine: {"kind": Parameter("", "on all of x < 0 from t = 0 on; no slot"), **TRACTIONS},
 }
-EVERY_LOAD: Mapping[str, Parameter] = {**_WAVE, **_MOVING}
-"""Parameters of all loads, tractions among them."""
 _OF_PARTS: Mapping[str, Parameter] = {
     "rise_time": Parameter(PARAMETERS["rise_time"], "in which it rises evenly from 0 to 1"),
     "duration": Parameter(PARAMETERS["duration"], "after which it is over"),
@@ -65,9 +63,12 @@ _OF_PARTS: Mapping[str, Parameter] = {
     "frequency": Parameter(PARAMETERS["frequency"], "cycles per time"),
     "t": Parameter(PARAMETERS["t"], "increasing; a time given twice is a jump"),
     "value_at_t": Parameter(PARAMETERS["value_at_t"], "values there, straight lines between"),
+    "friction": Parameter(PARAMETERS["friction"], "friction coefficient"),
+    "static": Parameter(PARAMETERS["static"], "friction before any slip"),
+    "dynamic": Parameter(PARAMETERS["dynamic"], "friction that is left, at most the static one"),
     "viscosity": Parameter(PARAMETERS["viscosity"], "strength over relative slip rate, 0 or more"),
-    "reduction": Parameter(PARAMETERS["reduction"], "part of friction that is lost, 0 to 1"),
-    "rate": Parameter(PARAMETERS["rate"], "relative slip rate at which half of that is lost"),
+    "cohesion": Parameter(PARAMETERS["cohesion"], "strength without pressure, 0 or more"),
+    "rate": Parameter(PARAMETERS["rate"], "relative slip rate at which half is lost"),
     "distance": Parameter(PARAMETERS["distance"], "accumulated slip over which it is lost"),
 }
 
@@ -86,7 +87,7 @@ def load_parameters(load: Load) -> Mapping[str, Parameter]:
     return _MOVING if isinstance(load, MovingLoad) else TRACTIONS
 
 
-def part_parameters(kind: type[LoadHistory] | type[FrictionLaw]) -> dict[str, Parameter]:
+def part_parameters(kind: type[LoadHistory] | type[Law]) -> dict[str, Parameter]:
     """Return the parameters of a class of load histories or friction laws, by name.
 
     A class of another package declares them in the metadata of its fields, as in

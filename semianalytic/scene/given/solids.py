@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.material import Material
 from semianalytic.scene.units import measure
 
@@ -73,6 +74,7 @@ SOLIDS: Mapping[str, Solid] = {
 }
 
 
+@checking
 def find_material(name: str) -> Material:
     """Return a solid that is known by name, in SI units.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from decimal import Decimal
 from itertools import chain
@@ -12,14 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import (
-    CoulombFriction,
-    FrictionLaw,
-    RateWeakening,
-    SlipWeakening,
-    ViscousFriction,
-)
-from semianalytic.scene.given.documents import WHOLE_LINE, part_document, scene_document
+from semianalytic.scene.given.documents import WHOLE_LINE, history_document, scene_document
 from semianalytic.scene.given.parameters import (
     MATERIAL,
     TRACTIONS,
@@ -34,13 +27,17 @@ from semianalytic.scene.incident import (
     load_document,
     load_from_document,
 )
+from semianalytic.scene.laws.coulomb import Coulomb
+from semianalytic.scene.laws.kinds import law_table
+from semianalytic.scene.laws.law import Law
+from semianalytic.scene.laws.weakening import RateWeakening, SlipWeakening
 from semianalytic.scene.loading import LineLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.scene.tabulated import Tabulated
 from semianalytic.scene.units import SI, unit
 
-Part = TypeVar("Part", LoadHistory, FrictionLaw)
+Part = TypeVar("Part", LoadHistory, Law)
 
 SI_SOLID, SI_STRESS = (1e9, 1000.0), 1e6
 """Shear modulus [Pa] and density [kg/m^3] that replace 1, near those of polymers, in which a shear
@@ -53,11 +50,10 @@ _HISTORIES: tuple[LoadHistory, ...] = (
     Harmonic(3.0),
     Tabulated((0.0, 0.2, 1.0), (0.0, 1.0, 0.5)),
 )
-_LAWS: tuple[FrictionLaw, ...] = (
-    CoulombFriction(),
-    ViscousFriction(0.1),
-    RateWeakening(0.2, 1.0),
-    SlipWeakening(0.5, 0.05),
+_LAWS: tuple[Law, ...] = (
+    Coulomb(1.0, viscosity=0.1),
+    RateWeakening(1.0, 0.8, 1.0),
+    SlipWeakening(1.0, 0.5, 0.05),
 )
 """Examples in units mu = rho = 1, under tractions of 1."""
 _WAVE, _MOVING = IncidentWave("SV", angle=-30.0, velocity=0.5), MovingLoad(0.5, 0.0, 1.0)
@@ -68,10 +64,9 @@ _SAYINGS: Mapping[type, str] = {
     Pulse: "comes and goes",
     Harmonic: "sin(2 pi frequency t)",
     Tabulated: 'straight between times; or, for t and value_at_t, file = "pulse.csv"',
-    CoulombFriction: "constant, f p",
-    ViscousFriction: "f p + viscosity |V|",
-    RateWeakening: "f p (1 - reduction |V| / (|V| + rate))",
-    SlipWeakening: "f p (1 - reduction min(slip / distance, 1))",
+    Coulomb: "friction p + viscosity |V|",
+    RateWeakening: "p (dynamic + (friction - dynamic) rate / (|V| + rate))",
+    SlipWeakening: "friction falls to dynamic with slip, evenly or by a shape",
 }
 
 
@@ -109,12 +104,11 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
     assert isinstance(base, Tractions)
     return Scene(
         **_bodies(scene, solid),
-        friction=scene.friction,
+        friction=_scaled(scene.law, scales, digits),
         base=base,
         load=load,
         pressure_history=_scaled(scene.pressure_history, scales, digits),
         shear_history=_scaled(scene.shear_history, scales, digits),
-        friction_law=_scaled(scene.friction_law, scales, digits),
         mode=scene.mode,
         load_on=scene.load_on,
         units=SI,
@@ -181,7 +175,8 @@ def _lines(scene: Scene, origin: str, remark: str, *, with_all: bool) -> Iterato
     if isinstance(scene.load, Tractions):
         said = "slot: taken off its faces; remote: arrives from far away"
         yield f'load_on = "{scene.load_on}"  # {said}'
-    yield f"friction = {_value(scene.friction)}  # Coulomb friction coefficient f, 0 or more"
+    if "friction" in document:
+        yield f"friction = {_value(document['friction'])}  # friction coefficient f, 0 or more"
     said_of_load = "what comes at t = 0, where load_on says"
     if not isinstance(scene.load, Tractions):
         said_of_load = "its front reaches the tip of the slot at t = 0"
@@ -201,14 +196,18 @@ def _lines(scene: Scene, origin: str, remark: str, *, with_all: bool) -> Iterato
             other = _load_in(_scales(scene.material, _largest(scene)), example)
             for line in _values(load_document(other), load_parameters(other), scene.units):
                 yield f"# {line}"
-    for name, said, examples in (
-        ("pressure_history", "how the pressure of the load comes, over time", _HISTORIES),
-        ("shear_history", "how the shear of the load comes, over time", _HISTORIES),
-        ("friction_law", "strength of what slips at V under the pressure p", _LAWS),
-    ):
-        if with_all or name in document:
-            yield f"\n[{name}]  # {said}"
-            yield from _part(scene, getattr(scene, name), examples if with_all else ())
+    for kind in ("pressure", "shear"):
+        if with_all or f"{kind}_history" in document:
+            yield f"\n[{kind}_history]  # how the {kind} of the load comes, over time"
+            own = getattr(scene, f"{kind}_history")
+            others = [one for one in _HISTORIES if with_all and type(one) is not type(own)]
+            yield from _part(scene, own, others)
+    if with_all or "friction_law" in document:
+        yield "\n[friction_law]  # strength of what slips at V under the pressure p"
+        laws = [one for one in _LAWS if with_all and type(one) is not type(scene.friction)]
+        yield from _part(
+            scene, scene.law, [one.with_coefficient(scene.coefficient) for one in laws]
+        )
     if lower is not None:
         yield "\n[lower_material]  # of the lower body"
         yield from _values(asdict(lower), MATERIAL, scene.units)
@@ -218,19 +217,19 @@ def _lines(scene: Scene, origin: str, remark: str, *, with_all: bool) -> Iterato
             yield f"# {line}"
 
 
-def _part(scene: Scene, own: Any, examples: tuple[Any, ...]) -> Iterator[str]:
+def _part(scene: Scene, own: Any, examples: Sequence[Any]) -> Iterator[str]:
     """Return the lines of the scene's history or law, and of the others as comments."""
     yield from _kind(own, scene.units)
     scales = _scales(scene.material, _largest(scene))
     for example in examples:
-        if type(example) is not type(own):
-            for line in _kind(_scaled(example, scales, digits=3), scene.units):
-                yield f"# {line}"
+        for line in _kind(_scaled(example, scales, digits=3), scene.units):
+            yield f"# {line}"
 
 
-def _kind(part: LoadHistory | FrictionLaw, units: str) -> Iterator[str]:
+def _kind(part: LoadHistory | Law, units: str) -> Iterator[str]:
     saying = Parameter("", _SAYINGS.get(type(part), ""))
-    yield from _values(part_document(part), {"kind": saying, **part_parameters(type(part))}, units)
+    document = law_table(part) if isinstance(part, Law) else history_document(part)
+    yield from _values(document, {"kind": saying, **part_parameters(type(part))}, units)
 
 
 def _values(

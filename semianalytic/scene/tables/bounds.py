@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import gzip
+import io
 import stat
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 
-from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.errors import DataFileError, SlipfrontError
 
 LARGEST_TEXT = 2**27
 """Bytes of a text, unpacked: 128 MB, two million rows of six numbers, which take half a minute and
 400 MB to read; twice that takes twice as long and as much."""
+LARGEST_DESCRIPTION = 2**24
+"""Bytes of a file that describes a problem, in TOML, of which a second reads a megabyte."""
 LARGEST_NUMBERS = 2**25
 """Numbers of arrays together, 256 MB: 4000 times at 2000 positions, four quantities."""
 LARGEST_FILE = 2**30
@@ -35,14 +40,40 @@ def size_of(path: Path) -> int:
     DataFileError
         If it is none, or cannot be looked at.
     """
-    try:
+    with _readable(path):
         status = path.stat()
-    except OSError as error:
-        reason = error.strerror or error
-        raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
     if not stat.S_ISREG(status.st_mode):
         raise DataFileError(f"{path} is not an ordinary file; save what it gives in one.")
     return status.st_size
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or error
+        raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
+
+
+@contextmanager
+def parsing(path: Path) -> Iterator[None]:
+    """Hide what a library prints; whatever it raises becomes a DataFileError of one sentence."""
+    try:
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            yield
+    except SlipfrontError:
+        raise
+    except (Exception, SystemExit) as error:  # parsers of damaged files fail in any way at all
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise DataFileError(f"{path} cannot be read ({reason}); write it anew.") from error
+
+
+def beginning_of(path: Path, count: int) -> bytes:
+    """The first bytes of an ordinary file; raises as `size_of`."""
+    size_of(path)
+    with _readable(path), path.open("rb") as stream:
+        return stream.read(count)
 
 
 def check_file_size(path: Path, most: int = LARGEST_FILE) -> None:
@@ -74,19 +105,15 @@ def content_of(path: Path) -> bytes:
         If it is not an ordinary file, a damaged archive, or too large.
     """
     check_file_size(path, LARGEST_TEXT)
-    try:
-        with path.open("rb") as stream:
-            packed = stream.read(2) == b"\x1f\x8b"
-        with gzip.open(path, "rb") if packed else path.open("rb") as stream:
-            parts, size = [], 0
+    packed = beginning_of(path, 2) == b"\x1f\x8b"
+    parts, size = [], 0
+    with _readable(path), gzip.open(path, "rb") if packed else path.open("rb") as stream:
+        try:
             while part := stream.read(_CHUNK):
                 parts.append(part)
                 size += len(part)
                 if size > LARGEST_TEXT:
                     raise too_large(path, "more", f"{LARGEST_TEXT / 2**20:.0f} MB of text")
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise DataFileError(f"{path} cannot be unpacked ({error}); pack it anew.") from error
-    except OSError as error:
-        reason = error.strerror or error
-        raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
+        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+            raise DataFileError(f"{path} cannot be unpacked ({error}); pack it anew.") from error
     return b"".join(parts)

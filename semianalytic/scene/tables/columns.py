@@ -8,9 +8,12 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
+
+from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.tables.text import Array, read_table
-from semianalytic.scene.tables.units import EXAMPLES, common_size, names_no_unit, si_size
+from semianalytic.scene.tables.units import EXAMPLES, common_size, known_size
 
 _BRACKETED = re.compile(r"([^\[(]*)[\[(]([^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]\s*\Z")
 
@@ -24,13 +27,17 @@ class Column:
     unit: str
     values: Array
 
-    def size(self, dimensions: Collection[str]) -> float | None:
-        """Factor to SI units, 1 where there is no unit; None for one of none of the dimensions."""
-        if any(names_no_unit(self.unit, one) for one in dimensions):
-            return 1.0
-        # those that need no library come first: ms is a time before it is no length
-        sizes = (find(self.unit, one) for find in (common_size, si_size) for one in dimensions)
-        return next((one for one in sizes if one is not None), None)
+    def numbers(self, path: str | PathLike[str], dimensions: Collection[str]) -> Array:
+        """The numbers in SI units, all of them finite; raises a SceneError."""
+        size = known_size(self.unit, dimensions)
+        if size is None:
+            raise SceneError(
+                f"{path}: {self.name} must have no unit, or one such as "
+                f"{', '.join(EXAMPLES[one] for one in dimensions)}, got {shown(self.unit)}."
+            )
+        if not np.isfinite(self.values).all():
+            raise SceneError(f"{path}: {self.name} must hold finite numbers in every row.")
+        return size * self.values
 
 
 def split_heading(heading: str, dimensions_of: Callable[[str], Collection[str]]) -> tuple[str, str]:

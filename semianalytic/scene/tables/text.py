@@ -14,7 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.tables.bounds import LONGEST_LINE, MOST_SECONDS, check_numbers, content_of
+from semianalytic.scene.tables.bounds import (
+    LARGEST_TEXT,
+    LONGEST_LINE,
+    MOST_SECONDS,
+    check_file_size,
+    check_numbers,
+    content_of,
+)
 
 Array = NDArray[np.float64]
 
@@ -60,14 +67,15 @@ class Table:
     line: int
 
 
-def text_of(path: Path) -> str:
-    """All of a text file, unpacked if it is gzipped.
+def text_of(path: Path, most: int = LARGEST_TEXT) -> str:
+    """All of a text file of so many bytes at most, unpacked if it is gzipped.
 
     Raises
     ------
     DataFileError
         If it is not there, not text, a damaged archive, or too large.
     """
+    check_file_size(path, most)
     return "\n".join(lines_of(path))
 
 
@@ -127,8 +135,8 @@ def _encoding(path: Path, content: bytes) -> str:
     return "utf-8"
 
 
-def read_table(path: Path) -> Table:
-    """The table of a text file.
+def read_table(path: Path, least: int = 2) -> Table:
+    """The table of a text file, of so many columns at least.
 
     Raises
     ------
@@ -136,7 +144,7 @@ def read_table(path: Path) -> Table:
         If there are no numbers, or a line does not have as many as the first; the message names it.
     """
     content, encoding = _decodable(path)
-    reader = _Reader(path, content.count(b"\n"))
+    reader = _Reader(path, content.count(b"\n"), least)
     for number, raw in enumerate(_lines(path, content, encoding), 1):
         reader.take(number, raw)
     return reader.table()
@@ -145,8 +153,8 @@ def read_table(path: Path) -> Table:
 class _Reader:
     """Reader of line after line: rows are parsed together, and one by one where that fails."""
 
-    def __init__(self, path: Path, lines: int) -> None:
-        self.path, self.lines = path, lines
+    def __init__(self, path: Path, lines: int, least: int) -> None:
+        self.path, self.lines, self.least = path, lines, least
         self.comments: list[str] = []
         self.names: tuple[str, ...] = ()
         self.line, self.width = 0, 0
@@ -207,7 +215,7 @@ class _Reader:
         if self.separator is None:
             self.separator = _separator(raw)
         self.width = len(self.names) or len(_split(raw, self.separator))
-        if self.width < 2:
+        if self.width < self.least:
             raise DataFileError(
                 f"{self.path}, line {number}: there is one column, and two at least are needed; "
                 "put commas, semicolons, tabs or blanks between columns."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tokenize
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -56,9 +56,9 @@ _RAISED = str.maketrans("⁻¹²³", "-123")
 def names_no_unit(text: str, dimension: str) -> bool:
     """Tell whether the place of a unit says that there is none, or holds the dimension itself.
 
-    Commands write "t [time]" and "slip [length]" where a scene has no units.
+    Commands write "t [time]" and "slip_rate [length/time]" where a scene has no units.
     """
-    return text.strip().lower() in NO_UNIT or text.strip() == unit(dimension)
+    return text.strip().lower() in NO_UNIT or text.strip() in (dimension, unit(dimension))
 
 
 def si_size(name: str, dimension: str) -> float | None:
@@ -90,6 +90,15 @@ def si_size(name: str, dimension: str) -> float | None:
     if len(text) > LONGEST or not _KNOWN.match(text):
         return None
     return _size(_CASES.get(text, text), dimension)
+
+
+def known_size(text: str, dimensions: Collection[str]) -> float | None:
+    """Factor to SI units, 1 where there is no unit; None for a unit of none of the dimensions."""
+    if any(names_no_unit(text, one) for one in dimensions):
+        return 1.0
+    # those that need no library come first: ms is a time before it is no length
+    sizes = (find(text, one) for find in (common_size, si_size) for one in dimensions)
+    return next((one for one in sizes if one is not None), None)
 
 
 def common_size(text: str, dimension: str) -> float | None:

@@ -58,20 +58,19 @@ def changes(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
             "derivative: there is one for constant and viscous friction only; difference two "
             "solutions (docs/limits.md)."
         )
-    if name == "friction" and scene.friction == 0:
+    if name == "friction" and scene.coefficient == 0:
         raise SceneError(
             "derivative: without friction the sense of slip is free, and friction of any size "
             "opens stick gaps; take a small positive friction."
         )
-    if name in ("base_pressure", "load_pressure") and load.frictionless and scene.friction:
+    if name in ("base_pressure", "load_pressure") and load.frictionless and scene.coefficient:
         raise SceneError(
             "derivative: without pressure the sense of slip is free, and friction under any "
             "pressure opens stick gaps; take a small positive base pressure."
         )
     if name == "viscosity" and load.resistance is None:
         raise SceneError(
-            "derivative: with respect to viscosity the scene needs ViscousFriction of a positive "
-            "viscosity."
+            "derivative: with respect to viscosity the scene needs friction with a viscosity."
         )
     if name == "viscosity":
         rates = Rates(resistance=2 / scene.material.shear_impedance)

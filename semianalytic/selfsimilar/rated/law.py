@@ -18,7 +18,7 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 from semianalytic.halfplane.stuck import traction_of
-from semianalytic.scene.friction import RateFriction
+from semianalytic.scene.laws.law import Law
 from semianalytic.scene.scene import Scene
 
 
@@ -26,35 +26,37 @@ from semianalytic.scene.scene import Scene
 class UnitLaw:
     """Friction law in units of stress and of the one-sided slip rate, b = mu = 1.
 
-    `share` is the part of the change of constant friction that is applied, for steps towards the
-    law.
+    It takes f p, of which `pressure` is the unit of the law over f.  `share` is the part of the
+    change of constant friction that is applied, for steps towards the law.
     """
 
-    law: RateFriction
+    law: Law
     stress: float
+    pressure: float
     rate: float
     share: float = 1.0
 
     def strength(self, frictional: Array, speed: Array) -> Array:
         """Return the strength S(f p, |V|)."""
-        whole = self.law.strength(self.stress * frictional, self.rate * speed, 0.0)
+        none = np.zeros(np.shape(frictional))
+        whole = self.law.strength(self.pressure * frictional, self.rate * speed, none)
         return np.asarray((1 - self.share) * frictional + self.share / self.stress * whole)
 
     def slopes(self, frictional: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
         """Return the derivatives with respect to f p, to |V|, to both, and to |V| twice."""
-        given = self.law.rate_slopes(self.stress * frictional, self.rate * speed)
-        by_friction, by_rate, mixed, twice = (self.share * one for one in given)
-        # Chain rule for the units of slip rate and of stress.
-        unit = self.rate / self.stress
-        by_friction = by_friction + (1 - self.share)
-        return by_friction, unit * by_rate, self.rate * mixed, unit * self.rate * twice
+        given = self.law.rate_slopes(self.pressure * frictional, self.rate * speed)
+        by_pressure, by_rate, mixed, twice = (self.share * one for one in given)
+        # Chain rule for the units of slip rate, of pressure and of stress.
+        unit, pressed = self.rate / self.stress, self.pressure / self.stress
+        by_friction = pressed * by_pressure + (1 - self.share)
+        return by_friction, unit * by_rate, self.rate * pressed * mixed, unit * self.rate * twice
 
 
 def unit_law(scene: Scene, stress: float) -> UnitLaw:
     """Return the law of a scene in the units of its load."""
-    assert isinstance(scene.friction_law, RateFriction)
+    pressure = stress / scene.coefficient if scene.coefficient else 0.0
     # The law takes the relative slip rate, twice the one-sided one.
-    return UnitLaw(scene.friction_law, stress, 2 * stress / scene.material.shear_impedance)
+    return UnitLaw(scene.law, stress, pressure, 2 * stress / scene.material.shear_impedance)
 
 
 @dataclass(frozen=True)

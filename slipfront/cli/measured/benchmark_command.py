@@ -143,6 +143,8 @@ def score(
         document = {"scores": [asdict(one) for one in scores], "units": {"scores": units}}
         print_json("benchmark score", document)
         return
+    for note in dict.fromkeys(f"{one.sheet}: {note}" for one in scores for note in one.notes):
+        typer.echo(f"Note: {note}.")
     Console().print(_score_table(scores))
 
 

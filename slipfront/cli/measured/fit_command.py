@@ -30,6 +30,7 @@ from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
+from semianalytic.scene.given.files import read_document
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import si_size
@@ -47,6 +48,7 @@ from slipfront.fits.data import gauges_and_notes
 from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence
 
 PRIORS: Mapping[str, type] = {"normal": Normal, "lognormal": LogNormal, "uniform": Uniform}
+_PLACE = re.compile(r"([^=]+)=\s*(\w+)\s*@\s*([^,@]+(?:,[^,@]+)?)\Z")
 _PRIOR = re.compile(r"([^=]+)=\s*(\w+)\s*\(\s*([^,()]+?)\s*,\s*([^,()]+?)\s*\)\s*$")
 
 
@@ -75,6 +77,14 @@ def fit_command(
             metavar="[NAME=]NUMBER",
             help="Standard deviation, such as 0.5um, of all samples whose unit it is, or of a "
             "quantity, where no column gives it.",
+        ),
+    ] = None,
+    gauge: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=QUANTITY@X,Y",
+            help="Of tables with a column for each gauge: what a column records, and where, as "
+            "SG1=exx@20mm,3.5mm, or a TOML file of lines SG1 = 'exx@20mm,3.5mm'.",
         ),
     ] = None,
     prior: Annotated[
@@ -126,7 +136,9 @@ def fit_command(
     scene = interface or override_scene(find_scene(scene_name), **overrides)
     known, numbers = _priors(scene, prior or ()), _numbers(scene, "setup", held or (), SETUP)
     setup = Setup(numbers.get("t0", 0.0), numbers.get("x0", 0.0), numbers.get("gain", 1.0))
-    gauges, notes, unread = gauges_and_notes(files, _noise(scene, noise or ()), scene, names)
+    gauges, notes, unread = gauges_and_notes(
+        files, _noise(scene, noise or ()), scene, names, _places(scene, gauge or ())
+    )
     if plot is not None:
         from compare.figures.saving import figure_format
 
@@ -285,6 +297,31 @@ def _measured(scene: Scene | InterfaceFile, option: str, text: str, kind: str) -
     number = measure(text, kind, si_size)
     in_scene = asked(scene, option, number, kind)
     return number if in_scene is None else in_scene
+
+
+def _places(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, tuple[Any, ...]]:
+    """Parse NAME=QUANTITY@X,Y arguments, some of which may be files of them, by name."""
+    listed: list[str] = []
+    for text in given:
+        if "=" in text or not text.endswith(".toml"):
+            listed.append(text)
+            continue
+        listed += [f"{name}={place}" for name, place in read_document(text).items()]
+    result: dict[str, tuple[Any, ...]] = {}
+    for text in listed:
+        match = _PLACE.match(text)
+        if match is None or match[2] not in QUANTITIES:
+            raise SceneError(
+                f"{option_name('gauge')} must be NAME=QUANTITY@X,Y, as SG1=exx@20mm,3.5mm, or "
+                f"@X on the interface, with one of {', '.join(QUANTITIES)}, got {shown(text)}."
+            )
+        try:
+            place = [_measured(scene, "gauge", one, "length") for one in match[3].split(",")]
+        except SceneError as error:
+            raise SceneError(f"{option_name('gauge')} {match[1]}: the place {error}") from None
+        if result.setdefault(match[1].strip(), (match[2], *place)) != (match[2], *place):
+            raise SceneError(f"{option_name('gauge')} {match[1]} has two places; give one.")
+    return result
 
 
 def _priors(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, Prior]:

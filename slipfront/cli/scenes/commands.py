@@ -28,14 +28,11 @@ from semianalytic.scene.given.finding import (
     find_scene,
     kind_of,
 )
-from semianalytic.scene.given.named import (
-    DEFAULT_SCENE,
-    INTERFACES,
-    NAMED_SCENES,
-)
+from semianalytic.scene.given.named import DEFAULT_SCENE, INTERFACES, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
-from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS
+from semianalytic.scene.kinds import HISTORY_KINDS
+from semianalytic.scene.laws.kinds import LAW_KINDS
 from semianalytic.scene.plugins import (
     FIGURES,
     HISTORIES,
@@ -46,6 +43,7 @@ from semianalytic.scene.plugins import (
     find_plugin,
     plugins,
 )
+from semianalytic.scene.tables.text import text_of
 from semianalytic.scene.units import SI
 from slipfront.cli.options import AsJson
 from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
@@ -58,7 +56,7 @@ STDOUT = Path("-")
 
 _OWN: Mapping[str, Collection[str]] = {
     SCENES: (*NAMED_SCENES, *NAMED_INTERFACES),
-    LAWS: FRICTION_LAWS,
+    LAWS: LAW_KINDS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
     METHODS: OWN_METHODS,
@@ -207,7 +205,7 @@ def _text_of(name: str) -> str:
     """Return the TOML file of a problem that is no scene."""
     if name in NAMED_INTERFACES:
         return NAMED_INTERFACES[name].lstrip()
-    return Path(name).read_text(encoding="utf-8")
+    return text_of(Path(name))
 
 
 def _write(file: Path, text: str, document: dict[str, Any], *, force: bool, as_json: bool) -> None:

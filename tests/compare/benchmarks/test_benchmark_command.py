@@ -31,9 +31,13 @@ def test_sheets_are_listed_shown_exported_and_scored(tmp_path, capsys):
     assert [one["quantity"] for one in scores] == ["arrival", "slip_rate", "slip", "shear_traction"]
     assert max(one["error"] for one in scores[1:]) < 1e-9
     few = tmp_path / "[bold] few.csv"
-    few.write_text("# benchmark: antiplane\nt,x,slip\n0.1,0.5,0\n0.9,0.5,0\n")
+    rows = "0.1,0.5,0,1\n0.9,0.5,0,1\n9,0.5,0,1\n0.1,0.7123,0,1\n0.2,0.7123,0,1\n"
+    few.write_text(f"# benchmark: antiplane\nt,x,slip,heat\n{rows}")
     assert main(["benchmark", "score", str(table), str(few)]) == 0
     shown = capsys.readouterr().out
+    assert "antiplane: columns without a known name: heat." in shown
+    assert "1 stations that the sheet does not have are left out" in shown
+    assert "1 times beyond T are left out" in shown
     assert "[bold]" in shown
     assert "no class (-) below 90 %" in shown
 
@@ -46,13 +50,15 @@ def test_sheets_are_listed_shown_exported_and_scored(tmp_path, capsys):
         (["score", "none.csv"], 3, "none.csv cannot be read"),
         (["score", "mine.csv"], 2, "does not say of which benchmark it is; give --sheet."),
         (["score", "mine.csv", "--sheet", "tap"], 3, "no column of times"),
+        (["score", "face.csv", "--sheet", "tap"], 3, "holds motion of one face"),
         (["export", "there", "tap"], 2, "--overwrite"),
     ],
 )
 def test_refusals_are_one_sentence(tmp_path, refused, monkeypatch, arguments, code, words):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.csv").write_text("a,b\n1,2\n")
+    (tmp_path / "face.csv").write_text("t,x,u_upper\n0,0.5,1\n1,0.5,2\n")
     (tmp_path / "there" / "tap").mkdir(parents=True)
     (tmp_path / "there" / "tap" / "tap.md").write_text("mine")
     assert words in refused(["benchmark", *arguments], code)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.csv", "there"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["face.csv", "mine.csv", "there"]

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import solved
+from catalogue import solved, under
 from compare_cases import differing, named, simulated
 
 from compare import judge
@@ -17,15 +17,7 @@ from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.own_rows import own_rows
 from docs.studies.trials.wrong_answers import FAULTS
 from fem import simulate, with_companions
-from semianalytic import (
-    CoulombFriction,
-    Material,
-    RateWeakening,
-    Scene,
-    Tabulated,
-    Tractions,
-    ViscousFriction,
-)
+from semianalytic import Coulomb, Material, RateWeakening, Scene, Tabulated, Tractions
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene
@@ -263,7 +255,7 @@ class TestSimulationsAtFault:
     @pytest.mark.parametrize("name", ["viscous", "preloaded", "remote-shock", "antiplane"])
     def test_a_finest_run_of_another_load_does_not_agree(self, name, more):
         """It widens its own bars, so that it is within some of them."""
-        film = replace(PRELOADED, friction_law=ViscousFriction(0.2))
+        film = under(PRELOADED, Coulomb(1.0, viscosity=0.2))
         scene = film if name == "viscous" else find_scene(name)
         pressure, shear = scene.load.pressure, scene.load.shear
         other = replace(scene, load=Tractions(more * pressure, more * shear))
@@ -310,10 +302,9 @@ class TestMeshesThatDoNotTellTheirErrors:
 
     WEAKENING = Scene(
         Material(1.0, 1.0, -0.1399),
-        0.71814,
+        RateWeakening(0.71814, 0.4763494434, 2.4376),
         Tractions(1.3057, 0.70224),
         Tractions(0.0, 1.7844),
-        friction_law=RateWeakening(0.33669, 2.4376),
     )
 
     @pytest.mark.parametrize("law", ["falls", "is constant"])
@@ -321,7 +312,7 @@ class TestMeshesThatDoNotTellTheirErrors:
         """Only where friction falls with slip rate, or bodies are different."""
         scene = self.WEAKENING
         if law == "is constant":
-            scene = replace(scene, friction_law=CoulombFriction())
+            scene = under(scene, Coulomb(1.0))
         case = judged(scene, 100).case
         rough = case.seen.slip_rate + 0.1 * case.rate * (-1.0) ** np.arange(len(case.seen.x))
         wrong = replace(case.simulation, interface=replace(case.seen, slip_rate=rough))

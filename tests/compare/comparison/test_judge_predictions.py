@@ -174,10 +174,9 @@ def test_a_weakening_front_agrees_or_is_unresolved():
     """Friction falls from 0.6 to 0.2 within a slip of 0.05."""
     scene = Scene(
         Material(1.0, 1.0, 0.25),
-        0.6,
+        SlipWeakening(1.0, 1 / 3, 0.05).with_coefficient(0.6),
         Tractions(1.0, 0.4),
         Tractions(0.0, 0.4),
-        friction_law=SlipWeakening(2 / 3, 0.05),
     )
     run = simulated(scene, 100, 2.0)
     assert differing(judge(predict_like(run), run)) == []

@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from catalogue import over, solved
+from catalogue import over, solved, under
 from compare_cases import SELF_SIMILAR
 
 import fem.budget
@@ -32,10 +32,9 @@ from semianalytic.scene.given.finding import find_scene
 
 WEAKENING = Scene(
     Material(1.0, 1.0, 0.25),
-    0.6,
+    SlipWeakening(1.0, 1 / 3, 0.05).with_coefficient(0.6),
     Tractions(1.0, 0.4),
     Tractions(0.0, 0.4),
-    friction_law=SlipWeakening(2 / 3, 0.05),
 )
 
 
@@ -235,7 +234,7 @@ def test_coarser_meshes_follow_the_loads_too_if_they_can():
 
 
 def test_loads_set_the_coarsest_mesh():
-    scene = replace(WEAKENING, friction_law=find_scene("ramp").friction_law)
+    scene = under(WEAKENING, find_scene("ramp").law)
     fast = replace(scene, shear_history=Harmonic(4.0))
     choice = choose_mesh(None, fast)
     assert choice.resolution > USUAL

@@ -5,7 +5,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from catalogue import UNIT_FILE, solved
+from catalogue import UNIT_FILE, solved, under
 from compare_cases import Spoilt, differing, named, sampled_run, simulated
 from hypothesis import given
 from hypothesis import strategies as st
@@ -201,7 +201,7 @@ def test_every_number_of_a_solution_has_a_unit(name):
 
 @pytest.mark.parametrize("name", ["ramp", "pulse", "harmonic", "weakening"])
 def test_every_number_of_a_march_has_a_unit(name):
-    weakening = replace(find_scene("preloaded"), friction_law=SlipWeakening(0.5, 0.2))
+    weakening = under(find_scene("preloaded"), SlipWeakening(1.0, 0.5, 0.2))
     scene = weakening if name == "weakening" else find_scene(name)
     document = march_document(solve(scene, method="space-time", end_time=0.5, nodes=60))
     assert list(without_unit(document, document["units"])) == []

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import solved
+from catalogue import solved, under
 from compare_cases import SELF_SIMILAR, sampled_run
 from matplotlib.figure import Figure
 
@@ -166,7 +166,8 @@ def test_units_are_named_by_the_traction_they_are():
     resting = replace(scene, load=type(scene.load)(0.0, 0.0))
     assert "τ₀ = pressure of the base = 1" in scene_words(resting)
     assert scene_words(replace(scene, mode="antiplane")).startswith("antiplane shear,  ν = ")
-    assert "(RateWeakening)" in scene_words(replace(scene, friction_law=RateWeakening(0.4, 1.0)))
+    words = scene_words(under(scene, RateWeakening(1.0, 0.6, 1.0)))
+    assert f"(rate-weakening, dynamic {0.6 * scene.coefficient:.3g}, rate 1)" in words
 
 
 @pytest.mark.thinned(2)

@@ -12,7 +12,7 @@ import pytest
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
 from fem import simulate
-from semianalytic import find
+from semianalytic import find, solve
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene import extras
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
@@ -198,8 +198,8 @@ def test_motion_of_faces_of_a_mesh(suffix, tmp_path, monkeypatch):
         kind = '<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>'
         path.write_text(f'<?xml version="1.0"?>\n{kind}\n{path.read_text()}')
     (records,) = read_records([path])
-    places = np.array([0.25, 0.5, 0.75])
-    check(records, np.outer(T, 4 * places), places)
+    places = np.linspace(-0.25, 0.75, 5)
+    check(records, np.outer(T, 4 * np.maximum(places, 0)), places)
     assert records.spacing == 0.25
     assert "velocity is the field 'Velocity'" in records.notes
 
@@ -224,6 +224,23 @@ def test_what_this_package_writes(tmp_path):
     for one in both:
         # frames are in single precision
         assert one.values["slip"][-1] == pytest.approx(last[round(one.x, 9)], rel=2e-7)
+
+
+def test_answers_that_this_package_saves_are_read_whatever_they_are_called(tmp_path):
+    march = solve("ramp", nodes=32, end_time=0.5, companion=False)
+    run = solve("two-slots", nodes=64, end_time=0.5, estimate=False)
+    exact = solve("preloaded").to_xarray(X, T)
+    for name, save in {"a.h5": march.save, "b.nc": march.save, "c.npz": run.save,
+                       "d.h5": run.save, "e.nc": run.to_xarray().to_netcdf,
+                       "f.nc": exact.to_netcdf}.items():  # fmt: skip
+        save(tmp_path / name)
+        (records,) = read_records([tmp_path / name])
+        saved = march.interface if name < "c" else run if name < "f" else exact
+        last, *_ = np.nonzero(np.asarray(saved.x) == records.stations[-1].x)[0]
+        for quantity, values in records.stations[-1].values.items():
+            np.testing.assert_array_equal(values, np.asarray(getattr(saved, quantity))[:, last])
+        assert len(records.stations) == np.sum(np.asarray(saved.x) > (0 if name < "c" else -9))
+        assert "touching" not in records.unread
 
 
 def test_what_uguca_writes():

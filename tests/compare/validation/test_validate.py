@@ -141,9 +141,9 @@ def test_slip_rate_from_slip_if_it_is_asked_for(exact):
 @pytest.mark.parametrize(
     ("data", "sentence"),
     [
-        ({"t": [0.1], "slip": [1.0]}, "lack x"),
-        ({"t": [0.1], "x": [1.0]}, "lack any of slip_rate"),
-        ({"t": [0.1, 0.2], "x": [1.0], "slip": [1.0]}, "does not fit"),
+        ({"t": [0.1], "slip": [1.0]}, "has no array of positions"),
+        ({"t": [0.1], "x": [1.0]}, "none of it is slip_rate"),
+        ({"t": [0.1, 0.2], "x": [1.0], "slip": [1.0]}, "slip has shape"),
         ({"t": [0.5], "x": 0.1, "slip": [0.0]}, r"at x = 0\.1 has 1 times; it takes 2 at least"),
         ({"t": [-0.2, -0.1], "x": 0.5, "slip": [0.0, 0.0]}, "nothing was recorded after t = 0"),
         ({"t": [0.1, 0.2], "x": 2000.0, "slip": [0.0, 0.0]}, "unit of positions or of times"),

@@ -2,13 +2,7 @@
 
 import pytest
 
-from docs.studies.dissimilar.__main__ import (
-    FIELDS,
-    STUDIES,
-    growth_figure,
-    map_rows,
-    threshold_row,
-)
+from docs.studies.dissimilar.__main__ import FIELDS, STUDIES, growth_figure, map_rows, threshold_row
 from docs.studies.dissimilar.pairs import fields_rows, honesty, stated_rows
 from docs.studies.pages import read_data
 

@@ -6,11 +6,7 @@ import mpmath
 import pytest
 
 from docs.studies.pages import read_data
-from docs.studies.stability.grids import (
-    by_active_set,
-    by_pivoting,
-    grid_problem,
-)
+from docs.studies.stability.grids import by_active_set, by_pivoting, grid_problem
 from docs.studies.stability.solver import (
     closed_form,
     estimate_rows,

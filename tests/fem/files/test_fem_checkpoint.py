@@ -14,6 +14,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from catalogue import under
 from faults import ROOT
 
 import semianalytic as sf
@@ -24,9 +25,9 @@ from tests.fem.runs import MIXED, UNLOADED, assert_same, interrupted
 
 PULSED = dataclasses.replace(
     MIXED,
+    friction=sf.SlipWeakening(0.5, 0.2, 0.02),
     pressure_history=sf.Harmonic(2.0),
     shear_history=sf.Pulse(0.4, "triangle"),
-    friction_law=sf.SlipWeakening(0.6, 0.02),
 )
 OPTIONS = {"resolution": 24, "frames": 5}
 
@@ -132,11 +133,11 @@ def test_resumed_run_equals_an_uninterrupted_one(options, tmp_path):
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize("law", [sf.SlipWeakening(0.6, 0.02), sf.RateWeakening(0.4, 1.0)])
+@pytest.mark.parametrize("law", [sf.SlipWeakening(1.0, 0.4, 0.02), sf.RateWeakening(1.0, 0.6, 1.0)])
 @pytest.mark.parametrize("stopped", [11, 37])
 def test_resumed_run_remembers_load_path_and_law(law, stopped, tmp_path):
     path = tmp_path / "checkpoint.h5"
-    scene = dataclasses.replace(PULSED, friction_law=law)
+    scene = under(PULSED, law)
     stop_after(path, stopped, scene)
     again = resume(path, scene=scene)
     assert_same(again, simulate(scene, resolution=24))

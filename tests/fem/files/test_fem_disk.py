@@ -223,7 +223,7 @@ def test_report_and_figures_go_with_the_simulation_they_belong_to(tmp_path):
     assert left == {"mine.txt", "fields-mine.vtu"}
 
 
-def test_another_run_leaves_a_checkpoint_alone(whole, tmp_path):
+def test_another_run_leaves_a_checkpoint_alone(whole, tmp_path, capsys):
     path = tmp_path / "checkpoint.h5"
     options = {"resolution": 18, "checkpoint": path, "checkpoint_every": 10}
     interrupted(find_scene("preloaded"), 15, **options)
@@ -232,6 +232,9 @@ def test_another_run_leaves_a_checkpoint_alone(whole, tmp_path):
     given = ("--no-snapshots", "--quiet", "--resolution", "18", "--resume")
     assert command(tmp_path, *given, "--checkpoint-every", "10") == 0
     assert not path.exists()
+    assert "to resume from" not in capsys.readouterr().err
+    assert command(tmp_path, *given) == 0
+    assert f"there is no {path} to resume from; it starts at t = 0" in capsys.readouterr().err
 
 
 def test_resumed_run_says_which_of_its_snapshots_are_gone(whole, tmp_path):

@@ -39,13 +39,13 @@ def test_saved_simulation_comes_back_equal(simulation, tmp_path):
     assert_comes_back(simulation, tmp_path)
 
 
-@pytest.mark.parametrize("law", [sf.RateWeakening(0.4, 1.0), sf.SlipWeakening(0.6, 0.02)])
+@pytest.mark.parametrize("law", [sf.RateWeakening(0.5, 0.3, 1.0), sf.SlipWeakening(0.5, 0.2, 0.02)])
 def test_saved_simulation_knows_its_loads_and_law(law, mesh_cache, tmp_path):
     scene = dataclasses.replace(
         MIXED,
+        friction=law,
         pressure_history=sf.Tabulated((0.1, 0.4, 0.6, 0.6), (0.0, 1.0, 1.0, 0.5)),
         shear_history=sf.Pulse(0.4, "haversine"),
-        friction_law=law,
     )
     assert_comes_back(simulate(scene, resolution=20), tmp_path)
 

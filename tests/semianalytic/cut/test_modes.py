@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import unit_scene
+from catalogue import under, unit_scene
 
-from semianalytic import ViscousFriction, solve
+from semianalytic import Coulomb, solve
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.regimes import opening_threshold
@@ -20,7 +20,7 @@ CASES = {
     "opening behind the shear front": unit_scene(
         0.3, (0.8 * opening_threshold(0.1), 0.0), (1.0, 0.4), nu=0.1
     ),
-    "opening within a film": replace(OPEN, friction_law=ViscousFriction(0.04)),
+    "opening within a film": under(OPEN, Coulomb(1.0, viscosity=0.04)),
 }
 
 

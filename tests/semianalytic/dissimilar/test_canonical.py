@@ -103,7 +103,7 @@ def test_both_sides_of_the_equation_meet_off_the_cuts():
         ({"base": Tractions(0.0, 0.0)}, "base pressure must be positive"),
         ({"base": Tractions(1.0, 0.3)}, "slide as a whole"),
         ({"lower_material": Material(1e6, 1.0, 0.3)}, "factor of 100000"),
-        ({"friction_law": SlipWeakening(0.5, 0.1)}, "friction_law is SlipWeakening: between"),
+        ({"friction": SlipWeakening(0.3, 0.15, 0.1)}, "friction is SlipWeakening"),
         ({"mode": "antiplane"}, "plane strain, a step of tractions on the slot"),
         ({"load_on": "remote"}, "simulate the scene"),
         ({"shear_history": Ramp(1.0)}, "shear_history: between different bodies"),

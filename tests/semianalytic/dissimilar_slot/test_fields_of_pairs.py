@@ -328,7 +328,7 @@ def test_what_has_no_derivative_is_refused_in_one_sentence():
     answer = answer_of("slip from the slot", 1e-9)
     with pytest.raises(SceneError, match="name must be one of friction, viscosity, base_pressure"):
         answer.derivative("weight")
-    with pytest.raises(SceneError, match="needs ViscousFriction of a positive viscosity"):
+    with pytest.raises(SceneError, match="needs friction of a positive viscosity"):
         answer.derivative("viscosity")
     with pytest.raises(SceneError, match="positive positions"):
         derivative_of("slip from the slot", "lower_shear_modulus").slip_rate(-1.0, 1.0)

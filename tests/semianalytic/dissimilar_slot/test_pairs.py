@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import under
 from dissimilar_pairs import scene
 from two_body_march import march
 
@@ -26,16 +27,16 @@ def random_scene(rng):
     shear, size = rng.normal() * friction, abs(rng.normal()) / 2
     load = sf.Tractions([0.0, size, -size, 2 * rng.normal()][kind], shear)
     viscous = rng.random() < 0.25 and load.pressure == 0
-    law = {"friction_law": sf.ViscousFriction(rng.uniform(0, 2) * solid.shear_impedance)}
-    return sf.Scene(solid, friction, base, load, **(law if viscous else {}))
+    film = rng.uniform(0, 2) * solid.shear_impedance
+    law = sf.Coulomb(friction, viscosity=film if viscous else 0.0)
+    return sf.Scene(solid, law, base, load)
 
 
 def check_like_bodies(given, accuracy):
     """A scene through the solver of two bodies is what `solve` says."""
     known = sf.solve(given, rtol=accuracy)
-    law = {"friction_law": given.friction_law}
     solids = (given.material, given.material)
-    found = coupled(sf.Scene(solids[0], given.friction, given.base, given.load, **law), accuracy)
+    found = coupled(sf.Scene(solids[0], given.friction, given.base, given.load), accuracy)
     assert found.status == "converged"
     speed = given.material.shear_speed
     assert len(found.zones) == len(known.zones)
@@ -58,7 +59,7 @@ def check_like_bodies(given, accuracy):
 @pytest.mark.parametrize("seed", range(16))
 def test_like_bodies_have_the_answer_of_solve(seed):
     given = random_scene(np.random.default_rng([1, seed]))
-    film = given.friction_law != sf.CoulombFriction()
+    film = not isinstance(given.friction, float)
     check_like_bodies(given, 1e-9 if film or abs(given.load.shear) < 1e-3 else 1e-10)
 
 
@@ -98,9 +99,9 @@ def check_law(answer, rtol):
     x = np.concatenate([np.geomspace(1e-3, 0.05, 40), np.linspace(0.05, max(speeds), 400)])
     rate, shear = answer.slip_rate(x, 1.0), answer.shear_traction(x, 1.0)
     pressure, gap = answer.pressure(x, 1.0), answer.gap(x, 1.0)
-    film = getattr(pair.friction_law, "viscosity", 0.0)
-    unit = pair.friction * (pair.base.pressure + np.abs(pressure)) + np.abs(shear)
-    strength = pair.friction * pressure + film * np.abs(rate)
+    film = getattr(pair.law, "viscosity", 0.0)
+    unit = pair.coefficient * (pair.base.pressure + np.abs(pressure)) + np.abs(shear)
+    strength = pair.coefficient * pressure + film * np.abs(rate)
     assert np.all(pressure >= -100 * rtol * (1 + np.abs(pressure)))
     assert np.all(gap >= 0)
     assert np.all(np.abs(shear) <= strength + 100 * rtol * unit)
@@ -145,7 +146,7 @@ def compared(pair, nodes, reach):
     (docs/dissimilar.md): means of three neighbours are compared, of the march and of the answer.
     """
     answer = sf.solve(pair, rtol=1e-5)
-    marched = march(pair, nodes, reach, getattr(pair.friction_law, "viscosity", 0.0))
+    marched = march(pair, nodes, reach, getattr(pair.law, "viscosity", 0.0))
     x = marched.velocity
     clear = x[1:-1] > 0.03
     result = []
@@ -238,7 +239,7 @@ def test_what_has_no_answer_is_refused():
     bonded = sf.Scene(upper, 0.2, base, load, lower_material=lower)
     with pytest.raises(sf.SceneError, match="Stoneley"):
         sf.solve(bonded)
-    film = replace(SCENES["slip and opening"], friction_law=sf.ViscousFriction(0.3))
+    film = under(SCENES["slip and opening"], sf.Coulomb(1.0, viscosity=0.3))
     with pytest.raises(sf.SceneError, match="viscous film"):
         sf.solve(film)
     with pytest.raises(sf.SceneError, match="rtol"):

@@ -13,7 +13,8 @@ import semianalytic as sf
 from semianalytic.engine.stepping.balance import freed_rate
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.interface.contact import Contact
-from semianalytic.interface.fields import Table, at_nodes, moving, sampled
+from semianalytic.interface.fields import Table, at_nodes
+from semianalytic.scene.laws.sampling import moving, sampled
 from tests.semianalytic.engine.runs import one_run
 
 STRIP = Contact([(-2.0, 2.0)])

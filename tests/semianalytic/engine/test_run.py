@@ -43,7 +43,7 @@ def test_even_and_whole_lines_agree(contact, opens):
 
 def test_the_estimate_covers_the_error_and_rtol_is_met():
     load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)), history=sf.Ramp(1.0))
-    fault = sf.Interface(UNIT, sf.SlipDependent(0.6, 0.2, 1.0), 8.0, loads=[load], even=True)
+    fault = sf.Interface(UNIT, sf.SlipWeakening(0.6, 0.2, 1.0), 8.0, loads=[load], even=True)
     times = [0.5, 1.0, 2.0]
     best = one_run(fault, 2.0, 1024, times=times)
     done = sf.solve(fault, end_time=2.0, nodes=32, rtol=5e-3, times=times)
@@ -104,7 +104,7 @@ def test_a_jump_of_strength_does_not_make_slip():
 
 
 def test_slow_grids_are_called_unresolved():
-    fault = sf.Interface(UNIT, sf.SlipDependent(0.6, 0.1, 0.01), 8.0, shear=0.3)
+    fault = sf.Interface(UNIT, sf.SlipWeakening(0.6, 0.1, 0.01), 8.0, shear=0.3)
     done = one_run(fault, 0.1, 32)
     assert done.status.startswith("unresolved")
     least = int(done.status.split("use ")[1].split()[0])
@@ -143,7 +143,7 @@ def test_a_forced_front_may_let_strength_fall_slowly():
     assert (done.onset[at] >= done.x[at] - 2 * h).all()
 
 
-@pytest.mark.parametrize("law", [sf.Coulomb(0.5), sf.SlipDependent(0.6, 0.2, 0.05)])
+@pytest.mark.parametrize("law", [sf.Coulomb(0.5), sf.SlipWeakening(0.6, 0.2, 0.05)])
 def test_equal_steps_in_blocks_are_those_taken_one_by_one(law):
     """A law that does not say how strength rises with slip rate is stepped one by one."""
 

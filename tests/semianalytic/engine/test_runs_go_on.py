@@ -27,7 +27,7 @@ def opening_fault(size=-3.0):
     load = sf.InterfaceLoad(
         pressure=lambda x, t: size * np.exp(-2 * x**2 - 4 * (t - 1.5) ** 2), history=None
     )
-    law = sf.SlipDependent(0.3, 0.1, 0.5)
+    law = sf.SlipWeakening(0.3, 0.1, 0.5)
     return sf.Interface(UNIT, law, 16.0, 1.0, shear=0.15, loads=[load])
 
 
@@ -59,7 +59,7 @@ def forced_front():
 def struck(since=0.5, **law):
     """An interface that another one resembles but for a word, or for when its load comes."""
     load = sf.InterfaceLoad(lambda x, t: 0.2 * (abs(x) < 1) * (t > since), history=None)
-    return sf.Interface(UNIT, sf.SlipDependent(0.6, 0.3, 0.5, **law), 16.0, 1.0, 0.3, loads=[load])
+    return sf.Interface(UNIT, sf.SlipWeakening(0.6, 0.3, 0.5, **law), 16.0, 1.0, 0.3, loads=[load])
 
 
 def under_state(evolution):

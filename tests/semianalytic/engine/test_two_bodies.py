@@ -232,7 +232,7 @@ def test_one_wave_grows_as_the_dispersion_relation_says(delay, periods):
     "law", [{"delay": 0.5}, {"delay_slip": 1.0}, {"delay": 1, "delay_slip": 2}]
 )
 def test_delayed_friction_follows_a_pressure_exactly_over_steps_of_any_length(law):
-    law, speed = sf.SlipDependent(0.3, 0.1, 1.0, **law), np.array([2.0])
+    law, speed = sf.SlipWeakening(0.3, 0.1, 1.0, **law), np.array([2.0])
     steps = []
     for count in (1, 50):
         felt, dt = np.array([1.0]), 1.5 / count
@@ -273,7 +273,7 @@ def patch_of(law):
             "ill-posed: waves that run with .* grow by 5.33 % .* must be 0.0654 or more",
         ),
         pytest.param(
-            sf.SlipDependent(0.7, 0.3, 0.5),
+            sf.SlipWeakening(0.7, 0.3, 0.5),
             "friction 0.7 between these bodies is ill-posed",
             marks=pytest.mark.slow,
         ),

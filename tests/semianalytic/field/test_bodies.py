@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, REMOTE, Problem, problems, unit_scene
 
-from semianalytic import ViscousFriction, solve
+from semianalytic import Coulomb, solve
 from semianalytic.field import tuning
 from tests.semianalytic.field.body_fields import (
     check_faces,
@@ -13,7 +13,7 @@ from tests.semianalytic.field.body_fields import (
     smooth_points,
 )
 
-FILM = {"friction_law": ViscousFriction(0.1)}
+FILM = {"law": Coulomb(1.0, viscosity=0.1)}
 FILMS = {
     "a film that opens": unit_scene(0.5, (1.0, 0.2), (-1.0, 1.0), **FILM),
     "a film that opens and closes again": unit_scene(0.5, (0.02, 0.0), (1.0, 1.0), **FILM),
@@ -48,7 +48,7 @@ def largest(scene):
     """Stress, velocity and displacement by which errors are measured."""
     time, _ = unit_time(scene)
     held, load = scene.superposition
-    parts = (load.pressure, load.shear, scene.friction * held.pressure)
+    parts = (load.pressure, load.shear, scene.coefficient * held.pressure)
     stress = max(*map(abs, parts), abs(held.shear))
     velocity = stress / scene.material.shear_impedance
     return stress, velocity, velocity * time

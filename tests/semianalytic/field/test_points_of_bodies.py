@@ -6,13 +6,22 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, REMOTE, UNIT, unit_scene
 
-from semianalytic import RateWeakening, SceneError, ViscousFriction
+from semianalytic import (
+    Coulomb,
+    Material,
+    MovingLoad,
+    RateWeakening,
+    Scene,
+    SceneError,
+    Tractions,
+    find,
+)
 from semianalytic.field import body, tuning
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.selfsimilar.solver import solve
 from tests.semianalytic.field.body_fields import check_faces, edges_of
 
-WEAKENED = unit_scene(1.0, load=(0.0, 1.2), friction_law=RateWeakening(0.4, 1.0))
+WEAKENED = unit_scene(1.0, load=(0.0, 1.2), law=RateWeakening(1.0, 0.6, 1.0))
 
 
 def test_what_is_infinite_says_so_with_its_sign():
@@ -35,9 +44,7 @@ def test_what_is_infinite_says_so_with_its_sign():
 @pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("lacking", [1e-7, 1e-12])
-@pytest.mark.parametrize(
-    "parts", [{}, {"mode": "antiplane"}, {"friction_law": ViscousFriction(0.2)}]
-)
+@pytest.mark.parametrize("parts", [{}, {"mode": "antiplane"}, {"law": Coulomb(1.0, viscosity=0.2)}])
 def test_an_edge_closer_to_a_front_than_rounding_is_right_of_it(parts, lacking):
     """A base just below friction sticks on a strip as wide as the square of what it lacks."""
     base = (1.0, 0.3 * (1 - lacking))
@@ -142,3 +149,22 @@ def test_faces_under_friction_that_falls_with_slip_rate(mode):
     bound = solution.field_error
     assert bound < 1e-5
     check_faces(solution, x, 1.0, 3 * bound, rtol=1e-7)
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+def test_the_open_face_beside_the_end_of_an_opening_in_a_film(rtol):
+    """Its traction is zero, and that of the film jumps at the end: the worst place of a field."""
+    load = MovingLoad(0.003, -0.031, 9.264)
+    film = Scene(
+        Material(1.0, 1.0, 0.257), Coulomb(0.0713, viscosity=0.664), Tractions(0.0524, 0.00189),
+        load, mode="antiplane",
+    )  # fmt: skip
+    lifted = find("lift-off-shear")
+    for scene in (film, replace(lifted, friction=Coulomb(lifted.coefficient, viscosity=0.3))):
+        solution = solve(scene, rtol=rtol)
+        (opening,) = solution.openings
+        x = opening.outer * (1 - 10.0 ** -np.arange(1, 7))
+        stress = np.abs(solution.stress(x, 0.0, 1.0)[[1, -1]])
+        largest = max(abs(scene.load.pressure), abs(scene.load.shear))
+        assert (stress <= solution.field_error * (stress + largest)).all()
+        assert solution.field_error < 1e3 * rtol

@@ -19,7 +19,7 @@ pressure = {{file = "p.csv", column = "pressure"}}
 shear = {{x = [-4.0, 0.0, 4.0], values = [0.0, 0.2, 0.0]}}
 {MATERIAL}
 [law]
-kind = "slip-dependent"
+kind = "slip-weakening"
 static = "0.5 + 0.1 * cos(pi * x / 4)"
 dynamic = 0.2
 distance = 4.0
@@ -70,7 +70,7 @@ def test_a_file_and_the_same_in_python(folder):
     done = sf.solve(found.interface, end_time=found.end_time, estimate=False, **found.options)
     same = sf.Interface(
         sf.Material(1.0, 1.0, 0.25),
-        sf.SlipDependent(lambda x: 0.5 + 0.1 * np.cos(np.pi * x / 4), 0.2, 4.0),
+        sf.SlipWeakening(lambda x: 0.5 + 0.1 * np.cos(np.pi * x / 4), 0.2, 4.0),
         8.0,
         shear=lambda x: 0.2 * (1 - np.abs(x) / 4),
         loads=[sf.InterfaceLoad(lambda x: np.exp(-(x**2)), sf.Ramp(0.5))],
@@ -143,7 +143,7 @@ def test_named_interfaces_begin(name):
     [
         (GOOD, "dynamic = 0.2\n", "", "law.dynamic is missing"),
         (GOOD, "static =", "statik =", "did you mean static"),
-        (GOOD, "slip-dependent", "coulombe", "kind must be one of"),
+        (GOOD, "slip-weakening", "coulombe", "kind must be one of"),
         (GOOD, '"exp(-x**2)"', '"__import__(1)"', "is not known here"),
         (GOOD, '"exp(-x**2)"', '"exp(-x**2"', "not an expression"),
         (GOOD, "length = 8.0\n", "", "length is missing"),
@@ -164,7 +164,7 @@ def test_named_interfaces_begin(name):
         (WAVE, "at = 4.0", "on = 4.0", "unknown key load.on"),
         (WAVE, "length = 8.0", "length = 8.0\neven = true", "not even in x"),
         (WAVE, "material", f"{SOFTER_BELOW}material", "beyond a critical angle"),
-        (TABLE, "[kPa]", "[furlnog]", "must be a name and a unit"),
+        (TABLE, "[kPa]", "[furlnog]", "must have no unit, or one such as"),
         (TABLE, "1e-3\n4000", "nan\n4000", "must hold finite numbers"),
         (TABLE, TABLE, "x [m], pressure [Pa]\n", "has no row of numbers"),
     ],
@@ -268,8 +268,8 @@ def test_pipes_devices_and_huge_files_are_refused_at_once(folder, monkeypatch):
         with pytest.raises(sf.SceneError, match="not an ordinary file"):
             find("pipe.toml")
     with monkeypatch.context() as patch:
-        patch.setattr("semianalytic.scene.given.text_files.LARGEST", 10)
-        with pytest.raises(sf.SceneError, match="has more than"):
+        patch.setattr("semianalytic.scene.given.files.LARGEST_DESCRIPTION", 10)
+        with pytest.raises(sf.SceneError, match="and at most"):
             sf.find("a.toml")
 
 

@@ -238,7 +238,7 @@ def test_records_are_as_far_from_a_prior_as_a_fit_without_it(truth):
         (("friction", "friction"), "each of them once"),
         (("youngs_modulus",), "parameters must be among"),
         (("gain:left",), "is of no gauge"),
-        (("viscosity",), "needs ViscousFriction"),
+        (("viscosity",), "needs a scene with friction of a positive"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(truth, names, message):

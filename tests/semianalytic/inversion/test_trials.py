@@ -204,7 +204,7 @@ SOLID = sf.Material(1.0, 1.0, 0.25)
 
 def fault(dynamic=0.2):
     load = sf.InterfaceLoad(lambda x: 1.2 * np.exp(-(x**2)), sf.Ramp(1.0))
-    law = sf.SlipDependent(0.6, dynamic, 1.0)
+    law = sf.SlipWeakening(0.6, dynamic, 1.0)
     return sf.Interface(SOLID, law, 12.0, shear=0.3, loads=[load], even=True)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from catalogue import UNIT
 
-from semianalytic import Material, Scene, SceneError, Tractions, ViscousFriction, solve
+from semianalytic import Coulomb, Material, Scene, SceneError, Tractions, solve
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.reference import (
     detached_opening,
@@ -72,8 +72,8 @@ def test_without_viscosity_it_is_the_closed_form():
 def test_solver_agrees_with_the_quadrature(ratio, viscosity):
     material, load = Material(2.0, 0.5, 1 / 3), 3.0
     viscosity *= material.shear_impedance
-    law, base, step = ViscousFriction(viscosity), Tractions(load, 0.0), Tractions(0.0, load)
-    scene = Scene(material, ratio, base, step, friction_law=law)
+    law, base, step = Coulomb(1.0, viscosity=viscosity), Tractions(load, 0.0), Tractions(0.0, load)
+    scene = Scene(material, law.with_coefficient(ratio), base, step)
     solution = solve(scene, rtol=1e-12)
     (zone,) = solution.zones
     edge = viscous_edge_speed(material, ratio, viscosity)

@@ -54,9 +54,9 @@ def solutions_of_any_kind():
     drawn = [opening_scene(random) for _ in range(4)]
     yield from (sf.solve(scene, rtol=1e-11) for scene in drawn)
     # a film so strong that slip away from the edge is a billionth of that at the edge
-    film, base = sf.ViscousFriction(4e7), sf.Tractions(1.0, 0.0)
+    film, base = sf.Coulomb(1.0, viscosity=4e7), sf.Tractions(1.0, 0.0)
     solid = sf.Material(1.0, 1.0, 0.25)
-    yield sf.solve(sf.Scene(solid, 0.5, base, sf.Tractions(0.0, 1.0), friction_law=film))
+    yield sf.solve(sf.Scene(solid, film.with_coefficient(0.5), base, sf.Tractions(0.0, 1.0)))
     for load in (sf.IncidentWave("SV", -20.0, stress=0.3), sf.MovingLoad(-2.0, 0.1, 0.7)):
         yield sf.solve(sf.Scene(solid, 0.5, base, load), rtol=1e-11)
 

@@ -202,7 +202,7 @@ def test_totals_of_a_march_are_sums_over_every_step(history):
 
 def test_weakening_leaves_totals_that_grow():
     marched = sf.solve(
-        sheared(sf.Pulse(0.3), friction_law=sf.SlipWeakening(0.5, 0.1)),
+        sheared(sf.Pulse(0.3), friction=sf.SlipWeakening(0.3, 0.15, 0.1)),
         method="space-time",
         nodes=100,
     )

@@ -17,7 +17,7 @@ matplotlib.use("agg")
 ANSWERS = {
     "exact": lambda: sf.solve("preloaded"),
     "rated": lambda: sf.solve(
-        sf.Scene(UNIT, 0.3, BASE, SHEAR, friction_law=sf.RateWeakening(0.05, 10.0)),
+        sf.Scene(UNIT, sf.RateWeakening(0.3, 0.285, 10.0), BASE, SHEAR),
         method="self-similar",
         rtol=1e-4,
     ),
@@ -49,7 +49,9 @@ def test_fields_and_totals_are_functions(name):
         assert values.shape == (2, 2)
         assert np.isfinite(values).all(), field
         assert getattr(one, field)(0.1, 0.4).shape == ()
-    assert (one.path(X, T) >= np.abs(one.slip(X, T)) * (1 - 1e-9)).all()
+    # of an answer to a rough accuracy both are sums of pieces that are known no better
+    accuracy = one.error_estimate if name == "rated" else 1e-9
+    assert (one.path(X, T) >= np.abs(one.slip(X, T)) * (1 - accuracy)).all()
     assert (one.work_density(X, T) >= 0).all()
     for total in TOTALS:
         assert getattr(one, total)(0.9).shape == (), total

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import under
 from pint import UnitRegistry
 
 import slipfront as sf
@@ -45,7 +46,7 @@ def steel(tmp_path):
 
 def test_default_scene_is_constant_pressure_and_sudden_shear():
     scene = sf.find(DEFAULT_SCENE)
-    assert scene.friction * scene.base.pressure / scene.load.shear == pytest.approx(0.3)
+    assert scene.coefficient * scene.base.pressure / scene.load.shear == pytest.approx(0.3)
     assert scene.material.poisson_ratio == pytest.approx(1 / 3)
     assert scene.load.pressure == scene.base.shear == 0
     assert sf.find("ramp").shear_history == sf.Ramp(0.5)
@@ -56,7 +57,7 @@ def test_default_scene_is_constant_pressure_and_sudden_shear():
 def test_remote_scenes_come_onto_nothing(name, ratio):
     scene = sf.find(name)
     assert (scene.load_on, scene.base) == ("remote", sf.Tractions(0.0, 0.0))
-    assert scene.friction * scene.load.pressure / scene.load.shear == ratio
+    assert scene.coefficient * scene.load.pressure / scene.load.shear == ratio
 
 
 def test_every_named_scene_has_a_one_line_summary():
@@ -127,7 +128,7 @@ friction_law = {kind = "slip-weakening", reduction = 0.5, distance = 0.2}
     scene = read_scene(steel("friction = 0.4", tables))
     assert scene.mode == "antiplane"
     assert scene.shear_history.value(0.5) == 0.5
-    assert scene.friction_law == sf.SlipWeakening(0.5, 0.2)
+    assert scene.friction == sf.SlipWeakening(0.4, 0.2, 0.2)
     assert scene_from_document(scene_document(scene)) == scene
 
 
@@ -147,9 +148,9 @@ def test_a_value_in_place_of_a_table_is_refused(tmp_path):
 def test_binary_and_missing_files_are_refused(tmp_path):
     path = tmp_path / "mesh.toml"
     path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(sf.SceneError, match="not a valid TOML file"):
+    with pytest.raises(sf.SceneError, match="a character is not in UTF-16"):
         read_scene(path)
-    with pytest.raises(sf.SceneError, match="Cannot read the scene file"):
+    with pytest.raises(sf.SceneError, match="cannot be read"):
         sf.find(str(tmp_path / "absent.toml"))
 
 
@@ -184,14 +185,14 @@ def test_every_parameter_can_be_overridden():
 
 def test_a_viscosity_overrides_that_of_constant_or_viscous_friction():
     preloaded, viscous = sf.find("preloaded"), sf.find("viscous")
-    assert override_scene(preloaded, viscosity=0.2).friction_law == sf.ViscousFriction(0.2)
-    assert override_scene(viscous, viscosity=0.2).friction_law == sf.ViscousFriction(0.2)
-    assert override_scene(viscous, viscosity=0.0).friction_law == sf.CoulombFriction()
-    assert override_scene(viscous, friction=0.1).friction_law == viscous.friction_law
-    with pytest.raises(sf.SceneError, match="0 or more, got -1"):
+    assert override_scene(preloaded, viscosity=0.2).friction == sf.Coulomb(0.3, viscosity=0.2)
+    assert override_scene(viscous, viscosity=0.2).friction == sf.Coulomb(0.2, viscosity=0.2)
+    assert override_scene(viscous, viscosity=0.0).friction == 0.2
+    assert override_scene(viscous, friction=0.1).friction == sf.Coulomb(0.1, viscosity=0.1)
+    with pytest.raises(sf.SceneError, match="0 or more and finite, got -1"):
         override_scene(preloaded, viscosity=-1.0)
     with pytest.raises(sf.SceneError, match="this scene's weakens; leave viscosity out"):
-        override_scene(replace(preloaded, friction_law=sf.RateWeakening(0.1, 5.0)), viscosity=0.2)
+        override_scene(under(preloaded, sf.RateWeakening(1.0, 0.9, 5.0)), viscosity=0.2)
 
 
 def test_functions_of_a_scene_take_its_name_or_file(steel):
@@ -272,8 +273,8 @@ def test_tables_are_read_in_the_units_of_their_header(tmp_path, table):
     [
         ("t [us],V [mm]\n0,0\n", {}, "two columns, t and value, or t and shear; it has t, V"),
         ("0, 0\n1, 1\n", {}, "no header"),
-        ("t [mm],value\n0,0\n", {}, "t must be in s, ms, us or ns, or have no unit, got 'mm'"),
-        ("t,shear [m]\n0,0\n", {}, "shear must be in Pa, kPa, MPa or GPa"),
+        ("t [mm],value\n0,0\n", {}, "t must have no unit, or one such as µs, got 'mm'"),
+        ("t,shear [m]\n0,0\n", {}, "shear must have no unit, or one such as MPa"),
         ("t,value\n0,a\n", {}, "line 2: 'a' is not a number"),
         ("", {}, "has no row of numbers"),
         ("t [us],value\n0,0\n", {"units": ""}, 'write units = "SI"'),

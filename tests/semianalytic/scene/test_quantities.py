@@ -44,9 +44,11 @@ def test_histories_and_laws_take_quantities():
     assert sf.Pulse(duration=3 * UNITS.us, shape="triangle") == sf.Pulse(3e-6, "triangle")
     assert sf.Harmonic(2 * UNITS.kHz) == sf.Harmonic(2000.0)
     assert sf.Tabulated([0, 2] * UNITS.ms, (0, 1)) == sf.Tabulated((0, 2e-3), (0, 1))
-    assert sf.ViscousFriction(1 * UNITS.MPa * UNITS.s / UNITS.m) == sf.ViscousFriction(1e6)
-    assert sf.RateWeakening(0.2, 5 * UNITS.mm / UNITS.s) == sf.RateWeakening(0.2, 5e-3)
-    assert sf.SlipWeakening(0.5, 10 * UNITS.um) == sf.SlipWeakening(0.5, 1e-5)
+    assert sf.Coulomb(1.0, viscosity=1 * UNITS.MPa * UNITS.s / UNITS.m) == sf.Coulomb(
+        1.0, viscosity=1e6
+    )
+    assert sf.RateWeakening(1.0, 0.8, 5 * UNITS.mm / UNITS.s) == sf.RateWeakening(1.0, 0.8, 5e-3)
+    assert sf.SlipWeakening(1.0, 0.5, 10 * UNITS.um) == sf.SlipWeakening(1.0, 0.5, 1e-5)
 
 
 def test_answers_take_quantities_wherever_they_take_lengths_and_times():

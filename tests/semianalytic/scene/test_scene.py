@@ -133,10 +133,10 @@ def test_what_is_no_remote_load_is_refused():
         unit_scene(load_on="remote", shear_history=sf.Ramp(0.5))
     with pytest.raises(sf.SceneError, match=r"pressed together, .* -0\.5 in all"):
         unit_scene(load=(-1.5, 1.0), load_on="remote")
-    law = sf.RateWeakening(0.5, 1.0)
+    law = sf.RateWeakening(1.0, 0.5, 1.0)
     with pytest.raises(sf.SceneError, match=r"under pressure 2\.5"):
-        unit_scene(0.9, load=(1.5, 1.0), load_on="remote", friction_law=law)
-    unit_scene(0.9, load=(1.5, 1.0), friction_law=law)
+        unit_scene(0.9, load=(1.5, 1.0), load_on="remote", law=law)
+    unit_scene(0.9, load=(1.5, 1.0), law=law)
 
 
 # --- the mode -----------------------------------------------------------------------------------
@@ -177,7 +177,7 @@ SCENE = NAMED_SCENES["preloaded"].scene
 SHORT = {
     "plain": SCENE,
     "harmonic": replace(
-        SCENE, shear_history=sf.Harmonic(2.0), friction_law=sf.SlipWeakening(0.5, 0.1)
+        SCENE, friction=sf.SlipWeakening(0.3, 0.15, 0.1), shear_history=sf.Harmonic(2.0)
     ),
     "antiplane": replace(SCENE, mode="antiplane"),
     "table": replace(SCENE, shear_history=sf.Tabulated((0.0, 1.0), (0.0, 2.0))),
@@ -189,7 +189,7 @@ def test_a_short_scene_is_made_again_by_what_it_shows(name):
     scene = SHORT[name]
     assert eval(repr(scene), vars(sf)) == scene
     assert "Step()" not in repr(scene)
-    assert "CoulombFriction" not in repr(scene)
+    assert "Coulomb" not in repr(scene)
     assert ("mode" in repr(scene)) == (name == "antiplane")
     assert "units" not in repr(scene)
     assert "units='SI'" in repr(replace(scene, units="SI"))

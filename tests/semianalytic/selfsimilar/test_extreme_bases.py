@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from catalogue import REMOTE, unit_scene
 
-from semianalytic import ComputationError, Tractions, ViscousFriction, solve
+from semianalytic import ComputationError, Coulomb, Tractions, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
@@ -25,7 +25,7 @@ AT_FRICTION = [
     (0.2, 0.6, 2.0, (0.5, -0.4), {}),
     (0.2, 0.6, 2.0, (0.5, 0.4), {"mode": "antiplane"}),
     (0.2, 0.6, 2.0, (0.0, 0.4), {"mode": "antiplane"}),
-    (1 / 3, 0.3, 1.0, (0.5, 1.0), {"friction_law": ViscousFriction(0.2)}),
+    (1 / 3, 0.3, 1.0, (0.5, 1.0), {"law": Coulomb(1.0, viscosity=0.2)}),
 ]
 X = np.array([0.02, 0.1, 0.3, 0.5, 0.7, 1.3, 1.45])
 
@@ -148,7 +148,7 @@ NARROW_OPENINGS = [
     (1 / 3, 0.1547, -0.89, (-1.0, 1.0), {}),
     (-0.86, 0.1477, -0.2, (-1.0, 1.0), {}),
     (1 / 3, 0.0479, -0.61, (-1.0, 0.389), {"mode": "antiplane"}),
-    (0.0, 0.0475, -0.88, (-1.0, 0.363), {"friction_law": ViscousFriction(2.85)}),
+    (0.0, 0.0475, -0.88, (-1.0, 0.363), {"law": Coulomb(1.0, viscosity=2.85)}),
     (0.2, 0.3, 0.4, (-1.0, 1.0), {}),
     # base and step nearly balance: the sense is not that of the stuck traction at the opening
     (0.21, 0.9516, -0.977, (-1.0, 1.0), {"mode": "antiplane"}),
@@ -194,7 +194,7 @@ def test_antiplane_slip_that_ends_ahead_of_the_rayleigh_front():
 
 
 @pytest.mark.thinned(2)
-@pytest.mark.parametrize("law", [{}, {"friction_law": ViscousFriction(0.0033154838)}])
+@pytest.mark.parametrize("law", [{}, {"law": Coulomb(1.0, viscosity=0.0033154838)}])
 def test_slip_against_a_base_at_friction_does_not_begin_at_the_front(law):
     """A weak base at friction and a strong load against it: slip begins a little behind the front.
 

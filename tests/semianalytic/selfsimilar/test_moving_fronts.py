@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import under
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from semianalytic import (
-    CoulombFriction,
+    Coulomb,
     IncidentWave,
     Material,
     MovingLoad,
@@ -17,7 +18,6 @@ from semianalytic import (
     Scene,
     SceneError,
     Tractions,
-    ViscousFriction,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.scene.given.finding import find_scene
@@ -114,7 +114,7 @@ def test_a_fast_load_is_the_step_on_the_slot(sign, base):
 
 
 angles = st.floats(-80.0, 80.0).filter(lambda angle: abs(angle) > 0.5)
-LAWS = [CoulombFriction(), CoulombFriction(), ViscousFriction(0.1), ViscousFriction(0.5)]
+LAWS = [Coulomb(1.0), Coulomb(1.0), Coulomb(1.0, viscosity=0.1), Coulomb(1.0, viscosity=0.5)]
 
 
 @st.composite
@@ -134,7 +134,7 @@ def scenes(draw):
     mode = "antiplane" if kind in ("SH", "moving along z") else "in-plane"
     law, base = draw(st.sampled_from(LAWS)), Tractions(pressure, shear)
     try:
-        scene = Scene(solid, friction, base, load, mode=mode, friction_law=law)
+        scene = Scene(solid, law.with_coefficient(friction), base, load, mode=mode)
         scene.check_self_similar()
     except SceneError:
         assume(False)
@@ -160,8 +160,8 @@ def test_physics_and_errors_of_many_random_scenes(scene):
     is_open = np.zeros(xi.shape, dtype=bool)
     for part in solution.openings:
         is_open |= (xi > part.inner) & (xi < part.outer)
-    viscosity = getattr(scene.friction_law, "viscosity", 0.0)
-    strength = scene.friction * pressure + viscosity * np.abs(rate)
+    viscosity = getattr(scene.law, "viscosity", 0.0)
+    strength = scene.coefficient * pressure + viscosity * np.abs(rate)
     assert np.all(pressure >= -1e-7)
     assert np.all(np.abs(traction[~is_open]) <= (strength + 1e-6 * (1 + strength))[~is_open])
     against = rate * traction
@@ -215,11 +215,11 @@ def test_signs_units_and_self_similarity(scene):
         scaled = MovingLoad(speed * load.speed, 1e6 * load.pressure, 1e6 * load.shear)
     else:
         scaled = replace(load, stress=1e6 * load.stress)
-    law = scene.friction_law
-    if isinstance(law, ViscousFriction):
-        law = ViscousFriction(law.viscosity * 1e6 / slip)
+    law = scene.law
+    if isinstance(law, Coulomb):
+        law = Coulomb(1.0, viscosity=law.viscosity * 1e6 / slip)
     base = Tractions(1e6 * scene.base.pressure, 1e6 * scene.base.shear)
-    big = solve(replace(scene, material=solid, load=scaled, base=base, friction_law=law), rtol=1e-8)
+    big = solve(under(replace(scene, material=solid, load=scaled, base=base), law), rtol=1e-8)
     assert big.edge_speeds / speed == pytest.approx(solution.edge_speeds, abs=1e-7)
     rates = big.slip_rate(speed * x, 1.0) / slip
     assert rates == pytest.approx(solution.slip_rate(x, 1.0), rel=1e-5, abs=1e-5)
@@ -272,7 +272,7 @@ def test_fields_obey_the_equation_of_motion_around_all_fronts():
     assert reflected.slot_velocity(-1.0, -0.05) == pytest.approx(upper)
 
 
-FILM = {"friction_law": ViscousFriction(0.1)}
+FILM = {"law": Coulomb(1.0, viscosity=0.1)}
 
 
 @pytest.mark.thinned(6)
@@ -313,12 +313,12 @@ def test_what_has_no_self_similar_answer_or_no_derivative_is_refused():
 
 
 def test_friction_that_falls_with_rate():
-    scene = replace(find_scene("moving-load"), friction_law=RateWeakening(0.3, 2.0))
+    scene = under(find_scene("moving-load"), RateWeakening(1.0, 0.7, 2.0))
     solution = solve(scene, rtol=1e-6)
     assert solution.status == "converged"
     (zone,) = solution.zones
     assert zone.outer > solve(find_scene("moving-load")).zones[0].outer  # weaker, so longer
     xi = np.linspace(0.02, 0.98, 25) * zone.outer
     rate, traction = solution.slip_rate(xi, 1.0), solution.shear_traction(xi, 1.0)
-    strength = scene.friction_law.strength(0.3 * solution.pressure(xi, 1.0), rate, 0.0)
+    strength = scene.strength(solution.pressure(xi, 1.0), rate)
     assert traction == pytest.approx(strength, abs=1e-5)

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from laws import check_invariants, opening_scene
 
-from semianalytic import ViscousFriction, solve
+from semianalytic import Coulomb, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.regimes import opening_threshold
@@ -127,7 +127,7 @@ def test_slip_may_change_sense_across_an_opening():
     assert (behind.sense, ahead.sense) == (-1, 1)
 
 
-FILM = {"friction_law": ViscousFriction(0.25)}
+FILM = {"law": Coulomb(1.0, viscosity=0.25)}
 
 
 @pytest.mark.thinned(4)
@@ -141,7 +141,7 @@ FILM = {"friction_law": ViscousFriction(0.25)}
         lifted(**FILM),
         tapped(mode="antiplane"),
         tapped(shear=0.5, mode="antiplane", **FILM),
-        tapped(shear=0.5, friction_law=ViscousFriction(0.5)),
+        tapped(shear=0.5, law=Coulomb(1.0, viscosity=0.5)),
         tapped(shear=0.5, **FILM),
         unit_scene(0.5, **REMOTE, **FILM),
     ],

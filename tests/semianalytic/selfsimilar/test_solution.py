@@ -201,7 +201,7 @@ def test_momentum_balance(name):
         slipped, rel=1e-8
     )
     if name == "preloaded":
-        strength = scene.friction * scene.base.pressure
+        strength = scene.coefficient * scene.base.pressure
         assert solution.frictional_power(1.0) == pytest.approx(strength * slipped, rel=1e-8)
 
 

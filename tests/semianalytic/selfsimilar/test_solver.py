@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED, REMOTE, STEEL, UNIT, unit_scene
+from catalogue import PRELOADED, REMOTE, STEEL, UNIT, under, unit_scene
 from laws import check_invariants, viscous_scene
 
 import semianalytic as sf
@@ -221,7 +221,7 @@ def test_base_shear_shifts_the_strength(base, load):
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize("viscosity", [0.01, 0.25, 2.0])
 def test_viscous_zone(viscosity):
-    scene = antiplane(0.5, friction_law=sf.ViscousFriction(viscosity))
+    scene = antiplane(0.5, law=sf.Coulomb(1.0, viscosity=viscosity))
     solution, edge = sf.solve(scene, rtol=1e-11), viscous_antiplane_edge_speed(UNIT, 0.5, viscosity)
     assert solution.zones[0].outer == pytest.approx(edge, rel=1e-11)
     rate = viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, viscosity, SHARES * edge)
@@ -262,8 +262,8 @@ def test_loss_of_pressure_slips_ahead_of_the_shear_wave():
 @pytest.mark.parametrize("seed", range(12))
 def test_error_estimates_are_honest_under_any_load(seed):
     random = np.random.default_rng(seed)
-    law = sf.ViscousFriction(random.choice([0.0, random.uniform(0, 1)]))
-    scene = replace(viscous_scene(random), mode="antiplane", friction_law=law)
+    law = sf.Coulomb(1.0, viscosity=random.choice([0.0, random.uniform(0, 1)]))
+    scene = under(replace(viscous_scene(random), mode="antiplane"), law)
     assert check_honest(sf.solve(scene, rtol=1e-10), 1e-5)
 
 

@@ -14,6 +14,7 @@ from semianalytic import SceneError, solve
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
+from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
 from semianalytic.sweeps.predictions import Followed, Footing, predicted
@@ -43,7 +44,7 @@ def joined(fronts):
 
 def check_against_single(swept, rtol):
     for friction, one in zip(swept.friction, swept.solutions, strict=True):
-        other = solve(replace(swept.scene, friction=float(friction)), rtol=rtol)
+        other = solve(with_numbers(swept.scene, {"friction": friction}), rtol=rtol)
         assert one.scene == other.scene
         assert one.status == other.status
         if other.status == "converged":

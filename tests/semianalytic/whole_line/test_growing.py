@@ -233,7 +233,7 @@ def test_under_a_base_the_edge_accelerates_as_the_refusal_says():
     [
         ({"base": sf.Tractions(1.0, 0.0)}, "with a base the edge of slip accelerates"),
         ({"friction": 0.0}, "friction must be positive"),
-        ({"friction_law": sf.ViscousFriction(0.1)}, "constant friction"),
+        ({"friction": sf.Coulomb(0.3, viscosity=0.1)}, "constant friction"),
         ({"shear_history": sf.Ramp(1.0)}, "leave out histories"),
         ({"friction": 0.01}, "faster than the Rayleigh wave"),
     ],

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import packages
 import pytest
+from catalogue import under
 
 import slipfront as sf
 from semianalytic.scene import plugins
@@ -16,20 +17,20 @@ from slipfront.cli.commands import main
 RATE_LAW = '''
 from dataclasses import dataclass
 import slipfront as sf
-from semianalytic.scene.friction import ViscousFriction
 
 @dataclass(frozen=True)
-class Oil(sf.RateFriction):
-    """ViscousFriction under another name, by its own methods."""
+class Oil(sf.Law):
+    """Coulomb friction with a viscosity under another name."""
+    friction: float
     viscosity: float
-    strength = ViscousFriction.strength
-    slip_speed = ViscousFriction.slip_speed
-    rate_slopes = ViscousFriction.rate_slopes
-    fall_with_rate = 0.0
+    def strength(self, pressure, speed, state):
+        return self.friction * pressure + self.viscosity * speed
+    def rate_slopes(self, pressure, speed):
+        none = 0 * pressure
+        return none + self.friction, none + self.viscosity, none, none
 
 OILED = sf.Scene(
-    sf.Material(1.0, 1.0, 1 / 3), 0.2, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0),
-    friction_law=Oil(0.01),
+    sf.Material(1.0, 1.0, 1 / 3), Oil(0.2, 0.01), sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0)
 )
 '''
 
@@ -56,7 +57,6 @@ def installed(tmp_path, monkeypatch):
 
     def forget():
         plugins.plugins.cache_clear()
-        plugins._kind_brought.cache_clear()
 
     def install(pyproject, files):
         packages.install(folder, pyproject, files)
@@ -93,7 +93,7 @@ def test_the_documented_package_works_from_the_shell(tmp_path):
     run = packages.run(folder, "solve", "mine.toml", *solve, "slip.png", cwd=tmp_path)
     assert run.returncode == 0, run.stderr
     document = json.loads(run.stdout)
-    assert document["scene"]["friction_law"]["kind"] == "exponential-weakening"
+    assert document["scene"]["friction_law"]["kind"] == "hyperbolic-weakening"
     assert document["scene"]["shear_history"] == {"kind": "two-steps", "delay": 5e-5}
     assert document["units"]["scene"]["shear_history"] == {"delay": "s"}
     assert document["units"]["scene"]["friction_law"] == {"reduction": "1", "distance": "m"}
@@ -106,16 +106,10 @@ def test_a_law_of_a_package_is_one_like_ours(granite):
     scene = sf.find("granite")
     assert scene_from_document(scene_document(scene)) == scene
     marched = sf.solve(scene, method="space-time", end_time=1e-4, nodes=200)
-    strength = scene.friction_law.strength(
-        scene.friction * scene.base.pressure, 0.0, marched.interface.slip[-1]
-    )
+    strength = scene.strength(scene.base.pressure, 0.0, marched.interface.slip[-1])
     np.testing.assert_allclose(marched.interface.shear_traction[-1, :20], strength[:20], rtol=1e-4)
-    constant = sf.solve(
-        sf.Scene(scene.material, 0.6, scene.base, scene.load, shear_history=granite.TwoSteps(5e-5)),
-        method="space-time",
-        end_time=1e-4,
-        nodes=200,
-    )
+    plain = replace(scene, friction=0.6)
+    constant = sf.solve(plain, method="space-time", end_time=1e-4, nodes=200)
     assert marched.interface.slip[-1].max() > 1.01 * constant.interface.slip[-1].max()
 
 
@@ -129,14 +123,24 @@ def test_finite_elements_take_a_law_of_a_package_too(granite):
     scene = sf.find("granite")
     simulation = sf.simulate(scene, 1e-4, resolution=30)
     slips = simulation.interface.slip_rate[-1] > 1e-3 * simulation.interface.slip_rate.max()
-    strength = scene.friction_law.strength(
-        scene.friction * simulation.interface.pressure[-1],
-        simulation.interface.slip_rate[-1],
-        simulation.interface.slip[-1],
-    )
+    last = simulation.interface
+    strength = scene.strength(last.pressure[-1], last.slip_rate[-1], last.slip[-1])
     traction = simulation.interface.shear_traction[-1]
     assert np.count_nonzero(slips) > 5
     np.testing.assert_allclose(traction[slips][:-1], strength[slips][:-1], rtol=1e-9)
+
+
+def test_a_file_of_an_interface_takes_a_law_of_a_package_along_x(granite, tmp_path):
+    law = {"kind": '"hyperbolic-weakening"', "friction": '"0.3 + 0.1 * x**2"', "reduction": 0.5}
+    solid = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}"
+    text = f"length = 8.0\nshear = 0.35\n{solid}\nrun = {{end_time = 0.5, nodes = 64}}\n[law]\n"
+    rows = [f"{name} = {value}" for name, value in (law | {"distance": 0.1}).items()]
+    (tmp_path / "face.toml").write_text(text + "\n".join(rows))
+    done = sf.solve(tmp_path / "face.toml")
+    slip = done.slip[-1]
+    strength = (0.3 + 0.1 * done.x**2) * (1 - 0.5 * slip / (slip + 0.1))
+    np.testing.assert_allclose(done.shear_traction[-1][slip > 0.01], strength[slip > 0.01], 1e-3)
+    assert 0 < np.count_nonzero(slip > 0.01) < 16
 
 
 def test_a_method_of_a_package_is_asked_after_ours(installed, printed):
@@ -163,9 +167,9 @@ def test_a_law_of_slip_rate_is_solved_exactly(installed):
     )
     x = np.linspace(0.05, 1.0, 20)
     scene = sf.find("oiled")
-    ours = sf.solve(replace(scene, friction_law=sf.ViscousFriction(0.01))).slip_rate(x, 1.0)
+    ours = sf.solve(under(scene, sf.Coulomb(1.0, viscosity=0.01))).slip_rate(x, 1.0)
     np.testing.assert_allclose(sf.solve(scene).slip_rate(x, 1.0), ours, rtol=1e-6)
-    covering = sf.solve(replace(scene, friction_law=sys.modules["oil"].Oil(0.1)))
+    covering = sf.solve(under(scene, sys.modules["oil"].Oil(1.0, 0.1)))
     assert "no slip rate that agrees" in covering.status
 
 
@@ -176,7 +180,7 @@ def test_scenes_of_packages_are_listed_with_them(granite, shown, printed):
     assert row["summary"].startswith("Granite that loses a third")
     assert row["scene"]["units"] == "SI"
     brought = {(one["what"], one["name"]) for one in document["brought"]}
-    assert ("friction law", "exponential-weakening") in brought
+    assert ("friction law", "hyperbolic-weakening") in brought
     assert ("figure", "slip") in brought
     assert "From other packages" in shown("scenes").out
 
@@ -186,7 +190,7 @@ def test_names_of_packages_are_among_what_one_could_have_meant(granite, refused)
     assert "did you mean slip?" in refused("solve stuck --plot a.png --figure slipp")
     document = scene_document(sf.find("granite"))
     document["friction_law"]["kind"] = "else"
-    with pytest.raises(sf.SceneError, match="slip-weakening, exponential-weakening, got 'else'"):
+    with pytest.raises(sf.SceneError, match="forced-front, hyperbolic-weakening, got 'else'"):
         scene_from_document(document)
 
 
@@ -243,13 +247,10 @@ from dataclasses import dataclass
 import slipfront as sf
 
 @dataclass(frozen=True)
-class S(sf.FrictionLaw):
-    reduction: float
-    distance: float
-    def strength(self, frictional, slip_rate, path): return frictional
-    def slip_speed(self, stopping, frictional, impedance, path): return 0 * stopping
-    fall_with_rate = 0.0
-    fall_with_slip = 0.0
+class S(sf.Law):
+    friction: float
+    def strength(self, pressure, speed, state): return self.friction * pressure
+    def slip_speed(self, stopping, pressure, impedance, state): return 0 * stopping
 """
 
 
@@ -257,14 +258,15 @@ class S(sf.FrictionLaw):
 @pytest.mark.parametrize(
     ("old", "new", "code", "reason"),
     [
-        ("    fall_with_slip = 0.0\n", "", 5, "lacks fall_with_slip;"),
-        ("impedance, path)", "path)", 5, "(stopping, frictional, impedance, path) in slip_speed;"),
+        ("    def strength(self, pressure, speed, state): return", "    #", 5, "lacks strength;"),
+        ("speed, state)", "state)", 5, "must take the arguments (pressure, speed, state) in"),
         ("frozen=True", "frozen=False", 5, "must be a dataclass with frozen=True;"),
-        ("sf.FrictionLaw", "sf.SlipWeakening", 5, "itself, not SlipWeakening"),
-        ("sf.FrictionLaw", "sf.LoadHistory", 5, "must be a class that inherits FrictionLaw"),
+        ("sf.Law):\n    friction: float", "sf.Coulomb):", 5, "itself, not Coulomb"),
+        ("sf.Law", "sf.LoadHistory", 5, "must be a class that inherits Law"),
         ("return 0 * stopping", "return 1 / 0", 5, "failed (ZeroDivisionError: division by zero)"),
-        ("return frictional", "raise ValueError('no')", 5, "failed (ValueError: no); mend"),
-        ("return 0 * stopping", "return 2 * (stopping - frictional) / impedance", 2, "V >= 0 at"),
+        ("self.friction * pressure", "int('x')", 5, "failed (ValueError: invalid literal"),
+        ("return self.friction * pressure", "return [0.3]", 2, "must return 3 finite numbers"),
+        ("return 0 * stopping", "return (stopping - pressure) / impedance", 2, "V >= 0 at"),
         ("return 0 * stopping", "return float('nan') * stopping", 2, "it returns [nan, nan, nan]"),
     ],
 )
@@ -276,8 +278,7 @@ def test_what_is_wrong_with_a_law_is_said_at_once(
     installed(packages.brought("lawless", "lawless", laws=["mine = S"]), {"lawless.py": text})
     shown("init scene.toml --all")
     path = tmp_path / "scene.toml"
-    mine = '"mine"\nreduction = 0.5\ndistance = 1.0'
-    path.write_text(path.read_text().replace('"coulomb"', mine))
+    path.write_text(path.read_text().replace('"coulomb"', '"mine"', 1))
     sentence = refused(["solve", path], code)
     assert code == 2 or sentence.startswith("The friction law 'mine' of the package lawless ")
     assert reason in sentence
@@ -316,17 +317,9 @@ def test_what_is_wrong_with_a_history_is_said_at_once(
     assert reason in refused(["solve", path], code)
 
 
-def test_a_law_that_no_package_brings_is_refused_with_the_way_to_bring_it(installed):
-    names: dict = {}
-    exec(LAW, names)
-    scene = sf.find("preloaded")
-    with pytest.raises(sf.SceneError, match=r"of a package that brings it \(docs/extending.md\)"):
-        sf.Scene(scene.material, 0.3, scene.base, scene.load, friction_law=names["S"](0.5, 1.0))
-
-
 def test_a_broken_law_of_another_package_is_no_obstacle(granite, installed):
     installed(packages.brought("aaa", "aaa", laws=["aaa = S"]), {"aaa.py": "import nothing"})
-    assert sf.find("granite").friction_law == granite.ExponentialWeakening(1 / 3, 2e-5)
+    assert sf.find("granite").friction == granite.HyperbolicWeakening(0.6, 1 / 3, 2e-5)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from catalogue import solved, unit_scene
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.figures.fronts import MARGIN
-from semianalytic import Harmonic, Ramp, SceneError, SlipWeakening, ViscousFriction, solve
+from semianalytic import Coulomb, Harmonic, Ramp, SceneError, SlipWeakening, solve
 from semianalytic.regimes import regime
 from semianalytic.scene.given.finding import find_scene
 from slipfront.explore import controls, downloads, maps, views
@@ -43,7 +43,7 @@ def test_sliders_reach_their_own_scene(name):
 @pytest.mark.parametrize(
     ("query", "words"),
     [
-        ("?friction=-1", "must not be negative"),
+        ("?friction=-1", "friction must be 0 or more"),
         ("?friction=much", "must be a number"),
         ("?load_shear=5e-324", "neither so large nor so small"),
         ("?nonsense=1", "no scene has"),
@@ -91,7 +91,7 @@ def test_views_are_those_of_the_answer(name):
     rate = solution.slip_rate(view.x * length, time)
     scale = slip_rate_scale(scene)
     np.testing.assert_allclose(view.slip_rate * scale, rate, atol=1e-9 * scale)
-    strength = scene.friction * solution.pressure(view.x * length, time)
+    strength = scene.coefficient * solution.pressure(view.x * length, time)
     np.testing.assert_allclose(view.bound * stress_scale(scene), strength, rtol=1e-9)
     assert np.all(np.abs(view.shear) <= view.bound + 1e-7)
     wedges = views.space_time_view(solution).wedges
@@ -148,11 +148,11 @@ def test_the_angle_of_a_wave_has_a_slider_and_its_front_is_drawn():
     assert min(straight) < 1e-9
 
 
-@pytest.mark.parametrize("law", [None, ViscousFriction(0.1)])
+@pytest.mark.parametrize("law", [None, Coulomb(1.0, viscosity=0.1)])
 def test_a_map_names_regimes(law, monkeypatch):
     monkeypatch.setattr(maps, "SIZE", 4)
     monkeypatch.setattr(maps, "SIZE_ONE_BY_ONE", 3)
-    scene = unit_scene() if law is None else unit_scene(friction_law=law)
+    scene = unit_scene(law=law)
     told = []
     drawn = maps.regime_map(scene, lambda *one: told.append(one))
     size = len(drawn.image)
@@ -160,7 +160,7 @@ def test_a_map_names_regimes(law, monkeypatch):
     low, high = drawn.friction
     friction = low + (high - low) * 1.5 / size
     nu = maps.POISSON_RATIOS[0] + np.ptp(maps.POISSON_RATIOS) * (size - 0.5) / size
-    solution = solved(unit_scene(friction, nu=nu, **({} if law is None else {"friction_law": law})))
+    solution = solved(unit_scene(friction, nu=nu, law=law))
     assert list(maps.REGIMES)[int(drawn.image[-1, 1])] == regime(solution)
 
 
@@ -187,7 +187,7 @@ def test_the_program_gives_the_same_answer(name, capsys):
 
 
 def test_the_program_marches_what_is_marched():
-    scene = unit_scene(friction_law=SlipWeakening(0.5, 0.1))
+    scene = unit_scene(law=SlipWeakening(1.0, 0.5, 0.1))
     assert "sf.solve(scene, end_time=1.0)" in downloads.program(scene)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compare.output.field_files import record_fields, write_record
-from semianalytic import DataFileError, find, solve
+from semianalytic import DataFileError, SceneError, find, solve
 from slipfront.fits import read_gauges
 from slipfront.fits.data import gauges_and_notes
 
@@ -198,6 +198,32 @@ def test_y_of_zero_is_the_interface_and_what_is_elsewhere_is_said(tmp_path):
     assert (strain.y, strain.values.tolist()) == (0.5, [7])
     assert "slip is of the interface, where y is 0 or missing: 1 rows are left out" in notes
     assert "exx is of points inside the bodies and needs its y: 1 rows are left out" in notes
+
+
+def test_a_table_with_a_column_for_each_gauge(tmp_path):
+    text = "Time [us];SG1 [ustrain];e2 [µm/m];D1 [um];trigger\n0;1;2;3;9\n1;-1;;4;9\n"
+    places = {"D1": ("slip", 0.03, 0), "e2": ("exy", -0.01, 0.002), "SG1": ("exx", 0.02, 0.003)}
+    path = written(tmp_path, text)
+    gauges, _, unread = gauges_and_notes([path], {"": 1e-6}, gauges=places)
+    found = {one.name: (one.quantity, one.x, one.y, one.values.tolist()) for one in gauges}
+    assert found == {
+        "D1": ("slip", 0.03, None, pytest.approx([3e-6, 4e-6])),
+        "e2": ("exy", -0.01, 0.002, pytest.approx([2e-6])),
+        "SG1": ("exx", 0.02, 0.003, pytest.approx([1e-6, -1e-6])),
+    }
+    assert gauges[0].t.tolist() == [0, 1e-6]
+    assert unread == ("trigger",)
+    for name, place, message in (
+        ("SG1", ("exx", 0.02), "exx is of the bodies; say at which y"),
+        ("SG3", ("exx", 0.02, 0.1), "no column 'SG3'"),
+        ("SG1", ("e", 0.02), "must be a quantity, x and"),
+        ("D1", ("pressure", 0.02), "'um' in the name of 'D1 .um.' is no known unit of stress"),
+    ):
+        with pytest.raises((DataFileError, SceneError), match=message):
+            read_gauges([path], {"": 1e-6}, gauges={name: place})
+    np.savez(tmp_path / "a.npz", t=T, x=[0.1], slip=T[:, None])
+    with pytest.raises(DataFileError, match="gauges are columns of a table of text"):
+        read_gauges([tmp_path / "a.npz"], {"": 1.0}, gauges=places)
 
 
 @pytest.mark.parametrize("units", ["", "SI"])

@@ -19,7 +19,7 @@ shear_modulus = 1.0
 density = 1.0
 poisson_ratio = 0.25
 [law]
-kind = "slip-dependent"
+kind = "slip-weakening"
 static = 0.6
 dynamic = 0.2
 distance = 1.0

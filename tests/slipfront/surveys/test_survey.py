@@ -17,7 +17,7 @@ from slipfront.surveys import survey
 
 SOLID = sf.Material(80e9, 7800.0, 0.29)
 STEEL = sf.Scene(SOLID, 0.25, sf.Tractions(5e6, 0.0), sf.Tractions(0.0, 5e6), units="SI")
-FALLING = {"shear_history": sf.Ramp(0.5), "friction_law": sf.SlipWeakening(0.2, 0.5)}
+FALLING = {"shear_history": sf.Ramp(0.5), "law": sf.SlipWeakening(1.0, 0.8, 0.5)}
 WEAKENING = unit_scene(nu=0.3, **FALLING)
 
 
@@ -152,7 +152,7 @@ def test_a_viscosity_turns_friction_viscous_and_back():
     data = survey(PRELOADED, viscosity=[0.0, 0.2], friction=[0.2, 0.4])
     for viscosity in (0.0, 0.2):
         scene = with_numbers(PRELOADED, {"viscosity": viscosity, "friction": 0.4})
-        assert isinstance(scene.friction_law, sf.ViscousFriction) == bool(viscosity)
+        assert isinstance(scene.friction, sf.Coulomb) == bool(viscosity)
         assert_holds(data.sel(viscosity=viscosity, friction=0.4), sf.solve(scene, rtol=1e-6))
 
 
@@ -205,7 +205,7 @@ def test_many_points_of_a_plane_are_single_solutions():
         ({"friction": [0.1]}, {"chunk": 0}, "chunk must be a whole number"),
         ({"friction": [0.1]}, {"x": [1.0]}, "give x and t"),
         ({"friction": [0.1]}, {"x": [-1.0], "t": [1.0]}, "x must be positions on the contact"),
-        ({"friction": [0.1]}, {"x": "a", "t": 1.0}, "x must be numbers"),
+        ({"friction": [0.1]}, {"x": "a", "t": 1.0}, "x must be a number or an array of numbers"),
         ({"friction": [0.1]}, {"x": 1, "t": 1, "fields": ["speed"]}, "fields must be some of"),
         ({"friction": [0.1]}, {"path": "a.csv"}, "let its name end in .nc"),
         # what no machine can hold
@@ -239,11 +239,12 @@ def test_every_number_of_a_scene_is_a_parameter():
         *("lower_shear_modulus", "lower_density", "lower_poisson_ratio"),
         *("base_pressure", "base_shear", "load_pressure", "load_shear"),
         *("shear_history_rise_time", "friction_law_reduction", "friction_law_distance"),
+        "friction_law_dynamic",
     }
     assert {"viscosity"} == set(numbers_of(PRELOADED)) - set(numbers_of(WEAKENING))
     changed = with_numbers(WEAKENING, {"base_pressure": 2.0, "friction_law_distance": 0.1})
     assert changed.base.pressure == 2.0
-    assert changed.friction_law == sf.SlipWeakening(0.2, 0.1)
+    assert changed.friction == sf.SlipWeakening(0.3, 0.24, 0.1)
 
 
 @pytest.mark.parametrize("name", [None, "a.nc"])

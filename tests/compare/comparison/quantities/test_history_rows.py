@@ -1,20 +1,16 @@
 """Comparisons under load histories: both methods, side by side."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import under
 from compare_cases import sampled_run
 
 from compare import judge
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
-from compare.comparison.quantities.history_rows import (
-    beside_edges,
-    event_rows,
-    slip_sense,
-)
+from compare.comparison.quantities.history_rows import beside_edges, event_rows, slip_sense
 from compare.comparison.rows import ALARM
 from fem import simulate
 from semianalytic import RateWeakening, SlipWeakening
@@ -54,7 +50,10 @@ def test_both_methods_agree_within_the_bars(name, tmp_path, capsys, request):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("law", "slip_rate_error", "verdict"),
-    [(SlipWeakening(0.5, 0.2), 0.02, "agrees"), (RateWeakening(0.5, 0.5), 0.5, "unresolved")],
+    [
+        (SlipWeakening(1.0, 0.5, 0.2), 0.02, "agrees"),
+        (RateWeakening(1.0, 0.5, 0.5), 0.5, "unresolved"),
+    ],
     ids=["slip", "rate"],
 )
 def test_both_methods_agree_on_friction_laws(law, slip_rate_error, verdict):
@@ -63,7 +62,7 @@ def test_both_methods_agree_on_friction_laws(law, slip_rate_error, verdict):
     Under rate weakening the slip rate of the finite elements flickers from step to step (27 %), and
     converges on no mesh: nothing differs, and nothing is said to agree.
     """
-    scene = replace(find_scene("preloaded"), friction_law=law)
+    scene = under(find_scene("preloaded"), law)
     run = simulate(scene, resolution=60)
     judgement = judge(predict_like(run), run)
     rows = {row.name: row for row in judgement.rows}

@@ -62,7 +62,7 @@ def test_what_a_march_cannot_go_on_to_is_refused(tmp_path):
 @pytest.mark.parametrize("steps", [1, 3])
 def test_blocks_of_steps_change_nothing(steps, monkeypatch):
     """Blocks end anywhere: at a jump, at a stop, between levels of the companion."""
-    scene = preloaded(shear_history=sf.Pulse(0.5), friction_law=sf.SlipWeakening(0.5, 0.5))
+    scene = preloaded(shear_history=sf.Pulse(0.5), law=sf.SlipWeakening(1.0, 0.5, 0.5))
 
     def marches():
         stopped = march(scene, nodes=60, every=5, progress=lambda done, steps: done == 33)
@@ -131,7 +131,7 @@ def test_bad_options(options, message):
     [
         ({}, True),
         ({"pressure_history": sf.Pulse(0.5)}, False),
-        ({"friction_law": sf.RateWeakening(0.1, 5.0)}, False),
+        ({"law": sf.RateWeakening(1.0, 0.9, 5.0)}, False),
     ],
 )
 def test_tension_is_refused_and_sends_nobody_to_a_solver_that_refuses(options, solved):

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED, SHOCK, over, unit_scene
+from catalogue import PRELOADED, SHOCK, over, under, unit_scene
 
 import semianalytic as sf
 from compare.comparison.documents import march_document
@@ -22,7 +22,7 @@ from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
 from tests.semianalytic.engine.scenes.runs import march
 
-WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, friction_law=sf.SlipWeakening(2 / 3, 0.05))
+WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, law=sf.SlipWeakening(1.0, 1 / 3, 0.05))
 
 
 # --- the estimate is honest -----------------------------------------------------------------
@@ -290,12 +290,12 @@ def test_weakening_that_is_called_resolved_is_right_to_a_percent(name):
 
 @pytest.mark.slow
 def test_nodes_are_chosen_for_the_process_zone():
-    sharp = replace(WEAK, friction_law=sf.SlipWeakening(2 / 3, 7e-4))
+    sharp = under(WEAK, sf.SlipWeakening(1.0, 1 / 3, 7e-4))
     assert in_zone(sharp, 8, 0.2) > 1000
     chosen = march(sharp, end_time=0.2, every=10**6)
     assert chosen.grid.observed == in_zone(sharp, 8, 0.2)
     assert chosen.status == "resolved"
-    sharper = replace(WEAK, friction_law=sf.SlipWeakening(2 / 3, 5e-5))
+    sharper = under(WEAK, sf.SlipWeakening(1.0, 1 / 3, 5e-5))
     assert in_zone(sharper, 8, 0.2) > MOST_NODES
     with pytest.raises(sf.SceneError, match="do not resolve"):
         march(sharper, end_time=0.2)

@@ -183,7 +183,7 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
         mode=mode,
         shear_history=sf.Harmonic(1.5),
         pressure_history=sf.Ramp(0.7),
-        friction_law=sf.SlipWeakening(0.5, 0.1),
+        law=sf.SlipWeakening(1.0, 0.5, 0.1),
     )
     marched = march(scene, nodes=64, companion=False)
     x, y, step = *np.array([[-0.6, -0.3, 0.7], [0.3, -0.35, -0.25]]), 1e-3
@@ -265,7 +265,7 @@ def test_finite_elements_under_slip_weakening_come_to_the_same_fields(tmp_path, 
         mode=mode,
         pressure_history=sf.Ramp(0.3),
         shear_history=sf.Pulse(0.8, "triangle"),
-        friction_law=sf.SlipWeakening(0.4, 0.05),
+        law=sf.SlipWeakening(1.0, 0.6, 0.05),
     )
     marched, off = march(scene, nodes=400, companion=False), []
     for resolution in (16, 32):

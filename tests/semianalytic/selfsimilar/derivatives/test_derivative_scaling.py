@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import unit_scene
+from catalogue import under, unit_scene
 from laws import opening_scene
 
-from semianalytic import ViscousFriction, solve
+from semianalytic import Coulomb, solve
 from tests.semianalytic.selfsimilar.derivatives.test_derivative import (
     check_homogeneity,
     clear_positions,
@@ -36,7 +36,7 @@ NARROW = unit_scene(
 @pytest.mark.parametrize("viscosity", [0.0, 0.0015668623422475361])
 def test_derivatives_scale_on_a_narrow_strip_ahead_of_an_opening(viscosity):
     """A step of its edge is to be short against the strip, not against the way to a front."""
-    solution = solve(replace(NARROW, friction_law=ViscousFriction(viscosity)), rtol=1e-9)
+    solution = solve(under(NARROW, Coulomb(1.0, viscosity=viscosity)), rtol=1e-9)
     assert solution.zones[-1].outer - solution.openings[0].outer < 2e-3
     assert solution.derivative("base_shear").error_estimate < 1e-6
     check_homogeneity(solution, clear_positions(solution, CLEAR))
@@ -47,7 +47,7 @@ def random_film(seed):
     random = np.random.default_rng(seed)
     scene, viscosity = opening_scene(random), 10 ** random.uniform(-3, 1)
     mode = ("in-plane", "antiplane")[seed % 2]
-    return replace(scene, friction_law=ViscousFriction(float(viscosity)), mode=mode)
+    return under(replace(scene, mode=mode), Coulomb(1.0, viscosity=float(viscosity)))
 
 
 @pytest.mark.slow
@@ -60,7 +60,7 @@ def test_derivatives_of_random_films_that_open_scale(seed):
 
 X = np.array([0.05, 0.3, 0.9, 1.2])
 STEP = 1e-4
-FILM, OUT = {"friction_law": ViscousFriction(0.4)}, {"mode": "antiplane"}
+FILM, OUT = {"law": Coulomb(1.0, viscosity=0.4)}, {"mode": "antiplane"}
 
 
 def off_one_side(scene_of, name, size, sign):
@@ -83,7 +83,7 @@ def off_one_side(scene_of, name, size, sign):
         (1.3186, (24.54, 1.2), {"nu": 0.45}),
         (0.3, (0.5, 1.0), {}),
         (0.6, (0.5, 0.4), OUT),
-        (0.3, (0.5, 1.0), {"friction_law": ViscousFriction(0.2)}),
+        (0.3, (0.5, 1.0), {"law": Coulomb(1.0, viscosity=0.2)}),
         (0.4, (1.2, -1.0), {"nu": 0.0}),
         (0.3, (50.0, 25.0), FILM),
     ],

@@ -1,14 +1,13 @@
 """Strength that depends on slip rate: Newton's method, what it agrees with, what it refuses."""
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
-from catalogue import REMOTE, unit_scene
+from catalogue import REMOTE, under, unit_scene
 from laws import check_march_converges
 
-from semianalytic import CoulombFriction, RateWeakening, SceneError
+from semianalytic import Coulomb, RateWeakening, SceneError
 from semianalytic.selfsimilar.rated import approach, newton
 from semianalytic.selfsimilar.rated.approach import approached, settled_zones, unsettled
 from semianalytic.selfsimilar.rated.law import unit_law
@@ -17,11 +16,11 @@ from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.placement import polish_edges
 
-ONE_ZONE = unit_scene(1.0, friction_law=RateWeakening(0.4, 1.0))
+ONE_ZONE = unit_scene(1.0, law=RateWeakening(1.0, 0.6, 1.0))
 
 
 def dry(scene):
-    return solve(replace(scene, friction_law=CoulombFriction()))
+    return solve(under(scene, Coulomb(1.0)))
 
 
 def test_newtons_method_converges_quadratically():
@@ -39,8 +38,8 @@ def test_newtons_method_converges_quadratically():
     "scene",
     [
         ONE_ZONE,
-        unit_scene(friction_law=RateWeakening(0.4, 1.0)),
-        unit_scene(0.5, friction_law=RateWeakening(0.3, 1.0), mode="antiplane"),
+        unit_scene(law=RateWeakening(1.0, 0.6, 1.0)),
+        unit_scene(0.5, law=RateWeakening(1.0, 0.7, 1.0), mode="antiplane"),
     ],
     ids=["one zone", "two zones", "antiplane"],
 )
@@ -51,7 +50,7 @@ def test_strength_and_slip_rate_agree_and_the_error_is_honest(scene):
     assert shift <= loose.error_estimate
     x = np.linspace(0.02, 1.95, 200)
     rate, traction = fine.slip_rate(x, 1.0), fine.shear_traction(x, 1.0)
-    strength = scene.friction_law.strength(scene.friction, rate, 0.0)
+    strength = scene.strength(1.0, rate)
     np.testing.assert_allclose(traction[rate > 0], strength[rate > 0], rtol=1e-12)
     assert np.all(np.abs(traction) <= strength + 1e-6)
     assert np.all(rate >= 0)
@@ -62,20 +61,20 @@ def test_strength_and_slip_rate_agree_and_the_error_is_honest(scene):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 def test_march_converges_to_the_answer(mode):
-    scene = unit_scene(1.0, friction_law=RateWeakening(0.4, 4.0), mode=mode)
+    scene = unit_scene(1.0, law=RateWeakening(1.0, 0.6, 4.0), mode=mode)
     check_march_converges(solve(scene, rtol=1e-6), (50, 100, 200, 400))
 
 
 def test_weakening_across_the_rayleigh_front_is_refused():
-    law = RateWeakening(0.2, 5.0)
+    law = RateWeakening(1.0, 0.8, 5.0)
     for scene in (
-        unit_scene(0.5, **REMOTE, friction_law=law),
-        unit_scene(0.3, (1.0, 0.295), (1.0, 0.0), friction_law=law),
+        unit_scene(0.5, **REMOTE, law=law),
+        unit_scene(0.3, (1.0, 0.295), (1.0, 0.0), law=law),
     ):
         with pytest.raises(SceneError, match="cover the Rayleigh front"):
             solve(scene)
     # pressure makes it steeper than radiation
-    scene = unit_scene(1.0, (1.0, 0.0), (0.5, 1.5), friction_law=RateWeakening(0.45, 1.0))
+    scene = unit_scene(1.0, (1.0, 0.0), (0.5, 1.5), law=RateWeakening(1.0, 0.55, 1.0))
     with pytest.raises(SceneError, match="makes pressure infinite at the contact edge"):
         solve(scene)
 
@@ -83,16 +82,16 @@ def test_weakening_across_the_rayleigh_front_is_refused():
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("rtol", [1e-6, 1e-10])
 def test_what_sticks_does_not_weaken(mode, rtol):
-    law = RateWeakening(0.1, 1.0)
-    scene = unit_scene(3.0, (1.0, 0.0), (1.0, 1.0), friction_law=law, mode=mode)
+    law = RateWeakening(1.0, 0.9, 1.0)
+    scene = unit_scene(3.0, (1.0, 0.0), (1.0, 1.0), law=law, mode=mode)
     stuck = solve(scene, rtol=rtol)
     assert (stuck.zones, stuck.status, stuck.scene) == ((), "converged", scene)
 
 
 @pytest.mark.slow
 def test_slip_rate_too_steep_for_any_rule_is_said():
-    law = RateWeakening(0.26215, 0.0193459)
-    solution = solve(unit_scene(0.03417, (1.0, 0.0), (0.0, 0.1357), friction_law=law), rtol=1e-5)
+    law = RateWeakening(1.0, 0.73785, 0.0193459)
+    solution = solve(unit_scene(0.03417, (1.0, 0.0), (0.0, 0.1357), law=law), rtol=1e-5)
     assert "rises like the power 0.05" in solution.status
     assert "a zone edge near x/t = 0.92" in solution.status
     assert solution.error_estimate == np.inf
@@ -109,8 +108,8 @@ def test_slip_rate_too_steep_for_any_rule_is_said():
     ],
 )
 def test_falling_friction_is_answered_or_refused(nu, friction, reduction, load, answered):
-    law = RateWeakening(0.33, reduction)
-    scene = unit_scene(friction, (0.13, 0.0), (0.0, load), nu=nu, friction_law=law)
+    law = RateWeakening(1.0, 0.67, reduction)
+    scene = unit_scene(friction, (0.13, 0.0), (0.0, load), nu=nu, law=law)
     solution = solve(scene, rtol=1e-5 if answered else 1e-8)
     refused = "which no rule resolves" in solution.status
     assert refused or (answered and solution.zones and solution.status == "converged")
@@ -141,10 +140,10 @@ def test_slip_rate_that_no_step_makes_less_steep_is_given_up_at_once(monkeypatch
         return calls[-1]
 
     monkeypatch.setattr(approach, "rated_zones", counted)
-    law = RateWeakening(0.5673157809443904, 2.021263565484365)
+    law = RateWeakening(1.0, 0.4326842190556096, 2.021263565484365)
     base = (0.8160586945782151, 0.0011639241467299353)
     friction, nu = 0.0014262750393603937, 0.41993813926217527
-    solution = solve(unit_scene(friction, base, nu=nu, friction_law=law), rtol=1e-5)
+    solution = solve(unit_scene(friction, base, nu=nu, law=law), rtol=1e-5)
     assert "which no rule resolves" in solution.status
     assert len(calls) == 1
     assert sum(fields) <= tuning.MOST_RATE_FIELDS

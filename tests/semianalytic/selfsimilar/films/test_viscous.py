@@ -1,14 +1,12 @@
 """Viscous friction: slip across the Rayleigh front, traction, energy, limits, march and sweep; and
 films of any viscosity in random scenes of every mode, answered honestly or said why not."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from catalogue import REMOTE, unit_scene
+from catalogue import REMOTE, under, unit_scene
 from laws import check_invariants, check_march_converges, viscous_scene
 
-from semianalytic import CoulombFriction, SceneError, ViscousFriction, solve
+from semianalytic import Coulomb, SceneError, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -28,7 +26,7 @@ from semianalytic.selfsimilar.zones.placement import locate_edges
 from tests.semianalytic.selfsimilar.test_solution import integral, power_density, singular_speeds
 
 VISCOUS = NAMED_SCENES["viscous"].scene
-LOADED = unit_scene(0.2, (1.0, 0.1), (0.8, 1.0), nu=0.25, friction_law=ViscousFriction(0.2))
+LOADED = unit_scene(0.2, (1.0, 0.1), (0.8, 1.0), nu=0.25, law=Coulomb(1.0, viscosity=0.2))
 
 
 @pytest.mark.parametrize("scene", [VISCOUS, LOADED])
@@ -53,8 +51,7 @@ def test_traction_follows_slip_rate_and_power_is_its_product(scene):
             + (zone.outer - zone.inner) * np.sin(np.linspace(0, np.pi / 2, 402)[1:-1]) ** 2
         )
         rate, traction = solution.slip_rate(x, 1.0), solution.shear_traction(x, 1.0)
-        frictional = scene.friction * solution.pressure(x, 1.0)
-        expected = zone.sense * scene.friction_law.strength(frictional, rate, 0.0)
+        expected = zone.sense * scene.strength(solution.pressure(x, 1.0), rate)
         np.testing.assert_allclose(traction, expected, rtol=1e-12)
     power = integral(power_density(solution), 0.0, 9.0, singular_speeds(solution))
     assert float(solution.frictional_power(1.0)) == pytest.approx(power, rel=1e-9)
@@ -66,25 +63,21 @@ def test_march_converges_to_the_exact_answer():
     check_march_converges(solve(VISCOUS), (100, 200, 400, 800))
 
 
-def test_no_viscosity_is_constant_friction_and_little_is_near_it():
+def test_little_viscosity_is_near_constant_friction():
     scene = unit_scene()
-    none, little, constant = (
-        solve(replace(scene, friction_law=law))
-        for law in (ViscousFriction(0.0), ViscousFriction(1e-7), CoulombFriction())
-    )
-    np.testing.assert_array_equal(none.edge_speeds, constant.edge_speeds)
+    little, constant = solve(under(scene, Coulomb(1.0, viscosity=1e-7))), solve(scene)
     np.testing.assert_allclose(little.edge_speeds, constant.edge_speeds, atol=1e-6)
     assert np.abs(little.edge_speeds - constant.edge_speeds).max() > 1e-9
     # alone it is nearly Lamb's problem
     x = np.array([0.3, 0.7, 1.2, 1.7])
-    solution = solve(unit_scene(0.0, friction_law=ViscousFriction(1e-8)))
+    solution = solve(unit_scene(0.0, law=Coulomb(1.0, viscosity=1e-8)))
     lamb = slip_rate_without_friction(Material(1.0, 1.0, 1 / 3), 1.0, x)
     np.testing.assert_allclose(solution.slip_rate(x, 1.0), lamb, rtol=1e-6)
 
 
 def test_slip_everywhere_is_balanced_by_viscosity_far_ahead():
     """f P_b + (rho c_t / 2 + viscosity) V = Q_b."""
-    scene = unit_scene(0.5, **REMOTE, friction_law=ViscousFriction(0.25))
+    scene = unit_scene(0.5, **REMOTE, law=Coulomb(1.0, viscosity=0.25))
     assert scene.far_slip_rate == pytest.approx(0.5 / 0.75)
     ahead = solve(scene).shear_traction(3.0, 1.0)
     assert float(ahead) == pytest.approx(0.5 + 0.25 * scene.far_slip_rate)
@@ -95,9 +88,9 @@ def test_slip_everywhere_is_balanced_by_viscosity_far_ahead():
 def test_gap_closes_and_shear_front_slips_where_the_thresholds_say(viscosity):
     nu = 1 / 3
     closing, nucleation = viscous_closing(nu, viscosity), viscous_nucleation(nu, viscosity)
-    law = ViscousFriction(viscosity / 2)
+    law = Coulomb(1.0, viscosity=viscosity / 2)
     seen = [
-        regime(solve(replace(scene_of("preload", nu, chi), friction_law=law)))
+        regime(solve(under(scene_of("preload", nu, chi), law)))
         for chi in (
             closing * (1 - 1e-3),
             closing * (1 + 1e-3),
@@ -120,7 +113,7 @@ def test_where_the_gap_never_closes():
 def test_slip_below_rounding_is_refused():
     """eta V is what traction exceeds friction by: slip rates fall like 1 / eta until then."""
     thick, thicker, too_thick = (
-        replace(VISCOUS, friction_law=ViscousFriction(one)) for one in (1e6, 1e8, 1e20)
+        under(VISCOUS, Coulomb(1.0, viscosity=one)) for one in (1e6, 1e8, 1e20)
     )
     x = np.linspace(0.1, 0.4, 4)
     rates = [solve(one, rtol=1e-6).slip_rate(x, 1.0) for one in (thick, thicker)]
@@ -174,8 +167,8 @@ def test_films_are_answered_lawfully_and_honestly(count, answered):
     [("in-plane", 1e8), ("antiplane", 1e6), ("antiplane", 1e8)],
 )
 def test_estimates_hold_off_a_contact_edge_where_slip_rate_towers(mode, viscosity):
-    law = ViscousFriction(viscosity)
-    scene = unit_scene(0.494, (1.0, 0.3), (0.0, 0.783), nu=-0.243, friction_law=law, mode=mode)
+    law = Coulomb(1.0, viscosity=viscosity)
+    scene = unit_scene(0.494, (1.0, 0.3), (0.0, 0.783), nu=-0.243, law=law, mode=mode)
     exact, x = solve(scene, rtol=1e-12), np.linspace(0.003, 2.0, 900)
     assert exact.edge_slip_rate > 100 * exact.slip_rate(x, 1.0).max()
     for rtol in (1e-5, 1e-8):
@@ -189,8 +182,8 @@ def test_estimates_hold_off_a_contact_edge_where_slip_rate_towers(mode, viscosit
 def test_slip_off_a_contact_edge_where_it_towers_is_the_integral_of_its_rate(load, mode, viscosity):
     """Slip at u = t/x is the mean of the slip rate up to u: 50 estimates off when it was taken as
     the difference of two integrals of which one grows with the viscosity."""
-    base, law = (1.0, 0.2 if load[0] else 0.0), ViscousFriction(viscosity)
-    scene = unit_scene(0.3, base, load, friction_law=law, mode=mode)
+    base, law = (1.0, 0.2 if load[0] else 0.0), Coulomb(1.0, viscosity=viscosity)
+    scene = unit_scene(0.3, base, load, law=law, mode=mode)
     solution = solve(scene, rtol=1e-6)
     for x in np.geomspace(0.05, 0.8, 9):
         times = sorted(x / speed for speed in singular_speeds(solution))
@@ -202,7 +195,7 @@ def test_slip_off_a_contact_edge_where_it_towers_is_the_integral_of_its_rate(loa
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("viscosity", [1e10, 1e14])
 def test_zones_under_strong_films_need_one_set(viscosity):
-    scene = unit_scene(load=(0.5, 1.0), nu=0.33, friction_law=ViscousFriction(viscosity))
+    scene = unit_scene(load=(0.5, 1.0), nu=0.33, law=Coulomb(1.0, viscosity=viscosity))
     loose, exact = solve(scene, rtol=1e-5), solve(scene, rtol=1e-8)
     assert loose.status == exact.status == "converged"
     assert loose.statistics.zone_sets == exact.statistics.zone_sets == 1

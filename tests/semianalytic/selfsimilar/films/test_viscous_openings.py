@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from catalogue import unit_scene
+from catalogue import under, unit_scene
 from laws import check_invariants
 
-from semianalytic import RateWeakening, SceneError, ViscousFriction
+from semianalytic import Coulomb, RateWeakening, SceneError
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.zones import tuning
@@ -19,7 +19,7 @@ from tests.semianalytic.selfsimilar.films.test_viscous import check_honest
 
 def film(viscosity, base, load, friction=0.3, **rest):
     """A scene of (pressure, shear), its base and load, with a viscous film."""
-    return unit_scene(friction, base, load, friction_law=ViscousFriction(viscosity), **rest)
+    return unit_scene(friction, base, load, law=Coulomb(1.0, viscosity=viscosity), **rest)
 
 
 LIFTED = film(0.25, (1.0, 0.0), (-1.0, 1.0))
@@ -48,7 +48,7 @@ def exponent(scene, speed):
     mode = scene.shear_mode
     factors = rayleigh_factors(scene.material.poisson_ratio, mode)
     impedance = float(factors.impedance_behind(factors.cut([1 / speed]))[0])
-    return np.arctan(2 * scene.friction_law.viscosity / impedance) / np.pi
+    return np.arctan(2 * scene.law.viscosity / impedance) / np.pi
 
 
 def powers(solution, border):
@@ -75,8 +75,8 @@ def test_slip_rate_is_infinite_where_the_contact_opens_slowly(scene, mode):
 @pytest.mark.parametrize("viscosity", [0.05, 0.25, 2.0])
 def test_slip_rate_is_nothing_where_the_contact_closes(viscosity, mode):
     """V ~ d^(theta / pi), on either side."""
-    law = ViscousFriction(viscosity)
-    solution = solve(replace(TAPPED, friction_law=law, mode=mode), rtol=1e-9)
+    law = Coulomb(1.0, viscosity=viscosity)
+    solution = solve(under(replace(TAPPED, mode=mode), law), rtol=1e-9)
     (opening,) = solution.openings
     assert solution.zones[0].outer == opening.inner
     expected = exponent(solution.scene, opening.inner)
@@ -104,7 +104,7 @@ def test_little_viscosity_is_nearly_none():
         dry = solve(film(0.0, *((one.pressure, one.shear) for one in (scene.base, scene.load))))
         plain, errors = dry.slip_rate(x, 1.0), []
         for viscosity in (1e-3, 1e-5):
-            rate = solve(replace(scene, friction_law=ViscousFriction(viscosity))).slip_rate(x, 1.0)
+            rate = solve(under(scene, Coulomb(1.0, viscosity=viscosity))).slip_rate(x, 1.0)
             errors.append(np.abs(rate - plain).sum() / np.abs(plain).sum())
         assert errors[1] < 0.02 * errors[0] < 2e-3
 
@@ -128,9 +128,9 @@ def test_estimates_bound_errors(scene):
 
 
 def test_friction_that_falls_with_slip_rate_is_refused_where_the_contact_opens():
-    law = RateWeakening(0.1, 1.0)
+    law = RateWeakening(1.0, 0.9, 1.0)
     with pytest.raises(SceneError, match=r"where the contact opens .* falls .*\(docs/limits"):
-        solve(replace(LIFTED, friction_law=law))
+        solve(under(LIFTED, law))
 
 
 # --- high viscosity -----------------------------------------------------------------------------

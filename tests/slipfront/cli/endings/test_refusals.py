@@ -36,7 +36,7 @@ A_TIME = "--budget must be a time such as 60s, 5min or 1h, got '"
 OTHERWISE = "slipfront solve, compare, explore, field, survey and simulate take others"
 REFUSED = {
     "": [
-        ("solve absent.toml", "Cannot read the scene file"),
+        ("solve absent.toml", "cannot be read"),
         ("solve preloaded --plot a.docx", "end the name in"),
         ("solve preloaded --nodes 50", "add --method space-time"),
         ("solve lift-off --method space-time", "turn tensile"),

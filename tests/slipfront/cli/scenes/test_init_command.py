@@ -6,12 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from catalogue import under
 
 from semianalytic import GrowingLoad, PointForce, RateWeakening, SlipWeakening, find, solve
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.given.template import in_si_units, scene_text
-from semianalytic.scene.kinds import FRICTION_LAWS, HISTORY_KINDS
+from semianalytic.scene.kinds import HISTORY_KINDS
+from semianalytic.scene.laws.kinds import LAW_KINDS
+from semianalytic.scene.laws.law import follows_path
 from slipfront.cli.commands import main
 
 X = np.linspace(0.03, 1.2, 40)
@@ -47,8 +50,8 @@ def test_what_is_written_is_read_back_and_solved(name, shown):
 
 def test_weakening_laws_are_the_same_in_si_units():
     scene = find("preloaded")
-    for law in (SlipWeakening(0.5, 0.3), RateWeakening(0.1, 2.0)):
-        weakening = replace(scene, friction_law=law)
+    for law in (SlipWeakening(1.0, 0.5, 0.3), RateWeakening(1.0, 0.9, 2.0)):
+        weakening = under(scene, law)
         plain, si = (
             solve(one, method="space-time", end_time=None, nodes=100)
             for one in (weakening, in_si_units(weakening))
@@ -62,7 +65,8 @@ def test_weakening_laws_are_the_same_in_si_units():
 def test_each_alternative_works_once_its_marks_are_moved(units, shown):
     short, text = (shown(f"init - {units} {every}").out for every in ("", "--all"))
     assert len(short.splitlines()) <= 40
-    kinds = {"shear_history": HISTORY_KINDS, "friction_law": FRICTION_LAWS}
+    laws = {kind: law for kind, law in LAW_KINDS.items() if follows_path(law)}
+    kinds = {"shear_history": HISTORY_KINDS, "friction_law": laws}
     for table, known in kinds.items():
         before, head, part = text.partition(f"[{table}]")
         part, gap, after = part.partition("\n\n")
@@ -76,7 +80,7 @@ def test_each_alternative_works_once_its_marks_are_moved(units, shown):
             whole = before + head + "\n" + chosen + gap + after
             Path("mine.toml").write_text(whole)
             scene = find("mine.toml")
-            assert type(getattr(scene, table)) is known[kind]
+            assert type(scene.law if known is laws else scene.shear_history) is known[kind]
             assert f'kind = "{kind}"' in scene_text(scene)
 
 

@@ -1,7 +1,6 @@
 """Laws of friction: the local balance, states, and refusals."""
 
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
-from semianalytic.interface.law import balanced
+from semianalytic.scene.laws.law import balanced
 
 IMPEDANCE, SIGMA = 4.6e6, 5e7
 
@@ -50,9 +49,9 @@ def test_without_pressure_slip_is_free():
     "law",
     [
         sf.Coulomb(0.4, cohesion=0.1, viscosity=0.3),
-        sf.SlipDependent(0.6, 0.2, 0.1),
-        sf.SlipDependent(0.6, 0.2, 0.1, 0.05, "exponential"),
-        sf.RateDependent(0.6, 0.4, 1.0),
+        sf.SlipWeakening(0.6, 0.2, 0.1),
+        sf.SlipWeakening(0.6, 0.2, 0.1, 0.05, "exponential"),
+        sf.RateWeakening(0.6, 0.4, 1.0),
     ],
     ids=lambda law: type(law).__name__,
 )
@@ -96,36 +95,12 @@ def test_start_carries_the_base_shear_at_the_slip_rate():
     assert law.strength(pressure, speed, theta) == pytest.approx(shear)
 
 
-def test_a_law_of_the_user_is_a_small_class():
-    @dataclass(frozen=True)
-    class Healing(sf.InterfaceLaw):
-        friction: object
-
-        def strength(self, pressure, speed, state):
-            return self.friction * pressure / (1 + state)
-
-    law = Healing(lambda x: 0.3 + 0.1 * (np.abs(x) < 1))
-    fault = sf.Interface(
-        sf.Material(1.0, 1.0, 0.25), law, 8.0, loads=[sf.InterfaceLoad(lambda x: np.exp(-(x**2)))]
-    )
-    same = sf.Interface(
-        fault.material,
-        sf.SlipDependent(lambda x: 0.3 + 0.1 * (np.abs(x) < 1), 0.0, 1e9),
-        8.0,
-        loads=fault.loads,
-    )
-    done, other = (sf.solve(one, end_time=0.5, nodes=64, estimate=False) for one in (fault, same))
-    assert 0 < done.slip.max() < 1
-    # slip weakens the one and not the other
-    assert done.slip.max() > 1.005 * other.slip.max()
-
-
 @pytest.mark.parametrize(
     ("law", "said"),
     [
         (lambda: sf.RateAndState(0.01, 0.01, 0.6, 1e-6, 0.0), "distance must be positive"),
         (lambda: sf.RateAndState(0.01, 0.01, 0.6, 1e-6, 1.0, "aging"), "ageing or slip"),
-        (lambda: sf.SlipDependent(0.6, 0.1, 0.1, shape="cubic"), "linear or exponential"),
+        (lambda: sf.SlipWeakening(0.6, 0.1, 0.1, shape="cubic"), "linear or exponential"),
         (lambda: sf.Coulomb(lambda x: x[:2]).on([0.0, 1.0, 2.0]), "must return 3 numbers"),
         (lambda: sf.Coulomb(lambda x: -x).on([0.0, 1.0, 2.0]), "friction must be 0 or more"),
     ],
@@ -140,7 +115,7 @@ def test_friction_that_falls_faster_than_radiation_balances_is_refused():
     """The slope at rest is (static - dynamic) p / rate; mu / (2 c_t) is 0.5 here."""
     material = sf.Material(1.0, 1.0, 0.25)
     for rate, refused in ((0.59, True), (0.61, False)):
-        law = sf.RateDependent(0.6, 0.3, rate=rate)
+        law = sf.RateWeakening(0.6, 0.3, rate=rate)
         face = sf.Interface(material, law, 8.0, pressure=1.0, shear=0.4)
         if refused:
             with pytest.raises(sf.SceneError, match=r"by 0\.508 per slip rate, the impedance"):

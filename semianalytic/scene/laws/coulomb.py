@@ -8,14 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.delay import DelayedLaw
-from semianalytic.interface.law import not_negative
+from semianalytic.scene.laws.delay import LinearLaw
+from semianalytic.scene.laws.law import not_negative
+from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Coulomb(DelayedLaw):
+@with_quantities
+@dataclass(frozen=True, eq=False, repr=False)
+class Coulomb(LinearLaw):
     """Strength f p + cohesion + viscosity |V|, whatever the slip so far.
 
     Parameters
@@ -47,7 +49,6 @@ class Coulomb(DelayedLaw):
     friction: Any
     cohesion: Any = 0.0
     viscosity: Any = 0.0
-    is_stateless = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -59,9 +60,10 @@ class Coulomb(DelayedLaw):
         )
 
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return f p + cohesion + viscosity |V|; see `InterfaceLaw.strength`."""
+        """Return f p + cohesion + viscosity |V|; see `Law.strength`."""
         return self.friction * pressure + self.cohesion + self.viscosity * speed
 
-    def steady_slope(self) -> Any:
-        """Return the viscosity; see `InterfaceLaw.steady_slope`."""
-        return self.viscosity
+    def rate_slopes(self, pressure: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
+        """Return the derivatives of strength; see `Law.rate_slopes`."""
+        none = 0.0 * (pressure + speed)
+        return none + self.friction, none + self.viscosity, none, none

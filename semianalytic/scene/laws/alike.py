@@ -1,8 +1,8 @@
-"""Equality of descriptions whose parameters may be arrays, expressions or tables."""
+"""Equality and short form of descriptions whose parameters may be arrays, expressions or tables."""
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,17 @@ class Alike:
 
     def __hash__(self) -> int:
         return hash(type(self))
+
+
+def expression(part: Any) -> str:
+    """Return the expression that makes a dataclass, without parameters at their default."""
+    given = []
+    for one in sorted(fields(part), key=lambda one: bool(one.kw_only)):
+        value = getattr(part, one.name)
+        factory = one.default_factory
+        if not _same(value, one.default if factory is MISSING else factory()):
+            given.append(f"{one.name}={value!r}")
+    return f"{type(part).__name__}({', '.join(given)})"
 
 
 def _same(one: Any, other: Any) -> bool:

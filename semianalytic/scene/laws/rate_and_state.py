@@ -8,15 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.delay import DelayedLaw
-from semianalytic.interface.law import not_negative, positive
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.delay import DelayedLaw
+from semianalytic.scene.laws.law import not_negative, positive
+from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@with_quantities
+@dataclass(frozen=True, eq=False, repr=False)
 class RateAndState(DelayedLaw):
     """Rate-and-state friction, regularised: a p arcsinh[(V / 2 V0) exp((f0 + b ln(V0 theta/L))/a)].
 
@@ -92,14 +94,14 @@ class RateAndState(DelayedLaw):
         return np.asarray((self.f0 + self.b * np.log(self.v0 * state / self.distance)) / self.a)
 
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return a p arcsinh(...); see `InterfaceLaw.strength`."""
+        """Return a p arcsinh(...); see `Law.strength`."""
         with np.errstate(divide="ignore"):
             # arcsinh(y) from ln y: no overflow however large the exponent
             log = np.log(speed / (2 * self.v0)) + self._exponent(state)
         return np.asarray(self.a * pressure * _arcsinh_exp(log))
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
-        """Return the speed of balance; see `InterfaceLaw.slip_speed`.
+    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
+        """Return the speed of balance; see `Law.slip_speed`.
 
         With V = V0 (e^(x - E) - e^(-x - E)) the balance a p x + impedance V = stopping is convex
         and rising in x.  Where x is large the second term is below rounding, and the balance has
@@ -129,7 +131,7 @@ class RateAndState(DelayedLaw):
         return np.asarray(self.v0 * np.exp(x - exponent) * -np.expm1(-2 * x))
 
     def evolved(self, state: Array, speed: Array, time: float) -> Array:
-        """Return the state after a time at a mean speed, exactly; see `InterfaceLaw.evolved`."""
+        """Return the state after a time at a mean speed, exactly; see `Law.evolved`."""
         share = speed * time / self.distance
         if self.evolution == "ageing":
             # theta e^-y + (L/V)(1 - e^-y); (1 - e^-y)/y tends to 1 at rest
@@ -162,7 +164,7 @@ class RateAndState(DelayedLaw):
         return np.asarray(power + np.log(self.distance / self.v0))
 
     def start(self, pressure: Array, shear: Array, speed: Array) -> Array:
-        """Return theta at t = 0; see `InterfaceLaw.start`."""
+        """Return theta at t = 0; see `Law.start`."""
         if self.theta is not None:
             return np.broadcast_to(np.asarray(self.theta, dtype=float), pressure.shape).copy()
         carried = np.abs(shear) / pressure
@@ -180,13 +182,13 @@ class RateAndState(DelayedLaw):
         return state
 
     def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the direct effect, about a p / V; see `InterfaceLaw.rate_slope`."""
+        """Return the direct effect, about a p / V; see `Law.rate_slope`."""
         # d/dV of a p arcsinh(c V) = a p / sqrt(V^2 + c^-2)
         least = 2 * self.v0 * np.exp(np.minimum(-self._exponent(state), 700.0))
         return np.asarray(self.a * pressure / np.maximum(np.hypot(speed, least), 1e-300))
 
     def state_slip(self) -> Any:
-        """Return L; see `InterfaceLaw.state_slip`."""
+        """Return L; see `Law.state_slip`."""
         return self.distance
 
     def weakening(self, pressure: Array) -> float:

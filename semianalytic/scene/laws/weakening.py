@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.delay import DelayedLaw
-from semianalytic.interface.law import not_negative, positive
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.delay import DelayedLaw, LinearLaw
+from semianalytic.scene.laws.law import not_negative, positive
+from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
 
-class RateIndependentLaw(DelayedLaw):
-    """A law whose strength does not depend on slip rate, so that its balance is linear."""
-
-    def steady_slope(self) -> float:
-        """Return 0; see `InterfaceLaw.steady_slope`."""
-        return 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class SlipDependent(RateIndependentLaw):
+@with_quantities
+@dataclass(frozen=True, eq=False, repr=False)
+class SlipWeakening(LinearLaw):
     """Friction that falls with accumulated slip from static to dynamic, linearly or exponentially.
 
     Strength is (f_d + (f_s - f_d) w) p + cohesion w, with w = max(1 - slip / distance, 0), or
@@ -52,8 +47,8 @@ class SlipDependent(RateIndependentLaw):
     Examples
     --------
     >>> import numpy as np
-    >>> from semianalytic import SlipDependent
-    >>> law = SlipDependent(static=0.6, dynamic=0.2, distance=0.4)
+    >>> from semianalytic import SlipWeakening
+    >>> law = SlipWeakening(static=0.6, dynamic=0.2, distance=0.4)
     >>> law.strength(1.0, 0.0, np.array([0.0, 0.2, 1.0])).round(6).tolist()
     [0.6, 0.4, 0.2]
     """
@@ -62,11 +57,13 @@ class SlipDependent(RateIndependentLaw):
     dynamic: Any
     distance: Any
     cohesion: Any = 0.0
-    shape: str = "linear"
+    shape: str = field(
+        default="linear", metadata={"dimension": "", "meaning": "linear or exponential"}
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        owner = "SlipDependent"
+        owner = "SlipWeakening"
         not_negative(owner, static=self.static, dynamic=self.dynamic, cohesion=self.cohesion)
         positive(owner, distance=self.distance)
         if self.shape not in ("linear", "exponential"):
@@ -80,19 +77,20 @@ class SlipDependent(RateIndependentLaw):
         return np.exp(-state / self.distance)
 
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the weakened strength; see `InterfaceLaw.strength`."""
+        """Return the weakened strength; see `Law.strength`."""
         left = self._left(state)
         friction = self.dynamic + (self.static - self.dynamic) * left
         return np.asarray(friction * pressure + self.cohesion * left + 0 * speed)
 
     def weakening(self, pressure: Array) -> float:
-        """Return the steepest fall [stress / length]; see `InterfaceLaw.weakening`."""
+        """Return the steepest fall [stress / length]; see `Law.weakening`."""
         fall = (self.static - self.dynamic) * pressure + self.cohesion
         return float(np.max(fall / self.distance))
 
 
-@dataclass(frozen=True, eq=False)
-class ForcedFront(RateIndependentLaw):
+@with_quantities
+@dataclass(frozen=True, eq=False, repr=False)
+class ForcedFront(LinearLaw):
     """Friction that falls from static to dynamic when a front arrives, whatever the slip.
 
     The state is the time since t = 0.  With a static friction that is never reached the front is
@@ -134,19 +132,20 @@ class ForcedFront(RateIndependentLaw):
         not_negative(owner, static=self.static, dynamic=self.dynamic, fall=self.fall)
 
     def evolved(self, state: Array, speed: Array, time: float) -> Array:
-        """Return the time since t = 0; see `InterfaceLaw.evolved`."""
+        """Return the time since t = 0; see `Law.evolved`."""
         return state + time
 
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the strength at a time; see `InterfaceLaw.strength`."""
+        """Return the strength at a time; see `Law.strength`."""
         since, fall = state - self.arrival, np.asarray(self.fall, dtype=float)
         gone = np.where(fall > 0, np.clip(since / np.where(fall > 0, fall, 1.0), 0, 1), since >= 0)
         friction = self.static + (self.dynamic - self.static) * gone
         return np.asarray(friction * pressure + 0 * speed)
 
 
-@dataclass(frozen=True, eq=False)
-class RateDependent(DelayedLaw):
+@with_quantities
+@dataclass(frozen=True, eq=False, repr=False)
+class RateWeakening(DelayedLaw):
     """Friction that falls with slip rate: f_d + (f_s - f_d) / (1 + |V| / rate), times pressure.
 
     Parameters
@@ -167,8 +166,8 @@ class RateDependent(DelayedLaw):
 
     Examples
     --------
-    >>> from semianalytic import RateDependent
-    >>> RateDependent(0.6, 0.2, rate=1.0).strength(1.0, 1.0, 0.0)
+    >>> from semianalytic import RateWeakening
+    >>> RateWeakening(0.6, 0.2, rate=1.0).strength(1.0, 1.0, 0.0)
     0.4
     """
 
@@ -176,24 +175,35 @@ class RateDependent(DelayedLaw):
     dynamic: Any
     rate: Any
     cohesion: Any = 0.0
-    is_stateless = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        owner = "RateDependent"
+        owner = "RateWeakening"
         not_negative(owner, static=self.static, dynamic=self.dynamic, cohesion=self.cohesion)
         positive(owner, rate=self.rate)
 
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the strength at a speed; see `InterfaceLaw.strength`."""
+        """Return the strength at a speed; see `Law.strength`."""
         friction = self.dynamic + (self.static - self.dynamic) / (1 + speed / self.rate)
         return friction * pressure + self.cohesion
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
-        """Return the speed of balance; see `InterfaceLaw.slip_speed`."""
+    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
+        """Return the speed of balance; see `Law.slip_speed`."""
         # Multiplied by (V + rate), the balance is a quadratic in w = impedance V.
         excess = stopping - self.static * pressure - self.cohesion
         knee = impedance * self.rate
         linear = excess + (self.static - self.dynamic) * pressure - knee
         root = np.sqrt(np.maximum(linear**2 + 4 * knee * excess, 0.0))
         return np.where(excess > 0, (linear + root) / 2, 0.0) / impedance
+
+    def rate_slopes(self, pressure: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
+        """Return the derivatives of strength; see `Law.rate_slopes`."""
+        above, lost = speed + self.rate, self.static - self.dynamic
+        first = -lost * self.rate / np.square(above) + 0 * pressure
+        by_pressure = self.dynamic + lost * self.rate / above + 0 * pressure
+        return by_pressure, pressure * first, first, -2 * pressure * first / above
+
+    @cached_property
+    def fall_with_rate(self) -> float:
+        """Fall of strength per slip rate at rest, where it is largest; see `Law.fall_with_rate`."""
+        return float((self.static - self.dynamic) / self.rate)

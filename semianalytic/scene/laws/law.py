@@ -3,37 +3,51 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import fields, is_dataclass, replace
+from functools import cached_property
+from itertools import pairwise
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.alike import Alike
-from semianalytic.interface.fields import BARRIER, sampled
-from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.checks import checked_number, checked_size, finite
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.alike import Alike, expression
+from semianalytic.scene.laws.sampling import BARRIER, sampled
 
 Array = NDArray[np.float64]
 
 SLOWEST = 1e-300
 """Slip rate below which a law counts as one that sticks."""
+_FOLLOWING = (
+    "slip_speed",
+    "steady_slope",
+    "rate_slope",
+    "rate_slopes",
+    "fall_with_rate",
+    "weakening",
+)
+"""What follows from the strength of a law."""
 
 
-class InterfaceLaw(Alike, ABC):
-    """The friction of an interface: strength at a slip speed and a state that evolves with slip.
+class Law(Alike, ABC):
+    """The friction of an interface: strength at a slip rate, and a state that evolves with slip.
 
     Derive a class, best a frozen dataclass, and define `strength`.  The state is one number per
-    node; without a definition of `evolved` it is the accumulated |slip|.  Fields of a dataclass may
-    be numbers, functions of x or `Table`; methods receive them as arrays (n,) on the contact.
-    All arguments are arrays (n,); strength must not fall with speed faster than the impedance.
+    node; without a definition of `evolved` it is the path, the accumulated |slip|.  Fields of a
+    dataclass may be numbers, functions of x or `Table`; methods receive them as arrays (n,) on the
+    contact.  All arguments are arrays (n,); strength must not fall with slip rate faster than the
+    impedance.  A scene takes laws of numbers whose state is the path; the exact solver takes those
+    among them that define `rate_slopes`.
 
     Examples
     --------
     >>> from dataclasses import dataclass
-    >>> from semianalytic import InterfaceLaw
+    >>> from semianalytic import Law
     >>> @dataclass(frozen=True)
-    ... class Glue(InterfaceLaw):
+    ... class Glue(Law):
     ...     friction: object
     ...     bond: object
     ...     distance: float
@@ -44,6 +58,18 @@ class InterfaceLaw(Alike, ABC):
     [1.5, 2.5]
     """
 
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Let no class that defines its strength inherit what follows from another one."""
+        super().__init_subclass__(**options)
+        laws = [one for one in cls.__mro__[1:] if issubclass(one, Law)]
+        derived = any("strength" not in one.__abstractmethods__ for one in laws)
+        if derived and "strength" in vars(cls):
+            for name in set(_FOLLOWING) - vars(cls).keys():
+                setattr(cls, name, vars(Law)[name])
+
+    def __repr__(self) -> str:
+        return expression(self) if is_dataclass(self) else object.__repr__(self)
+
     has_threshold = True
     """Whether the interface sticks below its strength at rest, as most laws do."""
 
@@ -53,6 +79,64 @@ class InterfaceLaw(Alike, ABC):
 
         The pressure is the one that friction follows; see `pressure_delay`.
         """
+
+    def rate_slopes(self, pressure: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
+        """Return the derivatives of strength by pressure, by |V|, by both and by |V| twice.
+
+        Only laws define it whose strength is a smooth function of pressure and slip rate, and
+        proportional to pressure at rest: under steps they keep self-similarity (docs/rate.md).
+        """
+        raise NotImplementedError
+
+    @property
+    def is_rated(self) -> bool:
+        """Whether strength depends on pressure and slip rate alone, smoothly: `rate_slopes`."""
+        return type(self).rate_slopes is not Law.rate_slopes
+
+    @cached_property
+    def keeps_similarity(self) -> bool:
+        """Whether fields under step loads depend on x/t alone (docs/rate.md)."""
+        pressure = np.array([0.0, 1.0, 2.0])
+        rest = np.asarray(self.strength(pressure, 0 * pressure, 0 * pressure))
+        excess = np.abs(rest - self.coefficient * pressure)
+        return self.is_rated and bool(np.all(excess <= 1e-12 * rest))
+
+    @property
+    def coefficient(self) -> float:
+        """Friction coefficient at rest, before any slip: the field `friction` or `static`."""
+        name = coefficient_field(type(self))
+        if name is not None:
+            return float(getattr(self, name))
+        none = np.zeros(1)
+        return float((self.strength(none + 1, none, none) - self.strength(none, none, none))[0])
+
+    def with_coefficient(self, coefficient: float) -> Self:
+        """Return the law with another coefficient at rest, and dynamic friction in its ratio to it.
+
+        Raises
+        ------
+        SceneError
+            If the law has no field of the coefficient.
+        """
+        name = coefficient_field(type(self))
+        if name is None:
+            raise SceneError(
+                f"{type(self).__name__} has no field `friction` or `static`; change its own "
+                "parameters."
+            )
+        changes, before = {name: coefficient}, getattr(self, name)
+        if before and hasattr(self, "dynamic"):
+            changes["dynamic"] = self.dynamic * (coefficient / before)
+        return replace(self, **changes)  # type: ignore[type-var]
+
+    @cached_property
+    def fall_with_rate(self) -> float:
+        """Largest fall of strength per slip rate, over pressure [time / length]; 0 without any.
+
+        By default it is found from slip rates of 1e-30 to 1e30, ten in each decade.
+        """
+        one, none, speeds = np.ones(1), np.zeros(1), _decades()
+        return _steepest((self.strength(one, speed * one, none), speed) for speed in speeds)
 
     def evolved(self, state: Array, speed: Array, time: float) -> Array:
         """Return the state after a time at a mean speed; the accumulated |slip| by default."""
@@ -94,7 +178,7 @@ class InterfaceLaw(Alike, ABC):
         """Return the state at t = 0, where |shear| is carried at a speed; 0 by default."""
         return np.zeros(len(pressure))
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: float, state: Array) -> Array:
+    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
         """Return the speed V >= 0 at which strength + impedance V = stopping, 0 where it sticks.
 
         By default it is found by bracketing in ln V, to rounding; a law may know a faster way.
@@ -114,9 +198,8 @@ class InterfaceLaw(Alike, ABC):
 
     @property
     def follows_state(self) -> bool:
-        """Whether strength may depend on the state."""
-        # A class that is derived from one without a state may have one.
-        return not vars(type(self)).get("is_stateless", False)
+        """Whether the state matters: strength depends on it, or it is no path."""
+        return not (self.is_rated and follows_path(type(self)))
 
     def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
         """Return the slope of strength by speed [stress time / length], by differences by default.
@@ -135,16 +218,22 @@ class InterfaceLaw(Alike, ABC):
         return np.inf
 
     def weakening(self, pressure: Array) -> float:
-        """Return the largest fall of strength per slip [stress / length]; 0 by default.
+        """Return the largest fall of strength per path [stress / length].
 
-        The grid has to resolve mu over it.
+        The grid has to resolve mu over it.  By default it is found from paths of 1e-30 to 1e30, ten
+        in each decade, and is 0 if the state is no path.
         """
-        return 0.0
+        if self.is_rated or not follows_path(type(self)):
+            return 0.0
+        pressure, paths = np.atleast_1d(pressure), _decades()
+        return _steepest(
+            (self.strength(pressure, 0 * pressure, 0 * pressure + one), one) for one in paths
+        )
 
     def on(self, x: Any, spacing: float = 0.0) -> Self:
         """Return the law with all its fields as arrays on positions x (n,).
 
-        With a node distance, nodes beside a jump of a field take its mean; see `fields.sampled`.
+        With a node distance, nodes beside a jump of a field take its mean; see `sampling.sampled`.
         """
         if not is_dataclass(self):
             return self
@@ -159,7 +248,40 @@ class InterfaceLaw(Alike, ABC):
         return replace(self, **drawn) if drawn else self
 
 
-def check_law(law: InterfaceLaw, pressure: Array, state: Array) -> None:
+def coefficient_field(law: type) -> str | None:
+    """Return the field of a class of laws that is the coefficient at rest; None without one."""
+    names = [one.name for one in fields(law)] if is_dataclass(law) else []
+    return next((name for name in ("friction", "static") if name in names), None)
+
+
+def follows_path(law: type[Law]) -> bool:
+    """Whether the state of a class of laws is the path, the accumulated |slip|."""
+    return all(
+        getattr(law, name) is getattr(Law, name) for name in ("evolved", "evolved_under", "start")
+    )
+
+
+def reduction_of(law: Any) -> float:
+    """Return the part of the static friction of a law that is lost, without roundings."""
+    return float(f"{1 - law.dynamic / law.static:.14g}") if law.static else 0.0
+
+
+def _decades() -> Array:
+    """Return 0, and 1e-30 to 1e30 in tenths of decades."""
+    return np.concatenate([[0.0], np.logspace(-30, 30, 601)])
+
+
+def _steepest(found: Iterable[tuple[Array, float]]) -> float:
+    """Return the largest fall of strengths (n,) per slip or slip rate at which they are found."""
+    # a sum of two terms of the strength, rounded, may fall by 1e-15 of it alone
+    falls = (
+        np.max(before - after - 1e-15 * np.abs(before)) / (end - start)
+        for (before, start), (after, end) in pairwise(found)
+    )
+    return max(0.0, *map(float, falls))
+
+
+def check_law(law: Law, pressure: Array, state: Array) -> None:
     """Raise SceneError if a law returns something else than one finite number per node."""
     speed = np.zeros(len(pressure))
     owner = type(law).__name__
@@ -175,7 +297,28 @@ def check_law(law: InterfaceLaw, pressure: Array, state: Array) -> None:
             )
 
 
-def check_rate(law: InterfaceLaw, pressure: Array, state: Array, impedance: float) -> None:
+def check_balance(law: Law, pressure: float, impedance: float) -> None:
+    """Raise SceneError unless the slip rate of a law balances its own strength.
+
+    The laws of this package do; this one is for those of other packages.
+    """
+    size, path = np.full(3, pressure), np.zeros(3)
+    stopping = np.asarray(law.strength(size, path, path)) * np.array([1.2, 2.0, 5.0])
+    speed = np.asarray(law.slip_speed(stopping, size, impedance, path), dtype=float)
+    left = stopping - np.asarray(law.strength(size, speed, path), dtype=float) - impedance * speed
+    # Where the interface sticks, strength may exceed the traction; nan is wrong either way.
+    off = np.where(speed == 0, np.maximum(left, 0.0), np.abs(left))
+    # 1e-3 is far above what the root of any solver misses, and far below a factor left out.
+    if not np.all(off <= 1e-3 * stopping):
+        raise SceneError(
+            f"scene: slip_speed of the friction law {type(law).__name__} must return the slip rate "
+            "V >= 0 at which strength(pressure, V, path) + impedance V is the traction that "
+            f"stops; for tractions {stopping.tolist()}, pressure {pressure:g} and impedance "
+            f"{impedance:g} it returns {speed.tolist()}."
+        )
+
+
+def check_rate(law: Law, pressure: Array, state: Array, impedance: float) -> None:
     """Raise SceneError if friction falls with slip rate faster than the bodies can balance.
 
     With strength(V) + impedance V falling anywhere, a traction is balanced by several slip rates,
@@ -186,10 +329,7 @@ def check_rate(law: InterfaceLaw, pressure: Array, state: Array, impedance: floa
     if not size > 0:
         return
     speeds = size * np.concatenate([[0.0], np.logspace(-14, 2, 161)])
-    strength = [np.asarray(law.strength(pressure, 0 * pressure + one, state)) for one in speeds]
-    rounding = 1e-15 * np.abs(strength[0])
-    fall = (-np.diff(strength, axis=0) - rounding) / np.diff(speeds)[:, None]
-    steepest = float(fall.max())
+    steepest = _steepest((law.strength(pressure, 0 * pressure + one, state), one) for one in speeds)
     if steepest > impedance * (1 + 1e-6):
         raise SceneError(
             "interface: friction falls with slip rate faster than radiation can balance "
@@ -201,28 +341,29 @@ def check_rate(law: InterfaceLaw, pressure: Array, state: Array, impedance: floa
 def positive(owner: str, **values: Any) -> None:
     """Raise SceneError unless parameters given as numbers are finite and positive."""
     for name, value in values.items():
-        _check(owner, name, value, lambda one: one > 0, "be positive")
+        _check(f"{owner}: {name}", value, lambda one: one > 0, "be positive and finite")
+        if finite(value):
+            checked_size(f"{owner}: {name}", value)
 
 
 def not_negative(owner: str, **values: Any) -> None:
     """Raise SceneError unless parameters given as numbers are finite, 0 or more."""
     for name, value in values.items():
-        _check(owner, name, value, lambda one: one >= 0, "be 0 or more")
+        _check(f"{owner}: {name}", value, lambda one: one >= 0, "be 0 or more and finite")
 
 
-def _check(owner: str, name: str, value: Any, admitted: Any, words: str) -> None:
+def _check(what: str, value: Any, admitted: Any, words: str) -> None:
     if callable(value):
         return
-    given = np.asarray(value if isinstance(value, np.ndarray) else finite(value), dtype=float)
-    wrong = ~(np.isfinite(given) & admitted(given))
+    if not isinstance(value, np.ndarray):
+        checked_number(what, value, words, admitted)
+        return
+    wrong = ~(np.isfinite(value) & admitted(value))
     if wrong.any():
-        got = f"{given[wrong][0]:.6g}" if given.ndim else shown(value)
-        raise SceneError(f"{owner}: {name} must {words} and finite, got {got}.")
+        raise SceneError(f"{what} must {words}, got {value[wrong][0]:.6g}.")
 
 
-def balanced(
-    law: InterfaceLaw, stopping: Array, pressure: Array, impedance: float, state: Array
-) -> Array:
+def balanced(law: Law, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
     """Return the speeds at which strength + impedance V = stopping, by bracketing in ln V.
 
     Where strength at rest exceeds the stopping traction the speed is 0.

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.law import InterfaceLaw, not_negative
+from semianalytic.scene.checks import finite
+from semianalytic.scene.laws.law import Law, not_negative
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DelayedLaw(InterfaceLaw):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class DelayedLaw(Law):
     """A law whose friction may follow a pressure p' that lags behind the contact pressure p.
 
     dp'/dt = (p - p') (1/delay + |V|/delay_slip), where a delay of 0 is left out (Prakash and
@@ -38,13 +39,28 @@ class DelayedLaw(InterfaceLaw):
     delay_slip: Any = 0.0
 
     def __post_init__(self) -> None:
+        # The class is frozen; numbers are stored as plain floats, whatever their type was.
+        for one in fields(self):
+            if (number := finite(getattr(self, one.name))) is not None:
+                object.__setattr__(self, one.name, number)
         not_negative(type(self).__name__, delay=self.delay, delay_slip=self.delay_slip)
 
     def pressure_delay(self, speed: Array) -> Any:
-        """Return the time in which friction follows pressure; see `InterfaceLaw.pressure_delay`."""
+        """Return the time in which friction follows pressure; see `Law.pressure_delay`."""
         if not any(callable(one) or np.any(one) for one in (self.delay, self.delay_slip)):
             return 0.0
         delay, slip = np.asarray(self.delay, dtype=float), np.asarray(self.delay_slip, dtype=float)
         with np.errstate(divide="ignore", invalid="ignore"):
             own = np.where(delay > 0, 1 / delay, np.where(slip > 0, 0.0, np.inf))
             return 1 / (own + np.where(slip > 0, speed / slip, 0.0))
+
+
+class LinearLaw(DelayedLaw):
+    """A law whose strength rises linearly with slip rate, by a viscosity, or not at all."""
+
+    viscosity: Any = 0.0
+    fall_with_rate = 0.0
+
+    def steady_slope(self) -> Any:
+        """Return the viscosity; see `Law.steady_slope`."""
+        return self.viscosity

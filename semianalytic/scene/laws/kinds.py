@@ -1,0 +1,141 @@
+"""Friction laws by the names that they have in files, and those that a scene takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from semianalytic.scene.checks import checked_number, checked_table, finite, made
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.coulomb import Coulomb
+from semianalytic.scene.laws.law import Law, coefficient_field, follows_path
+from semianalytic.scene.laws.rate_and_state import RateAndState
+from semianalytic.scene.laws.weakening import ForcedFront, RateWeakening, SlipWeakening
+from semianalytic.scene.plugins import LAWS, kind_of, known_class
+
+LAW_KINDS: Mapping[str, type[Law]] = {
+    "coulomb": Coulomb,
+    "slip-weakening": SlipWeakening,
+    "rate-weakening": RateWeakening,
+    "rate-and-state": RateAndState,
+    "forced-front": ForcedFront,
+}
+LAW_WORDS = ("kind", "shape", "evolution")
+"""Keys of laws in files whose values are words."""
+_OTHER_WORDS: Mapping[str, str] = {
+    "viscous": "coulomb",
+    "slip-dependent": "slip-weakening",
+    "rate-dependent": "rate-weakening",
+}
+
+
+def law_from_table(name: str, table: Any, coefficient: Any = None, *, scene: bool = False) -> Law:
+    """Return the law that a table with a kind and parameters describes.
+
+    Parameters
+    ----------
+    name : str
+        Name of the table.
+    table : mapping
+        Its fields, and in place of `dynamic` also `reduction`, the part of `static` that is lost.
+    coefficient : float, optional
+        The friction coefficient at rest, where it stands outside the table.
+    scene : bool
+        Whether the law is that of a scene.
+
+    Raises
+    ------
+    SceneError
+        If the kind or a key is unknown, a key is missing or given twice, a value is out of range,
+        or scenes do not take the law.
+    """
+    values = checked_table(name, table)
+    kind = values.pop("kind", None)
+    if isinstance(kind, str) and kind in _OTHER_WORDS:
+        raise SceneError(f"{name}: {kind} is called {_OTHER_WORDS[kind]}; change its kind.")
+    described: type[Law] = known_class(name, LAWS, Law, LAW_KINDS, kind)
+    if scene and not follows_path(described):
+        raise SceneError(
+            f"{name}: {kind} has a state other than the path, which the engine alone knows; give "
+            "an interface this law (docs/not_here.md)."
+        )
+    own = coefficient_field(described)
+    if coefficient is not None:
+        if own is None or own in values:
+            where = f"{name}.{own}" if own else "no parameter of this law"
+            raise SceneError(f"friction is {where}; leave friction out.")
+        values[own] = coefficient
+    known = {one.name for one in fields(described)}  # type: ignore[arg-type]
+    if "reduction" in values and "dynamic" in known and "reduction" not in known:
+        if "dynamic" in values or finite(values.get("static")) is None:
+            raise SceneError(f"{name}: reduction goes with a number, static, and without dynamic.")
+        reduction = checked_number(
+            f"{name}: reduction",
+            values.pop("reduction"),
+            "be a number between 0 and 1",
+            lambda given: 0 <= given <= 1,
+        )
+        values["dynamic"] = values["static"] * (1 - reduction)
+    law: Law = made(name, described, values)
+    return law
+
+
+def law_table(law: Law) -> dict[str, Any]:
+    """Return the kind of a law of numbers and its parameters that are not at their default.
+
+    The coefficient at rest is left out, which stands outside the table.  The kind of a class that
+    no installed package brings is its name with that of its module, by which it is found again
+    where that module is loaded.
+    """
+    described = type(law)
+    kind = kind_of(LAWS, Law, LAW_KINDS, described)
+    kind = kind or f"{described.__module__}.{described.__qualname__}"
+    own, parts = coefficient_field(described), fields(law)  # type: ignore[arg-type]
+    return {"kind": kind} | {
+        one.name: getattr(law, one.name)
+        for one in parts
+        if one.name != own and getattr(law, one.name) != one.default
+    }
+
+
+def checked_friction(friction: object) -> float | Law:
+    """Return the friction of a scene: a number for Coulomb's law alone, else a law.
+
+    Raises
+    ------
+    SceneError
+        If it is neither, or a law that scenes do not take.
+    """
+    if not isinstance(friction, Law):
+        number = checked_number(
+            "scene: friction", friction, "be a finite number or a law such as SlipWeakening"
+        )
+        if number < 0:
+            raise SceneError(f"scene: friction must not be negative, got {number}.")
+        return number
+    if beyond := _beyond_scenes(friction):
+        raise SceneError(
+            f"scene: {type(friction).__name__} has {beyond}, which the engine alone knows; give "
+            "an Interface this law (docs/engine.md)."
+        )
+    if friction.coefficient < 0:
+        raise SceneError(f"scene: friction must not be negative, got {friction.coefficient}.")
+    if friction == Coulomb(friction.coefficient):
+        return friction.coefficient
+    return friction
+
+
+def _beyond_scenes(law: Law) -> str:
+    """Return what a law has that solvers of scenes do not know, or "" if they know all of it."""
+    if any(callable(one) or isinstance(one, np.ndarray) for one in vars(law).values()):
+        return "parameters that vary along x"
+    if not (follows_path(type(law)) and law.has_threshold):
+        return "a state other than the path"
+    if np.any(law.pressure_delay(np.ones(1))):
+        return "a delay"
+    if getattr(law, "dynamic", 0.0) > law.coefficient:
+        return "a dynamic friction above the static one"
+    return ""
