@@ -214,17 +214,3 @@ def test_an_interrupt_during_the_estimate_leaves_the_complete_run():
     assert done.error_estimates == {}
     assert done.end_time == 1.0
     assert np.array_equal(done.slip, run(fault, 1.0, nodes=64, estimate=False).slip)
-
-
-def test_a_damaged_file_of_a_run_is_refused(tmp_path):
-    fault, path = forced_front(), tmp_path / "run.h5"
-    run(fault, 0.5, nodes=32, estimate=False).save(path)
-    whole = path.read_bytes()
-    assert sf.Run.load(path, fault).nodes == 32
-    for at in np.random.default_rng(2).integers(0, len(whole), 12):
-        path.write_bytes(bytes(byte ^ 4 * (i == at) for i, byte in enumerate(whole)))
-        with pytest.raises(sf.DataFileError, match="cannot be read as a run of an interface"):
-            sf.Run.load(path, fault)
-    path.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(sf.DataFileError):
-        sf.Run.load(path, fault)

@@ -79,17 +79,6 @@ def test_blocks_of_steps_change_nothing(steps, monkeypatch):
                 np.testing.assert_allclose(values, wanted, rtol=1e-10, atol=1e-12, err_msg=name)
 
 
-def test_damaged_file_is_refused(tmp_path):
-    path = tmp_path / "march.h5"
-    march(preloaded(), end_time=0.5, nodes=50).save(path)
-    data = path.read_bytes()
-    path.write_bytes(data[: len(data) // 2])
-    with pytest.raises(sf.DataFileError, match="march again"):
-        sf.Marched.load(path)
-    with pytest.raises(sf.DataFileError, match="march again"):
-        sf.Marched.load(tmp_path / "missing.h5")
-
-
 def test_solver_is_chosen_by_the_scene():
     exact, forced = sf.solve(preloaded()), march(preloaded(), nodes=50)
     assert isinstance(exact, sf.Solution)
