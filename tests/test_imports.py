@@ -23,10 +23,9 @@ ARROWS = {
         "field": "scene halfplane cut",
         "selfsimilar": "scene results halfplane cut separation field parameters",
         "memory": "scene",
-        "spacetime": "scene results halfplane field memory",
         "interface": "scene dissimilar",
         "parameters": "scene interface",
-        "engine": "scene results memory spacetime dissimilar interface",
+        "engine": "scene results halfplane field memory dissimilar interface",
         "dissimilar": "scene halfplane",
         "dissimilar_slot": "scene results halfplane field selfsimilar dissimilar parameters",
         "whole_line": "scene results halfplane selfsimilar",
@@ -331,7 +330,6 @@ LATER = (
     "reference",
     "regimes",
     *_DERIVATIVES,
-    "spacetime",
     "sweeps",
     "whole_line",
 )
@@ -346,7 +344,7 @@ LATER = (
         ("solution.slip_rate(0.3, 1.0)", ()),
         ("solution.derivative('friction')", _DERIVATIVES),
         ("slipfront.fit", ("inversion", *_DERIVATIVES)),
-        ("slipfront.march_on", ("memory", "spacetime")),
+        ("slipfront.march_on", ("dissimilar", "engine", "interface", "memory")),
         ("slipfront.sweep", ("sweeps",)),
     ],
 )

@@ -21,10 +21,10 @@ from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from semianalytic import Marched, Scene, Solution
 from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.engine.resolution import Shortfall
 from semianalytic.results.answer import Answer
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
-from semianalytic.spacetime.grid.resolution import Shortfall
 
 if TYPE_CHECKING:
     from fem import Simulation

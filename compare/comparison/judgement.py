@@ -30,7 +30,7 @@ from compare.comparison.quantities.slot_rows import slot_rows
 from compare.comparison.rows import DIFFERS, UNRESOLVED, HasRows, Row, shown_number
 from semianalytic import Marched, Solution
 from semianalytic.results.answer import Answer
-from semianalytic.results.notebook import html_table
+from semianalytic.results.in_words import html_table
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:

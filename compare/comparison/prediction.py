@@ -11,12 +11,11 @@ import numpy as np
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.engine.resolution import nodes_for_loads
+from semianalytic.engine.scenes.plan import MOST_NODES
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
-from semianalytic.spacetime.grid.resolution import nodes_for_loads
-from semianalytic.spacetime.march import check_march
-from semianalytic.spacetime.march_plan import MOST_NODES
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -58,7 +57,9 @@ def planned(
         end_time = 1 / speed if end_time is None else end_time
         reach, element = scene.fastest_speed * end_time, speed * end_time / choice.resolution
         nodes, length = _grid(scene, reach, end_time, element, choice.resolution)
-        check_march(scene, end_time, nodes, length)
+        # this march costs little beside a simulation
+        options = {"end_time": end_time, "nodes": nodes, "length": length, "companion": False}
+        solve(scene, method="space-time", **options)
     return prediction, choice
 
 

@@ -20,7 +20,7 @@ from compare.output.progress import progress_bar
 from semianalytic import InterfaceFile, Run, find, solve
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.extras import FEM, XARRAY, require
+from semianalytic.scene.extras import FEM, HDF5, XARRAY, require
 from semianalytic.scene.units import InSI
 from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.terminal import print_json, print_judgement
@@ -51,8 +51,8 @@ def solve_interface(
     found = _found(source, settings)
     if save is not None:
         check_file(save)
-        if save.suffix == ".nc":
-            require("a NetCDF file", *XARRAY)
+        needed = ("a NetCDF file", *XARRAY) if save.suffix == ".nc" else ("a saved run", *HDF5)
+        require(*needed)
     if go_on is not None:
         settings["go_on"] = Run.load(go_on, found.interface)
     with progress_bar(Console(stderr=True), quiet or as_json, "marching") as show:

@@ -23,8 +23,8 @@ from compare.comparison.quantities.own_rows import (
 from compare.comparison.rows import Row
 from fem.lines import LineSimulation
 from semianalytic import Run
-from semianalytic.engine.pace import in_fours
-from semianalytic.engine.tuning import LEAST_GAP
+from semianalytic.engine.stepping.pace import in_fours
+from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.interface.fields import at_nodes
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.laws.sampling import sampled

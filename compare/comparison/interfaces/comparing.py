@@ -14,9 +14,9 @@ from compare.comparison.judgement import Judgement
 from fem.lines import Line, LineSimulation, simulate_line
 from fem.lines.march import planned_work, sample_times
 from semianalytic import Interface, Run, solve
-from semianalytic.engine.acting import ActingLoads
-from semianalytic.engine.line import fitting_nodes, grid_of
-from semianalytic.engine.tuning import NODES
+from semianalytic.engine.stepping.acting import ActingLoads
+from semianalytic.engine.stepping.line import fitting_nodes, grid_of
+from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.interface.fields import at_nodes
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError

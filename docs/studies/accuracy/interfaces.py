@@ -22,7 +22,7 @@ from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
 from docs.studies.runner import Point, Study, grouped, main
 from docs.studies.runner import Row as Line
 from semianalytic.dissimilar.kernels import BodyPair
-from semianalytic.engine.window import least_delay, threshold_of
+from semianalytic.engine.stepping.window import least_delay, threshold_of
 from semianalytic.scene.errors import SceneError
 
 NODES, MESH, END = 512, 256, 2.0

@@ -27,7 +27,17 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene
 
-NAMES = ("history", "march", "simulation", "checkpoint", "mesh", "snapshot", "index", "chart")
+NAMES = (
+    "history",
+    "march",
+    "run",
+    "simulation",
+    "checkpoint",
+    "mesh",
+    "snapshot",
+    "index",
+    "chart",
+)
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +115,7 @@ def test_flipped_bits_are_refused_or_change_nothing(name, kinds, tmp_path):
     assert refused == 0 if name == "mesh" else refused > 12
 
 
-@pytest.mark.parametrize("name", ["history", "march", "simulation", "checkpoint"])
+@pytest.mark.parametrize("name", ["history", "march", "run", "simulation", "checkpoint"])
 def test_a_file_without_its_seal_is_refused(name, kinds, tmp_path):
     kinds[name].write(tmp_path)
     path = tmp_path / kinds[name].path
