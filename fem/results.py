@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.interface import OPEN
 from fem.resolution import mesh_caution
-from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
+from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.arguments import checking
-from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 9"
+FORMAT = "slipfront simulation 10"
 FILE_NAME = "simulation.h5"
-ARRAYS = ("state", "slip_after", "final_path", "final_work_density")
-HISTORIES = ("interface", "slot", "energy", "totals")
-COMPANION = "companion"
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,51 +306,7 @@ class Simulation(SampledAnswer):
         """
         directory = Path(directory)
         directory.mkdir(parents=True, exist_ok=True)
-        with whole_hdf5(directory / FILE_NAME) as file:
-            file.attrs["format"] = FORMAT
-            _write(self, file)
-
-
-def _write(simulation: Simulation, group: Any) -> None:
-    """Write a simulation into a group of an HDF5 file, and its companion into a group of that."""
-    facts = {
-        field.name: getattr(simulation, field.name)
-        for field in fields(simulation)
-        if field.name not in ("scene", COMPANION, *ARRAYS, *HISTORIES)
-    }
-    facts["opened"] = facts["opened"] and asdict(facts["opened"])
-    group.attrs["scene"] = json.dumps(scene_document(simulation.scene))
-    group.attrs["facts"] = json.dumps(facts)
-    for name in ARRAYS:
-        group.create_dataset(name, data=getattr(simulation, name), compression=4)
-    for part in HISTORIES:
-        history = getattr(simulation, part)
-        for field in fields(history):
-            values = getattr(history, field.name)
-            group.create_dataset(f"{part}/{field.name}", data=values, compression=4)
-    if simulation.companion is not None:
-        _write(simulation.companion, group.create_group(COMPANION))
-
-
-def _read(group: Any) -> Simulation:
-    """Read the simulation that `_write` wrote into a group."""
-    scene, facts = (json.loads(group.attrs[name]) for name in ("scene", "facts"))
-    opened = facts.pop("opened")
-    arrays = {name: group[name][...] for name in ARRAYS}
-    interface, slot, energy, totals = (
-        {name: data[...] for name, data in group[part].items()} for part in HISTORIES
-    )
-    return Simulation(
-        scene=scene_from_document(scene),
-        opened=ContactOpening(**opened) if opened else None,
-        interface=InterfaceHistory(**interface),
-        slot=SlotHistory(**slot),
-        energy=EnergyHistory(**energy),
-        totals=Totals(**totals),
-        companion=_read(group[COMPANION]) if COMPANION in group else None,
-        **arrays,
-        **facts,
-    )
+        write_answer(directory / FILE_NAME, FORMAT, self, compression=4)
 
 
 @checking
@@ -390,18 +340,8 @@ def load_simulation(directory: str | Path) -> Simulation:
     path = Path(directory) / FILE_NAME
     if not path.is_file():
         raise DataFileError(f"{path} does not exist; give the folder of a finished simulation.")
-    try:
-        with sealed_hdf5(path) as file:
-            if file.attrs.get("format") != FORMAT:
-                raise DataFileError(
-                    f"{path} is not a slipfront simulation; "
-                    "give the folder of a finished simulation."
-                )
-            return _read(file)
-    except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError) as error:
-        raise DataFileError(
-            f"{path} cannot be read as a simulation ({error}); simulate again."
-        ) from error
+    instead = "the folder of a finished simulation"
+    return read_answer(path, FORMAT, Simulation, instead, "simulate again")
 
 
 @checking

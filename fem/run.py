@@ -254,7 +254,7 @@ class Complaints:
 
     @staticmethod
     def _warn(sentence: str) -> None:
-        warnings.warn(sentence, stacklevel=4)
+        warnings.warn(sentence, stacklevel=6)
 
 
 def levels(model: Model, started: int = 0, last: int | None = None) -> Iterator[int]:

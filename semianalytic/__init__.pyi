@@ -4,6 +4,8 @@ from semianalytic import reference as reference
 from semianalytic import regimes as regimes
 from semianalytic.dissimilar.stability import sliding_stability as sliding_stability
 from semianalytic.engine.result import Run as Run
+from semianalytic.engine.scenes.march import march_on as march_on
+from semianalytic.engine.scenes.marched import Marched as Marched
 from semianalytic.field.derived import fringe_order as fringe_order
 from semianalytic.field.derived import fringes as fringes
 from semianalytic.field.derived import strain as strain
@@ -54,7 +56,5 @@ from semianalytic.scene.scene import Scene as Scene
 from semianalytic.scene.scene import Tractions as Tractions
 from semianalytic.scene.tabulated import Tabulated as Tabulated
 from semianalytic.selfsimilar.solution import Solution as Solution
-from semianalytic.spacetime.march import march_on as march_on
-from semianalytic.spacetime.marched import Marched as Marched
 from semianalytic.sweeps.sweep import Sweep as Sweep
 from semianalytic.sweeps.sweep import sweep as sweep

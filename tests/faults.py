@@ -22,7 +22,7 @@ from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from meshes import Blocks, cached_mesh
 from meshes.cache import cache_path
-from semianalytic import Marched, solve
+from semianalytic import Marched, Run, find, solve
 from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.given.named import NAMED_SCENES
@@ -94,6 +94,8 @@ def save_history(folder):
 def all_kinds():
     """Every kind of file that is read back, by name; computes a small march and simulation."""
     marched = solve(NAMED_SCENES["ramp"].scene, method="space-time", end_time=0.3, nodes=40)
+    fault = find("cattaneo").interface
+    run = solve(fault, end_time=0.05, nodes=128, estimate=False)
     simulation = simulate(NAMED_SCENES["preloaded"].scene, resolution=16)
     points = read_points(ROOT / "docs" / "data" / "chart.csv")
     arrays = {"body 0/displacement": np.random.default_rng(3).normal(size=4000)}
@@ -102,6 +104,11 @@ def all_kinds():
     return {
         "history": Kind("history.h5", save_history, InterfaceHistory.load),
         "march": Kind("march.h5", lambda folder: marched.save(folder / "march.h5"), Marched.load),
+        "run": Kind(
+            "run.h5",
+            lambda folder: run.save(folder / "run.h5"),
+            lambda path: Run.load(path, fault),
+        ),
         "simulation": Kind(
             "simulation.h5", simulation.save, lambda path: load_simulation(path.parent)
         ),

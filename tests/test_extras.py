@@ -15,7 +15,8 @@ import pytest
 import fem
 import semianalytic
 import slipfront
-from compare import interfaces, validation
+from compare import validation
+from compare.comparison import interfaces
 from semianalytic import MissingLibraryError
 from semianalytic.scene.extras import (
     CLUSTER,

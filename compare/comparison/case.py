@@ -7,21 +7,24 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from compare.comparison.bars import LARGEST_ORDER
+from compare.comparison.fields.fronts import jump_times
 from compare.comparison.measures import NOTHING, is_nothing, norm, within, worn
+from compare.comparison.mesh_choice import Feature, Prices
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from semianalytic import Marched, Scene, Solution
 from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.engine.resolution import Shortfall
 from semianalytic.results.answer import Answer
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
-from semianalytic.spacetime.grid.resolution import Shortfall
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -29,16 +32,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-NARROW = 8
-"""Least width, in elements, of a zone, an opening or a gap between zones whose ends are judged; the
-mesh at 2h, from which error bars come, has half as many.  Of 60 gaps measured, all but one of those
-of up to 4.0 elements were bridged by slip, and none of those of 5.7 or more; zones of 5.0 elements
-were not seen, and those of 5.4 were.  From 8 on, all were seen at 2h as well.  With 4, two of the
-50 scenes of the maps were said to differ; with 16, the default mesh tells nothing of `preloaded`'s
-second zone."""
 UNSEEN = 5
 """Least width, in elements or nodes in a row, at which norms count a zone, an opening or a gap as
 seen, from the same measurements."""
+FIELDS = ("slip_rate", "slip", "shear_traction", "pressure", "gap")
 LEAST_PEAK = 1e-4
 """Least value of the peaks to which thresholds are relative, over V₀ or, for gaps, V₀ T."""
 MOST_NODES = 0.75
@@ -69,12 +66,19 @@ class Case:
     simulation: Simulation
     at_nodes: InterfaceHistory
     doubted: InterfaceHistory | None
+    largest_order: ClassVar = LARGEST_ORDER
+    """Highest order of convergence of fields that is believed."""
+    local: ClassVar = 1.0
+    """Error of a place over that which coarser meshes let expect of it."""
+    beside_motion: ClassVar = math.inf
+    """How many times as much it may be beside ends of slip or of openings."""
 
     @cached_property
     def worn_at_nodes(self) -> tuple[Array, Array]:
         """Predicted accumulated |slip| [length] and frictional work per area [stress length] at the
         end, (n,) each: the prediction's own where it has them, else summed over the times."""
-        return worn_by(self.prediction, self.at_nodes)
+        path, work = (worn_of(part, self.prediction, self.at_nodes) for part in (0, 1))
+        return path, work
 
     @property
     def scene(self) -> Scene:
@@ -99,7 +103,7 @@ class Case:
     @cached_property
     def coarser(self) -> tuple[Simulation, ...]:
         """Companions of the simulation: the same run at element sizes 2h, 4h, ..."""
-        return tuple(_companions(self.simulation))
+        return tuple(companions_of(self.simulation))
 
     @cached_property
     def runs(self) -> tuple[Simulation, ...]:
@@ -271,14 +275,60 @@ class Case:
             rough.append(np.quantile(bends[slips[1:-1]], MOST_NODES) if slips[1:-1].any() else 0.0)
         return float(rough[0] / rough[1]) if rough[1] else 0.0
 
-    def resolution_for(self, width: float) -> int:
-        """Resolution (node distances per c_t T) at which a width [length] is `NARROW` elements."""
-        return math.ceil(NARROW * self.length / width)
-
     def norm_of(self, field: Array, reach: tuple[float, float]) -> float:
         """L1 norm of a field at the nodes of the simulation between two positions, over c_t T."""
         shown = within(self.seen.x, *reach)
         return norm(field[shown], self.seen.x[shown] / self.length, 1)
+
+    def nothing(self, kind: str) -> float:
+        """Return the largest value of a kind of field that counts as nothing, in its unit."""
+        return NOTHING
+
+    def compared(self, name: str, number: int) -> Mask:
+        """Return the nodes of a run, by number, at which a field is compared over time: beyond the
+        elements at the edge, as far as the simulation was recorded."""
+        x = self.runs[number].interface.x
+        return beyond_edge(x, self.simulation) & within(x, 0.0, float(self.seen.x[-1]))
+
+    def size(self, values: Array, x: Array, t: Array | None) -> float:
+        """Return the L1 norm of a field over places, (n,), and times, (m, n), if given, over c_t T
+        and T."""
+        return norm(values, x / self.length, 1, None if t is None else t / self.end_time)
+
+    def unit(self, name: str) -> tuple[float, str, str]:
+        """Return divisor and unit of a field, and the unit of its norm over places and times."""
+        if name in ("slip", "gap"):
+            return self.rate * self.end_time, "V₀ T", "V₀ c_t T³"
+        return (self.rate, "V₀", "V₀ c_t T²") if name == "slip_rate" else (self.stress, "τ₀", "")
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of the fields that are compared place by place."""
+        return (*FIELDS[:-1], *(["gap"] if self.opens else []))
+
+    def estimate(self, name: str) -> float:
+        """Return the relative error estimate of a field of an exact prediction, else 0."""
+        return self.error_estimate
+
+    def place(self, level: int, node: int) -> str:
+        """Return the words for a place and a time of the simulation."""
+        x, t = self.seen.x[node] / self.length, self.seen.t[level] / self.end_time
+        return f"x = {x:.3f} c_t T, t = {t:.3f} T"
+
+    @property
+    def shear_speed(self) -> float:
+        """Shear wave speed of the upper body [length / time]."""
+        return self.scene.material.shear_speed
+
+    def beside_fronts(self, width: float) -> Mask:
+        """Mask of the nodes and times, (m, n), within a width of the edge and of fronts that the
+        loads send out."""
+        seen, scene = self.seen, self.scene
+        beside = np.broadcast_to(seen.x < width, seen.slip.shape).copy()
+        for start in {0.0, *jump_times(scene, width / self.shear_speed)}:  # t = 0 even without jump
+            for speed in self.fronts.values():
+                beside |= np.abs(seen.x - speed * (seen.t[:, None] - start)) < width
+        return beside
 
     @property
     def caution(self) -> str:
@@ -296,6 +346,15 @@ class Case:
         """Resolution with which a march would not be too coarse; None if it is not."""
         times = max((shortfall.times for shortfall in self.shortfalls), default=0.0)
         return math.ceil(times * self.simulation.resolution) or None
+
+    def remedy(self, resolution: int) -> str:
+        """Return element size of a resolution, and the time and memory that a simulation with it
+        would take."""
+        run = self.simulation
+        size = run.element_size * run.resolution / resolution
+        options = {name: getattr(run, name) for name in ("damping", "element", "mesh")}
+        taken = Prices(run.scene, run.end_time, options=options).unseen(Feature("", resolution))
+        return f"resolution {resolution}, h = {size:.2g}: {taken.toll}"
 
     @property
     def shortfalls(self) -> tuple[Shortfall, ...]:
@@ -317,11 +376,11 @@ def too_narrow(parts: Mask) -> Mask:
     return parts & ~scipy.ndimage.binary_opening(parts, np.ones((1, UNSEEN), dtype=bool))
 
 
-def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
-    """Accumulated |slip| and frictional work per area of an answer at the end, at nodes."""
-    x, end = at_nodes.x, float(at_nodes.t[-1])
-    path, work = (own_wear(answer, x, end, part) for part in (0, 1))
-    return worn(at_nodes) if path is None or work is None else (path, work)
+def worn_of(part: int, answer: Answer, at_nodes: InterfaceHistory) -> Array:
+    """Accumulated |slip| (part 0) or frictional work per area (1) of an answer at the end of its
+    history, at nodes: its own where it has them, else summed over the times."""
+    own = own_wear(answer, at_nodes.x, float(at_nodes.t[-1]), part)
+    return worn(at_nodes)[part] if own is None else own
 
 
 def own_wear(answer: Answer, x: Array, end: float, part: int) -> Array | None:
@@ -335,7 +394,7 @@ def own_wear(answer: Answer, x: Array, end: float, part: int) -> Array | None:
     return None
 
 
-def _companions(simulation: Simulation) -> Iterator[Simulation]:
+def companions_of(simulation: Simulation) -> Iterator[Simulation]:
     """Companions of a simulation, from fine to coarse."""
     companion = simulation.companion
     while companion is not None:

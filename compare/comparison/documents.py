@@ -284,7 +284,7 @@ def march_document(marched: Marched) -> dict[str, Any]:
         "error_estimate": marched.error_estimate,
         "end_time": marched.end_time,
         "largest_slip_rate": largest,
-        "largest_slip": float(seen.slip.max()),
+        "largest_slip": float(marched.totals.max_slip.max()),
         "reach_of_slip": float(x[seen.slip_rate > threshold].max(initial=0.0)),
         "reach_of_reverse_slip": float(x[-seen.reverse > threshold].max(initial=0.0)),
         "onset": [

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from compare.comparison.case import Case
-from compare.comparison.fields.errors import FieldErrors
-from compare.comparison.mesh_choice import Feature, Prices
+from compare.comparison.fields.errors import FieldErrors, field_errors
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.edge_rows import opening_rows, zone_rows
 from compare.comparison.quantities.field_rows import field_rows
 from compare.comparison.quantities.history_rows import (
     cycle_rows,
     event_rows,
-    gap_row,
-    rate_row,
+    map_rows,
     sense_rows,
 )
 from compare.comparison.quantities.local_rows import local_rows
@@ -31,7 +30,7 @@ from compare.comparison.quantities.slot_rows import slot_rows
 from compare.comparison.rows import DIFFERS, UNRESOLVED, HasRows, Row, shown_number
 from semianalytic import Marched, Solution
 from semianalytic.results.answer import Answer
-from semianalytic.results.notebook import html_table
+from semianalytic.results.in_words import html_table
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
@@ -62,11 +61,11 @@ class Judgement(HasRows[Row]):
                 row.label,
                 *map(shown_number, (row.exact, row.at_nodes, row.simulated)),
                 *map(row.shown_share, (row.difference, row.bar)),
-                f"{row.verdict}: {row.obstacle}" if row.obstacle else row.verdict,
+                f"{row.said}: {row.obstacle}" if row.obstacle else row.said,
             )
             for row in self.rows
         ]
-        caption = f"Judgement: {self.verdict} (rows {self.shown_counts})"
+        caption = f"Judgement: {self.said} (rows {self.shown_counts}): {self.quoted}"
         return html_table(caption, columns, rows)
 
     @property
@@ -88,23 +87,14 @@ class Judgement(HasRows[Row]):
         """Return the mesh that would resolve a row, and its cost; "" where none is known."""
         if row.verdict != UNRESOLVED or row.resolution is None:
             return ""
-        return mesh_sentence(self.simulation, row.resolution)
-
-
-def mesh_sentence(simulation: Simulation, resolution: int) -> str:
-    """Element size of a resolution, and the time and memory that such a simulation would take."""
-    size = simulation.element_size * simulation.resolution / resolution
-    named = ("damping", "element", "mesh")
-    options = {name: getattr(simulation, name) for name in named}
-    prices = Prices(simulation.scene, simulation.end_time, options=options)
-    remedy = prices.unseen(Feature("", resolution))
-    return f"resolution {resolution}, h = {size:.2g}: {remedy.toll}"
+        return self.case.remedy(row.resolution)
 
 
 def judge(
     prediction: Answer,
     simulation: Simulation,
-    fields: FieldErrors | None = None,
+    frames: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Judgement:
     """Hold a prediction against a simulation.
 
@@ -117,8 +107,10 @@ def judge(
         nodes of the simulation and until its last time.
     simulation : Simulation
         Its companions, from which error bars come, are simulated unless it already has them.
-    fields : FieldErrors, optional
-        Errors of its snapshots, the last of which is judged too.
+    frames : Path, optional
+        Folder of its field snapshots, the last of which is judged too.
+    progress : callable, optional
+        Called with (frame, frames) after each frame.
 
     Returns
     -------
@@ -129,6 +121,8 @@ def judge(
     SceneError
         If the simulation has blocks of two materials, and the prediction is for identical ones, or
         does not reach as far.
+    DataFileError
+        As `field_errors`.
     """
     from fem import with_companions
 
@@ -138,6 +132,9 @@ def judge(
             "bodies does not apply; give the answer to its scene (docs/dissimilar.md)."
         )
     case = side_by_side(prediction, with_companions(simulation))
+    fields = None
+    if frames is not None:
+        fields = field_errors(prediction, case.simulation, frames, progress)
     whole = () if fields is None else field_rows(case, fields.changes)
     return Judgement(case, (*_rows(case), *whole), fields)
 
@@ -171,9 +168,7 @@ def _rows(case: Case) -> Iterator[Row]:
     yield from slip_rate_rows(case)
     yield from gap_rows(case)
     yield from traction_rows(case)
-    yield rate_row(case)
-    if case.opens:
-        yield gap_row(case)
+    yield from map_rows(case)
     yield from local_rows(case)
     yield from own_rows(case)
     if case.rests:

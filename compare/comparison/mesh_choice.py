@@ -9,7 +9,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from compare.comparison.case import NARROW
+from compare.comparison.measures import NARROW
 from semianalytic import Scene
 from semianalytic.results.answer import Answer
 from semianalytic.results.memory import GIGABYTE, memory_limit

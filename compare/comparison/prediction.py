@@ -1,22 +1,21 @@
-"""Prediction of the scene of a simulation, by the solver that applies to the scene."""
+"""Prediction of the scene of a simulation, by the solver that applies, and the mesh for both."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from semianalytic import Marched, Scene, Solution, solve
-from semianalytic.cut.load import check_pressure
 from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.engine.resolution import nodes_for_loads
+from semianalytic.engine.scenes.plan import MOST_NODES
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
-from semianalytic.spacetime.grid.resolution import nodes_for_loads
-from semianalytic.spacetime.march import check_march
-from semianalytic.spacetime.march_plan import MOST_NODES
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -25,51 +24,43 @@ FINER = 4
 """Nodes of a march per element of the simulation."""
 
 
-def check_predictable(scene: Scene, method: str = "auto") -> None:
-    """Raise the errors of `predict_like` that are known without solving the scene.
+def planned(
+    scene: Scene,
+    method: str = "auto",
+    budget: float | None = None,
+    *,
+    snapshots: bool,
+    **settings: Any,
+) -> tuple[Solution | PairSolution | None, MeshChoice]:
+    """Predict a scene, unless that has to follow the simulation, and choose the mesh to compare on.
+
+    The prediction is None if it has to follow.
 
     Parameters
     ----------
     scene : Scene
     method : str
         As for `predict_like`.
-
-    Raises
-    ------
-    SceneError
-        If the method does not apply to the scene, or two different bodies have no exact answer.
-    TensionError
-        If the pressure of a self-similar scene turns tensile.
-    """
-    if _chosen(scene, method) == "self-similar" and scene.lower_material is None:
-        check_pressure(scene)
-
-
-def check_marched(scene: Scene, method: str, resolution: int, end_time: float | None) -> None:
-    """Raise the errors of `predict_like` for the loads of a marched scene before it is simulated.
-
-    Parameters
-    ----------
-    scene : Scene
-    method : str
-        As for `predict_like`.
-    resolution : int
-        Elements per c_t T of the planned mesh.
-    end_time : float or None
-        T [time]; None stands for the default of `simulate`.
+    budget, snapshots, **settings
+        As in `choose_mesh`.
 
     Raises
     ------
     SceneError, TensionError
-        As `predict_like`.
+        As `predict_like`, also of a march that has to follow, and as `choose_mesh`.
     """
-    if _chosen(scene, method) == "self-similar":
-        return
-    speed = scene.material.shear_speed
-    end_time = 1 / speed if end_time is None else end_time
-    reach = scene.fastest_speed * end_time
-    nodes, length = _grid(scene, reach, end_time, speed * end_time / resolution, resolution)
-    check_march(scene, end_time, nodes, length)
+    prediction = predict_before(scene, method)
+    choice = choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **settings)
+    # else a march, which follows the simulation, would refuse its loads only after that has run
+    if prediction is None:
+        speed, end_time = scene.material.shear_speed, settings.get("end_time")
+        end_time = 1 / speed if end_time is None else end_time
+        reach, element = scene.fastest_speed * end_time, speed * end_time / choice.resolution
+        nodes, length = _grid(scene, reach, end_time, element, choice.resolution)
+        # this march costs little beside a simulation
+        options = {"end_time": end_time, "nodes": nodes, "length": length, "companion": False}
+        solve(scene, method="space-time", **options)
+    return prediction, choice
 
 
 def _chosen(scene: Scene, method: str) -> str:
@@ -126,8 +117,13 @@ def predict_like(
     solution = predict_before(simulation.scene, method)
     if solution is not None:
         return solution
-    x, t = simulation.interface.x, simulation.interface.t
-    return _marched(simulation, float(x[-1]), float(t[-1]), progress)
+    scene, end_time = simulation.scene, float(simulation.interface.t[-1])
+    # as far and as long as the simulation was recorded, on finer nodes
+    reach, element = float(simulation.interface.x[-1]), simulation.element_size
+    nodes, length = _grid(scene, reach, end_time, element, simulation.resolution)
+    return solve(
+        scene, method="space-time", end_time=end_time, nodes=nodes, length=length, progress=progress
+    )
 
 
 def method_of(prediction: Answer) -> str:
@@ -135,26 +131,6 @@ def method_of(prediction: Answer) -> str:
     if isinstance(prediction, Solution | PairSolution):
         return "self-similar"
     return "space-time" if isinstance(prediction, Marched) else type(prediction).__name__
-
-
-def seconds_of(prediction: Answer) -> float:
-    """Computing time of a prediction [s]; NaN if it is not recorded."""
-    statistics = getattr(prediction, "statistics", None)
-    return math.nan if statistics is None else sum(statistics.seconds.values())
-
-
-def _marched(
-    simulation: Simulation,
-    reach: float,
-    end_time: float,
-    progress: Callable[[int, int], None] | None,
-) -> Marched:
-    """March as far and as long as a simulation was recorded, on finer nodes."""
-    scene, element = simulation.scene, simulation.element_size
-    nodes, length = _grid(scene, reach, end_time, element, simulation.resolution)
-    return solve(
-        scene, method="space-time", end_time=end_time, nodes=nodes, length=length, progress=progress
-    )
 
 
 def _grid(

@@ -47,6 +47,20 @@ SIMULATION_DIMENSIONS: Dimensions = {
 }
 
 
+def judged_document(judgement: Judgement) -> dict[str, Any]:
+    """The verdict and all rows of a judgement, of a scene or of an interface."""
+    return {
+        "verdict": judgement.verdict,
+        "counts": judgement.counts,
+        "quoted": judgement.quoted,
+        "caution": judgement.case.caution,
+        "rows": [
+            {**asdict(row), "verdict": row.verdict, "remedy": judgement.remedy(row)}
+            for row in judgement.rows
+        ],
+    }
+
+
 def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
     """A judgement as plain dictionaries, lists, strings and finite numbers, for JSON.
 
@@ -56,17 +70,11 @@ def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
     simulation, prediction = judgement.simulation, judgement.prediction
     document: dict[str, Any] = {
         "scene": label,
-        "verdict": judgement.verdict,
-        "counts": judgement.counts,
+        **judged_document(judgement),
         "parameters": scene_document(simulation.scene),
         "method": method_of(prediction),
-        "caution": judgement.case.caution,
         "semianalytic": _exact(prediction),
         "finite_elements": _run(judgement.case),
-        "rows": [
-            {**asdict(row), "verdict": row.verdict, "remedy": judgement.remedy(row)}
-            for row in judgement.rows
-        ],
         "fields": judgement.fields
         and {"band": BAND, "frames": [asdict(error) for error in judgement.fields.rows]},
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -123,10 +124,8 @@ def history_figure(case: Case) -> Figure:
         level = int(np.argmin(np.abs(seen.t - moment * end)))
         x, slip_rate = curve(case.prediction, float(seen.x[-1]), float(seen.t[level]))
         panel.axhline(0, color=ink(0.5), linewidth=0.6)
-        panel.plot(
-            seen.x / length, seen.slip_rate[level] / scale, ".", color=SIMULATION, markersize=2.5
-        )
-        panel.plot(x / length, slip_rate / scale, color=PREDICTION, linewidth=1.2)
+        points = seen.x / length, seen.slip_rate[level] / scale
+        _draw_both(panel, (x / length, slip_rate / scale), points)
         panel.annotate(f"t = {moment:g} T", (0.98, 0.85), xycoords="axes fraction", ha="right")
     panels[0].legend(handles=method_handles(), loc="upper center")
     panels[-1].set(xlabel=PLACE_LABEL, xlim=(0, 1.05 * seen.x[reach] / length))
@@ -146,8 +145,7 @@ def wear_figure(case: Case) -> Figure:
         (panels[0], PATH_LABEL, (path, simulation.final_path), slip),
         (panels[1], WORK_LABEL, (work, simulation.final_work_density), slip * stress),
     ):
-        panel.plot(x / length, predicted / unit, color=PREDICTION)
-        panel.plot(x / length, seen / unit, ".", color=SIMULATION, markersize=2.5)
+        _draw_both(panel, (x / length, predicted / unit), (x / length, seen / unit))
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0)
     reach = np.flatnonzero(path > 0)[-1]
@@ -166,16 +164,10 @@ def gap_figure(case: Case) -> Figure:
     for moment in MOMENTS:
         level = int(np.argmin(np.abs(seen.t - moment * end)))
         gap = case.prediction.gap(x, float(seen.t[level])) / (case.rate * end)
-        upper.plot(x / length, gap, color=PREDICTION, linewidth=1.2)
-        upper.plot(
-            seen.x / length,
-            seen.gap[level] / (case.rate * end),
-            ".",
-            color=SIMULATION,
-            markersize=2.5,
-        )
-    lower.plot(x / length, case.prediction.pressure(x, end) / case.stress, color=PREDICTION)
-    lower.plot(seen.x / length, seen.pressure[-1] / case.stress, ".", color=SIMULATION, ms=2.5)
+        points = seen.x / length, seen.gap[level] / (case.rate * end)
+        _draw_both(upper, (x / length, gap), points)
+    pressure = case.prediction.pressure(x, end) / case.stress
+    _draw_both(lower, (x / length, pressure), (seen.x / length, seen.pressure[-1] / case.stress))
     upper.set_ylabel(GAP_LABEL)
     upper.set_title("gap at t = T/4, T/2, 3 T/4 and T, pressure at T")
     upper.legend(handles=method_handles(), loc="upper right")
@@ -188,6 +180,12 @@ def gap_figure(case: Case) -> Figure:
             place = opening.start / length, opening.end / length
             panel.axvspan(*place, color=shade("open"), linewidth=0, zorder=0)
     return figure
+
+
+def _draw_both(panel: Axes, curve: tuple[Array, Array], points: tuple[Array, Array]) -> None:
+    """Draw a prediction as a curve over points of a simulation."""
+    panel.plot(*points, ".", color=SIMULATION, markersize=2.5)
+    panel.plot(*curve, color=PREDICTION, linewidth=1.2)
 
 
 def curve(prediction: Answer, reach: float, time: float) -> tuple[Array, Array]:

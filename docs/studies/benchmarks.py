@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from compare.benchmarks.answers import checksums
 from compare.benchmarks.scores import score
 from compare.benchmarks.sheets import DATA, SUMS, Sheet, find_sheet, sheets
-from compare.interfaces.lines import line_of
+from compare.comparison.interfaces.comparing import line_of
 from compare.output.files import write_text
 from compare.records.record import QUANTITIES, Record, Records
 from fem import simulate

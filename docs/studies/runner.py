@@ -31,7 +31,7 @@ from rich.console import Console
 
 from compare.figures.saving import save_figure
 from compare.figures.style import cycle, describe, new_figure, styled
-from compare.output.files import append_text, write_text
+from compare.output.files import write_text
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from compare.tasks.workers import run_tasks
@@ -106,7 +106,8 @@ def computed(study: Study, quick: bool, journal: Path, workers: int = 1) -> list
             rows = [as_row(one) for one in (found if isinstance(found, list) else [found])]
             done[missing[index]] = rows
             journal.parent.mkdir(parents=True, exist_ok=True)
-            append_text(journal, f"\n{json.dumps([missing[index], rows])}")
+            with journal.open("a", encoding="utf-8") as stream:  # killed, it may end in half a line
+                stream.write(f"\n{json.dumps([missing[index], rows])}")
     return [row for key in points for row in done[key]]
 
 

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from compare.figures.style import BLACK, SMALL, outline
 from docs.studies.runner import Point, Row, Study, drawn, main
 from semianalytic import Interface, InterfaceLoad, Material, SlipWeakening
-from semianalytic.engine.steps import Stepper
-from semianalytic.engine.tuning import STEP_RATIO
+from semianalytic.engine.stepping.steps import Stepper
+from semianalytic.engine.stepping.tuning import STEP_RATIO
 
 Array = NDArray[np.float64]
 

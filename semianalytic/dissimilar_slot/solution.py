@@ -21,7 +21,7 @@ from semianalytic.dissimilar_slot.densities.profile import (
 )
 from semianalytic.dissimilar_slot.densities.zones import MovingZone
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.results.in_bodies import AnswerInBodies
+from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.arguments import asked_in_units

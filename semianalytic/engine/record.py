@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.checks import times_of_loads
-from semianalytic.engine.result import Run
-from semianalytic.engine.state import State
-from semianalytic.engine.steps import Stepper
-from semianalytic.memory.line_memory import LineMemory, Past
+from semianalytic.engine.result import FIELDS, Run
+from semianalytic.engine.stepping.acting import times_of_loads
+from semianalytic.engine.stepping.state import Checkpoint, State
+from semianalytic.engine.stepping.steps import Stepper
+from semianalytic.results.questions import onsets_until
 from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]
-
-FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
 class Record:
@@ -58,48 +56,50 @@ class Record:
 
     def begin(self, now: State) -> None:
         """Record the state at the beginning of the run."""
-        self._peak(now)
-        self._begun(now, now)
+        self._count([now.time] * 2, np.array([now.rate] * 2))
         if self.times is None:
             self._write(now.time, self._shown(now))
         else:
             while self.times and self.times[0] <= now.time:
                 self._write(self.times.pop(0), self._shown(now))
 
-    def add(self, before: State, now: State) -> None:
-        """Record a step: fields if they are due, and its time and largest slip rate always."""
-        self.count += 1
-        self._peak(now)
-        self._begun(before, now)
-        if self.times is None:
-            if self.count % self.every == 0:
-                self._write(now.time, self._shown(now))
-                if len(self.t) > self.frames:
-                    self._thin()
-            return
-        while self.times and self.times[0] <= now.time * (1 + 1e-12):
-            time = self.times.pop(0)
-            self._write(time, self._between(before, now, time))
+    def add(self, times: Sequence[float], rates: Array, look: Callable[[int], State]) -> None:
+        """Record steps: fields if they are due, and times and largest slip rates always.
+
+        Parameters
+        ----------
+        times : (k + 1,) sequence
+            Times of the levels and of the one before them [time].
+        rates : (k + 1, n) array
+            Slip rates at these.
+        look : function
+            Returns the state at one of these levels, given by its place.
+        """
+        self._count(times, rates)
+        for level, time in enumerate(times[1:], 1):
+            self.count += 1
+            if self.times is None:
+                if self.count % self.every == 0:
+                    self._write(time, self._shown(look(level)))
+                    if len(self.t) > self.frames:
+                        self._thin()
+                continue
+            while self.times and self.times[0] <= time * (1 + 1e-12):
+                at = self.times.pop(0)
+                self._write(at, self._between(look(level - 1), look(level), at))
 
     def end(self, now: State) -> None:
         """Record the last state unless the last step recorded it."""
         if self.times is None and self.t[-1] != now.time:
             self._write(now.time, self._shown(now))
 
-    def _peak(self, now: State) -> None:
-        self.step_times.append(now.time)
-        on = now.rate[self._touching]
-        self.peak_rates.append(float(np.abs(on).max()) if len(on) else 0.0)
-
-    def _begun(self, before: State, now: State) -> None:
-        """Note when slip begins: the slip rate is linear over a step."""
-        old, new = np.abs(before.rate), np.abs(now.rate)
-        first = self._touching & np.isnan(self.onset) & (new > self.slipping)
-        if first.any():
-            rise = np.maximum(new - old, 1e-300)[first]
-            with np.errstate(over="ignore"):  # of a rate that has not risen
-                share = np.clip((self.slipping - old[first]) / rise, 0.0, 1.0)
-            self.onset[first] = before.time + share * (now.time - before.time)
+    def _count(self, times: Sequence[float], rates: Array) -> None:
+        """Note the peaks of slip rates, and when slip begins."""
+        speeds = np.abs(rates[:, self._touching])
+        self.step_times += times[1:]
+        self.peak_rates += speeds[1:].max(axis=1, initial=0.0).tolist()
+        onset, threshold = self.onset[self._touching], np.full(len(times) - 1, self.slipping)
+        self.onset[self._touching] = onsets_until(onset, times, speeds, threshold)
 
     def _write(self, time: float, shown: Sequence[Array]) -> None:
         self.t.append(time)
@@ -129,35 +129,20 @@ class Record:
         return tuple(shown)
 
 
-def _memories(stepper: Stepper) -> list[tuple[str, LineMemory]]:
-    """Return the memories of slip and of opening, with what their names begin with in files."""
-    memories = [("", stepper.memory)]
-    if stepper.unilateral is not None:
-        memories.append(("normal_", stepper.unilateral.memory))
-    return memories
-
-
-def checkpoint(stepper: Stepper, record: Record, now: State, print_of: str) -> dict[str, Any]:
-    """Return everything that `resumed` needs to continue a run with a fingerprint."""
-    return {
-        **{one.name: getattr(now, one.name) for one in fields(State)},
-        **{
-            f"{prefix}{one.name}": getattr(past, one.name)
-            for prefix, past in ((one, memory.past()) for one, memory in _memories(stepper))
-            for one in fields(Past)
-        },
-        **{f"{prefix}horizon": one.horizon for prefix, one in _memories(stepper)},
-        "fingerprint": print_of,
-        "every": record.every,
-        "count": record.count,
-        "slipping": record.slipping,
-    }
-
-
-def past_of(kept: Mapping[str, Any], prefix: str = "") -> Past:
-    """Return the memory in a checkpoint: that of slip, or of opening with "normal_"."""
-    modes, lasting, rates, last, repeated = (kept[f"{prefix}{one.name}"] for one in fields(Past))
-    return Past(modes, lasting, rates, float(last), int(repeated))
+def checkpoint(stepper: Stepper, record: Record, now: State, latest: float) -> Checkpoint:
+    """Return everything that `resumed` needs to continue a run until a latest time."""
+    opening = stepper.unilateral
+    return Checkpoint(
+        now,
+        stepper.memory.past(),
+        None if opening is None else opening.memory.past(),
+        stepper.memory.horizon,
+        fingerprint(stepper, latest),
+        record.every,
+        record.count,
+        record.slipping,
+        latest,
+    )
 
 
 def fingerprint(stepper: Stepper, latest: float) -> str:
@@ -198,18 +183,16 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
 def resumed(stepper: Stepper, record: Record, earlier: Run, end_time: float) -> State:
     """Put the memory and the record of an earlier run in place and return its state."""
     kept = earlier.checkpoint
-    if str(kept["fingerprint"]) != fingerprint(stepper, float(kept["latest"])):
+    if kept.fingerprint != fingerprint(stepper, kept.latest):
         raise DataFileError(
             "run: `go_on` is a run of another interface, grid or step; continue it with its own "
             "interface, `nodes` and `step_ratio`."
         )
-    if float(kept["time"]) >= end_time:
+    if kept.state.time >= end_time:
+        raise SceneError(f"run: `end_time` must be beyond that of `go_on`, {kept.state.time:.6g}.")
+    if record.slipping != kept.slipping:
         raise SceneError(
-            f"run: `end_time` must be beyond that of `go_on`, {float(kept['time']):.6g}."
-        )
-    if record.slipping != float(kept["slipping"]):
-        raise SceneError(
-            f"run: slip began beyond {float(kept['slipping']):.6g} in the run that `go_on` "
+            f"run: slip began beyond {kept.slipping:.6g} in the run that `go_on` "
             "continues; leave out `slipping`, or give the same."
         )
     gone = [one for one in record.times or () if one <= earlier.end_time]
@@ -219,18 +202,19 @@ def resumed(stepper: Stepper, record: Record, earlier: Run, end_time: float) -> 
             f"run: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
             "stored it; leave out such `times`, or compute it again."
         )
-    for prefix, memory in _memories(stepper):
-        if float(kept[f"{prefix}horizon"]) != memory.horizon:
-            raise SceneError(
-                f"run: the memory of `go_on` reaches t = {float(kept['latest']):g}; compute it "
-                f"again with `latest` = {end_time:g} to continue it until then."
-            )
-        memory.put_back(past_of(kept, prefix))
-    record.every, record.count = int(kept["every"]), int(kept["count"])
+    if kept.horizon != stepper.memory.horizon:
+        raise SceneError(
+            f"run: the memory of `go_on` reaches t = {kept.latest:g}; compute it again with "
+            f"`latest` = {end_time:g} to continue it until then."
+        )
+    stepper.memory.put_back(kept.past)
+    if stepper.unilateral is not None and kept.opening is not None:
+        stepper.unilateral.memory.put_back(kept.opening)
+    record.every, record.count = kept.every, kept.count
     record.t = list(earlier.t)
     for name in FIELDS:
         record.fields[name] = list(getattr(earlier, name))
-    if record.times is None and record.count % record.every and record.t[-1] == kept["time"]:
+    if record.times is None and record.count % record.every and record.t[-1] == kept.state.time:
         # This frame was recorded only because the earlier run ended there.
         record.t.pop()
         for name in FIELDS:
@@ -239,8 +223,4 @@ def resumed(stepper: Stepper, record: Record, earlier: Run, end_time: float) -> 
         record.times = [one for one in record.times if one > earlier.end_time]
     record.onset = earlier.onset.copy()
     record.step_times, record.peak_rates = list(earlier.step_times), list(earlier.peak_rates)
-    scalars: dict[str, Any] = {"time": float(kept["time"]), "rung": int(kept["rung"])}
-    arrays: dict[str, Any] = {
-        one.name: np.array(kept[one.name]) for one in fields(State) if one.name not in scalars
-    }
-    return State(**scalars, **arrays)
+    return kept.state

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -14,33 +13,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
-from semianalytic.engine.line import fitting_nodes, grid_of
-from semianalytic.engine.tuning import LEAST_GAP
+from semianalytic.engine.on_line import LineAnswer
+from semianalytic.engine.stepping.line import fitting_nodes, grid_of
+from semianalytic.engine.stepping.state import Checkpoint
+from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.interface.interface import Interface
-from semianalytic.results.files import Seal, check_seal, write_bytes
+from semianalytic.results.datasets import attributes, dataset
 from semianalytic.results.intervals import front_speeds
+from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.extras import needing
 from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
-FORMAT = "slipfront interface run 7"
-_UNITS = {
-    "slip": ("length", "relative slip, upper minus lower side"),
-    "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
-    "shear_traction": ("stress", "shear traction"),
-    "state": ("", "state of friction"),
-    "pressure": ("stress", "contact pressure, 0 where the contact is open and on slots"),
-    "felt_pressure": ("stress", "pressure that friction follows, 0 on slots"),
-    "gap": ("length", "gap, on slots the change of their width"),
-}
+FORMAT = "run of an interface 9"
+FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(LineAnswer):
     """The fields of an interface from t = 0 until the end of a run, with their error estimates.
 
     Attributes
@@ -76,7 +69,7 @@ class Run:
     status : str
         "done", "unresolved: ...", "interrupted at t = ...", or "interrupted in the estimate of its
         error: ...", whose fields are complete.
-    checkpoint : mapping of arrays
+    checkpoint : Checkpoint
         Everything that `run` needs to continue this run.
 
     Examples
@@ -105,7 +98,7 @@ class Run:
     step_times: Array
     peak_rates: Array
     status: str
-    checkpoint: Mapping[str, Any] = field(repr=False)
+    checkpoint: Checkpoint = field(repr=False)
     error_estimates: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -175,7 +168,8 @@ class Run:
         strength x length / 2 per area that has parted.
         """
         weights = self._weights
-        kept = {"friction": self.checkpoint["work"], "closing": self.checkpoint["closing"]}
+        state = self.checkpoint.state
+        kept = {"friction": state.work, "closing": state.closing}
         return {name: float(weights @ value) for name, value in kept.items()}
 
     @property
@@ -306,40 +300,25 @@ class Run:
         MissingLibraryError
             If xarray is not installed.
         """
-        with needing("to_xarray"):
-            import xarray
-
-        data = xarray.Dataset(
-            {name: (("t", "x"), getattr(self, name)) for name in _UNITS},
-            coords={"x": self.x, "t": self.t},
-        )
-        for name, (unit, meaning) in _UNITS.items():
-            data[name].attrs.update(units=unit, long_name=meaning)
-        data["onset"] = ("x", self.onset, {"units": "time", "long_name": "time of first slip"})
-        data["x"].attrs.update(units="length", long_name="position along the interface")
-        data["t"].attrs.update(units="time", long_name="time")
+        data = dataset(self.x, self.t, {name: getattr(self, name) for name in FIELDS})
+        data["onset"] = ("x", self.onset, attributes("time", "time of first slip", ""))
         data.attrs.update(status=self.status, nodes=self.nodes, steps=self.steps)
         data.attrs.update({f"error_{name}": value for name, value in self.error_estimates.items()})
         return data
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write fields and checkpoint to an .npz file; `Run.load` reads it, `run` continues it.
+        """Write fields and checkpoint as HDF5; `Run.load` reads it, `run` continues it.
 
         An earlier file of that name stays until the new one is complete.
 
         Raises
         ------
+        MissingLibraryError
+            If h5py is not installed.
         DataFileError
             If the file cannot be written.
         """
-        kept: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
-        kept |= {f"checkpoint_{name}": value for name, value in self.checkpoint.items()}
-        kept |= {"format": FORMAT, "status": self.status, "nodes": self.nodes}
-        kept |= {f"error_{name}": value for name, value in self.error_estimates.items()}
-        stream = BytesIO()
-        np.savez_compressed(stream, **kept)
-        # A file of zip may be followed by anything, and so by the seal of an HDF5 file.
-        write_bytes(Path(path), stream.getbuffer(), Seal.TRAILING)
+        write_answer(Path(path), FORMAT, self, compression=4, without=("interface",))
 
     @classmethod
     def load(cls, path: str | PathLike[str], interface: Interface) -> Run:
@@ -347,36 +326,17 @@ class Run:
 
         Raises
         ------
+        MissingLibraryError
+            If h5py is not installed.
         DataFileError
             If the file is missing, damaged or not a run, or a run on another contact or period.
         """
-        try:
-            check_seal(Path(path))
-            with np.load(path, allow_pickle=False) as file:
-                if str(file["format"]) != FORMAT:
-                    raise DataFileError(
-                        f"{path} is not a run that this version saved; compute it again."
-                    )
-                kept = _beginning(file, "checkpoint_")
-                errors = {name: float(value) for name, value in _beginning(file, "error_").items()}
-                arrays = {name: file[name] for name in _ARRAYS}
-                words: dict[str, Any] = {"nodes": int(file["nodes"]), "status": str(file["status"])}
-                _check_grid(path, interface, words["nodes"], arrays)
-                return cls(
-                    interface=interface, **arrays, **words, checkpoint=kept, error_estimates=errors
-                )
-        except (OSError, KeyError, ValueError, EOFError) as error:
-            raise DataFileError(f"{path} cannot be read as a saved run ({error}).") from error
-
-
-def _check_grid(
-    path: str | PathLike[str], interface: Interface, nodes: int, arrays: Mapping[str, Array]
-) -> None:
-    """Raise DataFileError unless saved arrays lie on the period and the contact of an interface."""
-    x, contact = arrays["x"], interface.contact
-    laid = grid_of(interface, nodes).x
-    if not (np.array_equal(x, laid) and np.array_equal(contact.touches(x), arrays["touching"])):
-        raise DataFileError(f"{path} is a run of another interface; load it with its own.")
+        kept = Path(path), FORMAT, cls, "a file that this version saved", "compute it again"
+        run = read_answer(*kept, interface=interface)
+        laid, touching = grid_of(interface, run.nodes).x, interface.contact.touches(run.x)
+        if not (np.array_equal(run.x, laid) and np.array_equal(touching, run.touching)):
+            raise DataFileError(f"{path} is a run of another interface; load it with its own.")
+        return run
 
 
 def _beside_edge(run: Run, edge: float, frame: int) -> EdgeReading:
@@ -434,9 +394,3 @@ def _unbroken(nodes: NDArray[np.intp]) -> int:
 
 _LEAST_READ = 4
 """Nodes on either side of an edge that must stick, or be free, for its tractions to be read."""
-_ARRAYS = ("x", "touching", "t", *_UNITS, "onset", "step_times", "peak_rates")
-
-
-def _beginning(file: Any, prefix: str) -> dict[str, Any]:
-    """Return the entries of a file whose names begin with a prefix, without it."""
-    return {name[len(prefix) :]: file[name] for name in file.files if name.startswith(prefix)}

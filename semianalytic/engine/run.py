@@ -4,35 +4,27 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.checks import missed_slip, too_short, wrong_beside_slots
-from semianalytic.engine.line import fitting_nodes
-from semianalytic.engine.pace import in_fours, nodes_for_contact, nodes_for_histories
-from semianalytic.engine.record import Record, checkpoint, fingerprint, resumed
+from semianalytic.engine.convergence import more_nodes, order_seen
+from semianalytic.engine.estimate import deciding, estimated, too_short, unresolved
+from semianalytic.engine.record import Record, checkpoint, resumed
 from semianalytic.engine.result import Run
-from semianalytic.engine.steps import Stepper
-from semianalytic.engine.tuning import (
-    ERROR_SAFETY,
-    LEAST_GAP,
-    MOST_NODES,
-    NODES,
-    STEP_RATIO,
-    ZONE_NODES,
-)
-from semianalytic.engine.window import doubt_of
+from semianalytic.engine.stepping.advance import advanced
+from semianalytic.engine.stepping.line import fitting_nodes
+from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
+from semianalytic.engine.stepping.steps import Stepper
+from semianalytic.engine.stepping.tuning import MOST_NODES, NODES, STEP_RATIO
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.laws.sampling import sampled
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, float], bool | None]
@@ -78,8 +70,8 @@ def run(
         (`Run.shift`) unless the interface is even; what it displaces still counts as error, and
         `Run.caution` tells it.
     rtol : float, optional
-        Wanted relative error of slip and gap; nodes are doubled until the estimates are below it,
-        up to 16,384.
+        Wanted relative error of slip and gap; more nodes are taken, as many as the order of
+        convergence asks for, until the estimates are below it, up to 16,384.
     step_ratio : float
         Shortest step c_t dt / h; stable below about 0.5 (nu near 0.5) to 0.65 (nu = 1/3) and more.
         Slip rate is mostly as exact with 0.5 as with 0.3.
@@ -163,21 +155,30 @@ def run(
         nodes = min(fitting_nodes(interface, least, 1), MOST_NODES)
     elif rtol is not None and go_on is None and nodes < needed <= MOST_NODES:
         nodes = in_fours(needed)
-    count = _checked_nodes(nodes)
+    count, coarser = _checked_nodes(nodes), None
     while True:
         with deferred_interrupt() as options["interruption"]:
             done = _one(interface, end_time, count, options, settings, go_on, progress, check=True)
+            tried = None
             if not done.is_interrupted and (estimate or rtol is not None):
-                done = _estimated(done, end_time, options, settings, rtol)
-        if not done.error_estimates:
+                half = _half(done, end_time, options, settings)
+                done, tried = estimated(done, half, rtol, coarser)
+        if not done.error_estimates or rtol is None or go_on is not None:
             return done
-        error = done.error_estimates[_deciding(done, done.error_estimates)]
-        if rtol is None or error <= rtol or 2 * count > MOST_NODES or go_on is not None:
+        error = done.error_estimates[deciding(done, done.error_estimates)]
+        if error <= rtol or count == MOST_NODES:
             return done
-        # The order is two where fields are smooth and one beside edges: at order one, four times as
-        # many nodes reduce the error to a quarter.
-        growth = 2 if error / rtol < 4 else 4
-        count = min(count * growth, MOST_NODES)
+        order = None if coarser is None or tried is None else order_seen(coarser, tried)
+        least = in_fours(more_nodes(count, error, rtol, order, MOST_NODES))
+        count, coarser = min(fitting_nodes(interface, least, 1), MOST_NODES), tried
+
+
+def _half(
+    done: Run, end_time: float, options: dict[str, Any], settings: dict[str, Any]
+) -> Callable[[Interface], Run]:
+    """Return what runs an interface on half the nodes of a run, at its frames."""
+    options = {**options, "times": list(done.t), "shift": done.shift}
+    return lambda one: _one(one, end_time, done.nodes // 2, options, settings, None, None)
 
 
 @wraps(run)  # whose parameters are those of an interface; a file has some of them
@@ -234,9 +235,7 @@ def _one(
 
     With `check`, friction between different bodies that this grid cannot follow is refused.
     """
-    latest = (
-        options["latest"] if go_on is None else max(float(go_on.checkpoint["latest"]), end_time)
-    )
+    latest = options["latest"] if go_on is None else max(go_on.checkpoint.latest, end_time)
     ratio, shift = options["step_ratio"], options["shift"]
     stepper = Stepper(interface, nodes, ratio, end_time=latest, shift=shift, **settings)
     if check:
@@ -244,7 +243,10 @@ def _one(
         stepper.ladder.check_longest()
     begun = options["slipping"]
     if begun is None:
-        begun = _slipping(stepper) if go_on is None else float(go_on.checkpoint["slipping"])
+        # Slip under rate-and-state friction has begun: at 26 mm/s for TPV101.
+        begun = 1e-3 * float(stepper.pressure.max(initial=0.0)) / stepper.impedance
+        begun = 0.0 if stepper.law.has_threshold else begun
+        begun = begun if go_on is None else go_on.checkpoint.slipping
     record = Record(stepper, options["every"], options["frames"], options["times"], begun)
     if go_on is None:
         now = stepper.begin()
@@ -255,20 +257,23 @@ def _one(
             # the earlier run ended with the values before the jump
             now = stepper.jump(now)
     stops = [at for at in interface.jumps if now.time < at < end_time] + [end_time]
+
+    def asked(time: float) -> bool:
+        told = progress is not None and progress(time, end_time)
+        return bool(options["interruption"].pressed or told)
+
     stopped = False
     while stops and not stopped:
-        before, (now, last) = now, stepper.advance(now, stops[0])
-        if last:
+        now, stopped = advanced(stepper, now, stops[0], record.add, asked)
+        if now.time >= stops[0]:
+            stopped = stopped and len(stops) > 1
             stops.pop(0)
-        record.add(before, now)
-        if last and stops:
-            now = stepper.jump(now)
-        asked = progress is not None and progress(now.time, end_time)
-        stopped = bool(options["interruption"].pressed or asked) and bool(stops)
+            if stops:
+                now = stepper.jump(now)
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
     most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])
-    status = too_short(interface, now.time) or _resolution(
+    status = too_short(interface, now.time) or unresolved(
         stepper, most, now.state, max(record.peak_rates), options["histories"]
     )
     if stopped:
@@ -290,137 +295,5 @@ def _one(
         step_times=np.array(record.step_times),
         peak_rates=np.array(record.peak_rates),
         status=status,
-        checkpoint=checkpoint(stepper, record, now, fingerprint(stepper, latest))
-        | {"latest": latest},
-    )
-
-
-def _slipping(stepper: Stepper) -> float:
-    """Return the slip rate beyond which slip has begun, by default [length / time]."""
-    if stepper.law.has_threshold:
-        return 0.0
-    # Slip under rate-and-state friction has begun: at 26 mm/s for TPV101.
-    return 1e-3 * float(stepper.pressure.max(initial=0.0)) / stepper.impedance
-
-
-def _estimated(
-    done: Run,
-    end_time: float,
-    options: dict[str, Any],
-    settings: dict[str, Any],
-    rtol: float | None,
-) -> Run:
-    """Return a run with estimates of its error from runs with half the nodes.
-
-    There is one, and another whose contacts are shorter where the grid displaces their ends.
-    """
-    interface = done.interface
-    options = {**options, "times": list(done.t), "shift": done.shift}
-    coarse = _one(interface, end_time, done.nodes // 2, options, settings, None, None)
-    shorter, misplaced = coarse, done.contact_misfit / 2
-    if misplaced and not coarse.is_interrupted:
-        contact = interface.contact.shortened(interface.length, done.nodes, done.shift)
-        cut = replace(interface, contact=contact)
-        shorter = _one(cut, end_time, done.nodes // 2, options, settings, None, None)
-    if coarse.is_interrupted or shorter.is_interrupted:
-        return replace(
-            done, status="interrupted in the estimate of its error: complete, without one"
-        )
-    between = not interface.contact.is_whole
-    touching = coarse.touching
-    if between:
-        # a coarse node at the end of a contact may stand for a node of the slot as well
-        touching = shorter.touching & touching & done.touching[::2] & done.touching[1::2]
-
-    def thinned(values: Array) -> Array:
-        pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
-        return np.asarray(pairs[:, touching])
-
-    spacing = interface.length / done.nodes
-    base = thinned(sampled("run: shear", interface.shear, done.x, spacing)[None])
-    beside = wrong_beside_slots(done)
-    errors = {}
-    names = ["slip", "slip_rate", "shear_traction"]
-    if done.interface.may_open:
-        names += ["gap", "pressure"]
-    for name in names:
-        fine, other = thinned(getattr(done, name)), getattr(coarse, name)[:, touching]
-        moved = getattr(shorter, name)[:, touching] - other
-        # Against the base, whichever frames are stored: a sudden load has come at the first.
-        scale = fine - base if name == "shear_traction" else fine
-        apart = float((np.abs(fine - other) + misplaced * np.abs(moved)).sum())
-        # where the finer grid has nothing and the coarser one something, the error is all of it
-        size = max(float(np.abs(scale).sum()), apart)
-        # `thinned` has every other node, or the mean of two.
-        apart = ERROR_SAFETY * apart + beside.get(name, 0.0) / 2
-        errors[name] = apart / size if size else 0.0
-    largest = 0.5 if rtol is None else rtol
-    slip, (zone, missed) = float(np.abs(thinned(done.slip)).sum()), missed_slip(done)
-    # `thinned` has every other node, or the mean of two.
-    missed = missed / (2 * spacing)
-    # A contact that sticks up to 2e-7 node distances beside an edge asked for 1e10 nodes.
-    if zone < 1e-5 * spacing:
-        missed = 0.0
-    if missed > 0:
-        share = missed / (slip + missed)
-        for name in ("slip", "slip_rate"):
-            errors[name] += share * (1 - errors[name])
-    status, name = done.status, _deciding(done, errors)
-    if status == "done" and missed > largest * (slip + missed):
-        # Slip at a slot that is pushed is 7, 1.6 and 0.4 % off with 2, 4 and 8 nodes on it.
-        needed = in_fours(interface.length * 4.0 / zone)
-        status = (
-            f"unresolved: the contact slips beside an edge over about {zone:.2g}, which nodes "
-            f"{spacing:.2g} apart do not resolve; use {needed} nodes or more."
-        )
-    if status == "done" and errors[name] > largest:
-        what = "slip" if name == "slip" else "the gap"
-        status = f"unresolved: {what} may be off by {errors[name]:.1g} of itself; raise `nodes`."
-    return replace(done, error_estimates=errors, status=status)
-
-
-def _deciding(done: Run, errors: Mapping[str, float]) -> str:
-    """Return which error counts, that of slip or that of a gap which is not much smaller."""
-    slip, gap = (float(np.abs(one[:, done.touching]).sum()) for one in (done.slip, done.gap))
-    larger = errors.get("gap", 0.0) > errors["slip"]
-    return "gap" if larger and gap > LEAST_GAP * slip else "slip"
-
-
-def _resolution(
-    stepper: Stepper, pressure: Array, state: Array, fastest: float, needed: float
-) -> str:
-    """Return "done", or why the grid cannot follow the loads, or the law at the largest pressures
-    and rate; `needed` are the nodes that histories of loads need."""
-    nodes = stepper.grid.nodes
-    if nodes < 0.999 * needed:
-        remedy = "smooth it or the samples that lie beside each other"
-        if needed < math.inf:
-            remedy = f"use {in_fours(needed)} nodes or more, or smooth it"
-        return f"unresolved: the history of a load turns faster than {nodes} nodes follow; {remedy}"
-    if stepper.pair is not None:
-        doubt = doubt_of(stepper.pair, stepper.law, pressure, state, fastest, stepper.grid.spacing)
-        if doubt:
-            return f"unresolved: {doubt}"
-    needed = nodes_for_contact(stepper.interface)
-    if nodes < 0.999 * needed:
-        narrow = stepper.interface.contact.narrowest(stepper.interface.length)
-        return (
-            f"unresolved: a contact or slot of width {narrow:.3g} has "
-            f"{narrow / stepper.grid.spacing:.2g} nodes; use {in_fours(needed)} nodes or more."
-        )
-    weakening = stepper.law.weakening(pressure)
-    if stepper.unilateral is not None and stepper.unilateral.adhesion is not None:
-        bonds = stepper.unilateral.adhesion
-        weakening = max(weakening, float(np.max(bonds.strength / bonds.length)))
-    if not weakening > 0:
-        return "done"
-    bodies = (stepper.interface.material, stepper.interface.lower_material)
-    zone = min(body.shear_modulus for body in bodies if body is not None) / weakening
-    found = zone / stepper.grid.spacing
-    if found >= ZONE_NODES:
-        return "done"
-    least = in_fours(stepper.interface.length * ZONE_NODES / zone)
-    return (
-        f"unresolved: the strength falls over {found:.2g} node distances of "
-        f"{stepper.grid.spacing:.3g}; use {least} nodes or more."
+        checkpoint=checkpoint(stepper, record, now, latest),
     )

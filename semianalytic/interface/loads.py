@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -108,6 +108,12 @@ class InterfaceLoad(Alike):
         if not math.isfinite(value):
             raise SceneError(f"load: history must always be finite, got {value} at t = {t:g}.")
         return value
+
+    def factors(self, times: Sequence[float]) -> Array:
+        """Return the factors at times (k,), (k,); at a jump the value before it."""
+        if isinstance(self.history, LoadHistory):
+            return np.asarray(self.history.value(np.asarray(times)), dtype=float)
+        return np.array([self.factor(t) for t in times])
 
     @property
     def jumps(self) -> list[float]:

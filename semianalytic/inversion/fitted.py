@@ -12,7 +12,7 @@ from semianalytic.inversion.gauges import Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup
-from semianalytic.results.notebook import html_table
+from semianalytic.results.in_words import html_table
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Scene

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from semianalytic.engine.convergence import ERROR_SAFETY
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
-from semianalytic.engine.tuning import ERROR_SAFETY, NODES
+from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.interface.files import InterfaceFile
 from semianalytic.interface.interface import Interface
@@ -28,6 +29,7 @@ from semianalytic.inversion.unknowns import (
     is_of_setup,
 )
 from semianalytic.parameters.numbers import Number, numbers_of, spelled, with_numbers
+from semianalytic.results.questions import between
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
@@ -87,9 +89,8 @@ class RecordedRun:
 
     def slip(self, x: Array, t: Array) -> Array:
         """Return slip at n positions and times, (n,); cubic in time between frames."""
-        left, share, step = self._between(t)
-        begin, end = self._at("slip", x, left), self._at("slip", x, left + 1)
-        rates = self._at("slip_rate", x, left), self._at("slip_rate", x, left + 1)
+        begin, end, share, step = self._frames("slip", x, t)
+        rates = self._frames("slip_rate", x, t)
         # Hermite's cubic: a line between the frames, and a bend by which the slopes at both ends
         # are the slip rates.
         back = 1 - share
@@ -112,25 +113,18 @@ class RecordedRun:
         return self._linear("pressure", x, t, self.scene.interface.pressure)
 
     def _linear(self, name: str, x: Array, t: Array, before: Any) -> Array:
-        left, share, _ = self._between(t)
-        begin, end = self._at(name, x, left), self._at(name, x, left + 1)
+        begin, end, share, _ = self._frames(name, x, t)
         early = sampled(name, before, np.asarray(x, dtype=float))
         return np.where(t < 0, early, begin + share * (end - begin))
 
-    def _between(self, t: Array) -> tuple[Any, Array, Array]:
-        """Return the frame before each time, the share of the way to the next, and the way."""
-        known = self.run.t
-        # Frames at one time (a jump) are told apart by taking the last of them; beyond the last
-        # frame its value stays.
-        left = np.clip(np.searchsorted(known, t, side="right") - 1, 0, len(known) - 2)
-        step = known[left + 1] - known[left]
-        return left, np.clip((t - known[left]) / np.where(step > 0, step, 1.0), 0.0, 1.0), step
-
-    def _at(self, name: str, x: Array, frames: Any) -> Array:
+    def _frames(self, name: str, x: Array, t: Array) -> tuple[Array, Array, Array, Array]:
+        """Return a field in the frames around each time, the share of the way, and the way."""
         # Gauges have few places and many times: each place is interpolated once over all frames.
         places, which = np.unique(x, return_inverse=True)
-        values = self.run.at(getattr(self.run, name), places)
-        return np.asarray(values[frames, np.ravel(which)])
+        values, known = self.run.at(getattr(self.run, name), places), self.run.t
+        left, right, share = between(known, t)
+        column = np.ravel(which)
+        return values[left, column], values[right, column], share, known[right] - known[left]
 
 
 @dataclass(frozen=True)

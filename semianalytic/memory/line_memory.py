@@ -10,19 +10,12 @@ steps may have any length.  The memory knows nothing of contacts, slots or frict
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass, field
-from functools import cached_property
-from itertools import pairwise
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.memory.exponentials import Memory, SharedMemory
-
-MEMORY_STEPS = 4
-"""Steps between updates of a large memory: 2 take 1.5 times as long, 8 three quarters."""
-MEMORY_SIZE = 20_000
-"""Poles times wavenumbers of a large memory: without it 1,000 nodes take 1.2 times as long."""
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -38,20 +31,14 @@ class Past:
         Convolutions with the exponentials, at the time up to which they are known.
     lasting : (rows, size) array
         Convolution with the static part of the kernel.
-    rates : (steps, rows, size) array
-        Amplitudes of the rates at the beginnings of the steps since then.
     last : float
         c_t times the length of the last step [length], whose end value is left out of all of these;
         0 where nothing is left out.
-    repeated : int
-        Steps of that length so far.
     """
 
     modes: Complex
     lasting: Array
-    rates: Array = field(default_factory=lambda: np.empty(0))
     last: float = 0.0
-    repeated: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +55,8 @@ class Kernels:
         Factor with which a rate enters the lasting slip.
     lasting : (k,) array
         Factors of that in each kernel; one kernel has it as it is.
+    horizon : float
+        Largest q c_t t for which the kernels are made.
     """
 
     poles: Complex
@@ -75,13 +64,45 @@ class Kernels:
     reads: Complex | None
     static: float
     lasting: Array
+    horizon: float
+
+    @classmethod
+    def of(cls, memory: Memory) -> Kernels:
+        """Return the one kernel h of a memory."""
+        one = memory.poles, memory.residues, None, memory.static, np.ones(1)
+        return cls(*one, memory.horizon)
+
+    @classmethod
+    def coupled(cls, fit: SharedMemory, own: int, direct: float) -> Kernels:
+        """Return the two kernels of slip, or opening, of different bodies.
+
+        Slip changes the pressure between bodies that differ, and opening the shear traction,
+
+            tau = tau_0 - Z_V [V + h_s * V] + i sgn(q) Z_U h_p * U,
+            p   = p_0   + Z_U [U + h_n * U] + i sgn(q) Z_V h_q * V,
+
+        with Z_V, Z_U the impedances of plane waves; nothing of the coupling is at once
+        (`dissimilar.kernels`).
+
+        Parameters
+        ----------
+        fit : SharedMemory
+            Sums of exponentials of Z_s, Z_n and H.
+        own : int
+            0 for slip, whose own kernel is Z_s; 1 for opening, whose own is Z_n.
+        direct : float
+            Z_V or Z_U over the unit of the kernels.
+        """
+        reads, lasting = fit.residues[[own, 2]] / direct, fit.static[[own, 2]] / direct
+        return cls(fit.poles, np.ones_like(fit.poles), reads, 1.0, lasting, fit.horizon)
 
     def exerted(self, modes: Complex, lasting: Array, out: Array) -> None:
         """Write what numbers m (p, size) and lasting slip (size,) exert, (k, size)."""
         if self.reads is None:
             # Real and imaginary parts lie side by side: their sums over poles are one product of
             # a vector with a matrix, in half the time of a sum over the real parts.
-            np.add((np.ones(len(modes)) @ modes.view(float))[::2], lasting, out=out[0])
+            parts = modes.view(modes.real.dtype)
+            np.add((np.ones(len(modes), parts.dtype) @ parts)[::2], lasting, out=out[0])
         else:
             np.multiply.outer(self.lasting, lasting, out=out)
             out += (self.reads @ modes).real
@@ -96,6 +117,8 @@ class StepTable:
         The sum of exponentials.
     phase : (size,) array
         q c_t dt.
+    kind : type
+        Complex numbers of the factors.
 
     Attributes
     ----------
@@ -108,7 +131,7 @@ class StepTable:
         Share of a unit rate at the end of a step in each convolution.
     """
 
-    def __init__(self, kernels: Kernels, phase: Array) -> None:
+    def __init__(self, kernels: Kernels, phase: Array, kind: type = complex) -> None:
         shape = len(kernels.poles), len(phase)
         self.decay, self.end, self.gain = np.empty((3, *shape), dtype=complex)
         for row, (pole, weight) in enumerate(zip(kernels.poles, kernels.weights, strict=True)):
@@ -124,25 +147,9 @@ class StepTable:
         self.whole = 2 * self.half
         self.feedback = np.empty((len(kernels.lasting), len(phase)))
         kernels.exerted(self.end, self.half, self.feedback)
-
-    @cached_property
-    def decays(self) -> Complex:
-        """Factors on the numbers m over 1, 2, ... steps, (`MEMORY_STEPS`, p, size)."""
-        decays = np.empty((MEMORY_STEPS, *self.decay.shape), dtype=complex)
-        decays[0] = self.decay
-        for earlier, later in pairwise(decays):
-            np.multiply(earlier, self.decay, out=later)
-        return decays
-
-    @cached_property
-    def kernel(self) -> Array:
-        """What the start value of a step exerts at its end and later, (`MEMORY_STEPS`, size).
-
-        The last row is the end of the step itself, so that rates of increasing time meet rows in
-        order.  Lasting slip is not part of it.
-        """
-        later = [self.gain, *(self.gain * decay for decay in self.decays[:-1])]
-        return np.array([one.real.sum(axis=0) for one in reversed(later)])
+        self.decay, self.end, self.gain = (
+            factors.astype(kind, copy=False) for factors in (self.decay, self.end, self.gain)
+        )
 
 
 class LineMemory:
@@ -151,46 +158,40 @@ class LineMemory:
     The end value of a step is still to be found when its memory is needed: `advance` returns the
     convolution without it, and `feedback` is its share per unit.
 
-    Where the numbers m do not fit into the cache of a processor, and steps of equal length follow
-    each other, they are brought up to date after every `MEMORY_STEPS` of them.  In between, what
-    they exert is known ahead but for the rates of those few steps, for which the sum over poles is
-    made once: a step then reads half of the numbers that it would have to read otherwise.
-
     Parameters
     ----------
-    memory : Memory
-        Poles, residues and the static part of h.
+    memory : Memory or Kernels
+        Poles, residues and the static part of h, or of several kernels.
     wavenumbers : (size,) array
         q [1 / length].
     rows : int
         Amplitudes per wavenumber: 1 of cosines, 2 of a periodic line (real and imaginary parts).
     tables : int
         Step lengths whose tables are kept.
+    single : bool
+        Whether the numbers m and their factors have single precision, which takes half the time.
+        Lasting slip and feedback are double in any case.
     """
 
-    def __init__(self, memory: Memory, wavenumbers: Array, rows: int = 1, tables: int = 1) -> None:
-        kernels = Kernels(memory.poles, memory.residues, None, memory.static, np.ones(1))
-        self._set(memory, kernels, wavenumbers, rows, tables)
-
-    def _set(
+    def __init__(
         self,
-        fit: Memory | SharedMemory,
-        kernels: Kernels,
+        memory: Memory | Kernels,
         wavenumbers: Array,
-        rows: int,
-        tables: int,
+        rows: int = 1,
+        tables: int = 1,
+        single: bool = False,
     ) -> None:
-        self.horizon = fit.horizon
+        kernels = memory if isinstance(memory, Kernels) else Kernels.of(memory)
+        self._kind: type = np.complex64 if single else complex
+        self._real: type = np.float32 if single else float
+        self.horizon = kernels.horizon
         self._kernels, self._q, self._most = kernels, wavenumbers, tables
         poles, size = len(kernels.poles), len(wavenumbers)
+        self.size = size
         # convolutions, without the share of the newest rate where a last step is noted
-        self._modes = np.zeros((rows, poles, size), dtype=complex)
+        self._modes = np.zeros((rows, poles, size), dtype=self._kind)
         self._lasting, self._last = np.zeros((rows, size)), 0.0
-        # rates that the numbers m have not got yet, and what those numbers exert without them
-        self._rates, self._taken = np.empty((MEMORY_STEPS, rows, size)), 0
-        self._free, self._repeated = np.empty((MEMORY_STEPS, rows, size)), 0
-        self._is_large = kernels.reads is None and poles * size >= MEMORY_SIZE
-        self._scratch = np.empty((poles, size), dtype=complex)
+        self._scratch = np.empty((poles, size), dtype=self._kind)
         self._tables: OrderedDict[float, StepTable] = OrderedDict()
 
     @property
@@ -203,7 +204,7 @@ class LineMemory:
         if step not in self._tables:
             if len(self._tables) >= self._most:
                 self._tables.popitem(last=False)
-            self._tables[step] = StepTable(self._kernels, self._q * step)
+            self._tables[step] = StepTable(self._kernels, self._q * step, self._kind)
         self._tables.move_to_end(step)
         return self._tables[step]
 
@@ -222,27 +223,17 @@ class LineMemory:
             # the table of this step has another share, which its `gain` adds.
             self.settle(amplitudes)
             self._add(self.table(step), -amplitudes)
-            self._last, self._repeated = step, 0
+            self._last = step
         table = self.table(step)
         # half as the start of this step, half as the end value left out of the one before
         self._lasting += table.whole * amplitudes
-        self._repeated += 1
-        if self._is_large and self._repeated > 2:  # equal steps of which more are expected
-            if self._taken == MEMORY_STEPS:
-                self._catch_up()
-            if not self._taken:
-                self._look_ahead(table)
-            self._rates[self._taken] = amplitudes
-            self._taken += 1
-        else:
-            for modes, row in zip(self._modes, amplitudes, strict=True):
-                modes *= table.decay
-                modes += np.multiply(table.gain, row, out=self._scratch)
+        for modes, row in zip(self._modes, amplitudes.astype(self._real, copy=False), strict=True):
+            modes *= table.decay
+            modes += np.multiply(table.gain, row, out=self._scratch)
         return self._exerted()
 
     def settle(self, amplitudes: Array) -> None:
         """Complete the memory with the newest rate (rows, size), so that nothing is left out."""
-        self._catch_up()
         if self._last:
             self._add(self.table(self._last), amplitudes)
             self._last = 0.0
@@ -258,107 +249,29 @@ class LineMemory:
         """Change the newest rate by amplitudes (rows, size), with the convolution as it is."""
         # The memory lacks the share of the newest rate, which the next step adds from the rate; a
         # jump changes that rate, so the share that is missing has to change with it.
-        self._catch_up()
         if self._last:
             self._add(self.table(self._last), -change)
 
     def past(self) -> Past:
         """Return copies of everything that steps change, for `put_back`."""
-        rates = self._rates[: self._taken].copy()
-        return Past(self._modes.copy(), self._lasting.copy(), rates, self._last, self._repeated)
+        return Past(self._modes.copy(), self._lasting.copy(), self._last)
 
     def put_back(self, past: Past) -> None:
         """Take up a memory that `past` returned, to the last bit."""
-        self._modes[:], self._lasting[:] = past.modes, past.lasting
-        self._last, self._repeated, self._taken = past.last, past.repeated, len(past.rates)
-        if self._taken:
-            self._look_ahead(self.table(self._last))
-            self._rates[: self._taken] = past.rates
+        self._modes[:], self._lasting[:], self._last = past.modes, past.lasting, past.last
 
     def _exerted(self) -> Array:
         """Return the convolutions now but for a share that is left out, (k, rows, size)."""
         exerted = np.empty((len(self._kernels.lasting), *self._lasting.shape))
-        if self._taken:
-            np.add(self._free[self._taken - 1], self._lasting, out=exerted[0])
-            kernel = self.table(self._last).kernel[-self._taken :]
-            for row, found in enumerate(exerted[0]):
-                found += np.einsum("ks,ks->s", kernel, self._rates[: self._taken, row])
-            return exerted
         for row, (modes, lasting) in enumerate(zip(self._modes, self._lasting, strict=True)):
             self._kernels.exerted(modes, lasting, exerted[:, row])
         return exerted
 
     def _add(self, table: StepTable, amplitudes: Array) -> None:
         """Add the share of a rate at the end of a step to the memory."""
-        for modes, row in zip(self._modes, amplitudes, strict=True):
+        for modes, row in zip(self._modes, amplitudes.astype(self._real, copy=False), strict=True):
             modes += np.multiply(table.end, row, out=self._scratch)
         self._lasting += table.half * amplitudes
-
-    def _look_ahead(self, table: StepTable) -> None:
-        """Find what the numbers m exert after each of the steps to come."""
-        for row, modes in enumerate(self._modes):
-            # The real part of a product is that of the real parts less that of the imaginary
-            # parts, which lie side by side.
-            both = np.einsum("kps,ps->ks", table.decays.view(float), modes.view(float))
-            np.subtract(both[:, ::2], both[:, 1::2], out=self._free[:, row])
-
-    def _catch_up(self) -> None:
-        """Bring the numbers m to the end of the steps that were taken."""
-        taken, scratch = self._taken, self._scratch
-        if not taken:
-            return
-        table = self.table(self._last)
-        for row, modes in enumerate(self._modes):
-            rates = self._rates[:taken, row]
-            if taken > 1:
-                # The rate at the start of step j has decayed over taken - 1 - j steps since its
-                # end; each is there twice, for the real and the imaginary part.
-                older, twice = table.decays[taken - 2 :: -1], np.repeat(rates[:-1], 2, axis=1)
-                np.einsum("kps,ks->ps", older.view(float), twice, out=scratch.view(float))
-                scratch.real += rates[-1]
-            else:
-                scratch[:] = rates[-1]
-            scratch *= table.gain
-            modes *= table.decays[taken - 1]
-            modes += scratch
-        self._taken = 0
-
-
-class CoupledMemory(LineMemory):
-    """The memory of slip, or opening, of different bodies, which exert two tractions each.
-
-    Slip changes the pressure between bodies that differ, and opening the shear traction,
-
-        tau = tau_0 - Z_V [V + h_s * V] + i sgn(q) Z_U h_p * U,
-        p   = p_0   + Z_U [U + h_n * U] + i sgn(q) Z_V h_q * V,
-
-    with Z_V, Z_U the impedances of plane waves; nothing of the coupling is at once
-    (`dissimilar.kernels`).
-
-    Parameters
-    ----------
-    fit : SharedMemory
-        Sums of exponentials of Z_s, Z_n and H.
-    own : int
-        0 for slip, whose own kernel is Z_s; 1 for opening, whose own is Z_n.
-    direct : float
-        Z_V or Z_U over the unit of the kernels.
-    wavenumbers, rows, tables
-        As for `LineMemory`.
-    """
-
-    def __init__(
-        self,
-        fit: SharedMemory,
-        own: int,
-        direct: float,
-        wavenumbers: Array,
-        rows: int = 1,
-        tables: int = 1,
-    ) -> None:
-        reads, lasting = fit.residues[[own, 2]] / direct, fit.static[[own, 2]] / direct
-        kernels = Kernels(fit.poles, np.ones_like(fit.poles), reads, 1.0, lasting)
-        self._set(fit, kernels, wavenumbers, rows, tables)
 
 
 def phi(z: Complex) -> tuple[Complex, Complex, Complex]:

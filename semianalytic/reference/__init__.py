@@ -118,3 +118,4 @@ __all__ = [
     "weertman_pulse",
 ]
 checking_functions(globals())
+del checking_functions

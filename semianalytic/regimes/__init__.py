@@ -80,3 +80,4 @@ __all__ = [
     "viscous_nucleation",
 ]
 checking_functions(globals())
+del checking_functions

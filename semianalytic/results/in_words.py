@@ -1,9 +1,10 @@
-"""Velocities, positions and senses of slip as texts show them."""
+"""Velocities, positions and senses of slip as texts show them, and tables of notebooks."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from html import escape
 from typing import Literal
 
 
@@ -43,3 +44,26 @@ def number_or_infinity(value: float, digits: int = 6, form: Literal["f", "g"] = 
 def kind_of_slip(sense: int) -> str:
     """Return "slip" for a sense towards +x, else "reverse slip"; figures have a colour for each."""
     return "slip" if sense > 0 else "reverse slip"
+
+
+def html_table(caption: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in HTML.
+
+    Parameters
+    ----------
+    caption : str
+        Sentence above the table.
+    columns : sequence of str
+        Headings.
+    rows : iterable of sequence of str
+        Cells, as many in each row as there are columns.  All text is escaped.
+    """
+    head = "".join(f"<th>{escape(one)}</th>" for one in columns)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
+    )
+    # white-space: a unit stays beside its number
+    return (
+        f'<table style="white-space: nowrap"><caption>{escape(caption)}</caption>'
+        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    )

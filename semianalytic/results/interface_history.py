@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.results.datasets import dataset
-from semianalytic.results.files import sealed_hdf5, whole_hdf5
-from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.arguments import asked_in_units
 
 FORMAT = "slipfront interface history 2"
@@ -73,12 +73,8 @@ class InterfaceHistory:
 
     def save(self, path: str | Path) -> None:
         """Write the history as HDF5; the file appears under its name only when it is complete."""
-        with whole_hdf5(path) as file:
-            file.attrs["format"] = FORMAT
-            for field in fields(self):
-                # Fields ahead of the waves are constant, and half of most histories is ahead of the
-                # waves.
-                file.create_dataset(field.name, data=getattr(self, field.name), compression="gzip")
+        # Fields ahead of the waves are constant, and half of most histories is ahead of the waves.
+        write_answer(path, FORMAT, self, compression=4)
 
     def to_xarray(self) -> Any:
         """Return the history as an `xarray.Dataset` of dimensions t and x, with units.
@@ -100,15 +96,5 @@ class InterfaceHistory:
         DataFileError
             If the file is missing, damaged or not an interface history.
         """
-        try:
-            with sealed_hdf5(path) as file:
-                if file.attrs.get("format") != FORMAT:
-                    raise DataFileError(
-                        f"{path} is not a slipfront interface history; "
-                        "give a file written by `slipfront simulate`."
-                    )
-                return cls(**{field.name: file[field.name][...] for field in fields(cls)})
-        except (OSError, KeyError, ValueError) as error:
-            raise DataFileError(
-                f"{path} cannot be read as an interface history ({error}); simulate again."
-            ) from error
+        instead = "a file written by `slipfront simulate`"
+        return read_answer(path, FORMAT, cls, instead, "simulate again")

@@ -7,40 +7,31 @@ A solver that steps through time keeps an `InterfaceHistory` of the levels it st
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.results.answer import (
-    OpenInterval,
-    SlipInterval,
-    checked_arrival,
-)
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.intervals import (
-    EDGE_STEPS,
-    beside_openings,
-    front_speeds,
-    open_intervals,
-    slip_intervals,
+from semianalytic.results.intervals import front_speeds
+from semianalytic.results.places import contact_positions
+from semianalytic.results.questions import (
+    ONSET_SHARE,
+    ROUNDING,
+    Finder,
+    Interval,
+    Questions,
+    between,
+    check_times,
+    onset_between,
+    onsets,
 )
-from semianalytic.results.places import contact_positions, finite_times
 from semianalytic.results.reading import Reading, sampled_reading
-from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
-
-ROUNDING = 1e-9
-"""Relative amount by which a time or position may exceed the last one."""
-ONSET_SHARE = 0.01
-"""Share of the largest slip rate that is slip; a tenth would let it begin ahead of the waves."""
-_NO_SLIP = 1e-6
-"""Fraction of the largest recorded slip rate that counts as none; it is exactly 0 in stick."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,12 +64,12 @@ class Totals:
             If a time is not finite or beyond the last.
         """
         t = np.asarray(t, dtype=float)
-        _check_times(t, self.t)
+        check_times(t, self.t)
         return np.asarray(np.interp(t, self.t, getattr(self, name), left=0.0))
 
 
 @asked_in_units
-class SampledAnswer(Gridded):
+class SampledAnswer(Questions, Gridded):
     """An `Answer` that interpolates between samples, linearly in position and time.
 
     Fields are known at the stored levels only, totals at every step.  Between the contact edge and
@@ -127,33 +118,6 @@ class SampledAnswer(Gridded):
         """Return the gap [length], 0 where closed; errors are those of `slip_rate`."""
         return self._field("gap", x, t)
 
-    def path(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the accumulated |slip| [length], from the stored levels; errors as `slip_rate`."""
-        return self._accumulated(0, x, t)
-
-    def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the energy turned to heat at x until t, per area [stress length].
-
-        It is that of the stored levels; errors are those of `slip_rate`.
-        """
-        return self._accumulated(1, x, t)
-
-    @cached_property
-    def _sums(self) -> tuple[InterfaceHistory, InterfaceHistory]:
-        """Histories whose slip is the path, and the work, that the stored levels add up to."""
-        seen = self.interface
-        steps, held = np.abs(np.diff(seen.slip, axis=0)), np.abs(seen.shear_traction)
-        work = steps * (held[1:] + held[:-1]) / 2
-        path = np.abs(seen.slip[:1]) + np.cumsum(np.vstack([steps[:1] * 0.0, steps]), axis=0)
-        heat = np.cumsum(np.vstack([work[:1] * 0.0, work]), axis=0)
-        return replace(seen, slip=path), replace(seen, slip=heat)
-
-    def _accumulated(self, which: int, x: ArrayLike, t: ArrayLike) -> Array:
-        _check_times(np.asarray(t, dtype=float), self.interface.t)
-        _check_positions(np.asarray(x, dtype=float), self.interface.x)
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        return interpolated(self._sums[which], "slip", x, t)
-
     def front_speed(self, x: ArrayLike) -> Array:
         """Return the speed of the slip front as it comes to x [length / time].
 
@@ -164,7 +128,7 @@ class SampledAnswer(Gridded):
         _check_positions(x, self.interface.x)
         nodes, onset = self.interface.x, self._onset("slip")
         speeds = front_speeds(np.where(np.isfinite(onset), onset, np.nan), nodes[1] - nodes[0])
-        found = self._between_nodes(x, np.where(np.isnan(speeds), np.inf, speeds))
+        found = onset_between(self.interface.x, x, np.where(np.isnan(speeds), np.inf, speeds))
         return np.where(np.isfinite(found), found, np.nan)
 
     def max_slip(self, t: ArrayLike) -> Array:
@@ -191,81 +155,6 @@ class SampledAnswer(Gridded):
         """
         return self.totals.at("frictional_work", t)
 
-    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
-        """Return the first time at which the sides slip, or come apart, at x [time].
-
-        Slip has begun where its rate passes 1 % of the largest one anywhere until then, and an
-        opening at the first stored level with a gap.  Times are interpolated linearly between
-        levels and nodes.
-
-        Parameters
-        ----------
-        x : array
-            Positions [length], positive, within what was recorded.
-        of : str
-            "slip" of either sense, "forward" or "reverse" for slip towards +x or -x alone, or
-            "opening".  Slip includes the motion of open parts.
-
-        Returns
-        -------
-        array
-            Times of the shape of x; inf where it has not come by the end.
-
-        Raises
-        ------
-        SceneError
-            If a position is not finite, off the contact or beyond the nodes, or there is no such
-            arrival.
-        """
-        x, onset = np.asarray(x, dtype=float), self._onset(checked_arrival(of))
-        _check_positions(x, self.interface.x)
-        return self._between_nodes(x, onset)
-
-    def first_motion(self, x: ArrayLike, of: str = "slip") -> Array:
-        """Return the first time at which anything moves at x [time]; parameters as `arrival`.
-
-        A slip rate of a millionth of the largest one counts here, so that this is the time of the
-        slowest precursor that the grid shows.
-        """
-        x = np.asarray(x, dtype=float)
-        return self._between_nodes(x, self._onset(checked_arrival(of), _NO_SLIP))
-
-    def _between_nodes(self, x: Array, onset: Array) -> Array:
-        """Interpolate times (n,) at the nodes, some of which may be inf."""
-        left, right, along = _between(self.interface.x, x)
-        # A node that never begins has inf, which a mean would pass on: the nearer node decides
-        # then.
-        nearest = np.where(along < 0.5, onset[left], onset[right])
-        both = np.isfinite(onset[left]) & np.isfinite(onset[right])
-        first, second = (np.where(both, onset[side], 0.0) for side in (left, right))
-        return np.where(both, (1 - along) * first + along * second, nearest)
-
-    def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
-        """Return the times at which something begins at the nodes, from the stored levels (n,).
-
-        A share of the largest slip rate so far counts as slip.
-        """
-        seen = self.interface
-        if of == "opening":
-            opened = seen.gap > 0
-            return np.where(opened.any(axis=0), seen.t[opened.argmax(axis=0)], np.inf)
-        # The wanted sense counts positive; the other one must not pass for slip.
-        rate = {"forward": 1.0, "reverse": -1.0}.get(of, 0.0) * seen.slip_rate
-        rate = np.maximum(rate, 0.0) if of != "slip" else np.abs(seen.slip_rate)
-        # Measured by what was until then, so that later and larger slip does not delay an onset.
-        largest = np.maximum.accumulate(np.abs(seen.slip_rate).max(axis=1, initial=0.0))
-        # rounding moves nodes of elements before any slip, when nothing larger was there
-        threshold = np.maximum(share * largest, _NO_SLIP * largest[-1])[:, None]
-        begun = rate > threshold
-        level = begun.argmax(axis=0)
-        before, node = np.maximum(level - 1, 0), np.arange(len(seen.x))
-        late, speed = rate[before, node], rate[level, node]
-        # At the first level, or after a jump, there is no earlier value to interpolate from.
-        rise = np.where(speed > late, speed - late, 1.0)
-        along = np.clip((threshold[level, 0] - late) / rise, 0.0, 1.0)
-        times = seen.t[before] + (seen.t[level] - seen.t[before]) * along
-        return np.where(begun.any(axis=0), times, np.inf)
-
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
         """Return what happens at x until t, arrivals and fields, each with a bar of its error.
 
@@ -286,46 +175,37 @@ class SampledAnswer(Gridded):
         """
         return sampled_reading(self, x, t)
 
-    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """Return the parts that slip at a time, from the contact edge outward.
+    _on = slice(None)
 
-        `slip_intervals` finds them.  Between two stored levels these are the parts that slip at
-        either; parts that are open at both are left out.
+    @property
+    def _seen(self) -> InterfaceHistory:
+        return self.interface
 
-        Raises
-        ------
-        SceneError
-            If the time is not a finite number or beyond the last.
-        """
-        t = checked_number("zones_at: t", t)
-        if t <= min(self.interface.t[0], 0.0):
-            return ()
-        seen = self.interface
-        least = _NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
-        # Open sides move along one another without friction, which is no slip of the contact.
-        rubbing = np.where(self.gap(seen.x, t) > 0, 0.0, self.slip_rate(seen.x, t))
-        openings, near = self.openings_at(t), EDGE_STEPS * float(seen.x[0])
-        return tuple(
-            beside_openings(zone, openings, near) for zone in slip_intervals(seen.x, rubbing, least)
-        )
+    def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
+        return onsets(self.interface, of, share)
 
-    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """Return the open parts at a time, from the contact edge outward.
+    def _places(self, x: ArrayLike) -> Array:
+        x = np.asarray(x, dtype=float)
+        _check_positions(x, self.interface.x)
+        return x
 
-        `open_intervals` finds them.  Errors are those of `zones_at`.
-        """
-        t = checked_number("openings_at: t", t)
-        if t <= min(self.interface.t[0], 0.0):
-            return ()
-        return open_intervals(self.interface.x, self.gap(self.interface.x, t))
+    def _between(self, values: Array, x: ArrayLike, t: ArrayLike) -> Array:
+        check_times(np.asarray(t, dtype=float), self.interface.t)
+        x, t = np.broadcast_arrays(self._places(x), np.asarray(t, dtype=float))
+        return interpolated(replace(self.interface, slip=values), "slip", x, t)
+
+    def _frame(self, values: Array, t: float) -> Array:
+        rests = t <= min(self.interface.t[0], 0.0)
+        return np.zeros(values.shape[1]) if rests else self._between(values, self.interface.x, t)
+
+    def _on_parts(self, values: Array, found: Finder[Interval]) -> tuple[Interval, ...]:
+        return found(self.interface.x, values)
 
     def _field(self, name: str, x: ArrayLike, t: ArrayLike, at_rest: float = 0.0) -> Array:
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        _check_positions(x, self.interface.x)
-        _check_times(t, self.interface.t)
         # a record begins before t = 0 where a load comes along the slot no faster than its waves
-        before = t < min(self.interface.t[0], 0.0)
-        return np.asarray(np.where(before, at_rest, interpolated(self.interface, name, x, t)))
+        before = np.asarray(t) < min(self.interface.t[0], 0.0)
+        values = self._between(getattr(self.interface, name), x, t)
+        return np.asarray(np.where(before, at_rest, values))
 
 
 def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Array:
@@ -340,29 +220,11 @@ def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Ar
     x, t : arrays of one shape
         Positions [length] and times [time].
     """
-    (left, right, along), (earlier, later, on) = _between(history.x, x), _between(history.t, t)
+    (left, right, along), (earlier, later, on) = between(history.x, x), between(history.t, t)
     field = getattr(history, name)
     before = (1 - along) * field[earlier, left] + along * field[earlier, right]
     after = (1 - along) * field[later, left] + along * field[later, right]
     return np.asarray((1 - on) * before + on * after)
-
-
-def _between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-    """Return the samples on either side, and the fraction of the way from one to the other."""
-    after = np.clip(np.searchsorted(samples, at, "right"), 0, len(samples) - 1)
-    before = np.maximum(after - 1, 0)
-    width = samples[after] - samples[before]
-    share = (at - samples[before]) / np.where(width > 0, width, 1.0)
-    return before, after, np.clip(share, 0.0, 1.0)
-
-
-def _check_times(t: Array, recorded: Array) -> None:
-    """Raise SceneError for times that are not finite or later than what was recorded."""
-    if np.any(finite_times(t) > recorded[-1] * (1 + ROUNDING)):
-        raise SceneError(
-            f"this answer ends at t = {recorded[-1]:.6g}; ask for earlier times, or compute it to "
-            "a later end time."
-        )
 
 
 def _check_positions(x: Array, nodes: Array) -> None:

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from semianalytic.results.in_words import digits_apart
-from semianalytic.results.notebook import html_table
+from semianalytic.results.in_words import digits_apart, html_table
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from compare.comparison.comparing import held_against, planned
-from compare.comparison.judgement import Judgement
-from compare.comparison.prediction import check_predictable, predict_like
+from compare.comparison.judgement import Judgement, judge
+from compare.comparison.prediction import planned, predict_like
 from compare.comparison.report import report_document, write_report
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
@@ -82,6 +81,9 @@ def compare_command(
     output: Output = None,
     figures: FiguresForm = "png",
     no_snapshots: NoSnapshots = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Print the rows that agree, too.")
+    ] = False,
     nodes: Annotated[
         int | None, typer.Option(help="Nodes of one period of an interface, a multiple of 4.")
     ] = None,
@@ -103,16 +105,18 @@ def compare_command(
     if scene_name is not None and kind_of(scene_name) == INTERFACE:
         from slipfront.cli.interfaces import compare_interfaces
 
-        scenes = {**overrides, **lower, "from": from_, "budget": budget, "output": output}
+        scenes = {**overrides, **lower, "from": from_, "budget": budget}
         reason = f"is for scenes; leave it out for {scene_name}"
         refuse_given({**scenes, **settings, "end_time": None}, reason)
         given = {name: n for name, n in settings.items() if name == "end_time"}
         given |= {name: n for name, n in along.items() if name == "nodes"}
-        compare_interfaces(scene_name, given, mesh_nodes, as_json=as_json, quiet=quiet)
+        shown = {"everything": everything, "as_json": as_json, "quiet": quiet}
+        compare_interfaces(scene_name, given, mesh_nodes, output, **shown)
         return
     refuse_given(along, "is for interfaces; scenes take --resolution")
     require("slipfront compare", *FEM, *PLOT)
     seconds, snapshots = in_seconds(budget), not no_snapshots
+    prediction: Solution | PairSolution | Marched | None = None
     if from_ is not None:
         kept = settings if budget is None else {"budget": budget}
         simulation = _earlier_simulation(from_, scene_name, {**overrides, **lower}, kept)
@@ -126,14 +130,12 @@ def compare_command(
         directory = output or scene_folder(scene_name, {**overrides, **lower})
         scene = override_scene(find_scene(scene_name), **overrides, **lower)
         asked(scene, "end_time", settings.get("end_time"), "time")
-        check_predictable(scene, method)
-    prediction: Solution | PairSolution | Marched | None = None
+        options = {**settings, "memory": in_bytes(settings.get("memory"))}
+        prediction, choice = planned(scene, method, seconds, snapshots=snapshots, **options)
     notes = Console(stderr=True)
     with working_folder(directory) as files:
         frames = (from_ or directory) / SNAPSHOTS
         if from_ is None:
-            options = {**settings, "memory": in_bytes(settings.get("memory"))}
-            prediction, choice = planned(scene, method, seconds, snapshots=snapshots, **options)
             simulation = simulate_into(
                 directory,
                 scene,
@@ -153,13 +155,16 @@ def compare_command(
             with progress_bar(notes, quiet, "marching") as progress:
                 prediction = predict_like(simulation, method, progress)
         with progress_bar(notes, quiet, "fields") as progress:
-            judgement = held_against(simulation, prediction, frames if written else None, progress)
+            judgement = judge(prediction, simulation, frames if written else None, progress)
         write_comparison(judgement, label, directory, figures)
     if as_json:
         document = report_document(judgement, label)
         terminal.print_json("compare", document, judgement.verdict, files)
     else:
-        _show(judgement, label, directory)
+        title = f"Semi-analytic against finite elements: {label}"
+        headings = {"exact": "exact", "at_nodes": "at nodes", "simulated": "FEM"}
+        terminal.print_judgement(judgement, title, headings, everything=everything)
+        Console().print(f"All rows are in {directory / REPORT}", highlight=False)
         if written and judgement.fields is None:
             notes.print(NO_FIELDS, highlight=False)
     if not isinstance(prediction, Marched):
@@ -188,16 +193,6 @@ def write_comparison(judgement: Judgement, label: str, directory: Path, form: st
     kept = {f"{name}.{form}" for name in drawn}
     forget_figures(directory, kept if fields is None else {*kept, FIELDS})
     write_report(judgement, label, directory / REPORT)
-
-
-def _show(judgement: Judgement, label: str, directory: Path) -> None:
-    console = Console()
-    title = f"Semi-analytic against finite elements: {label}"
-    headings = {"exact": "exact", "at_nodes": "at nodes", "simulated": "FEM"}
-    console.print(terminal.judged_table(title, judgement.rows, **headings))
-    console.print(terminal.references_line(judgement), highlight=False)
-    console.print(terminal.verdict_text(judgement), highlight=False)
-    console.print(f"Written to {directory}/", highlight=False)
 
 
 def _earlier_simulation(

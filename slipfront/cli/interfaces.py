@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,20 +9,24 @@ import numpy as np
 import typer
 from rich.console import Console
 
+from compare.comparison.documents import json_text
+from compare.comparison.report import judged_document
 from compare.comparison.rows import DIFFERS
+from compare.output.files import write_text
+from compare.output.leftovers import REPORT
 from compare.output.places import check_file, save_somewhere
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from semianalytic import InterfaceFile, Run, find, solve
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.extras import FEM, XARRAY, require
+from semianalytic.scene.extras import FEM, HDF5, XARRAY, require
 from semianalytic.scene.units import InSI
 from slipfront.cli.endings.interruption import INTERRUPTED
-from slipfront.cli.terminal import judged_table, print_json, verdict_text
+from slipfront.cli.terminal import print_json, print_judgement
 
 if TYPE_CHECKING:
-    from compare.interfaces.judging import InterfaceJudgement
+    pass
 
 _SHARES = 1000
 """Parts of the end time that the progress bar counts."""
@@ -48,8 +51,8 @@ def solve_interface(
     found = _found(source, settings)
     if save is not None:
         check_file(save)
-        if save.suffix == ".nc":
-            require("a NetCDF file", *XARRAY)
+        needed = ("a NetCDF file", *XARRAY) if save.suffix == ".nc" else ("a saved run", *HDF5)
+        require(*needed)
     if go_on is not None:
         settings["go_on"] = Run.load(go_on, found.interface)
     with progress_bar(Console(stderr=True), quiet or as_json, "marching") as show:
@@ -76,9 +79,18 @@ def solve_interface(
 
 
 def compare_interfaces(
-    source: str, settings: dict[str, Any], mesh_nodes: int | None, *, as_json: bool, quiet: bool
+    source: str,
+    settings: dict[str, Any],
+    mesh_nodes: int | None,
+    output: Path | None,
+    *,
+    everything: bool,
+    as_json: bool,
+    quiet: bool,
 ) -> None:
-    """March and simulate an interface with settings of `compare_interface`, and print both.
+    """March and simulate an interface with settings of `compare_interface`, and judge both.
+
+    All rows are written to a folder if one is given.
 
     Raises
     ------
@@ -87,28 +99,38 @@ def compare_interfaces(
     """
     found = _found(source, settings)
     require("slipfront compare", *FEM)
-    from compare.interfaces.judging import compare_interface
+    from compare.comparison.interfaces.comparing import compare_interface
 
     settings = {"end_time": found.end_time, **found.options, **settings}
     with progress_bar(Console(stderr=True), quiet or as_json, "simulating") as show:
         judgement = compare_interface(
             found.interface, **settings, mesh_nodes=mesh_nodes, progress=show
         )
+    case: Any = judgement.case
+    done = case.run
+    meshes = [
+        {name: getattr(one, name) for name in ("nodes", "steps", "unknowns", "imbalance")}
+        for one in case.simulations
+    ]
+    comparison = {**judged_document(judgement), "meshes": meshes}
+    document = {**_document(done, source), "comparison": comparison}
+    files = [] if output is None else [output / REPORT]
+    for path in files:
+        write_text(path, json_text(document))
     if as_json:
-        document = _document(judgement.run, source) | {"comparison": _comparison(judgement)}
-        print_json("compare", document, status=judgement.verdict)
+        print_json("compare", document, judgement.verdict, files)
     else:
-        Console().print(_table(judgement.run, source))
-        finest = judgement.simulations[0]
+        finest = case.simulations[0]
         title = (
-            f"{source}: {judgement.run.nodes} nodes against finite elements, {finest.nodes} along "
-            f"the interface, {finest.steps} steps"
+            f"{source}: {done.nodes} nodes against finite elements, {finest.nodes} along the "
+            f"interface, {finest.steps} steps"
         )
-        Console().print(judged_table(title, judgement.rows, at_nodes="run", simulated="FEM"))
-        Console().print(verdict_text(judgement, ("nodes", "mesh_nodes")), highlight=False)
+        headings = {"at_nodes": "run", "simulated": "FEM"}
+        named = ("nodes", "mesh_nodes")
+        print_judgement(judgement, title, headings, named, everything=everything)
     if judgement.verdict == DIFFERS:
         raise typer.Exit(1)
-    _end(judgement.run, source)
+    _end(done, source)
 
 
 def _found(source: str, settings: dict[str, Any]) -> InterfaceFile:
@@ -152,19 +174,6 @@ def _document(done: Run, name: str) -> dict[str, Any]:
             "largest_slip_rate": "length / time",
             "slipping": "1",
         },
-    }
-
-
-def _comparison(judgement: InterfaceJudgement) -> dict[str, Any]:
-    """Return what --json prints of a comparison."""
-    return {
-        "verdict": judgement.verdict,
-        "counts": judgement.counts,
-        "meshes": [
-            {name: getattr(one, name) for name in ("nodes", "steps", "unknowns", "imbalance")}
-            for one in judgement.simulations
-        ],
-        "rows": [{**asdict(row), "verdict": row.verdict} for row in judgement.rows],
     }
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.markup import escape
 
 from compare.comparison.documents import (
@@ -34,7 +35,6 @@ from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
 if TYPE_CHECKING:  # most commands print an answer, and judge none
     from compare.comparison.judgement import Judgement
     from compare.comparison.mesh_choice import MeshChoice
-    from compare.interfaces.judging import InterfaceJudgement
     from compare.validation.validation import Validation
     from fem import Simulation
     from semianalytic import Marched
@@ -243,23 +243,20 @@ def error_line(simulation: Simulation) -> str:
 
 
 def judged_table(title: str, rows: Sequence[Row], **numbers: str) -> PrintedTable:
-    """Return judged rows with units; differences in red, errors of norms in per cent.
+    """Return judged rows with units and places; differences in red, errors of norms in per cent.
 
     Headings are given by the numbers of the rows that stand below them.
     """
     table = PrintedTable(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("quantity", min_width=14)  # the whole table fits into 80 columns
-    orders = [getattr(row, "order", None) for row in rows]  # at which three meshes converge
-    # three numbers and the order do not fit into 80 columns
-    known = len(numbers) < 3 and any(order is not None for order in orders)
-    for heading in (*numbers.values(), "differ by", "bar ±", *(["order"] if known else [])):
+    for heading in (*numbers.values(), "differ by", "bar ±"):
         table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("verdict", no_wrap=True)
-    for row, order in zip(rows, orders, strict=True):
+    table.add_column("verdict", no_wrap=True, min_width=10)
+    for row in rows:
         label = row.name if row.unit in ("1", "exact") else f"{row.name} [{row.unit}]"
+        label = f"{label} at {place}" if (place := getattr(row, "place", "")) else label
         cells = [shown_number(getattr(row, name), DIGITS) for name in numbers]
         cells += [row.shown_share(row.difference), row.shown_share(row.bar)]
-        cells += ["" if order is None else f"{order:.1f}"] if known else []
         table.add_row(escape(label), *cells, _verdict(row))
     return table
 
@@ -284,52 +281,60 @@ def references_line(judgement: Judgement | Validation) -> str:
     from compare.validation.validation import Validation
 
     run = judgement.exact if isinstance(judgement, Validation) else judgement.simulation
+    if not hasattr(run, "scene"):  # an interface is compared in its own units
+        return "Units: those of the file; % of the prediction"
     references = reference_values(run.scene, run.end_time)
     values = (f"{symbol} = {value:.4g} {unit}" for symbol, (value, unit) in references.items())
     return f"Units: {', '.join(values)}; % of the prediction"
 
 
-def verdict_text(
-    judgement: Judgement | Validation | InterfaceJudgement,
-    options: Collection[str] = MESH_OPTIONS,
-) -> str:
-    """Return the verdict as a sentence, followed by each unresolved row, its reason and remedy."""
-    counts = judgement.counts
-    parts = [f"{count} {verdict}" for verdict, count in counts.items() if count]
-    lines = [f"Verdict: {judgement.verdict} ({', '.join(parts) or 'nothing is compared'})."]
-    if judgement.verdict == UNRESOLVED and not counts[UNRESOLVED]:
-        lines.append("Nothing slips or opens in either answer, so that no row decides.")
-    if judgement.verdict == AGREES:
-        lines += _closeness(judgement.having(AGREES))
-    if counts[UNRESOLVED]:
-        lines.append("Unresolved:")
+def verdict_lines(judgement: Judgement | Validation) -> Iterator[str]:
+    """Yield the verdict, how far the two answers are apart, and whether meshes are alike."""
+    parts = [f"{count} {verdict}" for verdict, count in judgement.counts.items() if count]
+    yield f"Verdict: {judgement.said} ({', '.join(parts) or 'nothing is compared'})."
+    if judgement.quoted:
+        yield f"{judgement.quoted[0].upper()}{judgement.quoted[1:]}."
+    if unlike := judgement.unlike:
+        names = ", ".join(f"{row.name} (order {row.order:.1f})" for row in unlike)
+        yield f"The meshes are not alike, which widens bars: {names}."
+
+
+def unresolved_lines(
+    judgement: Judgement | Validation, options: Collection[str] = MESH_OPTIONS
+) -> Iterator[str]:
+    """Yield each reason for which rows are unresolved, with its remedy."""
     alike: dict[str, list[str]] = {}
     for row in judgement.having(UNRESOLVED):
         remedy = judgement.remedy(row)
         reason = f"{row.obstacle}{f' ({remedy})' if remedy else ''}"
         alike.setdefault(in_options(reason, options), []).append(row.name)
-    lines += [f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items()]
-    return "\n".join(lines)
+    if alike:
+        yield "Unresolved:"
+    yield from (f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items())
 
 
-def _closeness(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield how far rows that agree differ at most, in bars, and how wide the widest bar is."""
-    from compare.comparison.mesh_choice import two_digits
-
-    barred = [row for row in rows if row.bar and row.difference is not None]
-    if barred:
-        far = max(barred, key=lambda row: row.over_bar)
-        shown = f"{far.shown_share(abs(far.difference or 0.0))} ± {far.shown_share(far.bar)}"
-        yield f"Largest difference of what agrees: {far.over_bar:.2f} bars ({far.label}: {shown})."
-    if sized := [row for row in barred if row.size]:
-        wide = max(sized, key=_width)
-        share = f"{two_digits(100 * _width(wide))} % of the value compared"
-        yield f"Widest bar of what agrees: {share} ({wide.label})."
-
-
-def _width(row: Row) -> float:
-    """Return an error bar over the size of the quantity that is compared."""
-    return (row.bar or 0.0) / row.size
+def print_judgement(
+    judgement: Judgement,
+    title: str,
+    headings: Mapping[str, str],
+    options: Collection[str] = MESH_OPTIONS,
+    *,
+    everything: bool,
+) -> None:
+    """Print the verdict and what is to be quoted; then the rows that do not agree, or all, with
+    reasons."""
+    console = Console()
+    for line in (*verdict_lines(judgement), title):
+        console.print(line, highlight=False, markup=False)
+    rows = [row for row in judgement.rows if everything or row.verdict != AGREES]
+    if rows:
+        console.print(judged_table("", rows, **headings))
+        console.print(references_line(judgement), highlight=False)
+    for line in unresolved_lines(judgement, options):
+        console.print(line, highlight=False)
+    if len(rows) < len(judgement.rows):
+        said = f"{len(judgement.rows) - len(rows)} rows agree; --all prints them."
+        console.print(said, highlight=False)
 
 
 def _label(name: str) -> str:
@@ -350,4 +355,4 @@ def _plain(value: object) -> str:
 
 
 def _verdict(row: Row) -> str:
-    return f"[bold red]{row.verdict}[/bold red]" if row.verdict == DIFFERS else row.verdict
+    return f"[bold red]{row.said}[/bold red]" if row.verdict == DIFFERS else row.said

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.engine.scenes.marched import Marched
 from semianalytic.methods import chosen, solve
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
-from semianalytic.spacetime.marched import Marched
 from semianalytic.sweeps.contact_edge import at_contact_edge
 from semianalytic.sweeps.sweep import sweep
 from slipfront.surveys.parameters import Array, Subject
@@ -189,7 +189,7 @@ def _of_march(marched: Marched, question: Question) -> Values:
     return {
         "end_time": end,
         "largest_slip_rate": float(seen.slip_rate.max()),
-        "largest_slip": float(seen.slip.max()),
+        "largest_slip": float(marched.totals.max_slip.max()),
         "onset": float(seen.onset.min()) if slipped.any() else np.nan,
         "reach_of_slip": float(marched.grid.x[slipped].max(initial=0.0)),
         **_totals(marched, end),

@@ -11,7 +11,7 @@ from catalogue import PRELOADED, solved
 import slipfront as sf
 from compare.comparison.judgement import judge
 from fem.model import prepare
-from semianalytic.results.notebook import html_table
+from semianalytic.results.in_words import html_table
 
 X, T = np.array([0.1, 0.2]), np.linspace(0.1, 1.0, 20)
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.fields.fronts import Fronts, TwoBodies
-from compare.comparison.fields.pairs import Pair, alike, area_norm
-from compare.comparison.measures import NOTHING
+from compare.comparison.fields.pairs import Norms, Pair, area_norm, norms_of
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -33,27 +32,25 @@ class FieldChange:
         v_x, ..., u_x, ..., sigma_xx, ...
     part : str
         One of `PARTS`.
-    size : float
-        L1 norm of the prediction over the area (for stresses, of the change since t = 0), to which
-        the following are relative.  Where the component vanishes, it is the norm of the largest
-        component of the same field.
-    predicted, simulated, difference : float
-        Norms of both and of their difference, over `size`.
+    norms : Norms
+        Those over the area; for stresses, of the changes since t = 0.
     changes : tuple of float
-        Norms of the changes from the mesh 2h to h, and from 4h to 2h, over `size`, as far as there
-        are frames of these meshes.
+        Norms of the changes from the mesh 2h to h, and from 4h to 2h, over `norms.size`, as far as
+        there are frames of these meshes.
     before : callable
-        Returns the difference on the mesh 2h, over `size`.
+        Returns the difference on the mesh 2h, over `norms.size`.
     """
 
     component: str
     part: str
-    size: float
-    predicted: float
-    simulated: float
-    difference: float
+    norms: Norms
     changes: tuple[float, ...]
     before: Callable[[], float]
+
+    @property
+    def difference(self) -> float:
+        """Norm of the difference of both answers, over `norms.size`."""
+        return self.norms.off / self.norms.size
 
 
 def field_changes(
@@ -90,48 +87,28 @@ def field_changes(
                 return np.ones(places.x.shape, dtype=bool)
             return fronts.distance(places.x, places.y, time) > width
 
-        masks = {id(pair.places): shown(pair.places) for pair in last.values()}
-        norms = {
-            name: area_norm(pair.predicted, pair.places.area, masks[id(pair.places)])
-            for name, pair in last.items()
-        }
         coarse_masks = [
             {id(places): shown(places) for places in (coarse.nodes, coarse.elements)}
             for coarse, _ in steps
         ]
-
-        def off(name: str, pairs: dict[str, Pair], mask: Mask) -> float:
-            pair = pairs[name]
-            return area_norm(pair.simulated - pair.predicted, pair.places.area, mask)
-
-        for name, pair in last.items():
-            mask = masks[id(pair.places)]
-            largest = max(norms[other] for other in last if alike(name, other))
-            size = norms[name] if norms[name] > NOTHING * largest else largest
-            if not size:
+        for name, norms in norms_of(last, shown).items():
+            if not norms.size:
                 continue
             changes = []
             for (coarse, fine), held in zip(steps, coarse_masks, strict=True):
                 places = coarse.nodes if name in coarse.nodes.fields else coarse.elements
                 change = fine[name] - places.fields[name]
-                changes.append(area_norm(change, places.area, held[id(places)]) / size)
+                changes.append(area_norm(change, places.area, held[id(places)]) / norms.size)
 
-            def before(name: str = name, size: float = size) -> float:
-                pairs = predict(frames[1])
-                return off(name, pairs, shown(pairs[name].places)) / size
+            def before(
+                name: str = name,
+                size: float = norms.size,
+                shown: Callable[[Places], Mask] = shown,
+            ) -> float:
+                pair = predict(frames[1])[name]
+                return norms_of({name: pair}, shown)[name].off / size
 
-            found.append(
-                FieldChange(
-                    name,
-                    part,
-                    size,
-                    norms[name] / size,
-                    area_norm(pair.simulated, pair.places.area, mask) / size,
-                    off(name, last, mask) / size,
-                    tuple(changes),
-                    before,
-                )
-            )
+            found.append(FieldChange(name, part, norms, tuple(changes), before))
     return tuple(found)
 
 
@@ -157,7 +134,9 @@ def _linear(x: Array, y: Array, values: Array) -> Callable[[Array], Array]:
     columns, rows = _steps(x), _steps(y)
     if len(columns) * len(rows) != len(x):
         return scipy.interpolate.LinearNDInterpolator(np.stack([x, y], axis=1), values)
-    order = np.lexsort((y, np.searchsorted(columns, x - _slack(columns))))
+    order = np.lexsort(
+        (y, np.searchsorted(columns, x - float(np.diff(columns).min(initial=np.inf)) / 2))
+    )
     grid = values[order].reshape(len(columns), len(rows), -1)
     return scipy.interpolate.RegularGridInterpolator((columns, rows), grid, bounds_error=False)
 
@@ -167,8 +146,3 @@ def _steps(values: Array) -> Array:
     ordered = np.unique(values)
     apart = np.diff(ordered) > SAME * np.ptp(ordered) / np.sqrt(len(values))
     return ordered[np.concatenate([[True], apart])]
-
-
-def _slack(steps: Array) -> float:
-    """Half of the least distance between two values."""
-    return float(np.diff(steps).min(initial=np.inf)) / 2 if len(steps) > 1 else 0.0

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.comparison.case import companions_of
 from compare.comparison.fields.changes import FieldChange, field_changes
 from compare.comparison.fields.frames import Frame, last_frame, read_frame
 from compare.comparison.fields.fronts import Fronts, TwoBodies, fronts_between, fronts_of
-from compare.comparison.fields.pairs import Pair, alike, area_norm, frame_pairs
-from compare.comparison.measures import NOTHING
+from compare.comparison.fields.pairs import Pair, frame_pairs, norms_of
 from compare.comparison.snapshots import listed_frames
 from semianalytic import Scene
 from semianalytic.dissimilar_slot.solution import PairSolution
@@ -176,13 +176,11 @@ def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, 
     from fem.snapshots import companion_folder, index_run
 
     frames: list[tuple[float, Frame]] = []
-    run = simulation.companion
-    while run is not None:
-        place = companion_folder(folder, len(frames) + 1)
+    for number, run in enumerate(companions_of(simulation), start=1):
+        place = companion_folder(folder, number)
         if index_run(place) != run.run:
             break
         frames.append((run.element_size, last_frame(place, run.run)))
-        run = run.companion
     return frames
 
 
@@ -204,28 +202,15 @@ def pair_errors(
         id(places): fronts.distance(places.x, places.y, time) > width
         for places in (pair.places for pair in pairs.values())
     }
-    everywhere = {key: np.ones(kept.shape, dtype=bool) for key, kept in beyond.items()}
-    whole, outside = _relative(pairs, everywhere), _relative(pairs, beyond)
+    whole = norms_of(pairs, lambda places: np.ones(places.x.shape, dtype=bool))
+    outside = norms_of(pairs, lambda places: beyond[id(places)])
     for name, pair in pairs.items():
         area, kept = pair.places.area, beyond[id(pair.places)]
-        band = float(area[~kept].sum() / area.sum())
-        yield FieldError(time, name, whole[name], outside[name], band)
-
-
-def _relative(pairs: dict[str, Pair], kept: dict[int, NDArray[np.bool_]]) -> dict[str, float]:
-    """L1 errors over the norms of the prediction, at the kept places."""
-    chosen = {name: kept[id(pair.places)] for name, pair in pairs.items()}
-    sizes = {
-        name: area_norm(pair.predicted, pair.places.area, chosen[name])
-        for name, pair in pairs.items()
-    }
-    errors = {}
-    for name, pair in pairs.items():
-        largest = max(sizes[other] for other in pairs if alike(name, other))
-        size = sizes[name] if sizes[name] > NOTHING * largest else largest
-        off = area_norm(pair.simulated - pair.predicted, pair.places.area, chosen[name])
-        errors[name] = off / size if size else np.inf if off else 0.0
-    return errors
+        off, away = (
+            norms.off / norms.size if norms.size else np.inf if norms.off else 0.0
+            for norms in (whole[name], outside[name])
+        )
+        yield FieldError(time, name, off, away, float(area[~kept].sum() / area.sum()))
 
 
 def fronts_in(

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.fields.frames import Frame, Places
+from compare.comparison.measures import NOTHING
 from semianalytic.results.answer import BodyFields
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +66,34 @@ def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
     }
 
 
-def area_norm(values: Array, area: Array, kept: NDArray[np.bool_]) -> float:
+class Norms(NamedTuple):
+    """L1 norms of a component: the one that errors are relative to, which is that of the prediction
+    or, where that vanishes, of the largest component of the same field, and those of both answers
+    and of their difference."""
+
+    size: float
+    predicted: float
+    simulated: float
+    off: float
+
+
+def norms_of(pairs: Mapping[str, Pair], kept: Callable[[Places], Mask]) -> dict[str, Norms]:
+    """Return the norms of all components at the places of a mask, by name."""
+    masks = {id(pair.places): kept(pair.places) for pair in pairs.values()}
+    norms = {}
+    for name, pair in pairs.items():
+        fields = pair.predicted, pair.simulated, pair.simulated - pair.predicted
+        mask = masks[id(pair.places)]
+        norms[name] = [area_norm(values, pair.places.area, mask) for values in fields]
+    found = {}
+    for name, (predicted, simulated, off) in norms.items():
+        largest = max(norms[other][0] for other in norms if alike(name, other))
+        size = predicted if predicted > NOTHING * largest else largest
+        found[name] = Norms(size, predicted, simulated, off)
+    return found
+
+
+def area_norm(values: Array, area: Array, kept: Mask) -> float:
     """L1 norm of values at the kept places where they are finite: a prediction may be infinite at
     a place, or a mesh may not reach it."""
     kept = kept & np.isfinite(values)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
 from compare.comparison.case import Case
-from compare.comparison.judging import Comparison, judged, mesh_changes
+from compare.comparison.judging import judged, mesh_changes
 from compare.comparison.measures import ROUNDING
 from compare.comparison.quantities.arrivals import (
     LARGEST_MISFIT,
@@ -177,7 +177,7 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         # What two meshes leave alike is the mistake of the prediction, which is no error of theirs.
         unexplained = unexplained - np.interp(at, *left[1])
     added = alignment_bar(at, unexplained, template, window, simulated * shear_speed) / shear_speed
-    return judged(case, row, Comparison(error, added=added))
+    return judged(case, row, error, added=added)
 
 
 def _template(run: Simulation, field: Face, sharp: Table, window: Window) -> Waveform:
@@ -214,63 +214,44 @@ def _last_time(distance: Array, time: Array, velocity: float) -> float:
 
 
 def _interface_fields(case: Case) -> list[Face]:
-    def record(name: str, scale: float) -> Callable[[Simulation], tuple[Array, Array, Array]]:
-        return lambda run: (
-            run.interface.x,
-            run.interface.t,
-            getattr(run.interface, name) / scale,
-        )
-
+    scales = {"shear_traction": case.stress, "pressure": case.stress, "slip_rate": case.rate}
     return [
         Face(
             name.replace("_", " "),
             _over(getattr(case.prediction, name), scale, case.end_time),
-            record(name, scale),
+            _recording("interface", name, scale),
         )
-        for name, scale in (
-            ("shear_traction", case.stress),
-            ("pressure", case.stress),
-            ("slip_rate", case.rate),
-        )
+        for name, scale in scales.items()
     ]
 
 
 def _slot_fields(
     case: Case, slot_velocity: Callable[[Array, float], tuple[Array, Array]]
 ) -> list[Face]:
-    both = _kept(lambda v: np.stack(slot_velocity(-v * case.end_time, case.end_time)) / case.rate)
-
     def component(index: int) -> Waveform:
-        return lambda velocity: both(velocity)[index]
+        return lambda v: slot_velocity(-v * case.end_time, case.end_time)[index] / case.rate
 
-    def record(index: int) -> Callable[[Simulation], tuple[Array, Array, Array]]:
-        def of(run: Simulation) -> tuple[Array, Array, Array]:
-            slot = run.slot
-            outward = np.argsort(-slot.x)
-            values = (slot.velocity_x, slot.velocity_y)[index]
-            return -slot.x[outward], slot.t, values[:, outward] / case.rate
-
-        return of
-
-    along = "v_z" if case.scene.antiplane else "v_x"
+    names = (("v_z" if case.scene.antiplane else "v_x", "velocity_x"), ("v_y", "velocity_y"))
     return [
-        Face(name, component(index), record(index)) for index, name in enumerate((along, "v_y"))
+        Face(name, component(index), _recording("slot", field, case.rate))
+        for index, (name, field) in enumerate(names)
     ]
+
+
+def _recording(
+    face: str, name: str, scale: float
+) -> Callable[[Simulation], tuple[Array, Array, Array]]:
+    """Return the function that reads a field of the interface or of the slot off a run, over its
+    scale and from the edge outward."""
+
+    def of(run: Simulation) -> tuple[Array, Array, Array]:
+        history = getattr(run, face)
+        outward = np.argsort(np.abs(history.x))
+        return np.abs(history.x)[outward], history.t, getattr(history, name)[:, outward] / scale
+
+    return of
 
 
 def _over(predict: Callable[[Array, float], Array], scale: float, time: float) -> Waveform:
     """Waveform over similarity velocity, in units of a reference value."""
-    return _kept(lambda velocity: predict(velocity * time, time) / scale)
-
-
-def _kept(predict: Waveform) -> Waveform:
-    """Waveform that caches its values, because each mesh asks for the same ones."""
-    known: dict[bytes, Array] = {}
-
-    def remembered(velocity: Array) -> Array:
-        key = velocity.tobytes()
-        if key not in known:
-            known[key] = predict(velocity)
-        return known[key]
-
-    return remembered
+    return lambda velocity: predict(velocity * time, time) / scale

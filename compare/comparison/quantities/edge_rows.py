@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar, error_bar
-from compare.comparison.case import NARROW, UNSEEN, Case
-from compare.comparison.judging import Comparison, judged, rate_bar, value_row
-from compare.comparison.measures import NOTHING, ROUNDING
+from compare.comparison.case import Case
+from compare.comparison.judging import judged, rate_bar, value_row
+from compare.comparison.measures import NARROW, NOTHING, ROUNDING
 from compare.comparison.rows import Row
 from semianalytic.results.answer import OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
@@ -70,32 +70,12 @@ def zone_rows(case: Case) -> Iterator[Row]:
 
 
 def opening_rows(case: Case) -> Iterator[Row]:
-    """Rows of the edges of openings, of openings not predicted and of the length open, if any."""
+    """Rows of the edges of openings and of openings that are not predicted, if any."""
     if not case.opens:
         return
     openings, seen = case.prediction.openings_at(case.end_time), partial(_openings, case)
     yield from _edge_rows(case, openings, seen, set())
     yield from _unpredicted_rows(case, openings, seen)
-    cell = case.simulation.element_size / case.length
-    widths = [(part.end - part.start) / case.length for part in openings]
-    ends = [
-        read_off_bar(case, part, end)
-        for part, width in zip(openings, widths, strict=True)
-        for end in ("start", "end")
-        if width >= UNSEEN * cell and 0 < getattr(part, end) < math.inf
-    ]
-    row = value_row(
-        case,
-        "length open",
-        "opening edge",
-        partial(_length_open, case),
-        exact=sum(widths),
-        floor=2 * max(1, len(openings)) * EDGE_FLOOR * cell,
-        unit="c_t T",
-        unseen=sum(width for width in widths if width < UNSEEN * cell) + sum(ends),
-    )
-    if row is not None:
-        yield replace(row, obstacle=SHALLOW) if math.inf in ends else row
 
 
 def _edge_rows(
@@ -208,7 +188,7 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
     if obstacle is not None:
         width = obstacle.width / case.length
         reason = f"{obstacle.reason.format(width=f'{width:.2g}')}, {width / cell:.2g} elements"
-        enough = case.resolution_for(obstacle.width) if obstacle.width > 0 else None
+        enough = math.ceil(NARROW * case.length / obstacle.width) if obstacle.width > 0 else None
         return replace(row, obstacle=reason, resolution=enough)
     if math.isinf(read_off):
         return replace(row, obstacle=SHALLOW, resolution=2 * case.simulation.resolution)
@@ -305,7 +285,7 @@ def _unpredicted_rows(case: Case, parts: tuple[Part, ...], seen: Seen) -> Iterat
         elif not any(_shows(seen(run.interface, -1), part) for run in case.coarser[:1]):
             row = replace(row, obstacle="the coarser mesh does not show it")
         width = ErrorBar(least / case.length, None, math.inf, converges=True)
-        yield row if row.obstacle else judged(case, row, Comparison(width))
+        yield row if row.obstacle else judged(case, row, width)
 
 
 def _shows(seen: tuple[Part, ...], part: Part) -> bool:
@@ -342,16 +322,6 @@ def _edge_velocity(
         return None
     middle = float(np.median(edges))
     return middle / case.scene.material.shear_speed if math.isfinite(middle) else None
-
-
-def _length_open(case: Case, history: InterfaceHistory) -> float:
-    """Length of the contact open in a history, over c_t and the time; the median of late times."""
-    lengths = []
-    for level in _late_levels(case, history):
-        reach = history.x[-1] / history.t[level]
-        openings = _openings(case, history, int(level))
-        lengths.append(sum(min(part.end, reach) - part.start for part in openings))
-    return float(np.median(lengths)) / case.scene.material.shear_speed
 
 
 def _zones(case: Case, history: InterfaceHistory, level: int) -> tuple[SlipInterval, ...]:

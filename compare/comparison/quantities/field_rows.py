@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from compare.comparison.bars import LARGEST_ORDER, LEAST_ORDER
+from compare.comparison.bars import LARGEST_ORDER, LEAST_ORDER, error_bar
 from compare.comparison.case import Case
 from compare.comparison.fields.changes import PARTS, FieldChange
-from compare.comparison.judging import Comparison, field_bar, judged
+from compare.comparison.judging import judged, least_error
 from compare.comparison.rows import Row
 
 
@@ -23,16 +23,16 @@ def field_rows(case: Case, changes: tuple[FieldChange, ...]) -> Iterator[Row]:
             f"{change.component}, {change.part}",
             "field",
             None,
-            change.size * change.predicted / value,
-            change.size * change.simulated / value,
+            change.norms.predicted / value,
+            change.norms.simulated / value,
             change.difference,
             None,
             unit,
             relative=True,
         )
         most = LEAST_ORDER if change.part == PARTS[0] else LARGEST_ORDER
-        error = field_bar(case, change.changes, 1.0, nothing=False, most=most)
-        yield judged(case, row, Comparison(error, change.before))
+        error = error_bar(change.changes, least_error(case), most=most) if change.changes else None
+        yield judged(case, row, error, change.before)
 
 
 def _scale(case: Case, component: str) -> tuple[float, str]:

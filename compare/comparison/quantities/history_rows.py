@@ -11,15 +11,21 @@ import scipy
 from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
-from compare.comparison.case import NARROW, Case, beyond_edge, too_narrow
-from compare.comparison.judging import Comparison, field_bar, judged, rate_bar, value_row
+from compare.comparison.case import Case, beyond_edge, too_narrow
+from compare.comparison.judging import (
+    Compared,
+    field_row,
+    judged,
+    rate_bar,
+    value_row,
+)
 from compare.comparison.measures import (
+    NARROW,
     NOTHING,
     PROBES,
     ROUNDING,
     SENSE_THRESHOLD,
     nearest,
-    norm,
     onset_time,
 )
 from compare.comparison.rows import Row
@@ -81,96 +87,65 @@ def beside_edges(sense: Senses) -> NDArray[np.bool_]:
     return np.asarray(scipy.ndimage.binary_dilation(changes), dtype=bool)
 
 
-def rate_row(case: Case) -> Row:
-    """Row of the relative L1 error of the slip rate over space and time, without the four elements
-    at the edge; of the largest value where no slip is predicted.
+def map_rows(case: Case) -> Iterator[Row]:
+    """Rows of the relative L1 errors over space and time of the slip rate, without the four
+    elements at the edge, and of the gap if the contact opens; of the largest values where none is
+    predicted.
 
     Slip rates of all meshes and of the prediction are means over the window of the coarsest mesh.
     """
-    beyond = beyond_edge(case.seen.x, case.simulation)
-    unseen = np.where(case.narrow & beyond, case.at_nodes.slip_rate, 0.0)
-    return _map_row(case, "slip rate", case.rate, ("V₀", "V₀ c_t T²"), unseen)
+    beyond, rate = beyond_edge(case.seen.x, case.simulation), case.at_nodes.slip_rate
+    yield map_row(case, "slip_rate", np.where(case.narrow & beyond, rate, 0.0))
+    if case.opens:
+        gap = case.at_nodes.gap
+        yield map_row(case, "gap", np.where(too_narrow(gap > 0), gap, 0.0), smooth=True)
 
 
-def gap_row(case: Case) -> Row:
-    """Row of the relative L1 error of the gap over space and time, or of its largest value."""
-    unseen = np.where(too_narrow(case.at_nodes.gap > 0), case.at_nodes.gap, 0.0)
-    return _map_row(case, "gap", case.rate * case.end_time, ("V₀ T", "V₀ c_t T³"), unseen)
-
-
-def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen: Array) -> Row:
+def map_row(case: Case, name: str, unseen: Array, *, smooth: bool = False) -> Row:
     """Row of a field over space and time: relative L1 error, or largest value if none is predicted.
 
     Parameters
     ----------
     case : Case
     name : str
-        Name of the field and of its kind.
-    unit : float
-        Divisor of the values.
-    units : (str, str)
-        Name of the unit, and that of the unit of the norm.
+        Name of the field.
     unseen : (m, n) array
-        Part of the prediction at the nodes that is too narrow for them.
+        How far the prediction at the nodes is uncertain, or too narrow for them.
+    smooth : bool
+        As for `field_row`.
     """
+    runs = [run.interface for run in case.runs]
+    late = [run.t > (1 + ROUNDING) * EARLY * case.end_time for run in runs]
+    times = [run.t[kept] for run, kept in zip(runs, late, strict=True)]
 
-    def shown(history: InterfaceHistory) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        late = history.t > (1 + ROUNDING) * EARLY * case.end_time
-        return late, beyond_edge(history.x, case.simulation)
+    def field(history: InterfaceHistory, of: int) -> Array:
+        """Return the field of a history at its own positions and the times of a run."""
+        if name == "slip_rate":
+            return case.mean_rate(history, times[of])
+        places = np.broadcast_arrays(history.x, times[of][:, None])
+        return interpolated(history, name, *places)
 
-    def field(history: InterfaceHistory, t: Array) -> Array:
-        if name == "slip rate":
-            return case.mean_rate(history, t) / unit
-        return interpolated(history, name, *np.broadcast_arrays(history.x, t[:, None])) / unit
-
-    def own(history: InterfaceHistory) -> Array:
-        late, far = shown(history)
-        return field(history, history.t[late])[:, far]
-
-    part = np.ix_(*shown(case.seen))
-    predicted, simulated = own(case.at_nodes), own(case.seen)
-    nothing = float(np.abs(predicted).max(initial=0.0)) <= NOTHING
-
-    def size(values: Array, history: InterfaceHistory) -> float:
-        if nothing:
-            return float(np.abs(values).max(initial=0.0))
-        late, far = shown(history)
-        place = history.x[far] / case.length
-        return norm(values, place, 1, history.t[late] / case.end_time)
-
-    changes = []
-    for number, pair in enumerate(case.pairs):
-        of, to = pair[::-1] if name == "gap" else pair  # smooth: at the nodes of the coarser
-        late, far = shown(of)
-        other = field(to, of.t[late])
-        there = [np.interp(of.x[far], to.x, level) for level in other]
-        change = np.abs(own(of) - np.array(there))
-        if name == "slip rate" and not nothing:
-            change += case.strength_changes[number][np.ix_(late, far)]
-        changes.append(size(change, of))
-    whole = size(predicted, case.seen)
-    per = 1.0 if nothing else whole
-    added = size(unseen[part] / unit, case.seen) / per
-    if case.doubted is not None:
-        added += size(own(case.doubted) - predicted, case.seen) / per
-
-    def before() -> float:
-        there = case.expected[1]
-        _, far = shown(there)
-        return size(own(case.runs[1].interface)[:, : far.sum()] - own(there), there) / per
-
-    row = Row(
-        f"{name} over (x, t), {'largest' if nothing else 'L1'}",
-        name,
-        None,
-        whole,
-        size(simulated, case.seen),
-        size(simulated - predicted, case.seen) / per,
-        None,
-        units[0] if nothing else units[1],
-        relative=not nothing,
+    both = Compared(
+        [run.x for run in runs],
+        [case.compared(name, number) for number in range(len(runs))],
+        lambda number, of: field(runs[number], of),
+        lambda of: field(case.expected[of], of),
+        None if case.doubted is None else field(case.doubted, 0),
+        times,
     )
-    return judged(case, row, Comparison(field_bar(case, changes, per, nothing), before, added))
+    words, scale = name.replace("_", " "), case.unit(name)
+    driven = name == "slip_rate" and bool(case.strength_changes)
+    shown = both.shown[0]
+    return field_row(
+        case,
+        f"{words} over (x, t)",
+        words,
+        both,
+        scale,
+        unseen=case.size(unseen[np.ix_(late[0], shown)], both.x[0][shown], times[0]) / scale[0],
+        smooth=smooth,
+        driven=(lambda of: case.strength_changes[of][late[of]]) if driven else None,
+    )
 
 
 def _behind_front(case: Case, x: Array, t: Array) -> NDArray[np.bool_]:
@@ -220,7 +195,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
 
     row = Row("other sense, part of map", "sense", None, 0.0, differing, differing, None)
     error = error_bar(changes, floor) if changes else None
-    yield judged(case, row, Comparison(error, before, unseen))
+    yield judged(case, row, error, before, unseen)
 
 
 def _part(case: Case, sense: int, history: InterfaceHistory) -> float:

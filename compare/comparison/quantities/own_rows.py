@@ -13,8 +13,8 @@ import scipy
 from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar
-from compare.comparison.case import Case
-from compare.comparison.judging import Comparison, Meshes, judged
+from compare.comparison.case import FIELDS, Case, companions_of
+from compare.comparison.judging import judged
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import TELLING, Row
 from semianalytic.scene.errors import DataFileError
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
 WORN = ("final_path", "final_work_density")
 WHOLE_STEPS = 1e-6
 """Tolerance for rounding between times of levels and of the ends of windows, in steps."""
@@ -41,15 +40,13 @@ def check_finite(simulation: Simulation) -> None:
     DataFileError
         The message says which field, where and when.
     """
-    run: Simulation | None = simulation
-    while run is not None:
+    for run in (simulation, *companions_of(simulation)):
         whose = f"the simulation of resolution {run.resolution}"
         contact, slot, end = run.interface, run.slot, run.interface.t[-1:]
         refuse_unfinite(whose, contact.x, contact.t, fields_of(contact, FIELDS))
         refuse_unfinite(whose, slot.x, slot.t, fields_of(slot, ("velocity_x", "velocity_y")))
         worn = {name: values[None] for name, values in fields_of(run, WORN).items()}
         refuse_unfinite(whose, contact.x, end, worn)
-        run = run.companion
 
 
 def fields_of(history: Any, names: Iterable[str]) -> dict[str, Array]:
@@ -95,11 +92,11 @@ def own_rows(case: Case) -> Iterator[Row]:
 
 
 def own_row(
-    case: Meshes, name: str, value: float | None, unit: str, bar: float = 0.0, obstacle: str = ""
+    case: Case, name: str, value: float | None, unit: str, bar: float = 0.0, obstacle: str = ""
 ) -> Row:
     """Return the row of something that is 0 in a correct simulation but for rounding."""
     row = Row(name, "law", None, 0.0, value, value, None, unit)
-    row = judged(case, row, Comparison(ErrorBar(NOTHING + bar, None, 0.0, converges=True)))
+    row = judged(case, row, ErrorBar(NOTHING + bar, None, 0.0, converges=True))
     return replace(row, obstacle=obstacle) if obstacle else row
 
 

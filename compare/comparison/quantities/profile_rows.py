@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compare.comparison.bars import error_bar
-from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narrow
-from compare.comparison.judging import Comparison, judged, profile_row
+from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narrow, worn_of
+from compare.comparison.judging import profile_row
 from compare.comparison.measures import NOTHING, ROUNDING, norm, within, worn
 from compare.comparison.rows import Row
-from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
+from semianalytic.results.answer import OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
@@ -51,18 +50,28 @@ def slip_rate_rows(case: Case) -> Iterator[Row]:
         scale=(case.rate, "V₀"),
         driven=lambda number: case.strength_changes[number][-1],
     )
-    slip = case.rate * case.end_time
-    yield profile_row(
+    yield _end_row(
         case,
         "slip",
-        "slip",
-        partial(_at_end, "slip"),
-        partial(_last, case, "slip"),
         reach,
-        exact=_norm(case, case.prediction.slip, reach, slip),
-        unseen=case.norm_of(_unseen_wear(case)[0] / slip, reach),
-        scale=(slip, "V₀ T"),
+        unseen=case.norm_of(_unseen_wear(case)[0] / case.unit("slip")[0], reach),
         driven=partial(_driven_by, case, 0),
+    )
+
+
+def _end_row(case: Case, name: str, reach: tuple[float, float], **how: Any) -> Row:
+    """Row of a field at the end between two positions [length]; `how` as for `profile_row`."""
+    words, (value, unit, _) = name.replace("_", " "), case.unit(name)
+    return profile_row(
+        case,
+        words,
+        words,
+        lambda answer, history: np.asarray(getattr(history, name)[-1]),
+        lambda number: np.asarray(getattr(case.runs[number].interface, name)[-1]),
+        reach,
+        exact=_norm(case, getattr(case.prediction, name), reach, value),
+        scale=(value, unit),
+        **how,
     )
 
 
@@ -85,25 +94,13 @@ def _unseen_rate(case: Case) -> Array:
 
 
 def gap_rows(case: Case) -> Iterator[Row]:
-    """Rows of the relative error of the gap at the end and of the largest gap, if any opens."""
+    """Row of the relative error of the gap at the end, if any opens."""
     if not case.opens:
         return
-    scale, reach = case.rate * case.end_time, _disturbed(case)
+    scale, reach = case.unit("gap")[0], _disturbed(case)
     gap = case.at_nodes.gap[-1:]
-    yield profile_row(
-        case,
-        "gap",
-        "gap",
-        partial(_at_end, "gap"),
-        partial(_last, case, "gap"),
-        reach,
-        exact=_norm(case, case.prediction.gap, reach, scale),
-        unseen=case.norm_of(np.where(too_narrow(gap > 0), gap, 0.0)[0] / scale, reach),
-        scale=(scale, "V₀ T"),
-        smooth=True,
-        most=_changes_of_gap(case),
-    )
-    yield _largest_gap_row(case, scale, reach)
+    unseen = case.norm_of(np.where(too_narrow(gap > 0), gap, 0.0)[0] / scale, reach)
+    yield _end_row(case, "gap", reach, unseen=unseen, smooth=True, most=_changes_of_gap(case))
 
 
 def _changes_of_gap(case: Case) -> int:
@@ -120,43 +117,6 @@ def _changes_of_gap(case: Case) -> int:
             break
         count += 1
     return count
-
-
-def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Row:
-    """Row of the largest gap at the end, beyond the first node of the coarsest mesh.
-
-    Its bar comes from the largest difference between meshes anywhere, because that between their
-    largest gaps may be small by chance.
-    """
-    start = max(reach[0], case.runs[-1].interface.x[0])
-    places = np.append(start, case.seen.x[case.seen.x > (1 + ROUNDING) * start])
-
-    def gap(history: InterfaceHistory) -> Array:
-        return np.interp(places, history.x, history.gap[-1]) / scale
-
-    fields = [gap(run.interface) for run in case.runs]
-    changes = [float(np.abs(fine - coarse).max()) for fine, coarse in pairwise(fields)]
-    exact = case.prediction.gap(_between(case, (start, reach[1])), case.end_time) / scale
-    at_nodes, simulated = float(gap(case.at_nodes).max()), float(fields[0].max())
-    row = Row(
-        "largest gap",
-        "gap",
-        float(exact.max()),
-        at_nodes,
-        simulated,
-        simulated - at_nodes,
-        None,
-        "V₀ T",
-    )
-    changes = changes[: _changes_of_gap(case)]  # none: no bar
-    error = error_bar(changes, NOTHING) if changes else None
-    closed = np.where(too_narrow(case.at_nodes.gap[-1:] > 0), 0.0, case.at_nodes.gap[-1:])[0]
-    unseen = at_nodes - float(np.interp(places, case.seen.x, closed).max()) / scale
-
-    def before() -> float:
-        return abs(float(fields[1].max() - gap(case.expected[1]).max()))
-
-    return judged(case, row, Comparison(error, before, unseen))
 
 
 def wear_rows(case: Case) -> Iterator[Row]:
@@ -179,8 +139,8 @@ def wear_rows(case: Case) -> Iterator[Row]:
             case,
             name,
             kind,
-            partial(_worn, part),
-            partial(_own, case, field),
+            partial(worn_of, part),
+            [np.asarray(getattr(run, field)) for run in case.runs].__getitem__,
             reach,
             exact=_worn_norm(case, part, reach, scale),
             unseen=case.norm_of((unseen[part] + back[part] + summed[part]) / scale, reach),
@@ -196,40 +156,8 @@ def traction_rows(case: Case) -> Iterator[Row]:
     can be singular.
     """
     reach = _beside_edge(case), _disturbed(case)[1]
-    for name in ("shear_traction", "pressure"):
-        words = name.replace("_", " ")
-        yield profile_row(
-            case,
-            words,
-            words,
-            partial(_at_end, name),
-            partial(_last, case, name),
-            reach,
-            exact=_norm(case, getattr(case.prediction, name), reach, case.stress),
-            unseen=_unseen_shear(case, reach) if name == "shear_traction" else 0.0,
-            scale=(case.stress, "τ₀"),
-        )
-
-
-def _at_end(field: str, answer: Answer, history: InterfaceHistory) -> Array:
-    """A field of an answer at the end of its history, (n,)."""
-    return np.asarray(getattr(history, field)[-1])
-
-
-def _worn(part: int, answer: Answer, history: InterfaceHistory) -> Array:
-    """Accumulated |slip| (part 0) or work per area (1) of an answer, (n,)."""
-    own = own_wear(answer, history.x, float(history.t[-1]), part)
-    return worn(history)[part] if own is None else own
-
-
-def _last(case: Case, field: str, number: int) -> Array:
-    """A field of a run at its end, (n,)."""
-    return np.asarray(getattr(case.runs[number].interface, field)[-1])
-
-
-def _own(case: Case, field: str, number: int) -> Array:
-    """Field that a run has itself summed over all its steps, (n,)."""
-    return np.asarray(getattr(case.runs[number], field))
+    yield _end_row(case, "shear_traction", reach, unseen=_unseen_shear(case, reach))
+    yield _end_row(case, "pressure", reach)
 
 
 def _driven_by(case: Case, part: int, number: int) -> Array:

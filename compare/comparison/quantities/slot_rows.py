@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import pairwise
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.case import EDGE_CELLS, Case
-from compare.comparison.judging import Comparison, field_bar, judged
-from compare.comparison.measures import NOTHING, norm, within
+from compare.comparison.judging import Compared, field_row
+from compare.comparison.measures import within
 from compare.comparison.rows import Row
-
-if TYPE_CHECKING:
-    from fem import Simulation
 
 Array = NDArray[np.float64]
 
@@ -34,46 +30,25 @@ def slot_rows(case: Case) -> Iterator[Row]:
     reach = min(case.scene.fastest_speed * case.end_time, *(-run.slot.x[0] for run in case.runs))
     names = ("v_z" if case.scene.antiplane else "v_x", "v_y")
 
-    def moved(run: Simulation) -> tuple[Array, Array]:
-        """Distances from the edge (n,) and the simulated velocities there over V0 (2, n)."""
-        slot = run.slot
-        shown = within(-slot.x, start, reach)
-        velocity = np.stack([slot.velocity_x[-1, shown], slot.velocity_y[-1, shown]])
-        return -slot.x[shown][::-1], velocity[:, ::-1] / case.rate
+    shown = [within(-run.slot.x, start, reach) for run in case.runs]
+    x = [-run.slot.x[here][::-1] for run, here in zip(case.runs, shown, strict=True)]
+    every = [np.ones(len(places), dtype=bool) for places in x]
+    moved = [_beside_front(case, places) for places in x[:2]]
+    expected = [predict(-places, case.end_time) for places in moved]
+    for part, (name, field) in enumerate(zip(names, ("velocity_x", "velocity_y"), strict=True)):
+        recorded = [getattr(run.slot, field)[-1] for run in case.runs]
+        faces = [one[here][::-1] for one, here in zip(recorded, shown, strict=True)]
+        known = [np.asarray(one[part]) for one in expected]
+        both = Compared(x, every, _of_run(faces), known.__getitem__)
+        scale = case.rate, "V₀", "V₀ c_t T"
+        row = field_row(case, f"{name} of the slot face", "slot", both, scale)
+        if row.relative:
+            yield replace(row, exact=row.at_nodes)
 
-    def expected(distance: Array) -> Array:
-        distance = _beside_front(case, distance)
-        return np.stack(predict(-distance, case.end_time)) / case.rate
 
-    recorded = [moved(run) for run in case.runs]
-    distance, simulated = recorded[0]
-    predicted = expected(distance)
-    for part, name in enumerate(names):
-        changes = [
-            norm(fine[part] - np.interp(x, y, coarse[part]), x / case.length, 1)
-            for (x, fine), (y, coarse) in pairwise(recorded)
-        ]
-        whole = norm(predicted[part], distance / case.length, 1)
-        if whole <= NOTHING:
-            continue
-
-        def before(part: int = part, whole: float = whole) -> float:
-            x, coarse = recorded[1]
-            return norm(coarse[part] - expected(x)[part], x / case.length, 1) / whole
-
-        row = Row(
-            f"{name} of the slot face, L1",
-            "slot",
-            whole,
-            whole,
-            norm(simulated[part], distance / case.length, 1),
-            norm(simulated[part] - predicted[part], distance / case.length, 1) / whole,
-            None,
-            "V₀ c_t T",
-            relative=True,
-        )
-        error = field_bar(case, changes, whole, nothing=False)
-        yield judged(case, row, Comparison(error, before))
+def _of_run(fields: list[Array]) -> Callable[[int, int], Array]:
+    """Return the function that gives the field of a run at the end, whatever the second number."""
+    return lambda number, of: fields[number]
 
 
 def _beside_front(case: Case, distance: Array) -> Array:

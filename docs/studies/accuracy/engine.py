@@ -16,7 +16,7 @@ from scipy.integrate import cumulative_trapezoid, quad
 
 import semianalytic as sf
 from docs.studies.runner import Row, Study, main
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
 from semianalytic.reference.ruptures import critical_wavenumber, growth, supershear_strength

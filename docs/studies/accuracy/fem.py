@@ -117,15 +117,16 @@ def openings(scene: str, resolutions: Sequence[int]) -> list[Row]:
     for resolution in resolutions:
         case = side_by_side(exact, simulate(find(scene), resolution=resolution))
         found = {row.name: row for row in (*opening_rows(case), *gap_rows(case))}
-        gap, largest = found["gap, L1"].difference or 0.0, found["largest gap"]
+        gap = found["gap, L1"].difference or 0.0
         order = math.log2(rows[-1]["gap"] / gap) if rows else math.nan
         ends: Row = {}
         for end in ("inner", "outer"):
             row = found.get(f"opening 1, {end} edge")
             ends |= {end: _value(row, "simulated"), f"exact_{end}": _value(row, "exact")}
-        off = _value(largest, "difference") / _value(largest, "at_nodes")
+        beyond = case.seen.x >= case.runs[-1].interface.x[0]
+        seen, known = (one.gap[-1, beyond].max() for one in (case.seen, case.at_nodes))
         found_row = {"scene": scene, "h": f"1/{resolution}", **ends}
-        rows.append({**found_row, "gap": gap, "order": order, "largest": off})
+        rows.append({**found_row, "gap": gap, "order": order, "largest": seen / known - 1})
     return rows
 
 

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 import semianalytic as sf
+from compare.comparison.interfaces.comparing import compare_interface, judge_interface
+from compare.comparison.judgement import Judgement
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
-from compare.interfaces import InterfaceJudgement, compare_interface
-from compare.interfaces.judging import judge_interface
 from docs.studies.runner import Point, Study, grouped, main
 from docs.studies.runner import Row as Line
 from semianalytic.dissimilar.kernels import BodyPair
-from semianalytic.engine.window import least_delay, threshold_of
+from semianalytic.engine.stepping.window import least_delay, threshold_of
 from semianalytic.scene.errors import SceneError
 
 NODES, MESH, END = 512, 256, 2.0
@@ -49,7 +49,7 @@ def named(name: str) -> list[Line]:
     except SceneError:
         row = {"interface": name, "mesh": None, "quantity": "", **none}
         return [{**row, "verdict": "", "whole": "refused"}]
-    head = {"interface": name, "mesh": judged.simulations[0].nodes}
+    head = {"interface": name, "mesh": judged.simulation.resolution}
     return [
         head
         | {"quantity": row.kind, **{one: getattr(row, one) for one in (*none, "verdict")}}
@@ -103,7 +103,7 @@ SPOILS: dict[str, Callable[[Any], sf.Interface]] = {
 """Wrong answers: runs of another interface than the one that is simulated."""
 
 
-def judged_row(pairs: str, number: int, answer: str, judged: InterfaceJudgement) -> Line:
+def judged_row(pairs: str, number: int, answer: str, judged: Judgement) -> Line:
     """Return the verdict on an answer, its farthest row in bars, and how far its slip is off."""
     slip = next(row for row in judged.rows if row.kind == "slip")
     rows: list[Row] = [row for row in judged.rows if row.converges]
@@ -125,13 +125,15 @@ def answers(label: str, number: int) -> list[Line]:
     rng = np.random.default_rng(seed)
     interface = [drawn(rng, inside) for _ in range(number + 1)][-1]
     judged = compare_interface(interface, END, NODES, mesh_nodes=MESH)
+    case: Any = judged.case
+    times = list(case.run.t)
     rows = [judged_row(label, number, "right", judged)]
     for name, spoil in SPOILS.items():
         try:
-            other = sf.solve(spoil(interface), end_time=END, nodes=NODES, times=list(judged.run.t))
+            other = sf.solve(spoil(interface), end_time=END, nodes=NODES, times=times)
         except SceneError:  # the other interface may be ill-posed
             continue
-        found = judge_interface(other, list(judged.simulations))
+        found = judge_interface(other, case.simulations)
         rows.append(judged_row(label, number, name, found))
     return rows
 

@@ -52,7 +52,7 @@ QUANTITIES = {
     "moving-load": f"{_ZONE}; {_TOTALS}",
     "lift-off": "opening 1, outer edge; gap, L1",
     "lift-off-shear": f"opening 1, outer edge; {_TWO_ZONES}; frictional work, L1",
-    "tap": "opening 1, inner edge; opening 1, outer edge; gap, L1; largest gap",
+    "tap": "opening 1, inner edge; opening 1, outer edge; gap, L1",
 }
 """Rows of the judgement of each scene that docs/scenes.md shows."""
 

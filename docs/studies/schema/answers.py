@@ -98,6 +98,8 @@ _INTERFACE_RUN = {
 }
 """Keys of the run of an interface."""
 _SHEET = row_of(Sheet, scene=PROBLEM)
+_JUDGED_ROWS = list_of(row_of(Row, verdict=TEXT, remedy=TEXT))
+_QUOTED = Key("differences and error bars of slip, slip rate and edges, on one line", TEXT)
 
 DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "solve": (
@@ -220,14 +222,13 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "scene": _LABEL,
             "verdict": VERDICT,
             "counts": COUNTS,
+            "quoted": _QUOTED,
             "parameters": Key("the scene itself, or both bodies", SCENE),
             "method": _METHOD,
             "caution": Key("reason why the prediction is unresolved", TEXT),
             "semianalytic": Key("result of solve; null for a march", or_null(ANYTHING)),
             "finite_elements": Key("settings and cost of the simulation", _RUN),
-            "rows": Key(
-                "judged quantities", list_of(row_of(Row, verdict=TEXT, remedy=or_null(TEXT)))
-            ),
+            "rows": Key("judged quantities", _JUDGED_ROWS),
             "fields": Key(
                 "errors of snapshots", or_null(shape("band", frames=list_of(row_of(FieldError))))
             ),
@@ -237,10 +238,10 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "comparison": Key(
                 "verdict, meshes, and the judged quantities",
                 shape(
-                    texts="verdict",
+                    texts="verdict quoted caution",
                     counts=named(WHOLE),
                     meshes=list_of(shape("imbalance", wholes="nodes steps unknowns")),
-                    rows=list_of(row_of(Row, verdict=TEXT)),
+                    rows=_JUDGED_ROWS,
                 ),
             ),
         },

@@ -17,9 +17,8 @@ import numpy as np
 import scipy
 
 import semianalytic as sf
-from compare.comparison.comparing import held_against, planned
 from compare.comparison.judgement import Judgement, judge
-from compare.comparison.prediction import predict_like
+from compare.comparison.prediction import planned, predict_like
 from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.comparison.rows import Row as JudgedRow
 from docs.studies.runner import Point, Row, Study, grouped, main
@@ -56,7 +55,8 @@ def right_rows(group: str, index: int, resolution: int | None) -> list[Row]:
     random = np.random.default_rng([SEED, index, list(KINDS).index(group)])
     while True:
         try:
-            judgement = held_against(*simulated(judged_scene(group, random), resolution))
+            run, prediction = simulated(judged_scene(group, random), resolution)
+            judgement = judge(prediction, run)
             break
         except sf.SceneError:
             continue

@@ -61,11 +61,6 @@ class LinearLaw(DelayedLaw):
     viscosity: Any = 0.0
     fall_with_rate = 0.0
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
-        """Return the speed of balance; see `Law.slip_speed`."""
-        dry = self.strength(pressure, np.zeros(np.shape(pressure)), state)
-        return np.asarray(np.maximum(stopping - dry, 0.0) / (impedance + self.viscosity))
-
-    def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the viscosity; see `Law.rate_slope`."""
-        return np.broadcast_to(np.asarray(self.viscosity, dtype=float), pressure.shape)
+    def steady_slope(self) -> Any:
+        """Return the viscosity; see `Law.steady_slope`."""
+        return self.viscosity

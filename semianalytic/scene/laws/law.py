@@ -21,7 +21,14 @@ Array = NDArray[np.float64]
 
 SLOWEST = 1e-300
 """Slip rate below which a law counts as one that sticks."""
-_FOLLOWING = ("slip_speed", "rate_slope", "rate_slopes", "fall_with_rate", "weakening")
+_FOLLOWING = (
+    "slip_speed",
+    "steady_slope",
+    "rate_slope",
+    "rate_slopes",
+    "fall_with_rate",
+    "weakening",
+)
 """What follows from the strength of a law."""
 
 
@@ -176,13 +183,32 @@ class Law(Alike, ABC):
 
         By default it is found by bracketing in ln V, to rounding; a law may know a faster way.
         """
-        return balanced(self, stopping, pressure, impedance, state)
+        slope = self.steady_slope()
+        if slope is None:
+            return balanced(self, stopping, pressure, impedance, state)
+        rest = self.strength(pressure, np.zeros(np.shape(pressure)), state)
+        return np.asarray(np.maximum(stopping - rest, 0.0) / (impedance + slope))
+
+    def steady_slope(self) -> Any:
+        """Return the slope of strength by speed if no speed changes it; None by default.
+
+        The unit is [stress time / length].
+        """
+        return None
+
+    @property
+    def follows_state(self) -> bool:
+        """Whether the state matters: strength depends on it, or it is no path."""
+        return not (self.is_rated and follows_path(type(self)))
 
     def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
         """Return the slope of strength by speed [stress time / length], by differences by default.
 
         It lengthens steps where it is large.
         """
+        slope = self.steady_slope()
+        if slope is not None:
+            return np.broadcast_to(np.asarray(slope, dtype=float), pressure.shape)
         small = np.maximum(speed, SLOWEST) * 1e-4
         rise = self.strength(pressure, speed + small, state)
         return np.asarray((rise - self.strength(pressure, speed, state)) / small)

@@ -277,8 +277,9 @@ def _show(validation: Validation, label: str, directory: Path) -> None:
     console.print(terminal.judged_table(title, validation.rows, **headings))
     console.print(terminal.references_line(validation), highlight=False)
     console.print(terminal.norms_table(validation))
-    text = terminal.verdict_text(validation, ("spacing",))
-    console.print(text, highlight=False, markup=False)
+    reasons = terminal.unresolved_lines(validation, ("spacing",))
+    for line in (*terminal.verdict_lines(validation), *reasons):
+        console.print(line, highlight=False, markup=False)
     missed = ", ".join(validation.not_compared).replace("_", " ")
     for line in (*([f"not compared: {missed}"] if missed else []), *not_read(validation.unread)):
         console.print(f"The verdict does not cover: {line}.", highlight=False, markup=False)

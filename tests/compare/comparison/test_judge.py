@@ -9,7 +9,7 @@ from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from compare import judge
-from compare.comparison.case import NARROW
+from compare.comparison.measures import NARROW
 from compare.comparison.rows import ALARM, BEYOND, Row
 from compare.comparison.scales import slip_rate_scale
 from fem import simulate

@@ -9,12 +9,12 @@ from compare_cases import differing, named, simulated
 
 from compare import judge
 from compare.comparison.case import Case
-from compare.comparison.comparing import held_against, planned
 from compare.comparison.fields.fronts import jump_times
 from compare.comparison.measures import NOTHING
-from compare.comparison.prediction import predict_like
+from compare.comparison.prediction import planned, predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.own_rows import own_rows
+from compare.comparison.rows import AWAY
 from docs.studies.trials.wrong_answers import FAULTS
 from fem import simulate, with_companions
 from semianalytic import Coulomb, Material, RateWeakening, Scene, Tabulated, Tractions
@@ -22,6 +22,7 @@ from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene
 
+ROCK = Material(1.0, 1.0, 0.25)
 PRELOADED, SHOCK = find_scene("preloaded"), find_scene("remote-shock")
 
 
@@ -39,7 +40,7 @@ def judged(scene, resolution=None):
     """The judgement on the mesh that `slipfront compare` chooses, or on another."""
     prediction, choice = planned(scene, snapshots=True, resolution=resolution)
     run = simulated(scene, choice.resolution, 1 / scene.material.shear_speed)
-    return held_against(run, prediction or predict_like(run))
+    return judge(prediction or predict_like(run), run)
 
 
 BRIDGED = beside(
@@ -100,7 +101,7 @@ class TestOpeningsThatNoMeshShows:
         assert judgement.verdict == "unresolved"
         assert differing(judgement) == []
         rows = named(judgement)
-        for name in ("gap, L1", "largest gap", "opening 1, outer edge", "length open"):
+        for name in ("gap, L1", "opening 1, outer edge"):
             assert rows[name].verdict == "unresolved", name
             assert rows[name].resolution > 60
 
@@ -319,3 +320,43 @@ class TestMeshesThatDoNotTellTheirErrors:
         amplified = replace(case, simulation=wrong).amplified
         assert ("waves of a few elements grow" in amplified) == (law == "falls")
         assert differing(judged(scene, 100)) == []
+
+
+@pytest.mark.parametrize("share", [0.98, 1.02])
+def test_a_finest_run_under_another_load_never_agrees(share):
+    """The fault widens its own bar, from 4 to 16 % of slip rate under 2 % too much load: what the
+    coarser meshes do not let expect is not known to be right."""
+    film = Coulomb(0.85398, viscosity=0.19451)
+    base, load = Tractions(1.1658, -0.16276), Tractions(0.0, -0.67647)
+    scene = Scene(Material(0.36468, 1.0, -0.433), film, base, load)
+    right = judged(scene)
+    assert right.verdict == "agrees"
+    other = replace(scene, load=Tractions(0.0, share * load.shear))
+    wrong = simulate(other, resolution=right.simulation.resolution)
+    wrong = replace(wrong, scene=scene, companion=right.simulation.companion)
+    shown = judge(right.prediction, wrong)
+    assert shown.verdict != "agrees"
+    assert shown.having("differs") or any(row.obstacle.startswith(AWAY) for row in shown.rows)
+
+
+PULSE = Tabulated(t=(0.0, 0.005, 0.4, 0.405, 1.0), value_at_t=(0.0, 1.0, 1.0, 0.0, 0.0))
+DRAWN = Tabulated(t=(0.0, 0.089219, 0.37116, 0.37491), value_at_t=(0.0, 0.74062, 0.05626, -0.87007))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene(ROCK, 0.1, Tractions(1.0, 0.0), Tractions(0.0, 1.0), shear_history=PULSE),
+        Scene(
+            Material(1.707, 1.0, 0.35239),
+            0.26903,
+            Tractions(0.10748, -0.02518),
+            Tractions(0.0, -0.70029),
+            shear_history=DRAWN,
+        ),
+    ],
+    ids=["pulse", "drawn"],
+)
+def test_loads_with_flanks_of_half_an_element_agree(scene):
+    assert judged(scene).verdict == "agrees"

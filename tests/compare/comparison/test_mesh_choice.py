@@ -11,8 +11,8 @@ from compare_cases import SELF_SIMILAR
 import fem.budget
 from compare import choose_mesh
 from compare.comparison import mesh_choice
-from compare.comparison.case import NARROW
-from compare.comparison.judgement import mesh_sentence
+from compare.comparison.judgement import side_by_side
+from compare.comparison.measures import NARROW
 from compare.comparison.mesh_choice import (
     DEFAULT_BUDGET,
     SPARE,
@@ -296,9 +296,10 @@ def test_the_remedy_of_a_row_costs_what_the_choice_says(pace):
     *_, gap = choose_mesh(solution, scene, resolution=8).unresolved
     taken = toll(gap.seconds, gap.memory)
     expected = f"resolution {gap.resolution}, h = 6.7e-05: {taken}, more than a mesh may hold"
-    assert mesh_sentence(run, gap.resolution) == expected
+    remedy = side_by_side(run, run).remedy
+    assert remedy(gap.resolution) == expected
     near = 4 * run.resolution
-    assert mesh_sentence(run, near).endswith(toll(*Prices(scene, None).here(near)))
+    assert remedy(near).endswith(toll(*Prices(scene, None).here(near)))
 
 
 @pytest.mark.parametrize("snapshots", [False, True])

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compare import judge
-from compare.comparison.case import own_wear, worn_by
+from compare.comparison.case import own_wear, worn_of
 from compare.comparison.documents import edge_state, json_text, march_document, solution_document
 from compare.comparison.judgement import side_by_side
 from compare.comparison.judging import mesh_changes
@@ -163,7 +163,7 @@ def test_wear_is_the_answers_own_where_it_has_any_and_else_summed_over_the_times
     for exact, marched in zip(*own.values(), strict=True):
         assert marched.sum() == pytest.approx(exact.sum(), rel=0.02)
     assert own_wear(run, x, end, 0) is own_wear(run, x, end, 1) is None
-    summed = worn_by(run, run.interface)
+    summed = [worn_of(part, run, run.interface) for part in (0, 1)]
     for exact, values in zip(own["self-similar"], summed, strict=True):
         assert values.sum() == pytest.approx(exact.sum(), rel=0.01)
         assert values.sum() != exact.sum()

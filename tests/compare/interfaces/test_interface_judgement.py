@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from compare.interfaces import compare_interface, judging
-from compare.interfaces.judging import judge_interface
+from compare.comparison.interfaces import comparing
+from compare.comparison.interfaces.comparing import compare_interface, judge_interface
 from semianalytic.interface.named import find_interface
 from semianalytic.scene.errors import DataFileError, SceneError
 from slipfront.cli.commands import main
@@ -41,8 +41,8 @@ def test_different_bodies_agree(judged):
     assert rows["slip"].difference < 0.02
     assert rows["slip"].bar < 0.1
     assert rows["pressure"].over_bar < 1
-    assert [one.nodes for one in judged.simulations] == [256, 128, 64]
-    assert all(abs(one.imbalance) < 1e-12 for one in judged.simulations)
+    assert [one.nodes for one in judged.case.simulations] == [256, 128, 64]
+    assert all(abs(one.imbalance) < 1e-12 for one in judged.case.simulations)
 
 
 @pytest.mark.thinned(2)
@@ -56,8 +56,10 @@ def test_different_bodies_agree(judged):
     ],
 )
 def test_a_run_of_another_interface_differs(judged, change, kind):
-    wrong = sf.solve(replace(FAULT, **change), end_time=2.0, nodes=256, times=list(judged.run.t))
-    other = judge_interface(wrong, list(judged.simulations))
+    wrong = sf.solve(
+        replace(FAULT, **change), end_time=2.0, nodes=256, times=list(judged.prediction.t)
+    )
+    other = judge_interface(wrong, list(judged.case.simulations))
     assert other.verdict == "differs"
     assert next(row for row in other.rows if row.kind == kind).verdict == "differs"
 
@@ -82,8 +84,8 @@ def test_slots_openings_and_halves_agree():
         )
     )
     judged = compare_interface(pair, 2.0, 512, mesh_nodes=128)
-    assert judged.run.error_estimates["gap"] > 0.5
-    assert judged.run.status == "done"
+    assert judged.prediction.error_estimates["gap"] > 0.5
+    assert judged.prediction.status == "done"
     assert "gap" not in {row.kind for row in judged.rows}
     assert compare_interface(slotted, 1.5, 192).verdict == "agrees"
     judged = compare_interface(lifted, 1.5, 192)
@@ -133,15 +135,15 @@ SPOILT = {
 @pytest.mark.parametrize("spoil", [spoilt_at, spoilt_nodes])
 @pytest.mark.parametrize("what", SPOILT)
 def test_no_node_of_the_finest_mesh_is_left_out(judged, spoil, what):
-    finest, *coarser = judged.simulations
-    wrong = judge_interface(judged.run, [spoil(*SPOILT[what])(finest), *coarser])
+    finest, *coarser = judged.case.simulations
+    wrong = judge_interface(judged.prediction, [spoil(*SPOILT[what])(finest), *coarser])
     assert wrong.verdict == "differs"
 
 
 def test_stored_slip_rates_are_those_of_the_stored_slip(judged):
     """Wrong on all meshes alike, and in the run: no comparison shows it, but slip does."""
-    scaled = [replace(one, slip_rate=1.01 * one.slip_rate) for one in judged.simulations]
-    run = replace(judged.run, slip_rate=1.01 * judged.run.slip_rate)
+    scaled = [replace(one, slip_rate=1.01 * one.slip_rate) for one in judged.case.simulations]
+    run = replace(judged.prediction, slip_rate=1.01 * judged.prediction.slip_rate)
     wrong = judge_interface(run, scaled)
     assert [row.name for row in wrong.having("differs")] == ["slip rate against slip"]
 
@@ -149,20 +151,20 @@ def test_stored_slip_rates_are_those_of_the_stored_slip(judged):
 @pytest.mark.parametrize("field", ["slip", "slip_rate", "shear_traction", "pressure", "gap"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_values_that_are_not_finite_are_refused(judged, field, value):
-    finest, *coarser = judged.simulations
+    finest, *coarser = judged.case.simulations
     every = np.full_like(finest.slip, value)
     one = getattr(finest, field).copy()
     one[3, 5] = value
     for spoilt in (every, one):
         with pytest.raises(DataFileError, match=r"256 nodes holds .* not a finite number"):
-            judge_interface(judged.run, [replace(finest, **{field: spoilt}), *coarser])
+            judge_interface(judged.prediction, [replace(finest, **{field: spoilt}), *coarser])
     everywhere = [
         replace(one, **{field: np.full_like(one.slip, value)}) for one in (finest, *coarser)
     ]
     with pytest.raises(DataFileError, match="not a finite number"):
-        judge_interface(judged.run, everywhere)
+        judge_interface(judged.prediction, everywhere)
     with pytest.raises(DataFileError, match="the run holds"):
-        judge_interface(replace(judged.run, **{field: every}), list(judged.simulations))
+        judge_interface(replace(judged.prediction, **{field: every}), list(judged.case.simulations))
 
 
 @pytest.mark.parametrize("contact", [None, sf.Contact([(-2.0, 1.5)])])
@@ -171,13 +173,14 @@ def test_contacts_that_stick_are_decided_by_their_tractions(contact):
     where = {} if contact is None else {"contact": contact}
     face = sf.Interface(ROCK, sf.Coulomb(0.9), 10.0, shear=0.05, loads=[load], **where)
     judged = compare_interface(face, 1.0, mesh_nodes=None if contact else 128)
-    assert judged.run.status == "done"
+    assert judged.prediction.status == "done"
     assert judged.verdict == "agrees"
     assert {row.kind for row in judged.rows} == {"shear traction", "local", "law"}
-    given = {"end_time": 1.0, "nodes": judged.run.nodes, "times": list(judged.run.t)}
+    given = {"end_time": 1.0, "nodes": judged.prediction.nodes, "times": list(judged.prediction.t)}
     wrong = sf.solve(replace(face, shear=0.06), **given)
     shown = judge_interface(
-        replace(judged.run, shear_traction=wrong.shear_traction), list(judged.simulations)
+        replace(judged.prediction, shear_traction=wrong.shear_traction),
+        list(judged.case.simulations),
     )
     assert shown.verdict == "differs"
 
@@ -193,9 +196,9 @@ def test_rate_and_state_friction_agrees():
         replace(fault, law=replace(law, evolution="slip")),
         end_time=2.0,
         nodes=128,
-        times=list(judged.run.t),
+        times=list(judged.prediction.t),
     )
-    assert judge_interface(wrong, list(judged.simulations)).verdict == "differs"
+    assert judge_interface(wrong, list(judged.case.simulations)).verdict == "differs"
 
 
 @pytest.mark.parametrize(
@@ -222,7 +225,7 @@ def test_the_command_compares(judged, capsys, printed, monkeypatch):
         assert (end_time, nodes, mesh_nodes) == (1e-3, 256, 256)
         return judged
 
-    monkeypatch.setattr(judging, "compare_interface", compared)
+    monkeypatch.setattr(comparing, "compare_interface", compared)
     assert main([*COMMON, "--mesh-nodes", "256"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "Verdict: agrees" in shown
@@ -246,15 +249,17 @@ def test_options_without_effect_are_refused(options, said, refused):
 
 
 def test_a_difference_ends_with_1(monkeypatch, capsys):
-    honest = judging.line_of
+    honest = comparing.line_of
     monkeypatch.setattr(
-        judging, "line_of", lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid)
+        comparing,
+        "line_of",
+        lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid),
     )
     assert main([*COMMON, "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())
 
 
-def test_an_interface_on_which_nothing_happens_says_why_nothing_is_decided(tmp_path, capsys):
+def test_an_interface_on_which_nothing_happens_agrees(tmp_path, capsys):
     path = tmp_path / "quiet.toml"
     path.write_text(
         "length = 16.0\nshear = 0.1\n"
@@ -263,5 +268,5 @@ def test_an_interface_on_which_nothing_happens_says_why_nothing_is_decided(tmp_p
     )
     main(["compare", str(path), "--mesh-nodes", "64", "--quiet"])
     shown = " ".join(capsys.readouterr().out.split())
-    assert "Verdict: unresolved (2 agrees)." in shown
-    assert "Nothing slips or opens in either answer, so that no row decides." in shown
+    assert shown.startswith("Verdict: agrees (2 agrees).")
+    assert "Nothing slips or opens in either answer, and no traction changes." in shown

@@ -66,7 +66,7 @@ DAMAGES = {
     "no friction": scene_with('"friction"', '"fiction"'),
     "a law of its own": scene_with("{", '{"friction_law": {"kind": "none"}, '),
     "a scene that is no table": lambda file: file.attrs.update(scene="[1, 2]"),
-    "facts that are no table": lambda file: file.attrs.update(facts="[1, 2]"),
+    "steps that are no number": lambda file: file.attrs.update(steps="1 2"),
     "a foreign format": lambda file: file.attrs.update(format="something else"),
 }
 """Changes of a file that HDF5 can still read; others in compare/output/test_faults.py."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.steps import Stepper
 from tests.semianalytic.engine.runs import one_run
 
 ROCK = sf.Material(1.0, 1.0, 0.25)

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
-from semianalytic.engine.balance import freed_rate
-from semianalytic.engine.line import Grid
+from semianalytic.engine.stepping.balance import freed_rate
+from semianalytic.engine.stepping.line import Grid
 from semianalytic.interface.contact import Contact
 from semianalytic.interface.fields import Table, at_nodes
 from semianalytic.scene.laws.sampling import moving, sampled

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from compare.interfaces.lines import line_of
+from compare.comparison.interfaces.comparing import line_of
 from semianalytic.interface.fields import Expression
 
 UNIT = sf.Material(1.0, 1.0, 0.25)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import semianalytic as sf
 from docs.studies.accuracy.engine import beside_slot
 from semianalytic.engine.run import run
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
 
@@ -243,5 +243,5 @@ def test_without_loads_of_pressure_nothing_opens():
     assert (done.pressure == np.where(done.touching, 0.7, 0.0)).all()
     assert set(done.error_estimates) == {"slip", "slip_rate", "shear_traction"}
     data = done.to_xarray()
-    assert data["gap"].attrs["units"] == "length"
+    assert data["gap"].attrs["dimension"] == "length"
     assert data["pressure"].dims == ("t", "x")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.line import Grid
-from semianalytic.engine.steps import Stepper
-from semianalytic.memory import cosines, line_memory
+from semianalytic.engine.stepping.line import Grid
+from semianalytic.engine.stepping.steps import Stepper
+from semianalytic.memory import cosines
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Antiplane, InPlane
 from semianalytic.memory.line_memory import LineMemory, phi
@@ -40,32 +40,30 @@ def test_transforms_and_their_inverses(even, between, private, monkeypatch):
     assert grid.amplitudes(values).shape[1] == len(grid.wavenumbers)
 
 
-@pytest.mark.parametrize("size", [0, line_memory.MEMORY_SIZE])
-def test_memory_does_not_depend_on_how_a_linear_rate_is_cut_into_steps(size, monkeypatch):
-    monkeypatch.setattr(line_memory, "MEMORY_SIZE", size)
+@pytest.mark.parametrize(("single", "error"), [(False, 1e-13), (True, 1e-6)])
+def test_memory_does_not_depend_on_how_a_linear_rate_is_cut_into_steps(single, error):
     grid = Grid(2 * np.pi, 8)
     fit = fit_memory(InPlane(0.5), 1000.0, 1e-7)
     shape = grid.amplitudes(np.cos(grid.x))
     results = []
-    # a large memory sees four steps ahead after two equal ones: fourteen end amid a block
     cuts = [2.0], [0.5, 0.25, 1.25], [1.0, 0.125, 0.125, 0.75], [0.125] * 14 + [0.25]
     for steps in cuts:
-        memory, at = LineMemory(fit, grid.wavenumbers, rows=2), 0.0
+        memory, at = LineMemory(fit, grid.wavenumbers, rows=2, single=single), 0.0
         for step in steps:
             past = memory.advance(at * shape, step)
             at += step
         results.append(grid.values((past + memory.feedback * at * shape)[0]))
     for other in results[1:]:
-        assert np.allclose(other, results[0], atol=1e-13 * np.abs(results[0]).max())
+        assert np.allclose(other, results[0], atol=error * np.abs(results[0]).max())
 
 
-def test_a_memory_is_put_back_to_the_last_bit_amid_a_block(monkeypatch):
-    monkeypatch.setattr(line_memory, "MEMORY_SIZE", 0)
+@pytest.mark.parametrize("single", [False, True])
+def test_a_memory_is_put_back_to_the_last_bit(single):
     fit, q = fit_memory(Antiplane(), 1000.0, 1e-7), np.arange(6.0)
     rates = np.random.default_rng(0).normal(size=(12, 1, 6))
 
     def new():
-        return LineMemory(fit, q)
+        return LineMemory(fit, q, single=single)
 
     whole, seen = new(), []
     for rate in rates:

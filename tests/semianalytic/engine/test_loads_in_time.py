@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.pace import nodes_for_histories
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.pace import nodes_for_histories
+from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.interface.fields import Expression
 from tests.semianalytic.engine.runs import one_run
 

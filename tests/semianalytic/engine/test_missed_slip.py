@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.checks import missed_slip
+from semianalytic.engine.estimate import missed_slip
 from semianalytic.results import files
 
 SOLID = sf.Material(1.0, 1.0, 1 / 3)
@@ -71,7 +71,7 @@ def test_estimates_of_traction_do_not_hang_on_the_stored_frames():
 
 def test_a_run_that_cannot_be_saved_leaves_the_earlier_file(tmp_path, monkeypatch):
     done = sf.solve(patch(True), end_time=0.5, nodes=64, estimate=False)
-    path = tmp_path / "run.npz"
+    path = tmp_path / "run.h5"
     done.save(path)
 
     def full(*given):
@@ -81,5 +81,5 @@ def test_a_run_that_cannot_be_saved_leaves_the_earlier_file(tmp_path, monkeypatc
     with pytest.raises(sf.DataFileError, match="No space left"):
         done.save(path)
     monkeypatch.undo()
-    assert [one.name for one in tmp_path.iterdir()] == ["run.npz"]
+    assert [one.name for one in tmp_path.iterdir()] == ["run.h5"]
     assert sf.Run.load(path, done.interface).slip == pytest.approx(done.slip)

@@ -1,6 +1,7 @@
 """Runs against exact answers, cracks of prescribed speed among them, and their estimates."""
 
 import math
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -140,3 +141,32 @@ def test_a_forced_front_may_let_strength_fall_slowly():
     at = done.x < 1.5
     assert (done.onset[at] <= done.x[at] + 0.5).all()
     assert (done.onset[at] >= done.x[at] - 2 * h).all()
+
+
+@pytest.mark.parametrize("law", [sf.Coulomb(0.5), sf.SlipWeakening(0.6, 0.2, 0.05)])
+def test_equal_steps_in_blocks_are_those_taken_one_by_one(law):
+    """A law that does not say how strength rises with slip rate is stepped one by one."""
+
+    class Unknown(type(law)):
+        def steady_slope(self):
+            return None
+
+    kept = {one.name: getattr(law, one.name) for one in fields(law)}
+    push = sf.InterfaceLoad(0.3, history=sf.Pulse(0.7), on="slot")
+    patch = sf.InterfaceLoad(lambda x: 0.8 * (abs(x - 1) < 0.4), history=lambda t: min(t, 0.5))
+    base = sf.Interface(
+        sf.Material(1.0, 1.0, 0.25),
+        law,
+        8.0,
+        contact=sf.Contact([(-2.0, 3.0)]),
+        loads=[push, patch],
+        plate_rate=1e-3,
+    )
+    one, other = (
+        sf.solve(each, end_time=1.1, nodes=256, estimate=False, every=3)
+        for each in (base, replace(base, law=Unknown(**kept)))
+    )
+    assert one.steps == other.steps > 64
+    for name in ("t", "slip", "slip_rate", "shear_traction", "onset", "peak_rates"):
+        wanted = getattr(other, name)
+        np.testing.assert_allclose(getattr(one, name), wanted, rtol=1e-9, atol=1e-11, err_msg=name)

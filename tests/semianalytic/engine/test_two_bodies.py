@@ -12,7 +12,7 @@ import semianalytic as sf
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.growth import growing_waves
 from semianalytic.dissimilar.kernels import PairImpedance
-from semianalytic.engine.steps import Stepper
+from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory.exponentials import fit_shared
 from semianalytic.memory.impedance import InPlane, Opening
 from tests.semianalytic.dissimilar.half_line import half_line_slip_rate

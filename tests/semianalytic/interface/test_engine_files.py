@@ -101,9 +101,9 @@ pressure = "-2 * exp(-x**2) * min(2 * t, 1)"
     assert main(["solve", "a.toml"]) == 0
     assert "largest gap" in capsys.readouterr().out
     (folder / "a.toml").write_text(f'mode = "antiplane"\n{head}[[load]]\n{load}{tail}')
-    assert main(["solve", "a.toml", "--save", "b.npz"]) == 2
+    assert main(["solve", "a.toml", "--save", "b.h5"]) == 2
     assert "antiplane interface have no pressure" in " ".join(capsys.readouterr().err.split())
-    assert not (folder / "b.npz").exists()
+    assert not (folder / "b.h5").exists()
 
 
 def test_files_and_surveys_know_adhesion(folder):
@@ -172,17 +172,17 @@ def test_named_interfaces_begin(name):
 def test_mistakes_in_files_end_in_one_sentence(folder, capsys, text, old, new, said):
     assert old in text
     (folder / ("p.csv" if text is TABLE else "a.toml")).write_text(text.replace(old, new))
-    assert main(["solve", "a.toml", "--save", "b.npz"]) == 2
+    assert main(["solve", "a.toml", "--save", "b.h5"]) == 2
     shown = capsys.readouterr()
     assert said in " ".join(shown.err.split())
     assert not shown.out
-    assert not (folder / "b.npz").exists()
+    assert not (folder / "b.h5").exists()
 
 
 def test_the_command_saves_and_goes_on(folder, capsys):
     pytest.importorskip("h5netcdf")
-    assert main(["solve", "a.toml", "--save", "b.npz", "--no-estimate"]) == 0
-    assert main(["solve", "a.toml", "--go-on", "b.npz", "--end-time", "1.5", "--no-estimate",
+    assert main(["solve", "a.toml", "--save", "b.h5", "--no-estimate"]) == 0
+    assert main(["solve", "a.toml", "--go-on", "b.h5", "--end-time", "1.5", "--no-estimate",
                  "--save", "c.nc"]) == 0  # fmt: skip
     assert "t = 1.5" in capsys.readouterr().out
     assert (folder / "c.nc").stat().st_size > 1000
@@ -191,8 +191,8 @@ def test_the_command_saves_and_goes_on(folder, capsys):
 def test_unknown_names_and_saved_files(folder, capsys):
     assert main(["solve", "tpv11"]) == 2
     assert "did you mean tpv101" in capsys.readouterr().err
-    (folder / "b.npz").write_bytes(b"PK spoilt")
-    assert main(["solve", "a.toml", "--go-on", "b.npz"]) == 3
+    (folder / "b.h5").write_bytes(b"PK spoilt")
+    assert main(["solve", "a.toml", "--go-on", "b.h5"]) == 3
 
 
 def test_expressions():

@@ -2,6 +2,7 @@
 
 import pickle
 from functools import cache
+from itertools import pairwise
 
 import matplotlib
 import numpy as np
@@ -142,3 +143,103 @@ def test_a_march_adds_up_path_and_work_as_its_steps_do():
     np.testing.assert_allclose(run.path(x, run.end_time), run.final_path, rtol=0.02, atol=1e-4)
     work = run.work_density(x, run.end_time)
     np.testing.assert_allclose(work, run.final_work_density, rtol=0.02, atol=1e-5)
+
+
+RUNS = {
+    "patch": lambda: sf.Interface(UNIT, sf.Coulomb(0.5), 8.0, loads=[PATCH]),
+    "even": lambda: sf.Interface(UNIT, sf.Coulomb(0.5), 8.0, loads=[PATCH], even=True),
+    "contacts": lambda: sf.Interface(
+        UNIT, sf.Coulomb(0.3), 16.0, contact=sf.Contact([(-4.0, -1.0), (1.0, 4.0)]), loads=[PUSH]
+    ),
+    "two bodies": lambda: sf.Interface(
+        UNIT, sf.Coulomb(0.5), 8.0, loads=[PATCH], lower_material=sf.Material(0.3, 1.0, 0.25)
+    ),
+    "rate-and-state": lambda: sf.Interface(
+        UNIT,
+        sf.RateAndState(0.01, 0.006, 0.6, 1e-6, 1e-3),
+        8.0,
+        shear=0.6,
+        loads=[PATCH],
+        rate=1e-6,
+    ),
+}
+PATCH = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.6))
+PUSH = sf.InterfaceLoad(0.5, on="slot")
+
+run_of = cache(lambda name: sf.solve(RUNS[name](), end_time=1.2, nodes=128, estimate=False))
+every_run = pytest.mark.parametrize("name", RUNS)
+
+
+@every_run
+def test_a_run_answers_between_its_nodes_and_frames(name):
+    run = run_of(name)
+    on = np.flatnonzero(run.touching & (run.x > 0))
+    frame, x = len(run.t) // 2, run.x[on]
+    sides = (1, -1) if run.interface.even else (1,)
+    for side in sides:
+        seen = run.history(side * x, run.t[[frame, -1]])
+        for field in ("slip", "slip_rate", "shear_traction", "pressure", "gap"):
+            known = getattr(run, field)[[frame, -1]][:, on]
+            np.testing.assert_allclose(getattr(seen, field), known, rtol=1e-12, atol=1e-14)
+    neighbours = x[:2] if np.diff(on)[0] == 1 else x[1:3]
+    times = run.t[[frame, frame + 1]]
+    corners = run.history(neighbours, times).slip
+    middle = run.history(neighbours.mean(), times.mean()).slip
+    np.testing.assert_allclose(middle, corners.mean(), rtol=1e-12, atol=1e-14)
+
+
+@every_run
+def test_arrivals_zones_and_openings_of_a_run_follow_its_nodes(name):
+    run = run_of(name)
+    on = run.touching
+    when = run.arrival(run.x[on])
+    np.testing.assert_array_equal(when, np.where(np.isnan(run.onset[on]), np.inf, run.onset[on]))
+    senses = [run.arrival(run.x[on], of) for of in ("forward", "reverse")]
+    assert np.isfinite(senses).any()
+    assert np.isinf(run.arrival(run.x[on], "opening")).all()
+    assert run.openings_at(1.2) == ()
+    rate, zones = run.slip_rate[-1], run.zones_at(1.2)
+    assert len(zones) > 0
+    assert all(one.end <= two.start for one, two in pairwise(zones))
+    sense = np.where(on & (np.abs(rate) > 1e-6 * np.abs(run.slip_rate[:, on]).max()), rate, 0.0)
+    sense = np.sign(sense)
+    pairs = np.flatnonzero((sense[1:] == sense[:-1]) & (sense[1:] != 0))  # one node is no zone
+    for node in (*pairs, *(pairs + 1)):
+        (around,) = [one for one in zones if one.start < run.x[node] < one.end]
+        assert around.sense == sense[node]
+    for one in zones if not run.interface.even else zones[-1:]:
+        assert (sense[(run.x > one.start) & (run.x < one.end)] == one.sense).sum() >= 2
+
+
+@every_run
+def test_a_run_adds_up_path_and_work_as_its_steps_do(name):
+    run = run_of(name)
+    x, end = run.x[run.touching], run.end_time
+    assert (run.path(x, end) >= np.abs(run.slip[-1][run.touching]) * (1 - 1e-9)).all()
+    total = run._weights[run.touching] @ run.work_density(x, end)
+    assert total == pytest.approx(run.work["friction"], rel=0.03)
+
+
+def test_what_a_run_does_not_know_it_refuses_in_one_sentence():
+    run = run_of("contacts")
+    with pytest.raises(sf.SceneError, match=r"this answer reaches to \|x\| = 8, got 8.5; ask for"):
+        run.history(8.5, 1.0)
+    with pytest.raises(sf.SceneError, match=r"the bodies do not touch at x = 0.5; ask for"):
+        run.arrival(0.5)
+    for ask in (lambda: run.path(2.0, 1.3), lambda: run.zones_at(1.3)):
+        with pytest.raises(sf.SceneError, match=r"this answer ends at t = 1.2; ask for earlier"):
+            ask()
+    with pytest.raises(sf.SceneError, match="of must be one of"):
+        run.arrival(2.0, "else")
+
+
+def test_openings_of_a_run_lie_where_its_gap_is_open():
+    lift = sf.InterfaceLoad(0.0, pressure=lambda x: -2.0 * (abs(x) < 1))
+    face = sf.Interface(UNIT, sf.Coulomb(0.5), 16.0, pressure=1.0, loads=[lift])
+    run = sf.solve(face, end_time=0.5, nodes=128, estimate=False)
+    (opening,) = run.openings_at(0.5)
+    open_at = run.x[run.gap[-1] > 0]
+    spacing = run.x[1] - run.x[0]
+    assert open_at[0] - 2 * spacing <= opening.start < open_at[0]
+    assert open_at[-1] < opening.end <= open_at[-1] + 2 * spacing
+    assert run.arrival(0.0, "opening") <= run.t[1]

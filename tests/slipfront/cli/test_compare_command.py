@@ -13,7 +13,7 @@ import compare.comparison.prediction
 from compare.comparison.judgement import Judgement
 from compare.comparison.rows import Row
 from slipfront.cli.commands import main
-from slipfront.cli.terminal import verdict_text
+from slipfront.cli.terminal import print_judgement, verdict_lines
 from tests.slipfront.cli.test_cli import unconverged
 
 COMPARISON_FIGURES = {
@@ -53,25 +53,52 @@ def test_simulate_quietly_and_without_snapshots(tmp_path, shown):
     assert not (tmp_path / "short" / "snapshots").exists()
 
 
-def test_agreement_is_told_with_its_largest_difference_and_widest_bar():
-    """In bars and per cent; rows that differ by more, or do not agree, are none of it."""
-    rows = (
-        Row("slip, L1", "slip", None, 1.0, 1.0, -0.03, 0.04, relative=True),
-        Row("largest gap", "gap", None, 2.0, 2.1, 0.1, 0.5, "length"),
-        Row("onset", "onset", None, 0.5, 0.7, 0.2, 0.3, place="x = 1"),
-        Row("pressure", "pressure", None, 1.0, 1.0, 0.0, 0.0, "stress"),
-        Row("front", "arrival", None, 1.0, 2.0, 1.0, 1.0, obstacle="not sharp"),
-    )
-    said = verdict_text(Judgement(SimpleNamespace(rests=False), rows)).splitlines()
-    assert said[:3] == [
-        "Verdict: agrees (4 agrees, 1 unresolved).",
-        "Largest difference of what agrees: 0.75 bars (slip, L1: 3.0 % ± 4.0 %).",
-        "Widest bar of what agrees: 25 % of the value compared (largest gap [length]).",
+ROWS = (
+    Row("slip, L1", "slip", None, 1.0, 1.0, -0.03, 0.04, relative=True, order=1.2),
+    Row("slip rate, L1", "slip rate", None, 1.0, 1.0, 0.01, 0.02, relative=True, obstacle="why"),
+    Row("largest gap", "gap", None, 2.0, 2.1, 0.1, 0.5, "length"),
+    Row("zone 1, outer edge", "zone edge", None, 0.8, 0.8, 0.002, 0.01, "c_t"),
+    Row("zone 2, inner edge", "zone edge", None, 0.9, 0.9, 0.003, 0.02, "c_t"),
+    Row("onset", "onset", None, 0.5, 0.7, 0.2, 0.3, place="x = 1"),
+    Row("front", "arrival", None, 1.0, 2.0, 1.0, 1.0, obstacle="not sharp"),
+)
+
+
+def judgement(*rows):
+    return Judgement(SimpleNamespace(rests=False, remedy=str, simulation=None), rows)
+
+
+def test_the_verdict_says_first_what_is_quoted_of_a_comparison():
+    """Bars above a tenth of what is compared stand beside the word; what is not known is said."""
+    assert list(verdict_lines(judgement(*ROWS))) == [
+        "Verdict: agrees within ± 25 % of largest gap (5 agrees, 2 unresolved).",
+        "Slip 3.0 ± 4.0 %, slip rate 1.0 ± 2.0 % (unresolved), gap 0.10 ± 0.50, "
+        "edges 0.0020 ± 0.010 c_t.",
     ]
-    worse = replace(rows[0], difference=0.2)
-    said = verdict_text(Judgement(SimpleNamespace(rests=False), (worse, *rows[1:])))
-    assert "differs" in said
-    assert "Largest" not in said
+    worse = replace(ROWS[0], difference=0.2)
+    assert next(verdict_lines(judgement(worse, *ROWS[1:]))).startswith("Verdict: differs (")
+
+
+def test_meshes_that_are_not_alike_are_named():
+    """A coarse mesh that is wrong by itself widens the bars of the others."""
+    rows = (replace(ROWS[0], order=5.0), *ROWS[1:])
+    assert list(verdict_lines(judgement(*rows)))[2:] == [
+        "The meshes are not alike, which widens bars: slip, L1 (order 5.0)."
+    ]
+
+
+def test_rows_that_agree_are_printed_on_demand(capsys):
+    heads = {"at_nodes": "at nodes", "simulated": "FEM"}
+    for everything in (False, True):
+        print_judgement(judgement(*ROWS), "title", heads, everything=everything)
+        said = " ".join(capsys.readouterr().out.split())
+        assert said.startswith("Verdict: agrees")
+        assert ("largest gap [length]" in said) == everything
+        assert ("5 rows agree; --all prints them." in said) != everything
+        assert "slip rate, L1: why" in said
+        if everything:
+            assert "agrees ± 25 %" in said
+            assert "onset at x = 1" in said
 
 
 @pytest.mark.slow
@@ -139,12 +166,13 @@ def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_fou
 @pytest.mark.parametrize("columns", ["80", "100"])
 def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monkeypatch, shown):
     monkeypatch.setenv("COLUMNS", columns)
-    lines = [line.rstrip() for line in shown(f"compare --from {simulated}").out.splitlines()]
+    lines = [line.rstrip() for line in shown(f"compare --from {simulated} --all").out.splitlines()]
     assert max(map(len, lines)) <= int(columns)
     assert "…" not in "".join(lines)
     (heads,) = (" ".join(line.split()) for line in lines if line.startswith(" quantity"))
     assert heads == "quantity exact at nodes FEM differ by bar ± verdict"
-    verdicts = [line.split()[-1] for line in lines[3 : lines.index("", 3)] if line.split()]
+    table = lines[lines.index(next(line for line in lines if line.startswith(" quantity"))) :]
+    verdicts = [word for line in table[: table.index("")] for word in line.split()]
     assert [one for one in verdicts if one in ("agrees", "differs", "unresolved")] == [
         row["verdict"] for row in reported(simulated)["rows"]
     ]

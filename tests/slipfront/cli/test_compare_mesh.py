@@ -73,7 +73,7 @@ def test_times_are_typed_as_people_write_them(time, seconds, monkeypatch, shown)
         given.append(budget)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("compare.comparison.comparing.choose_mesh", choose)
+    monkeypatch.setattr("compare.comparison.prediction.choose_mesh", choose)
     shown(["compare", "stuck", "--budget", time], 130)
     assert given == [seconds]
 

@@ -11,7 +11,7 @@ from compare_cases import sampled_run
 from compare import judge
 from compare.comparison.documents import json_text, solution_document
 from compare.comparison.judgement import side_by_side
-from compare.comparison.prediction import check_predictable, predict_like
+from compare.comparison.prediction import predict_before, predict_like
 from compare.comparison.report import report_document
 from compare.comparison.rows import shown_number
 from compare.comparison.scales import slip_rate_scale, stress_scale
@@ -227,7 +227,7 @@ def test_random_extremes_end_in_a_report(seed, tmp_path):
     while True:
         try:
             scene = scene_from_document(random_document(rng))
-            check_predictable(scene)
+            predict_before(scene)
             simulation = simulate(scene, resolution=30)
             prediction = predict_like(simulation)
         except SceneError:

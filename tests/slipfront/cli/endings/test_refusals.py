@@ -1,11 +1,10 @@
 """Refusals name options of the command that was typed; what was meant is guessed."""
 
 import pytest
-from catalogue import UNIT_FILE, unit_scene
+from catalogue import UNIT_FILE
 
-from semianalytic import Ramp, TensionError, solve
+from semianalytic import solve
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.spacetime.march import check_march
 from slipfront.cli.endings.refusals import in_options
 from tests.slipfront.cli.test_lower_body_commands import FILE as TWO_BODIES
 from tests.slipfront.surveys.test_interface_surveys import FAULT
@@ -217,27 +216,6 @@ def test_a_contact_that_opens_is_refused_before_it_is_simulated(tmp_path, monkey
     said = refused("compare opens.toml --resolution 50")
     assert said.startswith("the pressure would turn tensile at x = ")
     assert [one.name for one in tmp_path.iterdir()] == ["opens.toml"]
-
-
-@pytest.mark.parametrize("pressure", [-1.0, 0.3])
-def test_what_a_march_would_refuse_is_known_before_its_first_step(pressure):
-    ramp = Ramp(0.5)
-    scene = unit_scene(load=(pressure, 1.0), pressure_history=ramp, shear_history=ramp)
-
-    def refusal(run):
-        try:
-            run()
-        except TensionError as error:
-            return str(error)
-        return ""
-
-    marched = refusal(
-        lambda: solve(
-            scene, method="space-time", end_time=1.0, nodes=64, length=1.0, companion=False
-        )
-    )
-    assert bool(marched) is (pressure < 0)
-    assert refusal(lambda: check_march(scene, 1.0, 64, 1.0)) == marched
 
 
 def test_a_march_that_misses_the_edge_says_which_option_to_raise(monkeypatch, shown):

@@ -1,0 +1,202 @@
+"""Steps of `slipfront compare` for interfaces: run one, simulate it on three meshes, and judge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from compare.comparison.interfaces.case import line_case
+from compare.comparison.judgement import Judgement
+from fem.lines import Line, LineSimulation, simulate_line
+from fem.lines.march import planned_work, sample_times
+from semianalytic import Interface, Run, solve
+from semianalytic.engine.stepping.acting import ActingLoads
+from semianalytic.engine.stepping.line import fitting_nodes, grid_of
+from semianalytic.engine.stepping.tuning import NODES
+from semianalytic.interface.fields import at_nodes
+from semianalytic.scene.checks import checked_count, checked_size, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.sampling import sampled
+
+Progress = Callable[[int, int], None]
+
+USUAL_WORK = 2e9
+"""Unknowns times steps of the finest mesh of an interface unless its nodes are given: about half a
+minute.  Half of it halves the meshes of `steel-on-rubber` and `supershear`, twice of it doubles
+that of `cattaneo`."""
+COARSEST = 64
+"""Fewest nodes of that mesh, so that the coarsest of the three has 16."""
+MESHES = 3
+HALVINGS = 4
+"""How often grids are halved from the nodes of the run to those of the coarsest mesh, with ends of
+contacts that still fit: twice for three meshes, and twice more where the finest has a quarter of
+the nodes of the run, as of `two-slots`."""
+
+
+def judge_interface(done: Run, simulations: Sequence[LineSimulation]) -> Judgement:
+    """Judge a run by simulations of the same interface on meshes of h, 2h and 4h.
+
+    Parameters
+    ----------
+    done : Run
+        With error estimates, at the times of the simulations; its nodes are a multiple of theirs.
+    simulations : sequence of LineSimulation
+        From the finest on.
+
+    Raises
+    ------
+    DataFileError
+        If a field of the run or of a simulation holds a value that is not finite.
+    """
+    case = line_case(done, simulations)
+    return Judgement(case, tuple(case.rows()))
+
+
+def compare_interface(
+    interface: Interface,
+    end_time: float,
+    nodes: int | None = None,
+    *,
+    mesh_nodes: int | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Judgement:
+    """Run an interface, simulate it with finite elements on three meshes, and judge both.
+
+    Each quantity has an error bar: what the three meshes show of the error of the finest one
+    (`compare.comparison.bars.error_bar`), and the error estimate of the run.  The finite elements
+    share the description of the interface and its law of friction with the run, and nothing else.
+
+    Parameters
+    ----------
+    interface : Interface
+    end_time : float
+        Last time [time].
+    nodes : int, optional
+        Nodes of the run; by default 512, or up to twice as many, so that ends of contacts lie
+        midway between the nodes of all grids.
+    mesh_nodes : int, optional
+        Nodes of the finest mesh along the interface, a divisor of `nodes` and a multiple of 4; as
+        many as about half a minute allows unless given.
+    progress : callable, optional
+        Called with (step, steps) of the finest mesh, which takes most of the time.
+    **options
+        Options of `run`.
+
+    Returns
+    -------
+    Judgement
+        Of the run, which is its prediction, and of `judgement.case.simulations`.
+
+    Raises
+    ------
+    SceneError
+        If the interface or an option is not admissible, mean slip is held, or the simulation would
+        take hours.
+    ComputationError
+        If a run or a simulation goes unstable.
+
+    Examples
+    --------
+    >>> import semianalytic as sf
+    >>> from compare.comparison.interfaces.comparing import compare_interface
+    >>> patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1))
+    >>> solid = sf.Material(1.0, 1.0, 0.25)
+    >>> patched = sf.Interface(solid, sf.Coulomb(0.5), 8.0, loads=[patch])
+    >>> compare_interface(patched, 1.0, nodes=128).verdict
+    'agrees'
+    """
+    if not isinstance(interface, Interface):
+        raise SceneError(f"compare: interface must be an Interface, got {shown(interface)}.")
+    end_time = checked_size("compare: end_time", end_time)
+    if nodes is None:
+        nodes = fitting_nodes(interface, NODES, HALVINGS)
+    finest = _mesh_nodes(interface, end_time, nodes, mesh_nodes)
+    shift = grid_of(interface, nodes).shift
+    lines = [line_of(interface, finest >> number, shift) for number in range(MESHES)]
+    kept = {name: value for name, value in options.items() if name not in ("every", "frames")}
+    # first the run, which refuses friction that has no answer
+    done = solve(
+        interface,
+        end_time=end_time,
+        nodes=nodes,
+        **{**kept, "times": sample_times(end_time).tolist()},
+    )
+    simulations = [simulate_line(lines[0], end_time, progress=progress)]
+    # each of the two others takes an eighth of the time of the one before
+    simulations += [simulate_line(line, end_time) for line in lines[1:]]
+    return judge_interface(done, simulations)
+
+
+def _mesh_nodes(interface: Interface, end_time: float, nodes: int, given: int | None) -> int:
+    """Return the nodes of the finest mesh, after a check that friction and mesh admit them."""
+    nodes = checked_count("compare: nodes", nodes, COARSEST, "a whole number of at least")
+    if given is not None:
+        given = checked_count("compare: mesh_nodes", given, COARSEST, "a whole number of at least")
+        if given % 4 or nodes % given:
+            raise SceneError(
+                f"compare: mesh_nodes must be a multiple of 4 that divides the {nodes} nodes of "
+                f"the run, got {given}."
+            )
+        return given
+    while nodes % 8 == 0 and nodes > COARSEST:
+        if planned_work(line_of(interface, nodes), end_time) <= USUAL_WORK:
+            break
+        nodes //= 2
+    return nodes
+
+
+def line_of(interface: Interface, nodes: int, shift: float | None = None) -> Line:
+    """Return what finite elements have to know of an interface, at the nodes that `run` has.
+
+    Parameters
+    ----------
+    interface : Interface
+    nodes : int
+        Nodes of the whole period; even interfaces are simulated on all of it.
+    shift : float, optional
+        Distance by which the nodes are moved [length]; what suits the ends of contacts by default.
+
+    Raises
+    ------
+    SceneError
+        If mean slip is held, which no body does, there is adhesion, or a field has no value at a
+        node.
+    """
+    if interface.held != math.inf:
+        raise SceneError(
+            "simulate: finite elements have no stiffness that holds the mean slip; leave out "
+            "`held` (docs/engine.md)."
+        )
+    if interface.adhesion is not None:
+        raise SceneError(
+            "simulate: finite elements have no adhesion; leave it out to compare (docs/engine.md)."
+        )
+    # Even interfaces are simulated on all of the line.
+    grid = replace(grid_of(interface, nodes, shift), even=False)
+    x, spacing = grid.x, grid.spacing
+    touching = interface.contact.touches(x)
+    on = x[touching]
+    law = interface.law.on(on, spacing)
+    pressure = at_nodes("interface: pressure", interface.pressure, x, touching, spacing)
+    shear = sampled("interface: shear", interface.shear, x, spacing)
+    rate = np.abs(sampled("interface: rate", interface.rate, on))
+    state = np.asarray(law.start(pressure[touching], shear[touching], rate), dtype=float)
+    return Line(
+        upper=interface.material,
+        lower=interface.lower_material or interface.material,
+        length=interface.length,
+        x=x,
+        touching=touching,
+        friction=law,
+        state=state,
+        shear=ActingLoads("shear", shear, interface.loads, x, touching),
+        pressure=ActingLoads("pressure", pressure, interface.loads, x, touching),
+        opens=interface.may_open,
+        antiplane=interface.mode == "antiplane",
+        plate_rate=interface.plate_rate,
+    )

@@ -1,0 +1,424 @@
+"""The result of a space-time march: histories, totals, and the state from which it can go on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.engine.bodies.marched_bodies import MarchedBodies
+from semianalytic.engine.convergence import MEMORY_SAFETY, Departure, safety
+from semianalytic.engine.resolution import (
+    WEAKENING_NODES,
+    ZONE_NODES,
+    Shortfall,
+    rounded_up,
+    zone_at_edge,
+)
+from semianalytic.engine.scenes.nodes import Grid
+from semianalytic.engine.stepping.blocks import Reached
+from semianalytic.memory.exponentials import Memory
+from semianalytic.memory.line_memory import Past
+from semianalytic.results.gridded import AnswerInBodies
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.questions import ONSET_SHARE, onsets_until
+from semianalytic.results.reading import SAMPLED_SAFETY
+from semianalytic.results.sampled import SampledAnswer, Totals
+from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.scene.contact import process_zone
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.arguments import asked_in_units
+from semianalytic.scene.scene import Scene, Tractions
+
+Array = NDArray[np.float64]
+
+FORMAT = "slipfront march 6"
+
+
+@dataclass(frozen=True, eq=False)
+class Extremes:
+    """Extremes over every step of a march, stored or not, at the observed nodes.
+
+    Attributes
+    ----------
+    forward, reverse : (n,) arrays
+        Largest slip rate so far, at least 0, and least one, at most 0 [length / time].
+    onset : (n,) array
+        Time at which slip began [time], inf where it did not: |V| passed 1 % of the largest |V|
+        anywhere until then, interpolated linearly between the two levels around that time.
+    """
+
+    forward: Array
+    reverse: Array
+    onset: Array
+
+    @property
+    def slip_rate(self) -> Array:
+        """Largest |slip rate| (n,) [length / time]."""
+        return np.maximum(self.forward, np.abs(self.reverse))
+
+    def with_levels(self, times: Sequence[float], rates: Array) -> Extremes:
+        """Return the extremes with k more levels included.
+
+        Parameters
+        ----------
+        times : (k + 1,) sequence
+            Times of the levels and of the one before them [time].
+        rates : (k + 1, n) array
+            Slip rates at these [length / time].
+        """
+        forward = np.maximum(self.forward, rates[1:].max(axis=0))
+        reverse = np.minimum(self.reverse, rates[1:].min(axis=0))
+        # The threshold of a level uses only what was until then, so that a march that is continued
+        # finds the same onsets.
+        speeds = np.abs(rates)
+        until = np.maximum.accumulate(speeds[1:].max(axis=1))
+        threshold = ONSET_SHARE * np.maximum(until, float(self.slip_rate.max()))
+        return Extremes(forward, reverse, onsets_until(self.onset, times, speeds, threshold))
+
+
+@dataclass(frozen=True)
+class MarchStatistics:
+    """The cost of a march.
+
+    Attributes
+    ----------
+    steps : int
+        Number of time steps.
+    nodes : int
+        Number of nodes of the whole grid.
+    poles : int
+        Number of exponentials that carry the memory.
+    memory_error : float
+        Relative error of their transform.
+    seconds : dict
+        Seconds by stage: "setup" and "steps".
+    """
+
+    steps: int
+    nodes: int
+    poles: int
+    memory_error: float
+    seconds: dict[str, float]
+
+
+@asked_in_units
+@dataclass(frozen=True, eq=False)
+class Marched(AnswerInBodies, SampledAnswer):
+    """The slip history of an interface by the space-time solver; see `SampledAnswer`.
+
+    `march` returns it.  Fields are known at the stored levels and interpolated linearly between
+    them; where `every` is above 1, ask for values at the stored levels, `interface.t`.  Totals are
+    known at every step.
+
+    In the bodies the effect of load jumps on the stuck interface is exact.  The effects of slip,
+    and of loads that rise and fall gradually, are as accurate as the march, and are smoothed over a
+    hundredth of the distance that waves have travelled; they are refused where waves have come from
+    beyond the observed contact.  Points at one time, or at one depth, share most of the work:
+    100,000 at once take seconds.  See docs/spacetime.md, "Fields in the bodies".
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene that was marched.
+    interface : InterfaceHistory
+        Fields at the observed nodes and stored levels.
+    totals : Totals
+        Totals of the observed contact, at t = 0 and after every step.
+    latest : float
+        Time to which the march can go on [time].
+    step_ratio, damping, every : float, float, int
+        Options of the march, which a continuation keeps.
+    statistics : MarchStatistics
+        Steps, nodes, poles and seconds.
+    grid, memory, reached, past
+        Grid, memory kernel, and the state and past slip from which a continuation starts.
+    seen : Extremes
+        Largest values and onset times of slip over all steps, stored or not.
+    companion : Marched or None
+        The same march on half the nodes in half the steps, to the same time.  The difference
+        between the two indicates the error (see `error_of`).  It stores every other level.
+    departure : Departure
+        Difference from the companion.
+    rtol : float or None
+        The error that was asked for.
+    order : float or None
+        Order of convergence seen between this march and a coarser one, if `rtol` asked for both.
+    entry : float
+        Distance from the tip at which a load that comes along the slot begins [length], else 0.
+    field_share : float
+        Part of the wavenumbers that are summed for fields in the bodies.
+
+    Examples
+    --------
+    >>> from semianalytic import Material, Pulse, Scene, Tractions, solve
+    >>> solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=0.25)
+    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 0.5)
+    >>> scene = Scene(solid, 0.2, base, load, shear_history=Pulse(duration=0.5))
+    >>> run = solve(scene, end_time=1.0, nodes=128)
+    >>> [zone.sense for zone in run.zones_at(0.4)]  # the upper side slips towards +x
+    [1]
+    >>> run.slip_rate([0.1, 0.2], [[0.2], [0.4]]).shape
+    (2, 2)
+    >>> run.stress(0.5, 0.5, 1.0).shape  # sigma_xx, sigma_yy, sigma_xy
+    (3,)
+    >>> bool(run.error_of(lambda one: one.max_slip(1.0)) < 0.1 * run.max_slip(1.0))
+    True
+    """
+
+    scene: Scene
+    interface: InterfaceHistory
+    totals: Totals
+    latest: float
+    step_ratio: float
+    damping: float
+    every: int
+    statistics: MarchStatistics
+    grid: Grid
+    memory: Memory
+    reached: Reached
+    past: Past
+    seen: Extremes
+    companion: Marched | None = None
+    departure: Departure = field(default_factory=Departure)
+    rtol: float | None = None
+    entry: float = 0.0
+    order: float | None = None
+    field_share: float = 1.0
+
+    @property
+    def begins(self) -> float:
+        """Time at which the load begins [time]: before 0 if it comes along the slot."""
+        return -max(self.scene.front_slowness, 0.0) * self.entry
+
+    @property
+    def recorded_from(self) -> float:
+        """First time of the record [time]: 0, or before it if waves of the load come earlier."""
+        return self.begins if self.scene.front_too_slow else 0.0
+
+    @property
+    def end_time(self) -> float:
+        """Time reached [time]."""
+        return self.reached.time
+
+    @property
+    def error_estimate(self) -> float:
+        """Estimate of the relative L1 error of the slip rate, meant as a bound.
+
+        It estimates the integral of |error| over the observed contact and all time until the end,
+        divided by that of |slip rate|, as 1.25 times the difference of march and companion, or
+        less if a higher than the first `order` was seen.  It is nan without a companion, and inf
+        where nothing slips though the edge must.  Under rate weakening no grid is fine enough, and
+        it is no bound (docs/spacetime.md, "Friction laws").
+        """
+        if self.companion is None:
+            return math.nan
+        apart = self.departure
+        # Without slip the ratio is 0 / 0.  That is no error where the edge sticks in the continuum
+        # as well, and a total one where K_II exceeds f K_I and the grid misses the zone.
+        if apart.slip_rate == 0:
+            return math.inf if apart.difference or self._missed_zone is not None else 0.0
+        # Both marches share the error of the memory's transform, which their difference does not
+        # show.
+        return safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
+
+    def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
+        """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
+
+        The estimate is 1.6 times the difference from the companion, whose fields in the bodies are
+        summed over half the wavenumbers; it assumes that the error falls with the first power of
+        the node distance or faster.  It is too small at a point where
+        the two curves cross: take the largest value, or a norm, over several places.
+
+        Parameters
+        ----------
+        reading : callable
+            Function of a march that returns a number or an array, as
+            ``lambda march: march.slip(x, t)``.
+
+        Returns
+        -------
+        array
+            The estimate, of the shape of the reading; nan without a companion.
+        """
+        if self.companion is None:
+            return np.full(np.shape(reading(self)), np.nan)
+        # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
+        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
+
+    @cached_property
+    def _coarser(self) -> Marched:
+        """The companion, with fields in the bodies from half the wavenumbers.
+
+        Beside the edge the sum over wavenumbers limits the fields, however many nodes there are.
+        """
+        assert self.companion is not None
+        return replace(self.companion, field_share=self.field_share / 2)
+
+    def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
+        """Return the times at which something begins at the nodes; slip is known at every step."""
+        # `Extremes` knows this onset at every step; all others are read off the stored levels.
+        at_every_step = of == "slip" and share == ONSET_SHARE
+        return self.seen.onset if at_every_step else super()._onset(of, share)
+
+    @cached_property
+    def _missed_zone(self) -> Shortfall | None:
+        """A slip zone at the edge that the grid does not resolve, or None."""
+        # Any slip ever seen counts: a zone may have been on the grid and have healed since.
+        slips = self.seen.slip_rate > 0
+        least = ZONE_NODES * self.grid.spacing
+        # What the march found is asked first, because it costs nothing.
+        if float(self.grid.x[slips].max(initial=0.0)) >= least:
+            return None
+        zone = zone_at_edge(self.scene, self.end_time)
+        if not 0 < zone < least:
+            return None
+        return Shortfall(
+            f"the edge slips over a length of about {zone:.2g}, which nodes "
+            f"{self.grid.spacing:.2g} apart do not resolve",
+            least / zone,
+        )
+
+    @property
+    def _coarse_weakening(self) -> Shortfall | None:
+        """Slip weakening on too few nodes, or None."""
+        zone = process_zone(self.scene)
+        nodes = zone / self.grid.spacing
+        if nodes >= WEAKENING_NODES:
+            return None
+        return Shortfall(
+            f"friction weakens within about {zone:.2g} of length, over {nodes:.2g} nodes where "
+            f"{WEAKENING_NODES:g} resolve it",
+            WEAKENING_NODES / nodes,
+        )
+
+    @cached_property
+    def shortfalls(self) -> tuple[Shortfall, ...]:
+        """The known reasons why the grid is too coarse; empty if there is none.
+
+        These are slip at the edge over less than five nodes (which would otherwise look like no
+        slip), slip weakening on too few nodes, and an error estimate above `rtol`, or above a half.
+        """
+        every = self._missed_zone, self._coarse_weakening, self._inaccurate
+        return tuple(one for one in every if one is not None)
+
+    @property
+    def _inaccurate(self) -> Shortfall | None:
+        """An error estimate above what was asked for, or None."""
+        estimate = self.error_estimate
+        # 420 random marches were off by at most 0.86 of their estimates, but for one at 0.75 that
+        # missed almost all slip; 0.3 refuses one in forty more, mostly good ones.
+        largest = 0.5 if self.rtol is None else self.rtol
+        # nan (no companion) and inf (a missed zone, which has its own sentence) fail both sides.
+        if not largest < estimate < math.inf:
+            return None
+        limit = "" if self.rtol is None else f", above the `rtol` of {self.rtol:.1e}"
+        return Shortfall(
+            f"the error of the slip rate is estimated as {estimate:.1e}{limit}", estimate / largest
+        )
+
+    @property
+    def caution(self) -> str:
+        """A sentence that says why the grid is too coarse and what would do; "" if it is not."""
+        if not self.shortfalls:
+            return ""
+        reasons = "; ".join(one.reason for one in self.shortfalls)
+        times = rounded_up(max(one.times for one in self.shortfalls))
+        return f"{reasons}; raise `nodes` {times} times, or shorten `length` as much"
+
+    @property
+    def status(self) -> str:
+        """The word "resolved", or "unresolved" where there is a `caution`."""
+        return "unresolved" if self.caution else "resolved"
+
+    @property
+    def has_bodies(self) -> bool:
+        """Whether the march knows the fields in the bodies: where no front of a load moves."""
+        return isinstance(self.scene.load, Tractions)
+
+    @cached_property
+    def _bodies(self) -> MarchedBodies:
+        if not self.has_bodies:
+            raise SceneError(
+                "march: the fields in the bodies under an incident wave or a moving load are not "
+                "known from a march; ask `solve`, or simulate the scene (docs/limits.md)."
+            )
+        return MarchedBodies(self.scene, self.interface, self.field_share)
+
+    @cached_property
+    def field_error(self) -> float:
+        """Estimate of the L1 error of stress in the bodies, relative to the change of stress.
+
+        March and companion are compared at 60 random points, at the end time or when waves have
+        crossed the observed contact.  The estimate is nan without a companion.
+        """
+        reach = self.grid.observed * self.grid.spacing
+        # The seed is fixed, so that the estimate of a march is always the same number.
+        x, y = reach * np.random.default_rng(0).uniform(-1, 1, (2, 60))
+        end = min(self.end_time, reach / self.scene.fastest_speed)
+        # Sums come first: at points that no wave has reached, a ratio would be 0 / 0.
+        off = self.error_of(lambda march: march.stress(x, y, end)).sum()
+        change = np.abs(self.stress(x, y, end) - self.stress(x, y, 0.0)).sum()
+        # A finer grid does not reduce 2e-4 (`preloaded`) to 3e-4 (kinks).
+        return float(off / change) + 3e-4 if change else 0.0
+
+    @property
+    def final_path(self) -> Array:
+        """Accumulated |slip| at the observed nodes until the end (n,) [length]."""
+        return self.reached.state[: self.grid.observed]
+
+    @property
+    def final_work_density(self) -> Array:
+        """Energy turned to heat at the observed nodes until the end, per area [stress length]."""
+        return self.reached.work[: self.grid.observed]
+
+    def __repr__(self) -> str:
+        grid, estimate = self.grid, self.error_estimate
+        error = "no error estimate" if math.isnan(estimate) else f"error estimate {estimate:.1e}"
+        return (
+            f"<Marched: to t = {self.end_time:.4g} in {self.statistics.steps} steps, "
+            f"{grid.observed} nodes on 0 < x < {grid.observed * grid.spacing:.4g}; {self.status}, "
+            f"{error}>"
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Write the march as HDF5, to be loaded or continued.
+
+        The file appears under its name only when it is complete.
+
+        Parameters
+        ----------
+        path : path
+            File to write; missing folders are made.
+
+        Raises
+        ------
+        MissingLibraryError
+            If h5py is not installed.
+        DataFileError
+            If the file cannot be written.
+        """
+        write_answer(path, FORMAT, self)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Marched:
+        """Read a march that `save` wrote.
+
+        Parameters
+        ----------
+        path : path
+            File to read.
+
+        Raises
+        ------
+        MissingLibraryError
+            If h5py is not installed.
+        DataFileError
+            If the file is missing, damaged or not a march.
+        """
+        return read_answer(path, FORMAT, cls, "a file of one", "march again")

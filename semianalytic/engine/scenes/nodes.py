@@ -1,0 +1,149 @@
+"""The nodes of a march, on a line from whose ends no wave comes back, and the memory they need."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.engine.stepping import line as stepping_line
+from semianalytic.results.memory import check_memory
+from semianalytic.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The nodes x = (i + 1/2) h of a march: `slot` of them on x < 0, the others on the contact.
+
+    Attributes
+    ----------
+    spacing : float
+        Node distance h [length].
+    slot, observed, size : int
+        Numbers of nodes on the slot, on the observed part of the contact, and in all.
+    """
+
+    spacing: float
+    slot: int
+    observed: int
+    size: int
+
+    @property
+    def x(self) -> Array:
+        """Positions of the observed nodes of the contact (observed,) [length]."""
+        return np.asarray((np.arange(self.observed) + 0.5) * self.spacing)
+
+    @property
+    def contact(self) -> slice:
+        """The slice of all nodes that lie on the contact."""
+        return slice(self.slot, self.size)
+
+    @property
+    def nodes(self) -> Array:
+        """Positions of all nodes, slot included, (size,) [length]."""
+        return np.asarray((np.arange(self.size) - self.slot + 0.5) * self.spacing)
+
+    @property
+    def line(self) -> stepping_line.Grid:
+        """All nodes as half of a line that is even about both of its ends."""
+        return stepping_line.Grid(2 * self.size * self.spacing, 2 * self.size, True, True)
+
+    def observe(self, values: Array) -> Array:
+        """Return values (..., size) at the observed nodes of the contact, (..., observed)."""
+        return values[..., self.slot : self.slot + self.observed]
+
+
+def extents(scene: Scene, latest: float, length: float, entry: float) -> tuple[float, float]:
+    """Return the lengths of contact and slot beyond which nothing is seen until `latest` [length].
+
+    Parameters
+    ----------
+    scene : Scene
+        The fastest wave speed and the slowness of the front of the load are taken from it.
+    latest : float
+        Time until which the observed contact must be unaffected by the mirrors [time].
+    length : float
+        Length of the observed contact [length].
+    entry : float
+        Distance from the tip at which a load that comes along the slot begins [length], else 0.
+    """
+    speed, slowness = scene.fastest_speed, scene.front_slowness
+    begins = -max(slowness, 0.0) * entry
+    # waves leave the tip when the first of them, or the front itself, has come there
+    reach = speed * (latest - min(0.0, begins + entry / speed))
+    # A wave from x = 0 that is mirrored at x = L travels L + (L - length) to the observed contact;
+    # one that is mirrored at x = -L travels 2 L back to x = 0, one from x = -entry as much less.
+    slot = max(reach / 2, (speed * (latest - begins) + entry) / 2 if entry else 0.0, entry)
+    contact = max(length, (reach + length) / 2)
+    # A front that outruns the waves meets its mirror image at an end, whose waves come back.
+    if slowness < 0:
+        slot = max(slot, latest / (1 / speed - slowness))
+    elif slowness > 0 and scene.arrives and (scene.far_slip_rate or not scene.is_step):
+        contact = max(contact, (latest + length / speed) / (1 / speed + slowness))
+    return contact, slot
+
+
+def causal_grid(scene: Scene, latest: float, length: float, nodes: int, entry: float = 0.0) -> Grid:
+    """Return the smallest grid whose mirror images do not reach 0 < x < length until `latest`.
+
+    Parameters
+    ----------
+    scene : Scene
+        The fastest wave speed is taken from it.
+    latest : float
+        Time until which the observed contact must be unaffected by the mirrors [time].
+    length : float
+        Length of the observed contact [length].
+    nodes : int
+        Number of nodes on the observed contact.
+    entry : float
+        Distance from the tip at which a load that comes along the slot begins [length].
+    """
+    from scipy.fft import next_fast_len
+
+    spacing = length / nodes
+    # Without any, 6e-4 of the slip rate comes back from the mirrors (`remote-shock`); from two on
+    # nothing.
+    contact, slot = (
+        math.ceil(part / spacing) + 8 for part in extents(scene, latest, length, entry)
+    )
+    # the nodes that are added for the fast transform lengthen the slot
+    size = next_fast_len(contact + slot, real=True)
+    return Grid(spacing, size - contact, nodes, size)
+
+
+def state_bytes(size: int, poles: int) -> int:
+    """Return the memory of a march on a grid of `size` nodes [bytes], measured at its peak."""
+    # Bytes at the peak of a march, measured: eight complex arrays of poles.
+    return size * (poles * 128 + 400)
+
+
+def check_size(
+    scene: Scene,
+    latest: float,
+    length: float,
+    nodes: int,
+    memory: float | None,
+    companion: bool,
+    entry: float = 0.0,
+) -> None:
+    """Refuse a grid whose state, with that of its companion, does not fit into the memory.
+
+    Raises
+    ------
+    SceneError
+        If it does not fit; `memory` [bytes] is what the march may take.
+    """
+    # all nodes over the observed ones, as in `causal_grid`
+    share = sum(extents(scene, latest, length, entry)) / length
+    size = int(min(share, 1e30) * min(nodes, 1e30))
+    check_memory(
+        state_bytes(size + companion * (size // 2), 25),  # 15 to 40 poles
+        memory,
+        f"march: a grid of {size:.3g} nodes",
+        "lower `nodes`, `end_time` or `latest`, or raise `length`",
+    )

@@ -1,0 +1,159 @@
+"""The periodic line y = 0 with both half-planes: nodes, the transform along x, and memories."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.engine.stepping.tuning import LARGEST_HORIZON
+from semianalytic.interface.interface import Interface
+from semianalytic.memory.cosines import cosines, from_cosines
+from semianalytic.memory.exponentials import fit_memory, fit_shared
+from semianalytic.memory.impedance import Antiplane, InPlane, Opening
+from semianalytic.memory.line_memory import Kernels, LineMemory
+
+Array = NDArray[np.float64]
+
+
+def grid_of(
+    interface: Interface, nodes: int, shift: float | None = None, held: float = 0.0
+) -> Grid:
+    """Return the grid of an interface on a number of nodes of a period.
+
+    It is moved by `shift` [length], or by what suits the ends of its contacts, which no grid of an
+    even interface can be.
+    """
+    contact = interface.contact
+    if shift is None:
+        shift = 0.0 if interface.even else contact.shift(interface.length, nodes)
+    between = not contact.is_whole
+    return Grid(interface.length, nodes, between, interface.even, held, shift)
+
+
+def fitting_nodes(interface: Interface, least: int, halvings: int) -> int:
+    """Return the nodes, `least` or more, on which ends of contacts fit best, as grids can be moved.
+
+    See `Contact.fitting_nodes`.
+    """
+    return interface.contact.fitting_nodes(
+        interface.length, least, halvings, movable=not interface.even
+    )
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Evenly spaced nodes on one period of the line, or on half of it if both halves are alike.
+
+    Parameters
+    ----------
+    length : float
+        Period of the line [length].
+    nodes : int
+        Nodes of the whole period, an even number.
+    between : bool
+        Whether x = 0 lies midway between two nodes, as edges of contacts do, or on a node.
+    even : bool
+        Whether all fields are even in x, so that x >= 0 is enough.
+    held : float
+        Wavenumber of the stiffness that mean slip meets [1 / length]; 0 for none.
+    shift : float
+        Distance by which the nodes are moved along x [length]; 0 if it is even.
+    """
+
+    length: float
+    nodes: int
+    between: bool = False
+    even: bool = False
+    held: float = 0.0
+    shift: float = field(default=0.0, repr=False)  # fingerprints of earlier runs know none
+
+    @property
+    def spacing(self) -> float:
+        """Node distance h [length]."""
+        return self.length / self.nodes
+
+    @cached_property
+    def x(self) -> Array:
+        """Positions of nodes, (n,) [length]."""
+        half, shift = self.nodes // 2, 0.5 if self.between else 0.0
+        if self.even:
+            return np.asarray(self.spacing * (np.arange(half + (not self.between)) + shift))
+        return np.asarray(self.spacing * (np.arange(self.nodes) - half + shift) + self.shift)
+
+    @cached_property
+    def wavenumbers(self) -> Array:
+        """Wavenumbers of the amplitudes, (m,) [1 / length]."""
+        count = len(self.x) if self.even else self.nodes // 2 + 1
+        q = 2 * np.pi / self.length * np.arange(count)
+        q[0] = self.held
+        return np.asarray(q)
+
+    @property
+    def rows(self) -> int:
+        """Amplitudes per wavenumber: 1 of cosines, 2 of a periodic line."""
+        return 1 if self.even else 2
+
+    def amplitudes(self, values: Array, out: Array | None = None) -> Array:
+        """Return the amplitudes of waves along x, real (rows, m), written to `out` if given."""
+        if self.even:
+            out = np.empty((1, len(values))) if out is None else out
+            cosines(values, out[0], 2 if self.between else 1)
+            return out
+        from scipy.fft import rfft  # imported late, which keeps `import semianalytic` fast
+
+        lines = rfft(values)
+        out = np.empty((2, len(lines))) if out is None else out
+        out[0], out[1] = lines.real, lines.imag
+        return out
+
+    def values(self, amplitudes: Array, out: Array | None = None) -> Array:
+        """Return the values at nodes (n,) of amplitudes (rows, m), written to `out` if given."""
+        if self.even:
+            out = np.empty(amplitudes.shape[1]) if out is None else out
+            from_cosines(amplitudes[0], out, 2 if self.between else 1)
+            return out
+        from scipy.fft import irfft
+
+        found = np.asarray(irfft(amplitudes[0] + 1j * amplitudes[1], n=self.nodes))
+        if out is None:
+            return found
+        out[:] = found
+        return out
+
+
+def memories(
+    interface: Interface, grid: Grid, end_time: float, tolerance: float
+) -> tuple[LineMemory, LineMemory | None, float]:
+    """Return the memories of slip and opening, and the traction over wavenumber and slip [stress].
+
+    That of opening is None where nothing opens.  `tolerance` is the relative error of the transform
+    between identical bodies.
+    """
+    material, pair = interface.material, interface.pair
+    speed = material.shear_speed if pair is None else pair.speed
+    # The memory of an event with its echoes; later only the static stiffness acts.
+    reach = math.pi / grid.spacing * min(speed * end_time, 20.0 * interface.length)
+    horizon = min(max(reach, 100.0), LARGEST_HORIZON)
+    # rounded up to a power of 2, so that runs of different lengths share a fit
+    horizon = min(2.0 ** math.ceil(math.log2(horizon)), LARGEST_HORIZON)
+    # Rungs whose tables are kept: 8 MB each at 4,096 nodes and 42 poles.
+    line = grid.wavenumbers, 1 if grid.even else 2, 8
+    if pair is not None:
+        # The three kernels of different bodies take 33 to 59 poles.
+        fit = fit_shared(pair.kernels, horizon, 1e-6)
+        direct = pair.kernels.direct
+        slip, gap = (
+            LineMemory(Kernels.coupled(fit, own, float(direct[own])), *line) for own in (0, 1)
+        )
+        return slip, gap, pair.stiffness
+    ratio = material.shear_speed / material.longitudinal_speed
+    impedance = Antiplane() if interface.mode == "antiplane" else InPlane(ratio)
+    memory = LineMemory(fit_memory(impedance, horizon, tolerance), *line)
+    stiffness = impedance.static * material.shear_modulus / 2
+    if not interface.may_open:
+        return memory, None, stiffness
+    return memory, LineMemory(fit_memory(Opening(ratio), horizon, tolerance), *line), stiffness

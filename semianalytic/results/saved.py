@@ -1,0 +1,119 @@
+"""Answers as sealed HDF5 files: dataclasses of arrays, numbers, scenes and further dataclasses."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any, TypeVar, get_args, get_type_hints
+
+import numpy as np
+
+from semianalytic.results.files import sealed_hdf5, whole_hdf5
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.given.documents import scene_document, scene_from_document
+from semianalytic.scene.scene import Scene
+
+Made = TypeVar("Made")
+
+
+def write_answer(
+    path: str | Path,
+    kind: str,
+    answer: Any,
+    *,
+    compression: int | None = None,
+    without: Collection[str] = (),
+) -> None:
+    """Write an answer to a file that appears under its name only when it is complete.
+
+    Parameters
+    ----------
+    path : path
+        File to write; missing folders are made.
+    kind : str
+        Name and version of what is written.
+    answer : dataclass
+        Its arrays become datasets and its dataclasses groups; all else becomes JSON in attributes.
+    compression : int, optional
+        Level of gzip.
+    without : collection of str
+        Fields that are not written.
+
+    Raises
+    ------
+    MissingLibraryError
+        If h5py is not installed.
+    DataFileError
+        If the file cannot be written.
+    """
+    with whole_hdf5(path) as file:
+        file.attrs["format"] = kind
+        _write(file, answer, compression, without)
+
+
+def read_answer(
+    path: str | Path, kind: str, make: type[Made], instead: str, again: str, **known: Any
+) -> Made:
+    """Return what `write_answer` wrote.
+
+    Parameters
+    ----------
+    path : path
+        File to read.
+    kind : str
+        Name and version of what it must hold.
+    make : dataclass
+        Class of the answer.
+    instead, again : str
+        What to give in place of another file, and what to do if this one is damaged.
+    **known
+        Fields that the file lacks.
+
+    Raises
+    ------
+    MissingLibraryError
+        If h5py is not installed.
+    DataFileError
+        If the file is missing, damaged or of another kind.
+    """
+    name = kind.rpartition(" ")[0]
+    try:
+        with sealed_hdf5(path) as file:
+            if file.attrs.get("format") != kind:
+                raise DataFileError(f"{path} is not a {name}; give {instead}.")
+            return _read(file, make, known)
+    except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError) as error:
+        raise DataFileError(f"{path} cannot be read as a {name} ({error}); {again}.") from error
+
+
+def _write(group: Any, whole: Any, compression: int | None, without: Collection[str] = ()) -> None:
+    for field in fields(whole):
+        name, value = field.name, getattr(whole, field.name)
+        if name in without:
+            continue
+        if isinstance(value, np.ndarray):
+            group.create_dataset(name, data=value, compression=compression if value.size else None)
+        elif is_dataclass(value) and not isinstance(value, Scene):
+            _write(group.create_group(name), value, compression)
+        else:
+            plain = scene_document(value) if isinstance(value, Scene) else value
+            group.attrs[name] = json.dumps(plain)
+
+
+def _read(group: Any, make: type[Made], known: dict[str, Any]) -> Made:
+    values, kinds = dict(known), get_type_hints(make)
+    for field in fields(make):  # type: ignore[arg-type]
+        name, kind = field.name, kinds[field.name]
+        if name in group.attrs:
+            value = json.loads(group.attrs[name])
+            values[name] = scene_from_document(value) if kind is Scene else value
+        elif name in group and not hasattr(group[name], "shape"):
+            (part,) = (
+                one for one in (kind, *get_args(kind)) if hasattr(one, "__dataclass_fields__")
+            )
+            values[name] = _read(group[name], part, {})
+        elif name in group:
+            values[name] = group[name][()]
+    return make(**values)

@@ -1,1 +1,0 @@
-"""The nodes of a march: what they resolve, the loads on them, and friction at each."""
