@@ -4,7 +4,6 @@ from semianalytic import reference as reference
 from semianalytic import regimes as regimes
 from semianalytic.dissimilar.stability import sliding_stability as sliding_stability
 from semianalytic.engine.result import Run as Run
-from semianalytic.engine.scenes.march import march_on as march_on
 from semianalytic.engine.scenes.marched import Marched as Marched
 from semianalytic.field.derived import fringe_order as fringe_order
 from semianalytic.field.derived import fringes as fringes

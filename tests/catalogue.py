@@ -17,6 +17,7 @@ from semianalytic import (
     Coulomb,
     Harmonic,
     Law,
+    Marched,
     Material,
     Pulse,
     Ramp,
@@ -27,6 +28,7 @@ from semianalytic import (
     Tabulated,
     Tractions,
 )
+from semianalytic.engine.scenes.march import march as march_of
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.selfsimilar.solver import solve
 
@@ -82,6 +84,11 @@ def unit_scene(
     """
     given = friction if law is None else law.with_coefficient(friction)
     return Scene(Material(1.0, 1.0, nu), given, Tractions(*base), Tractions(*load), **parts)
+
+
+def gone_on(march: Marched, end_time: float, **settings: Any) -> Marched:
+    """A march that is continued to a later time."""
+    return march_of(march.scene, go_on=march, end_time=end_time, **settings)
 
 
 def under(scene: Scene, law: Law) -> Scene:

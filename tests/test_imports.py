@@ -344,7 +344,6 @@ LATER = (
         ("solution.slip_rate(0.3, 1.0)", ()),
         ("solution.derivative('friction')", _DERIVATIVES),
         ("slipfront.fit", ("inversion", *_DERIVATIVES)),
-        ("slipfront.march_on", ("dissimilar", "engine", "interface", "memory")),
         ("slipfront.sweep", ("sweeps",)),
     ],
 )

@@ -19,7 +19,7 @@ from compare.records.stations import joined_faces, station, stations_of_rows
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.columns import split_heading
-from semianalytic.scene.tables.text import Table, read_table
+from semianalytic.scene.tables.text import NamedColumns, read_table
 from semianalytic.scene.tables.units import EXAMPLES, common_size
 
 SCEC_UNIT = 100.0
@@ -117,7 +117,7 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
     return Records((one,), None, source, tuple(notes), spacing, stated, unread=unread), True
 
 
-def _gauges(table: Table, names: Sequence[str], options: ReadingOptions) -> dict[str, int]:
+def _gauges(table: NamedColumns, names: Sequence[str], options: ReadingOptions) -> dict[str, int]:
     """The column of each gauge, whose heading is its name, or its name and a unit in brackets."""
     bare = [split_heading(name, lambda _: ())[0] for name in names]
     places = {}
@@ -133,7 +133,7 @@ def _gauges(table: Table, names: Sequence[str], options: ReadingOptions) -> dict
 
 
 def _records_of_gauges(
-    table: Table,
+    table: NamedColumns,
     names: Sequence[str],
     options: ReadingOptions,
     gauges: Mapping[str, int],
@@ -164,7 +164,7 @@ def _records_of_gauges(
     )
 
 
-def _units_of_comments(table: Table, names: Sequence[str]) -> dict[str, str]:
+def _units_of_comments(table: NamedColumns, names: Sequence[str]) -> dict[str, str]:
     """Units by name of column, where comments say them by its number."""
     found = (match for comment in table.comments if (match := _HEADED.search(comment)))
     return {
@@ -245,7 +245,7 @@ def joined(parts: list[Records]) -> Records:
     return Records(one_run, None, sources, notes, spacing, stated, unread=unread)
 
 
-def _bare_names(table: Table, alone: bool) -> tuple[str, ...]:
+def _bare_names(table: NamedColumns, alone: bool) -> tuple[str, ...]:
     """Return the names of unnamed columns; raise a DataFileError if their number does not fit."""
     wanted = ("t", "slip_rate") if alone else ("t", "x", "slip_rate")
     if table.rows.shape[1] == len(wanted):
@@ -257,7 +257,7 @@ def _bare_names(table: Table, alone: bool) -> tuple[str, ...]:
 
 
 def _position(
-    table: Table, at: float | None, origin: float
+    table: NamedColumns, at: float | None, origin: float
 ) -> tuple[float, Unit | None, list[str]]:
     """Return the position of a station relative to the origin, its unit and notes on its source."""
     path = table.path
@@ -295,7 +295,7 @@ def _unit(path: Path, text: str) -> Unit | None:
     return unit_of(path, 0, "a comment", text.strip("[](),;."), "x")
 
 
-def _mean(table: Table) -> dict[str, Any]:
+def _mean(table: NamedColumns) -> dict[str, Any]:
     """Fields of `Stated` for slip rates that comments call means over a step."""
     for comment in table.comments:
         match = _MEAN.search(comment)
@@ -304,7 +304,7 @@ def _mean(table: Table) -> dict[str, Any]:
     return {}
 
 
-def _spacing(table: Table, unit: Unit | None) -> float | None:
+def _spacing(table: NamedColumns, unit: Unit | None) -> float | None:
     """Distance of grid points, where a comment names it, or the cells over c_t T = 1.
 
     In the unit of x unless it has one of its own.
@@ -327,7 +327,7 @@ def _spacing(table: Table, unit: Unit | None) -> float | None:
     return None
 
 
-def _rupture_times(table: Table, options: ReadingOptions) -> Records:
+def _rupture_times(table: NamedColumns, options: ReadingOptions) -> Records:
     """Times of rupture by position, of the row nearest to k = 0."""
     j, k, t = table.rows.T
     depth = np.unique(k[np.abs(k) == np.nanmin(np.abs(k))])[0]

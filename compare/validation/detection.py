@@ -22,7 +22,7 @@ from compare.validation.norms import quantity_norm
 from compare.validation.readings import (
     TRACTIONS,
     TURNS,
-    Reading,
+    Conversion,
     base_of,
     given_reading,
     turn_words,
@@ -53,7 +53,7 @@ class Detection:
     Attributes
     ----------
     exact : Exact
-    reading : Reading
+    reading : Conversion
     stating : mapping from str to str
         Conventions that neither the file nor the caller states, as `Conventions` takes them; none
         if all is as given.
@@ -66,7 +66,7 @@ class Detection:
     """
 
     exact: Exact
-    reading: Reading
+    reading: Conversion
     stating: Mapping[str, str] = field(default_factory=dict)
     inferred: tuple[str, ...] = ()
     left: float = np.nan
@@ -148,7 +148,7 @@ def _weighed(
     found = replace(given, left=largest, as_given=largest)
     if largest < LITTLE:
         return found
-    fitting: list[tuple[dict[str, Any], Reading]] = []
+    fitting: list[tuple[dict[str, Any], Conversion]] = []
     for words in _combinations(run, conventions):
         reading = given_reading(replace(conventions, **words), run.stated, given.exact.scene)
         known = any(_alike(reading, other, columns) for _, other in fitting)
@@ -177,7 +177,9 @@ def _combinations(run: Records, conventions: Conventions) -> Iterator[dict[str, 
             yield {name: WORDS[name][1] for name in names}
 
 
-def _explains(reading: Reading, words: Mapping[str, str], columns: Columns, scene: Scene) -> bool:
+def _explains(
+    reading: Conversion, words: Mapping[str, str], columns: Columns, scene: Scene
+) -> bool:
     """Whether a reading leaves little of every quantity.
 
     Tractions are changes only if one with a base changes, and its numbers alone do not explain it.
@@ -191,7 +193,7 @@ def _explains(reading: Reading, words: Mapping[str, str], columns: Columns, scen
     )
 
 
-def _alike(one: Reading, other: Reading, columns: Columns) -> bool:
+def _alike(one: Conversion, other: Conversion, columns: Columns) -> bool:
     """Whether two readings are the same in all that the answer has something to say of."""
     return all(
         (one.factor(name), one.offset(name)) == (other.factor(name), other.offset(name))

@@ -22,7 +22,7 @@ TURNS: Mapping[str, tuple[tuple[str, ...], str]] = {
 
 
 @dataclass(frozen=True)
-class Reading:
+class Conversion:
     """Numbers of a file in units and conventions of the scene: times a factor, plus an offset.
 
     Attributes
@@ -84,7 +84,7 @@ def turn_words(conventions: Mapping[str, str], recorded: Collection[str]) -> Ite
         yield f"{' and '.join(there)}: {words}"
 
 
-def given_reading(conventions: Conventions, stated: Stated, scene: Scene) -> Reading:
+def given_reading(conventions: Conventions, stated: Stated, scene: Scene) -> Conversion:
     """The reading that conventions and the file itself ask for.
 
     Raises
@@ -105,7 +105,7 @@ def given_reading(conventions: Conventions, stated: Stated, scene: Scene) -> Rea
             name in stated.changes and conventions.tractions is None
         ):
             offsets[name] = base_of(scene, name)
-    return Reading(factors, offsets, _sampling(conventions, stated, factors["t"]))
+    return Conversion(factors, offsets, _sampling(conventions, stated, factors["t"]))
 
 
 def base_of(scene: Scene, name: str) -> float:

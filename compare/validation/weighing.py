@@ -10,7 +10,7 @@ import numpy as np
 from compare.records.record import QUANTITIES, Array, Records
 from compare.validation.exact import Exact
 from compare.validation.norms import weights
-from compare.validation.readings import Reading
+from compare.validation.readings import Conversion
 
 LITTLE = 0.25
 """Relative error of a quantity above which a reading does not explain it.
@@ -23,7 +23,7 @@ TELLING = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class WeighedColumn:
     """One quantity at all stations that waves reach, in order.
 
     Attributes
@@ -61,22 +61,22 @@ class Column:
         return float(self.weight @ np.abs(self.expected - base))
 
 
-Columns = Mapping[str, Column]
+Columns = Mapping[str, WeighedColumn]
 
 
-def columns_of(sample: Records, exact: Exact, reading: Reading) -> dict[str, Column]:
+def columns_of(sample: Records, exact: Exact, reading: Conversion) -> dict[str, WeighedColumn]:
     """The quantities of a file, whose positions and times are read by a reading."""
     columns = {}
     for name in QUANTITIES:
         parts = list(_parts(sample, name, exact, reading))
         if parts:
             values, weight, expected = map(np.concatenate, zip(*parts, strict=True))
-            columns[name] = Column(values, weight, expected, exact.unit(name))
+            columns[name] = WeighedColumn(values, weight, expected, exact.unit(name))
     return columns
 
 
 def _parts(
-    sample: Records, name: str, exact: Exact, reading: Reading
+    sample: Records, name: str, exact: Exact, reading: Conversion
 ) -> Iterator[tuple[Array, Array, Array]]:
     for record in sample.stations:
         values = record.values.get(name)
@@ -88,7 +88,7 @@ def _parts(
             yield np.where(weight > 0, values, 0.0), weight, exact.record(name, x, t)
 
 
-def left_by(reading: Reading, columns: Columns) -> dict[str, float]:
+def left_by(reading: Conversion, columns: Columns) -> dict[str, float]:
     """Relative error of each quantity by a reading."""
     return {
         name: column.left(reading.factor(name), reading.offset(name))

@@ -33,7 +33,7 @@ def main(folder: Path = Path(".")) -> float:
         scene, method="space-time", end_time=30e-6, nodes=300, length=0.15, latest=60e-6
     )
     first.save(folder / "custom_history.h5")
-    whole = sf.march_on(sf.Marched.load(folder / "custom_history.h5"), 60e-6)
+    whole = sf.solve(scene, go_on=sf.Marched.load(folder / "custom_history.h5"), end_time=60e-6)
     history = whole.interface
     x, slip = float(history.x[0]), float(history.slip[-1, 0])
     part = float((history.slip_rate < 0).mean())

@@ -74,7 +74,7 @@ class SharedMemory:
     error: float
 
 
-class Kernels(Protocol):
+class KernelTransforms(Protocol):
     """Transforms of several kernels that have their branch points in common."""
 
     @property
@@ -128,14 +128,14 @@ def fit_memory(impedance: Impedance, horizon: float, tolerance: float) -> Memory
 
 
 @lru_cache(maxsize=32)
-def fit_shared(kernels: Kernels, horizon: float, tolerance: float) -> SharedMemory:
+def fit_shared(kernels: KernelTransforms, horizon: float, tolerance: float) -> SharedMemory:
     """Fit poles that several kernels have in common, and their residues; results are cached.
 
     Kernels are fitted relative to their own sizes, by set-valued AAA (one set of support points).
 
     Parameters
     ----------
-    kernels : Kernels
+    kernels : KernelTransforms
         Transforms of the kernels.
     horizon : float
         Largest q c_t t that will be asked for.

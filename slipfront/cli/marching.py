@@ -12,7 +12,8 @@ from rich.console import Console
 
 from compare.comparison.documents import march_document
 from compare.output.places import check_file, save_somewhere
-from semianalytic import Marched, Scene, march_on, solve
+from semianalytic import Marched, Scene, solve
+from semianalytic.engine.scenes.march import march
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import HDF5, require
@@ -128,8 +129,7 @@ def _gone_on(
             f"{option_name(next(iter(options)))} has no effect with --go-on; leave one of the two "
             "out."
         )
-    end_time = saved.latest if end_time is None else end_time
-    return march_on(saved, end_time, progress, memory=memory)
+    return march(scene, end_time, go_on=saved, memory=memory, progress=progress)
 
 
 def _show(

@@ -16,9 +16,9 @@ from compare.comparison.judging import judged, mesh_changes
 from compare.comparison.measures import ROUNDING
 from compare.comparison.quantities.arrivals import (
     LARGEST_MISFIT,
+    FrontWindow,
     Table,
     Waveform,
-    Window,
     aligned_speed,
     alignment_bar,
     front_window,
@@ -118,7 +118,7 @@ def _reaches(case: Case) -> bool:
     return True
 
 
-def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> Row | None:
+def _arrival_row(case: Case, name: str, window: FrontWindow, fields: list[Face]) -> Row | None:
     """Row of one front; None where no field has a signal there."""
     shear_speed = case.scene.material.shear_speed
     if not all(_late(case.simulation, field, window) for field in fields):
@@ -180,7 +180,7 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
     return judged(case, row, error, added=added)
 
 
-def _template(run: Simulation, field: Face, sharp: Table, window: Window) -> Waveform:
+def _template(run: Simulation, field: Face, sharp: Table, window: FrontWindow) -> Waveform:
     """Predicted waveform as smeared by the damping of a run.
 
     Damping C = eta K spreads a front over sqrt(eta t) in time, eta = damping h / c_t.
@@ -189,19 +189,19 @@ def _template(run: Simulation, field: Face, sharp: Table, window: Window) -> Wav
     return smeared(sharp, width)
 
 
-def _cell(run: Simulation, field: Face, window: Window) -> float:
+def _cell(run: Simulation, field: Face, window: FrontWindow) -> float:
     """Element size over c_t t at the time at which a front is read."""
     late = _late(run, field, window)
     return run.element_size / (run.scene.material.shear_speed * late)
 
 
-def _late(run: Simulation, field: Face, window: Window) -> float:
+def _late(run: Simulation, field: Face, window: FrontWindow) -> float:
     """Time at which a front is read; 0 where no stored step shows it."""
     distance, time, _ = field.record(run)
     return _last_time(distance, time, window.upper)
 
 
-def _recorded(run: Simulation, field: Face, window: Window) -> tuple[Array, Array]:
+def _recorded(run: Simulation, field: Face, window: FrontWindow) -> tuple[Array, Array]:
     """Similarity velocities and values of a field at the time at which a front is read."""
     distance, time, values = field.record(run)
     late = _last_time(distance, time, window.upper)

@@ -23,7 +23,7 @@ LEAST_SAMPLES = TREND_DEGREE + 4
 
 
 @dataclass(frozen=True)
-class Window:
+class FrontWindow:
     """Range of similarity velocities [length / time] around a front."""
 
     lower: float
@@ -35,7 +35,7 @@ class Window:
         return np.linspace(self.lower, self.upper, 201)
 
 
-def front_window(front: float, others: Iterable[float], reach: float = 0.2) -> Window:
+def front_window(front: float, others: Iterable[float], reach: float = 0.2) -> FrontWindow:
     """Window around a front that ends half-way to the nearest other front or zone edge.
 
     Parameters
@@ -50,10 +50,10 @@ def front_window(front: float, others: Iterable[float], reach: float = 0.2) -> W
     others = list(others)
     lower = max([(1 - reach) * front, *(0.5 * (front + c) for c in others if c < front)])
     upper = min([(1 + reach) * front, *(0.5 * (front + c) for c in others if c > front)])
-    return Window(lower, front, upper)
+    return FrontWindow(lower, front, upper)
 
 
-def tabulated(prediction: Waveform, window: Window) -> Table:
+def tabulated(prediction: Waveform, window: FrontWindow) -> Table:
     """Return velocities from 0.8 times the lower to 1.25 times the upper end of a window, and the
     predicted waveform there before smearing, (801,) each."""
     velocity = np.linspace(0.8 * window.lower, 1.25 * window.upper, TABLE)
@@ -92,7 +92,7 @@ def aligned_speed(
     velocity: Array,
     values: Array,
     prediction: Waveform,
-    window: Window,
+    window: FrontWindow,
     misfit: float = LARGEST_MISFIT,
 ) -> float | None:
     """Speed at which a record shows the front that a prediction has in a window.
@@ -106,7 +106,7 @@ def aligned_speed(
         The record: similarity velocities |x|/t [length / time], increasing, and its values there.
     prediction : callable
         The waveform expected at an array of velocities, in the units of `values`.
-    window : Window
+    window : FrontWindow
         Part of the record that is aligned, and the predicted speed.
     misfit : float
         Largest part of the record's roughness that may be left unexplained.
@@ -140,7 +140,7 @@ def aligned_speed(
 
 
 def left_over(
-    velocity: Array, values: Array, prediction: Waveform, window: Window, speed: float
+    velocity: Array, values: Array, prediction: Waveform, window: FrontWindow, speed: float
 ) -> tuple[Array, Array]:
     """Velocities in the window [length / time] and what an aligned prediction leaves there, (n,).
 
@@ -157,7 +157,7 @@ def left_over(
 
 
 def alignment_bar(
-    velocity: Array, left: Array, prediction: Waveform, window: Window, speed: float
+    velocity: Array, left: Array, prediction: Waveform, window: FrontWindow, speed: float
 ) -> float:
     """How far an aligned front moves [length / time] until it changes the record by its error.
 

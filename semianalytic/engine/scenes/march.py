@@ -24,7 +24,6 @@ from semianalytic.engine.stepping.tuning import STEP_RATIO
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.contact import process_zone, wave_slips_ahead
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import taking_quantities
 from semianalytic.scene.given.finding import of_scene, scene_of_one_solid
 from semianalytic.scene.scene import Scene
 
@@ -71,6 +70,7 @@ def march(
     tolerance: float = TOLERANCE,
     memory: float | None = None,
     entry: float | None = None,
+    go_on: Marched | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Marched:
     """March the interface of a scene in time, under any load history and friction law.
@@ -98,8 +98,8 @@ def march(
         Length of the contact that is observed [length]; by default the distance that waves reach,
         c_l T (c_t T under antiplane shear alone).
     latest : float, optional
-        Time to which `march_on` may be asked to go on [time]; end_time unless given.  The grid is
-        made for it.
+        Time to which the march may be continued (`go_on`) [time]; end_time unless given.  The grid
+        is made for it.
     companion : bool
         Whether to march a companion on half the nodes and in half the steps, for the error
         estimate; it takes a quarter to a third more time from 1000 nodes on, half below.
@@ -120,10 +120,13 @@ def march(
         default it is so long that no wave tells the beginning until `latest`.  If the front is no
         faster than the first wave, there is no such length, the answer depends on it, and the
         default is `length`; times then begin before 0, where the front reaches the tip.
+    go_on : Marched, optional
+        March of this scene that is continued to the end time, by default the latest possible, on
+        its own grid and in its own steps; it is not changed.
     progress : callable, optional
         Called with (step, steps) after each step of a march, not of its companion; if it returns
-        True the march ends there, or one step later where its companion has a level, and can go on
-        with `march_on`.  With `rtol` each march counts its own steps.
+        True the march ends there, or one step later where its companion has a level, and may be
+        continued.  With `rtol` each march counts its own steps.
 
     Returns
     -------
@@ -159,8 +162,16 @@ def march(
     True
     >>> f"{float(run.slip(0.01, 3e-5)):.1e} m"
     '3.0e-06 m'
+    >>> part = solve(scene, end_time=2e-5, nodes=128, latest=3e-5)
+    >>> solve(scene, end_time=3e-5, go_on=part).end_time
+    3e-05
     """
     scene = scene_of_one_solid("march", scene)
+    if go_on is not None:
+        given = {"nodes": nodes, "rtol": rtol, "length": length, "latest": latest, "entry": entry}
+        for name in (name for name, value in given.items() if value is not None):
+            raise SceneError(f"march: a continued march keeps its grid; leave out `{name}`.")
+        return _continued(go_on, scene, end_time, memory, progress)
     # By default a march lasts until a shear wave has travelled a length of 1 in the scene's units.
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
@@ -222,53 +233,17 @@ def march(
 solve = march  # as the table of methods asks for it
 
 
-@taking_quantities
-def march_on(
+def _continued(
     marched: Marched,
-    end_time: float,
-    progress: Callable[[int, int], object] | None = None,
-    *,
-    memory: float | None = None,
+    scene: Scene,
+    end_time: float | None,
+    memory: float | None,
+    progress: Callable[[int, int], object] | None,
 ) -> Marched:
-    """Continue a march to a later time, without recomputing anything.
-
-    Parameters
-    ----------
-    marched : Marched
-        The march to be continued; it is not changed.
-    end_time : float
-        Later time to march to [time], at most `marched.latest`.
-    progress : callable, optional
-        Called with (step, steps) after each step, as in `march`.
-    memory : float, optional
-        Memory that the march may take [bytes], as in `march`.
-
-    Returns
-    -------
-    Marched
-        The whole march from t = 0 to the new end time.
-
-    Raises
-    ------
-    SceneError
-        If the end time is not later, or beyond the `latest` of the first run, or the march would
-        take more memory than it may.
-    TensionError
-        If the pressure turns tensile at a node.
-    ComputationError
-        If values are no longer finite.
-
-    Examples
-    --------
-    >>> from semianalytic import Harmonic, Material, Scene, Tractions, march_on, solve
-    >>> solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=0.25)
-    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 0.5)
-    >>> scene = Scene(solid, 0.2, base, load, shear_history=Harmonic(frequency=1.0))
-    >>> run = solve(scene, end_time=1.0, nodes=128, latest=1.5)
-    >>> longer = march_on(run, 1.5)
-    >>> run.end_time, longer.end_time
-    (1.0, 1.5)
-    """
+    """Return the whole march from t = 0 to a later end time, without recomputing anything."""
+    if marched.scene != scene:
+        raise SceneError("march: `go_on` is a march of another scene; continue it with its own.")
+    end_time = marched.latest if end_time is None else end_time
     end_time = _check_range("end_time", end_time, marched.end_time)
     if end_time > marched.latest:
         raise SceneError(

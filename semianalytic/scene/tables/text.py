@@ -44,7 +44,7 @@ _TECPLOT = re.compile(r"(TITLE|VARIABLES|ZONE)\s*=", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class NamedColumns:
     """Numbers under names.
 
     Attributes
@@ -135,7 +135,7 @@ def _encoding(path: Path, content: bytes) -> str:
     return "utf-8"
 
 
-def read_table(path: Path, least: int = 2) -> Table:
+def read_table(path: Path, least: int = 2) -> NamedColumns:
     """The table of a text file, of so many columns at least.
 
     Raises
@@ -264,7 +264,7 @@ class _Reader:
             )
         return row
 
-    def table(self) -> Table:
+    def table(self) -> NamedColumns:
         """The table of all lines that were taken."""
         if self.waiting:
             self._parse()
@@ -273,7 +273,9 @@ class _Reader:
                 f"{self.path} has no row of numbers; give names of columns and rows below them."
             )
         names = self.names or _names_of_comments(self.comments, self.width)
-        return Table(self.path, names, np.concatenate(self.parts), tuple(self.comments), self.line)
+        return NamedColumns(
+            self.path, names, np.concatenate(self.parts), tuple(self.comments), self.line
+        )
 
 
 def _names_of_comments(comments: list[str], width: int) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.arrivals import (
-    Window,
+    FrontWindow,
     aligned_speed,
     alignment_bar,
     front_window,
@@ -101,7 +101,7 @@ def test_a_march_that_ends_before_the_fronts_has_none(solution):
 # --- speeds from aligned waveforms, on records whose speed is known -------------------------------
 
 VELOCITY = np.linspace(0.005, 2.0, 400)
-WINDOW = Window(0.8, 1.0, 1.2)
+WINDOW = FrontWindow(0.8, 1.0, 1.2)
 
 
 def kink(velocity):
@@ -123,7 +123,7 @@ def test_units_of_speed_do_not_matter():
     record = kink(VELOCITY / 0.98)
     unit = 3200.0
     scaled = aligned_speed(
-        unit * VELOCITY, record, lambda v: kink(v / unit), Window(0.8 * unit, unit, 1.2 * unit)
+        unit * VELOCITY, record, lambda v: kink(v / unit), FrontWindow(0.8 * unit, unit, 1.2 * unit)
     )
     assert scaled == pytest.approx(unit * aligned_speed(VELOCITY, record, kink, WINDOW), rel=1e-6)
 
@@ -154,8 +154,12 @@ def test_what_is_left_moves_a_weak_front_farther_than_a_strong_one(strength):
 
 
 def test_window_ends_half_way_to_the_neighbours():
-    assert front_window(1.0, [0.93, 2.0]) == Window(pytest.approx(0.965), 1.0, pytest.approx(1.2))
-    assert front_window(2.0, [], reach=0.1) == Window(pytest.approx(1.8), 2.0, pytest.approx(2.2))
+    assert front_window(1.0, [0.93, 2.0]) == FrontWindow(
+        pytest.approx(0.965), 1.0, pytest.approx(1.2)
+    )
+    assert front_window(2.0, [], reach=0.1) == FrontWindow(
+        pytest.approx(1.8), 2.0, pytest.approx(2.2)
+    )
 
 
 def test_roughness_sees_kinks_and_no_parabolas():

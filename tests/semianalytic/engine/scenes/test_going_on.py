@@ -4,7 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from catalogue import unit_scene
+from catalogue import gone_on, unit_scene
 
 import semianalytic as sf
 from semianalytic.engine.stepping import blocks
@@ -36,7 +36,7 @@ def test_continued_march_equals_one_march(history, tmp_path):
     assert loaded.scene == scene
     assert loaded.error_estimate == part.error_estimate
     assert loaded.companion.companion is None
-    continued, stored = sf.march_on(part, 1.0), sf.march_on(loaded, 1.0)
+    continued, stored = gone_on(part, 1.0), gone_on(loaded, 1.0)
     for name in ("interface", "seen", "totals"):
         one, other, all_at_once = (getattr(run, name) for run in (continued, stored, whole))
         for field in fields(one):
@@ -52,11 +52,15 @@ def test_continued_march_equals_one_march(history, tmp_path):
 def test_what_a_march_cannot_go_on_to_is_refused(tmp_path):
     part = march(preloaded(), end_time=0.5, nodes=100, latest=0.8, companion=False)
     part.save(tmp_path / "alone.h5")
-    assert np.isnan(sf.march_on(sf.Marched.load(tmp_path / "alone.h5"), 0.8).error_estimate)
+    assert np.isnan(gone_on(sf.Marched.load(tmp_path / "alone.h5"), 0.8).error_estimate)
     with pytest.raises(sf.SceneError, match=r"end_time must be above 0\.5"):
-        sf.march_on(part, 0.5)
+        gone_on(part, 0.5)
     with pytest.raises(sf.SceneError, match="start again with a later `latest`"):
-        sf.march_on(part, 0.9)
+        gone_on(part, 0.9)
+    with pytest.raises(sf.SceneError, match="keeps its grid; leave out `nodes`"):
+        gone_on(part, 0.8, nodes=200)
+    with pytest.raises(sf.SceneError, match="is a march of another scene"):
+        sf.solve(unit_scene(0.31), method="space-time", go_on=part, end_time=0.8)
 
 
 @pytest.mark.parametrize("steps", [1, 3])
@@ -66,7 +70,7 @@ def test_blocks_of_steps_change_nothing(steps, monkeypatch):
 
     def marches():
         stopped = march(scene, nodes=60, every=5, progress=lambda done, steps: done == 33)
-        return stopped, sf.march_on(stopped, 1.0)
+        return stopped, gone_on(stopped, 1.0)
 
     found = marches()
     monkeypatch.setattr(blocks, "BLOCK_STEPS", steps)

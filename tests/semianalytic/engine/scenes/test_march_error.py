@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED, SHOCK, over, under, unit_scene
+from catalogue import PRELOADED, SHOCK, gone_on, over, under, unit_scene
 
 import semianalytic as sf
 from compare.comparison.documents import march_document
@@ -185,7 +185,7 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
     # the companion has every second level
     assert part.statistics.steps == stop + stop % 2 == 2 * part.companion.statistics.steps
     if part.end_time < 1.0:
-        rest = sf.march_on(part, 1.0)
+        rest = gone_on(part, 1.0)
         found, wanted = (one.interface.slip[-1] for one in (rest, whole))
         # the memory of a small grid has single precision
         np.testing.assert_allclose(found, wanted, atol=3e-8)

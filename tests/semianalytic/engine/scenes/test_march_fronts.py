@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import UNIT
+from catalogue import UNIT, gone_on
 from line_march import march as line_march
 
 import semianalytic as sf
@@ -176,7 +176,7 @@ def test_marches_of_fronts_go_on_and_are_kept(tmp_path):
     whole = march(scene, end_time=0.6, nodes=40, length=1.2)
     part = march(scene, end_time=0.3, nodes=40, length=1.2, latest=0.6)
     part.save(tmp_path / "part.h5")
-    longer = sf.march_on(sf.Marched.load(tmp_path / "part.h5"), 0.6)
+    longer = gone_on(sf.Marched.load(tmp_path / "part.h5"), 0.6)
     assert longer.entry == whole.entry > 0
     x = whole.grid.x[2:]
     off = longer.slip(x, 0.6) - whole.slip(x, 0.6)

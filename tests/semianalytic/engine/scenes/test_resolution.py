@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from catalogue import UNIT, unit_scene
+from catalogue import UNIT, gone_on, unit_scene
 
 import semianalytic as sf
 from compare.comparison.documents import march_document
@@ -167,7 +167,7 @@ def test_dense_tables_take_the_mean_of_a_step():
     assert gap < 2e-3 * np.abs(wanted.interface.slip[-1]).sum()
 
 
-def test_march_on_needs_no_other_check():
+def test_a_continued_march_needs_no_other_check():
     """The loads are looked at until `latest`, for which the grid is made."""
     late = sf.Tabulated((0.0, 0.1, 0.8, 0.8, 0.801, 0.801), (0.0, 1.0, 1.0, 0.2, 0.2, 1.0))
     march(sheared(late), end_time=0.5, nodes=100, length=1.0)
@@ -323,7 +323,7 @@ def test_stored_history_is_thinned_to_fit(capsys, tmp_path):
     assert f"Every {thin.every}th level is stored" in capsys.readouterr().err
     part = march(scene, end_time=0.5, nodes=200, length=2.0, latest=1.0)
     with pytest.raises(sf.SceneError, match="GB of memory"):
-        sf.march_on(part, 1.0, memory=500_000)
+        gone_on(part, 1.0, memory=500_000)
 
 
 def test_json_says_what_is_unresolved(capsys):
