@@ -297,7 +297,7 @@ def summary(rows: list[Row]) -> list[Row]:
         ratios = np.array([row[name] for row in answered])
         ratios = ratios[~np.isnan(ratios)]
         if len(ratios):
-            what = f"{name.replace('_', ' ')}: asked, beyond the estimate, largest over it"
+            what = f"{name.replace('_', ' ')}: compared, beyond the estimate, largest ratio to it"
             found = f"{len(ratios)}, {int((ratios > 1).sum())}, {ratios.max():.2g}"
             lines.append({"what": what, "result": found})
     return lines
