@@ -3,6 +3,5 @@
 from fem.budget import cost as cost
 from fem.companions import with_companions as with_companions
 from fem.results import Simulation as Simulation
-from fem.results import load_simulation as load_simulation
 from fem.run import simulate as simulate
 from fem.settings import Settings as Settings

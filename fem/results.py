@@ -330,7 +330,8 @@ def load_simulation(directory: str | Path) -> Simulation:
     Examples
     --------
     >>> import tempfile
-    >>> from fem import load_simulation, simulate
+    >>> from fem import simulate
+    >>> from fem.results import load_simulation
     >>> from semianalytic import find
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     simulate(find("preloaded"), resolution=8).save(folder)

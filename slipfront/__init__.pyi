@@ -5,6 +5,7 @@ from compare.validation import *
 from fem import *
 from semianalytic import *
 from slipfront.fits import *
+from slipfront.loading import load as load
 from slipfront.surveys import *
 
 __version__: str

@@ -18,8 +18,9 @@ from fault_tasks import history
 from compare.chart.points import COMMAND, read_points
 from compare.comparison.fields.frames import last_frame
 from compare.output.tables import write_rows
-from fem import load_simulation, simulate
+from fem import simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
+from fem.results import load_simulation
 from meshes import Blocks, cached_mesh
 from meshes.cache import cache_path
 from semianalytic import Marched, Run, find, solve

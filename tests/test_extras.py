@@ -29,7 +29,7 @@ from semianalytic.scene.extras import (
     needing,
     require,
 )
-from slipfront import fits, surveys
+from slipfront import fits, loading, surveys
 
 INSTALL = "run `pip install '.[{}]'` in the folder of slipfront."
 ROOT = Path(__file__).parent.parent
@@ -59,7 +59,7 @@ for Slim.blocked, line in {lines}:
         code = main(line.split())
     print(json.dumps([code, out.getvalue(), err.getvalue()]))
 """
-SOURCES = (fem, interfaces, validation, fits, surveys, semianalytic)
+SOURCES = (fem, interfaces, validation, fits, loading, surveys, semianalytic)
 """Packages from which slipfront takes its public names."""
 MOST = (*FEM, *EXPLORE, *CLUSTER)
 """Left out together: no command needs both finite elements and any of the others."""
@@ -136,7 +136,7 @@ def test_missing_extra_is_one_sentence(blocked, line, extras):
 
 def test_missing_extra_of_a_function_is_one_sentence(tmp_path):
     calls = (
-        *("sf.simulate(sf.Scene)", "sf.load_simulation('somewhere')", "sf.cost"),
+        *("sf.simulate(sf.Scene)", "sf.load('.')", "sf.cost"),
         *("import fem", "import meshes", "sf.Marched.load('a')"),
     )
     code = "import slipfront as sf\n" + "".join(

@@ -106,7 +106,7 @@ def test_reference_holds_every_public_name():
     for path in (ROOT / "docs" / "api").glob("*.md"):
         names = re.findall(
             r"^::: (?:semianalytic|fem|compare\.comparison\.interfaces|compare\.validation"
-            r"|slipfront\.surveys|slipfront\.fits)\.(\w+)$",
+            r"|slipfront\.(?:surveys|fits|loading))\.(\w+)$",
             path.read_text(),
             re.MULTILINE,
         )

@@ -162,7 +162,7 @@ def _text(attribute: object) -> str:
 
 def read_simulation(folder: Path) -> Records:
     """Records of a simulation of this package, with the size of its elements."""
-    from fem import load_simulation
+    from fem.results import load_simulation
 
     simulation = load_simulation(folder)
     return of_history(folder, simulation.interface, simulation.element_size)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.result import FIELDS, Run
 from semianalytic.engine.stepping.acting import times_of_loads
-from semianalytic.engine.stepping.state import Checkpoint, State
+from semianalytic.engine.stepping.state import RunCheckpoint, State
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.results.questions import onsets_until
 from semianalytic.scene.errors import DataFileError, SceneError
@@ -20,7 +20,7 @@ from semianalytic.scene.errors import DataFileError, SceneError
 Array = NDArray[np.float64]
 
 
-class Record:
+class RunRecord:
     """Fields at every k-th level, thinned to a number of frames, or at given times.
 
     Parameters
@@ -129,10 +129,10 @@ class Record:
         return tuple(shown)
 
 
-def checkpoint(stepper: Stepper, record: Record, now: State, latest: float) -> Checkpoint:
+def checkpoint(stepper: Stepper, record: RunRecord, now: State, latest: float) -> RunCheckpoint:
     """Return everything that `resumed` needs to continue a run until a latest time."""
     opening = stepper.unilateral
-    return Checkpoint(
+    return RunCheckpoint(
         now,
         stepper.memory.past(),
         None if opening is None else opening.memory.past(),
@@ -180,7 +180,7 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
     return digest.hexdigest()
 
 
-def resumed(stepper: Stepper, record: Record, earlier: Run, end_time: float) -> State:
+def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) -> State:
     """Put the memory and the record of an earlier run in place and return its state."""
     kept = earlier.checkpoint
     if kept.fingerprint != fingerprint(stepper, kept.latest):

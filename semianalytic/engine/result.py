@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
 from semianalytic.engine.on_line import LineAnswer
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
-from semianalytic.engine.stepping.state import Checkpoint
+from semianalytic.engine.stepping.state import RunCheckpoint
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.interface.interface import Interface
 from semianalytic.results.datasets import attributes, dataset
@@ -69,7 +69,7 @@ class Run(LineAnswer):
     status : str
         "done", "unresolved: ...", "interrupted at t = ...", or "interrupted in the estimate of its
         error: ...", whose fields are complete.
-    checkpoint : Checkpoint
+    checkpoint : RunCheckpoint
         Everything that `run` needs to continue this run.
 
     Examples
@@ -98,7 +98,7 @@ class Run(LineAnswer):
     step_times: Array
     peak_rates: Array
     status: str
-    checkpoint: Checkpoint = field(repr=False)
+    checkpoint: RunCheckpoint = field(repr=False)
     error_estimates: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:

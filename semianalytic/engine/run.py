@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.convergence import more_nodes, order_seen
 from semianalytic.engine.estimate import deciding, estimated, too_short, unresolved
-from semianalytic.engine.record import Record, checkpoint, resumed
+from semianalytic.engine.record import RunRecord, checkpoint, resumed
 from semianalytic.engine.result import Run
 from semianalytic.engine.stepping.advance import advanced
 from semianalytic.engine.stepping.line import fitting_nodes
@@ -247,7 +247,7 @@ def _one(
         begun = 1e-3 * float(stepper.pressure.max(initial=0.0)) / stepper.impedance
         begun = 0.0 if stepper.law.has_threshold else begun
         begun = begun if go_on is None else go_on.checkpoint.slipping
-    record = Record(stepper, options["every"], options["frames"], options["times"], begun)
+    record = RunRecord(stepper, options["every"], options["frames"], options["times"], begun)
     if go_on is None:
         now = stepper.begin()
         record.begin(now)

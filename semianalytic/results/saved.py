@@ -88,6 +88,23 @@ def read_answer(
         raise DataFileError(f"{path} cannot be read as a {name} ({error}); {again}.") from error
 
 
+def kind_of_file(path: str | Path) -> str:
+    """Return what a file holds, without its version; "" if `write_answer` did not write it.
+
+    Raises
+    ------
+    MissingLibraryError
+        If h5py is not installed.
+    DataFileError
+        If the file cannot be read.
+    """
+    try:
+        with sealed_hdf5(path) as file:
+            return str(file.attrs.get("format", "")).rpartition(" ")[0]
+    except (OSError, RuntimeError, ValueError) as error:
+        raise DataFileError(f"{path} cannot be read as an answer ({error}).") from error
+
+
 def _write(group: Any, whole: Any, compression: int | None, without: Collection[str] = ()) -> None:
     for field in fields(whole):
         name, value = field.name, getattr(whole, field.name)

@@ -202,7 +202,7 @@ def _earlier_simulation(
     settings: Mapping[str, Any],
 ) -> Simulation:
     """Load a simulation; check that it is of the scene asked for, if any was."""
-    from fem import load_simulation
+    from fem.results import load_simulation
 
     if settings:
         raise _without_effect(next(iter(settings)), "from")

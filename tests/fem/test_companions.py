@@ -7,7 +7,8 @@ import pytest
 from catalogue import SHOCK
 
 import semianalytic as sf
-from fem import companions, load_simulation, simulate, with_companions
+from fem import companions, simulate, with_companions
+from fem.results import load_simulation
 from fem.run import run_plan
 from semianalytic.scene.given.finding import find_scene
 from tests.fem.runs import OF_CLOCK, assert_same, sheared

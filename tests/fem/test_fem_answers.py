@@ -7,10 +7,10 @@ import pytest
 from catalogue import solved, unit_scene
 
 import semianalytic as sf
-from fem import Settings, cost, load_simulation, simulate
+from fem import Settings, cost, simulate
 from fem.model import prepare
 from fem.resolution import LEAST_CROSSED
-from fem.results import opening_sentence
+from fem.results import load_simulation, opening_sentence
 from fem.run import drift, levels
 from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.scene.given.finding import find_scene

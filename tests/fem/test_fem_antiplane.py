@@ -9,11 +9,12 @@ from catalogue import REMOTE, UNIT, solved, unit_scene
 
 import semianalytic as sf
 from docs.studies.article.stuck import stuck_shear
-from fem import Settings, cost, load_simulation, simulate, with_companions
+from fem import Settings, cost, simulate, with_companions
 from fem.elements.assembly import OUT_OF_PLANE, antiplane_stiffness, make_space
 from fem.elements.edge import edge_offset, surface_stiffness
 from fem.elements.families import FAMILIES
 from fem.plan import ANTIPLANE, ANTIPLANE_LOCKSTEP, TWO_MATERIALS, Plan
+from fem.results import load_simulation
 from meshes import Blocks, cached_mesh
 from semianalytic.reference import antiplane_slip, antiplane_slip_rate
 from tests.fem.runs import SHEARED_ALONG_Z, interrupted, l1, run

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.bodies.wavefield import (
     Spectrum,
-    Window,
+    TimeWindow,
     along_line,
     kept_wavenumbers,
     tapered,
@@ -148,7 +148,7 @@ class Remainder:
         speed = scene.material.shear_speed
         nodes = math.ceil(self.share * FIELD_NODES)
         steps = max(len(seen.t) - 1, 2 * FIELD_NODES)  # more than are stored, if those are few
-        window = Window(speed * float(seen.t[-1]), steps)
+        window = TimeWindow(speed * float(seen.t[-1]), steps)
         enough, _ = nodes_for_loads(scene, float(seen.t[-1]), self.reach, nodes)
         share = enough * self._spacing / self.reach
         q = kept_wavenumbers(self._nodes * self._spacing, self._nodes, share)

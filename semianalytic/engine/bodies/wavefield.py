@@ -81,7 +81,7 @@ def along_line(values: Array, spacing: float, first: float, wavenumbers: Array) 
 
 
 @dataclass(frozen=True)
-class Window:
+class TimeWindow:
     """An exponential window in time: even levels, a fade-out beyond the last, a fall exp(-eta t).
 
     Attributes

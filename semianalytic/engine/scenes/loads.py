@@ -188,7 +188,7 @@ class GridPressure:
 
 
 @dataclass(frozen=True)
-class FrontLoad:
+class GridFront:
     """A load whose front moves along the interface, at all nodes of a grid.
 
     The front is smeared over a cell, or over the distance that it runs in a step if that is longer:
@@ -256,7 +256,7 @@ class FrontPressure:
 
     Parameters
     ----------
-    front : FrontLoad
+    front : GridFront
         The load at the nodes.
     memory : Memory
         That of an opening rate, `exponentials.Opening`.
@@ -271,7 +271,7 @@ class FrontPressure:
 
     def __init__(
         self,
-        front: FrontLoad,
+        front: GridFront,
         memory: Memory,
         wavenumbers: Array,
         damping: float,

@@ -20,7 +20,7 @@ from semianalytic.engine.resolution import (
     rounded_up,
     zone_at_edge,
 )
-from semianalytic.engine.scenes.nodes import Grid
+from semianalytic.engine.scenes.nodes import ContactGrid
 from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.line_memory import Past
@@ -179,7 +179,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     damping: float
     every: int
     statistics: MarchStatistics
-    grid: Grid
+    grid: ContactGrid
     memory: Memory
     reached: Reached
     past: Past

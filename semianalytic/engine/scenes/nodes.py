@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Grid:
+class ContactGrid:
     """The nodes x = (i + 1/2) h of a march: `slot` of them on x < 0, the others on the contact.
 
     Attributes
@@ -87,7 +87,9 @@ def extents(scene: Scene, latest: float, length: float, entry: float) -> tuple[f
     return contact, slot
 
 
-def causal_grid(scene: Scene, latest: float, length: float, nodes: int, entry: float = 0.0) -> Grid:
+def causal_grid(
+    scene: Scene, latest: float, length: float, nodes: int, entry: float = 0.0
+) -> ContactGrid:
     """Return the smallest grid whose mirror images do not reach 0 < x < length until `latest`.
 
     Parameters
@@ -113,7 +115,7 @@ def causal_grid(scene: Scene, latest: float, length: float, nodes: int, entry: f
     )
     # the nodes that are added for the fast transform lengthen the slot
     size = next_fast_len(contact + slot, real=True)
-    return Grid(spacing, size - contact, nodes, size)
+    return ContactGrid(spacing, size - contact, nodes, size)
 
 
 def state_bytes(size: int, poles: int) -> int:

@@ -20,7 +20,7 @@ from semianalytic.engine.resolution import (
 )
 from semianalytic.engine.scenes.advancing import advance
 from semianalytic.engine.scenes.marched import Extremes, Marched, MarchStatistics
-from semianalytic.engine.scenes.nodes import Grid, causal_grid, check_size
+from semianalytic.engine.scenes.nodes import ContactGrid, causal_grid, check_size
 from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory, fit_memory
 from semianalytic.memory.impedance import impedance_of
@@ -164,7 +164,7 @@ class MarchPlan:
         coarser = causal_grid(self.scene, self.latest, length, coarse, self.entry)
         return replace(marched, companion=self._on(coarser, past))
 
-    def _on(self, grid: Grid, past: Memory) -> Marched:
+    def _on(self, grid: ContactGrid, past: Memory) -> Marched:
         """Return a march on a grid before its first step, without a companion."""
         poles, no_times, rest = len(past.poles), np.zeros(0), np.zeros(grid.size - grid.slot)
         still = np.zeros(grid.observed)

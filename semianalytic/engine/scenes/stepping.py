@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.scenes.loads import FrontLoad, FrontPressure, GridPressure
+from semianalytic.engine.scenes.loads import FrontPressure, GridFront, GridPressure
 from semianalytic.engine.stepping.blocks import Level
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.scene import Scene
@@ -82,7 +82,7 @@ def levels_of(
     scene: Scene,
     segment: Segment,
     pressure: GridPressure | FrontPressure,
-    front: FrontLoad | None,
+    front: GridFront | None,
 ) -> Iterator[Level]:
     """Yield the levels of a segment; raise as `_check` does where loads change the pressure.
 

@@ -2,7 +2,7 @@
 
 A step takes the loads at its end, computes the traction that would stop each node under the memory
 of past slip, from it and the friction law the slip rate, and adds the new slip to the memory.
-Steps are summed up and recorded in blocks (`Blocks`; docs/spacetime.md, "Method").
+Steps are summed up and recorded in blocks (`EqualSteps`; docs/spacetime.md, "Method").
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.scenes.loads import SWEEPS, FrontLoad, FrontPressure, GridPressure
+from semianalytic.engine.scenes.loads import SWEEPS, FrontPressure, GridFront, GridPressure
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.stepping import Segment, levels_of, load_jumps
 from semianalytic.engine.stepping.balance import Balance
-from semianalytic.engine.stepping.blocks import Blocks
+from semianalytic.engine.stepping.blocks import EqualSteps
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
 from semianalytic.memory.line_memory import LineMemory
@@ -88,7 +88,7 @@ class Walk:
         self._memory = LineMemory(marched.memory, line.wavenumbers, single=grid.size <= SINGLE_SIZE)
         self._memory.put_back(marched.past)
         touching = np.arange(grid.size) >= grid.slot
-        self.blocks = Blocks(
+        self.blocks = EqualSteps(
             line,
             Balance(law, impedance, touching, line, falls=True),
             law,
@@ -212,12 +212,12 @@ class Walk:
 
 def _loads_on_grid(
     marched: Marched, segments: Sequence[Segment]
-) -> tuple[GridPressure | FrontPressure, FrontLoad | None]:
+) -> tuple[GridPressure | FrontPressure, GridFront | None]:
     """Return the pressure at the nodes of a march, and its load if the front of that moves."""
     scene, grid, finest = marched.scene, marched.grid, min(one.time_step for one in segments)
     front = None
     if scene.front_slowness:
-        front = FrontLoad(scene, grid.nodes, grid.spacing, grid.slot, marched.entry)
+        front = GridFront(scene, grid.nodes, grid.spacing, grid.slot, marched.entry)
         if scene.superposition.taken_off.pressure:
             material, memory = scene.material, marched.memory
             impedance = Opening(material.shear_speed / material.longitudinal_speed)

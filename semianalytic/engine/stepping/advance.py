@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.stepping.blocks import BLOCK_STEPS, Blocks, Level, Reached
+from semianalytic.engine.stepping.blocks import BLOCK_STEPS, EqualSteps, Level, Reached
 from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.steps import Stepper
 
@@ -58,10 +58,10 @@ def advanced(
     return look(len(blocks.times) - 1), stopped
 
 
-def _blocks(stepper: Stepper, now: State) -> Blocks:
+def _blocks(stepper: Stepper, now: State) -> EqualSteps:
     """Return the march in equal steps from a state on."""
     fields = now.rate, now.traction, now.slip, now.state, now.work[stepper.touching]
-    blocks = Blocks(
+    blocks = EqualSteps(
         stepper.grid,
         stepper.balance,
         stepper.law,

@@ -69,7 +69,7 @@ class Reached:
     work: Array
 
 
-class Blocks:
+class EqualSteps:
     """The march of a closed contact in equal steps, under a law that sticks.
 
     Slip rate is linear in time over a step; the contribution of its end value to the memory is

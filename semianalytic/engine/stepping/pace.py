@@ -22,7 +22,7 @@ TURN_RATIO = 0.5
 """Steps c_t dt / h by which turns of loads are measured, whatever the steps of a march."""
 
 
-class Window(NamedTuple):
+class LoadWindow(NamedTuple):
     """A time in which a load changes all along, and the longest step that follows it [time]."""
 
     begin: float
@@ -53,7 +53,7 @@ class LoadPace:
         self._times = _sample_times(end_time)
         spacing = float(x[1] - x[0])
         self._breaks: list[float] = []
-        self._windows: list[Window] = []
+        self._windows: list[LoadWindow] = []
         for load, history in _histories(interface):
             breaks = history.pieces.breaks
             first, last = breaks[0], breaks[-1]
@@ -66,13 +66,13 @@ class LoadPace:
                 assert isinstance(load, FrontLoad)
                 ends = slowness * (np.array([-0.5, 0.5]) * interface.length - load.at)
                 first, last = first + float(ends.min()), last + float(ends.max())
-                self._windows.append(Window(first, last, abs(slowness) * spacing))
+                self._windows.append(LoadWindow(first, last, abs(slowness) * spacing))
             else:
                 self._breaks += breaks
             if waves:
                 # Slip rate of a slow interface under a harmonic is off by 3e-4, with 32 steps a
                 # period by 2e-4; with 8 steps are repeated.
-                self._windows.append(Window(first, last, min(waves) / 16))
+                self._windows.append(LoadWindow(first, last, min(waves) / 16))
         self._breaks.sort()
 
     def longest(self, time: float) -> float:

@@ -47,7 +47,7 @@ class State(Faces):
 
 
 @dataclass(frozen=True, eq=False)
-class Checkpoint:
+class RunCheckpoint:
     """Everything from which a run goes on.
 
     Attributes

@@ -18,8 +18,9 @@ from catalogue import under
 from faults import ROOT
 
 import semianalytic as sf
-from fem import load_simulation, simulate
+from fem import simulate
 from fem.checkpoint import Keeper
+from fem.results import load_simulation
 from fem.settings import Pace
 from tests.fem.runs import MIXED, UNLOADED, assert_same, interrupted
 

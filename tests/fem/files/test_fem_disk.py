@@ -12,8 +12,9 @@ from catalogue import PRELOADED as SCENE
 from faults import FULL, ROOM, full_disk, small_disk
 
 from compare.comparison.fields.frames import last_frame
-from fem import load_simulation, simulate
+from fem import simulate
 from fem.checkpoint import Keeper
+from fem.results import load_simulation
 from fem.settings import Pace
 from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError

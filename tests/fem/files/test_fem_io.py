@@ -10,8 +10,9 @@ import pytest
 from catalogue import UNIT
 
 import semianalytic as sf
-from fem import load_simulation, simulate
+from fem import simulate
 from fem.model import prepare
+from fem.results import load_simulation
 from fem.run import drift, levels
 from tests.fem.runs import MIXED, SHEARED_ALONG_Z, assert_same, interrupted
 

@@ -8,7 +8,8 @@ import pytest
 
 import fem.budget
 from compare.comparison.mesh_choice import choose_mesh
-from fem import cost, load_simulation
+from fem import cost
+from fem.results import load_simulation
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli import simulate_command
 from slipfront.cli.simulate_command import Allowance

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import slipfront as sf
-from fem import load_simulation
+from fem.results import load_simulation
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli import solve_command
 from slipfront.cli.commands import main

@@ -1,0 +1,71 @@
+"""Read an answer from the file or folder to which its `save` wrote it."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from semianalytic.results.saved import kind_of_file
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import DataFileError, SceneError
+
+__all__ = ["load"]
+
+
+def load(path: str | PathLike[str], interface: Any = None) -> Any:
+    """Read an answer that was saved: a march, a run of an interface, a simulation or a history.
+
+    Parameters
+    ----------
+    path : str or path
+        File that `save` wrote, or the folder of a simulation.
+    interface : Interface, optional
+        The interface of a run, which its file does not hold.
+
+    Returns
+    -------
+    Marched, Run, Simulation or InterfaceHistory
+        The answer as it was saved.
+
+    Raises
+    ------
+    MissingLibraryError
+        If h5py is not installed.
+    DataFileError
+        If the file is missing, damaged, or holds no answer.
+    SceneError
+        If the file holds a run, and the interface is not given.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import slipfront as sf
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     sf.solve("ramp", nodes=64).save(f"{folder}/ramp.h5")
+    ...     sf.load(f"{folder}/ramp.h5").status == sf.solve("ramp", nodes=64).status
+    True
+    """
+    if not isinstance(path, str | PathLike):
+        raise SceneError(f"load: path must be the path of a file or folder, got {shown(path)}.")
+    path = Path(path)
+    kind = "slipfront simulation" if path.is_dir() else kind_of_file(path)
+    if kind == "slipfront simulation":
+        from fem.results import load_simulation
+
+        return load_simulation(path if path.is_dir() else path.parent)
+    if kind == "slipfront march":
+        from semianalytic.engine.scenes.marched import Marched
+
+        return Marched.load(path)
+    if kind == "slipfront interface history":
+        from semianalytic.results.interface_history import InterfaceHistory
+
+        return InterfaceHistory.load(path)
+    if kind != "run of an interface":
+        raise DataFileError(f"{path} holds no answer of slipfront; give a file that `save` wrote.")
+    if interface is None:
+        raise SceneError(f"load: {path} is a run of an interface; give the interface as well.")
+    from semianalytic.engine.result import Run
+
+    return Run.load(path, interface)
