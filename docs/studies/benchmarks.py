@@ -65,7 +65,7 @@ def run_of(sheet: Sheet, nodes: int, samples: int = 1) -> Run:
 def sampled(sheet: Sheet, nodes: int) -> Fields:
     """Return a run at the times and stations of a sheet (m, k), and its "arrivals" (k,)."""
     done = run_of(sheet, nodes)
-    fields = {name: done.at(getattr(done, name), sheet.stations) for name in sheet.report}
+    fields = {name: done.at(getattr(done.interface, name), sheet.stations) for name in sheet.report}
     onset = np.asarray(done.at(done.onset, sheet.stations))
     return {"arrivals": np.where(np.isnan(onset), math.inf, onset), **fields}
 

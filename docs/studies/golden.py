@@ -202,9 +202,11 @@ def recorded(found: Any, x: Array, t: Array) -> Answer:
 
 def recorded_run(found: Run) -> Answer:
     """Return what a run of an interface says at 40 nodes of as many frames."""
-    frame = np.linspace(1, len(found.t) - 1, POINTS).astype(int)
-    node = np.linspace(0, len(found.x) - 1, POINTS).astype(int)[np.arange(POINTS) * 7 % POINTS]
-    answer: Answer = {name: bits(getattr(found, name)[frame, node]) for name in FIELDS}
+    frame = np.linspace(1, len(found.interface.t) - 1, POINTS).astype(int)
+    node = np.linspace(0, len(found.interface.x) - 1, POINTS).astype(int)[
+        np.arange(POINTS) * 7 % POINTS
+    ]
+    answer: Answer = {name: bits(getattr(found.interface, name)[frame, node]) for name in FIELDS}
     answer["estimate"] = bits(sorted(found.error_estimates.values()))
     answer["edges"] = bits(found.onset[node])
     work = found.work

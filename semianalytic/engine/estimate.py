@@ -42,7 +42,7 @@ def estimated(
     coarser : Tried, optional
         A run of fewer nodes, from which the order of convergence is seen.
     """
-    interface = done.interface
+    interface = done.scene
     coarse = half(interface)
     shorter, misplaced = coarse, done.contact_misfit / 2
     if misplaced and not coarse.is_interrupted:
@@ -53,25 +53,29 @@ def estimated(
         status = "interrupted in the estimate of its error: complete, without one"
         return replace(done, status=status), None
     between = not interface.contact.is_whole
-    touching = coarse.touching
+    touching, known = coarse.interface.touching, done.interface
     if between:
         # a coarse node at the end of a contact may stand for a node of the slot as well
-        touching = shorter.touching & touching & done.touching[::2] & done.touching[1::2]
+        touching = touching & shorter.interface.touching
+        touching &= known.touching[::2] & known.touching[1::2]
 
     def thinned(values: Array) -> Array:
         pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
         return np.asarray(pairs[:, touching])
 
     spacing = interface.length / done.nodes
-    base = thinned(sampled("run: shear", interface.shear, done.x, spacing)[None])
+    base = thinned(sampled("run: shear", interface.shear, done.interface.x, spacing)[None])
     beside = wrong_beside_slots(done)
     shares, sizes = dict[str, float](), dict[str, float]()
     names = ["slip", "slip_rate", "shear_traction"]
-    if done.interface.may_open:
+    if done.scene.may_open:
         names += ["gap", "pressure"]
     for name in names:
-        fine, other = thinned(getattr(done, name)), getattr(coarse, name)[:, touching]
-        moved = getattr(shorter, name)[:, touching] - other
+        fine, other = (
+            thinned(getattr(known, name)),
+            getattr(coarse.interface, name)[:, touching],
+        )
+        moved = getattr(shorter.interface, name)[:, touching] - other
         # Against the base, whichever frames are stored: a sudden load has come at the first.
         scale = fine - base if name == "shear_traction" else fine
         apart = float((np.abs(fine - other) + misplaced * np.abs(moved)).sum())
@@ -86,7 +90,7 @@ def estimated(
         off = beside.get(name, 0.0) / 2
         errors[name] = factor * share + (off / sizes[name] if off else 0.0)
     largest = 0.5 if rtol is None else rtol
-    slip, (zone, missed) = float(np.abs(thinned(done.slip)).sum()), missed_slip(done)
+    slip, (zone, missed) = float(np.abs(thinned(done.interface.slip)).sum()), missed_slip(done)
     # `thinned` has every other node, or the mean of two.
     missed = missed / (2 * spacing)
     # A contact that sticks up to 2e-7 node distances beside an edge asked for 1e10 nodes.
@@ -112,7 +116,8 @@ def estimated(
 
 def deciding(done: Run, errors: Mapping[str, float]) -> str:
     """Return which error counts, that of slip or that of a gap which is not much smaller."""
-    slip, gap = (float(np.abs(one[:, done.touching]).sum()) for one in (done.slip, done.gap))
+    known = done.interface
+    slip, gap = (float(np.abs(one[:, known.touching]).sum()) for one in (known.slip, known.gap))
     larger = errors.get("gap", 0.0) > errors["slip"]
     return "gap" if larger and gap > LEAST_GAP * slip else "slip"
 
@@ -174,10 +179,10 @@ def too_short(interface: Interface, time: float) -> str:
 
 def _beside_slots(done: Run) -> NDArray[np.bool_]:
     """Return which nodes of the contact have a node of a slot beside them, (n,)."""
-    left, right = np.roll(done.touching, 1), np.roll(done.touching, -1)
-    if done.interface.even:
+    left, right = np.roll(done.interface.touching, 1), np.roll(done.interface.touching, -1)
+    if done.scene.even:
         left[0] = right[-1] = True  # mirror images of themselves
-    return np.asarray(done.touching & ~(left & right))
+    return np.asarray(done.interface.touching & ~(left & right))
 
 
 def wrong_beside_slots(done: Run) -> dict[str, float]:
@@ -186,17 +191,19 @@ def wrong_beside_slots(done: Run) -> dict[str, float]:
     Where they are singular, nodes are off there by the same part on any grid, of which the
     difference of two grids shows little (`BESIDE_EDGE_ERROR`).
     """
-    interface, first = done.interface, _beside_slots(done)
-    x, spacing = done.x, interface.length / done.nodes
+    interface, first = done.scene, _beside_slots(done)
+    x, spacing = done.interface.x, interface.length / done.nodes
     base, pressed = (
-        at_nodes(f"interface: {name}", getattr(interface, name), x, done.touching, spacing)[first]
+        at_nodes(
+            f"interface: {name}", getattr(interface, name), x, done.interface.touching, spacing
+        )[first]
         for name in ("shear", "pressure")
     )
-    shear, pressure = done.shear_traction[:, first], done.pressure[:, first]
+    shear, pressure = done.interface.shear_traction[:, first], done.interface.pressure[:, first]
     off = BESIDE_EDGE_ERROR * np.abs(pressure - pressed)
     # Where it slips, traction follows pressure.
     ratio = np.divide(np.abs(shear), pressure, out=np.zeros_like(shear), where=pressure > 0)
-    slips = done.slip_rate[:, first] != 0
+    slips = done.interface.slip_rate[:, first] != 0
     stuck = BESIDE_EDGE_ERROR * np.abs(shear - base)
     return {
         "pressure": float(off.sum()),
@@ -210,11 +217,11 @@ def missed_slip(done: Run) -> tuple[float, float]:
     The first node beside an edge may stick on any grid that is too coarse, and slip that is zero on
     two grids does not differ.
     """
-    interface, touching = done.interface, done.touching
+    interface, touching = done.scene, done.interface.touching
     if not interface.law.has_threshold or touching.all():
         return 0.0, 0.0
     first = np.flatnonzero(_beside_slots(done))
-    spacing, x = interface.length / done.nodes, done.x
+    spacing, x = interface.length / done.nodes, done.interface.x
     base = sampled("run: shear", interface.shear, x, spacing)[first]
     law = interface.law.on(x[touching], spacing)
     bodies = (interface.material, interface.lower_material or interface.material)
@@ -224,12 +231,19 @@ def missed_slip(done: Run) -> tuple[float, float]:
     place = np.searchsorted(np.flatnonzero(touching), first)
     still = np.zeros(int(touching.sum()))
     zones = areas = 0.0
-    for frame in range(len(done.t)):
-        felt, state = done.felt_pressure[frame, touching], done.state[frame, touching]
+    for frame in range(len(done.interface.t)):
+        felt, state = (
+            done.interface.felt_pressure[frame, touching],
+            done.interface.state[frame, touching],
+        )
         strength = law.strength(felt, still, state)[place]
-        change = done.shear_traction[frame, first] - base
+        change = done.interface.shear_traction[frame, first] - base
         room = strength - np.sign(change) * base
-        sticks = (done.slip[frame, first] == 0) & (room > 0) & (done.gap[frame, first] <= 0)
+        sticks = (
+            (done.interface.slip[frame, first] == 0)
+            & (room > 0)
+            & (done.interface.gap[frame, first] <= 0)
+        )
         zone, area = zone_beside_edge(np.abs(change[sticks]), room[sticks], spacing, compliance)
         zones, areas = max(zones, float(zone.max(initial=0.0))), areas + float(area.sum())
     return zones, areas

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cached_property
 from itertools import zip_longest
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.results.answer import FIELDS
-from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.answer import ARRIVALS, FIELDS
+from semianalytic.results.gridded import Gridded
 from semianalytic.results.places import line_points, line_positions
 from semianalytic.results.questions import (
     ONSET_SHARE,
@@ -22,59 +23,73 @@ from semianalytic.results.questions import (
     check_times,
     onsets,
 )
+from semianalytic.results.reading import Measured, Reading
+from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
 
 
-class LineAnswer(Questions):
+class LineAnswer(Questions, Gridded):
     """Questions to a `Run` about any place of the contact and any time until its end."""
 
-    def history(self: Any, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """Return all fields at positions x (n,) of the contact and times t (m,), linear between.
+    interface: Any
+
+    @cached_property
+    def totals(self: Any) -> Totals:
+        """Totals of the contact at the stored times."""
+        known, weights = self.interface, self._weights[self._on]
+        path, work = (sums[:, self._on] @ weights for sums in self._sums)
+        largest = np.abs(known.slip[:, self._on]).max(axis=1, initial=0.0)
+        return Totals(known.t, largest, path, work)
+
+    def reading(self: Any, x: ArrayLike, t: ArrayLike) -> Reading:
+        """Return what happens at x until t, arrivals and fields, each with a bar of its error.
+
+        The bar of a field is its relative error estimate times its mean over the stored times and
+        the contact; it is inf without an estimate, as it is for arrivals.
 
         Raises
         ------
         SceneError
-            If x or t is not finite, off the contact, or beyond the period or the end of the run.
-
-        Examples
-        --------
-        >>> import semianalytic as sf
-        >>> patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
-        >>> line = sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.5), 8.0, loads=[patch])
-        >>> sf.solve(line, end_time=1.0, nodes=64).history([-0.3, 0.1], [0.5, 1.0]).slip.shape
-        (2, 2)
+            For the reasons given at `slip`.
         """
-        x, t = (np.atleast_1d(np.asarray(one, dtype=float)) for one in (x, t))
-        values = (self._between(getattr(self, name), x, t[:, None]) for name in FIELDS)
-        return InterfaceHistory(x, t, *values)
+        x, t = np.broadcast_arrays(line_positions(x), np.asarray(t, dtype=float))
+
+        def measured(name: str) -> Measured:
+            mean = float(np.abs(getattr(self.interface, name)[:, self._on]).mean())
+            error = self.error_estimates.get(name, np.inf)
+            return Measured(getattr(self, name)(x, t), np.full(x.shape, error * mean))
+
+        unknown = np.full(x.shape, np.inf)
+        arrivals = {of: Measured(self.arrival(x, of), unknown) for of in ARRIVALS}
+        return Reading(x, t, arrivals, status=self.status, **{one: measured(one) for one in FIELDS})
 
     @property
     def _seen(self) -> Any:
-        return self
+        return self.interface
 
     @property
     def _on(self: Any) -> NDArray[np.bool_]:
-        return np.asarray(self.touching)
+        return np.asarray(self.interface.touching)
 
     def _onset(self: Any, of: str, share: float = ONSET_SHARE) -> Array:
         at_every_step = of == "slip" and share == ONSET_SHARE
-        known = self.onset if at_every_step else onsets(self, of, share)
-        return np.where(self.touching & ~np.isnan(known), known, np.inf)
+        known = self.onset if at_every_step else onsets(self.interface, of, share)
+        return np.where(self._on & ~np.isnan(known), known, np.inf)
 
     def _places(self: Any, x: ArrayLike) -> Array:
         """Return places along the nodes; raise SceneError beyond the period or off the contact."""
-        x, half = line_positions(x), self.interface.length / 2
+        x, half = line_positions(x), self.scene.length / 2
         beyond = x[np.abs(x) > half]
         if beyond.size:
             raise SceneError(
                 f"this answer reaches to |x| = {half:.6g}, got {shown(float(beyond[0]))}; ask for "
                 "nearer positions, or compute it with a greater `length`."
             )
-        place = np.abs(x) if self.interface.even else x
-        off = x[~self.interface.contact.touches(place)]
+        place = np.abs(x) if self.scene.even else x
+        off = x[~self.scene.contact.touches(place)]
         if off.size:
             raise SceneError(
                 f"the bodies do not touch at x = {off[0]:.6g}; ask for positions of the contact, "
@@ -82,31 +97,34 @@ class LineAnswer(Questions):
             )
         return place
 
+    def _field(self: Any, name: str, x: ArrayLike, t: ArrayLike) -> Array:
+        return np.asarray(self._between(getattr(self.interface, name), x, t))
+
     def _between(self: Any, values: Array, x: ArrayLike, t: ArrayLike) -> Array:
         x, t = line_points(x, t)
         self._places(x)
-        check_times(t, self.t)
+        check_times(t, self.interface.t)
         places, which = np.unique(x, return_inverse=True)
         along, column = self.at(values, places), which.reshape(x.shape)
-        earlier, later, on = between(self.t, t)
+        earlier, later, on = between(self.interface.t, t)
         return np.asarray((1 - on) * along[earlier, column] + on * along[later, column])
 
     def _frame(self: Any, values: Array, t: float) -> Array:
         time = np.asarray(t)
-        check_times(time, self.t)
-        earlier, later, on = between(self.t, time)
+        check_times(time, self.interface.t)
+        earlier, later, on = between(self.interface.t, time)
         return np.asarray((1 - on) * values[earlier] + on * values[later])
 
     def _on_parts(self: Any, values: Array, found: Finder[Interval]) -> tuple[Interval, ...]:
-        x, touching, half = self.x, self.touching, self.interface.length / 2
+        x, touching, half = self.interface.x, self._on, self.scene.length / 2
         intervals = list[Interval]()
-        if self.interface.even:
+        if self.scene.even:
             own = np.flatnonzero(x > 0)[::-1]
             x, touching, values = (
                 np.concatenate([image, nodes])
                 for image, nodes in ((-x[own], x), (touching[own], touching), (values[own], values))
             )
-        for begin, end in self.interface.contact.intervals:
+        for begin, end in self.scene.contact.intervals:
             begin, end = max(begin, -half), min(end, half)
             on = touching & (begin < x) & (x < end)
             if on.sum() < 2:

@@ -196,7 +196,8 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) 
             "continues; leave out `slipping`, or give the same."
         )
     gone = [one for one in record.times or () if one <= earlier.end_time]
-    lost = [one for one in gone if not np.isclose(one, earlier.t, rtol=1e-12, atol=0.0).any()]
+    times = earlier.interface.t
+    lost = [one for one in gone if not np.isclose(one, times, rtol=1e-12, atol=0.0).any()]
     if lost:
         raise SceneError(
             f"run: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
@@ -211,9 +212,9 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) 
     if stepper.unilateral is not None and kept.opening is not None:
         stepper.unilateral.memory.put_back(kept.opening)
     record.every, record.count = kept.every, kept.count
-    record.t = list(earlier.t)
+    record.t = list(earlier.interface.t)
     for name in FIELDS:
-        record.fields[name] = list(getattr(earlier, name))
+        record.fields[name] = list(getattr(earlier.interface, name))
     if record.times is None and record.count % record.every and record.t[-1] == kept.state.time:
         # This frame was recorded only because the earlier run ended there.
         record.t.pop()

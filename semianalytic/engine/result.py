@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,8 @@ from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.state import RunCheckpoint
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.interface.interface import Interface
+from semianalytic.results.answer import answer_dataset
 from semianalytic.results.datasets import attributes, dataset
-from semianalytic.results.intervals import front_speeds
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.laws.sampling import sampled
@@ -28,20 +28,16 @@ Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
-FORMAT = "run of an interface 9"
+FORMAT = "run of an interface 10"
 FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
 @dataclass(frozen=True, eq=False)
-class Run(LineAnswer):
-    """The fields of an interface from t = 0 until the end of a run, with their error estimates.
+class LineFields:
+    """Fields at the nodes of a line and at the stored times.
 
     Attributes
     ----------
-    interface : Interface
-        The interface that was computed.
-    nodes : int
-        Nodes of one period.
     x : (n,) array
         Positions of nodes [length]; x >= 0 only if the interface is even.
     touching : (n,) array of bool
@@ -57,6 +53,32 @@ class Run(LineAnswer):
         slots.
     felt_pressure : (m, n) array
         Pressure that friction follows [stress]: that of the contact unless the law has a delay.
+    """
+
+    x: Array
+    touching: NDArray[np.bool_]
+    t: Array
+    slip: Array
+    slip_rate: Array
+    shear_traction: Array
+    state: Array
+    pressure: Array
+    felt_pressure: Array
+    gap: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Run(LineAnswer):
+    """The slip of an interface from t = 0 until the end of a run, with its error estimates.
+
+    Attributes
+    ----------
+    scene : Interface
+        The interface that was computed.
+    nodes : int
+        Nodes of one period.
+    interface : LineFields
+        Fields at the nodes and stored times.
     onset : (n,) array
         Time at which slip began [time]: when |slip rate| first exceeded the `slipping` of `run`;
         nan where it never did, and on slots.
@@ -78,22 +100,13 @@ class Run(LineAnswer):
     >>> patch = InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
     >>> patched = Interface(Material(1.0, 1.0, 0.25), Coulomb(0.5), 8.0, loads=[patch])
     >>> done = solve(patched, end_time=1.0, nodes=64)
-    >>> done.slip.shape == (len(done.t), len(done.x)), done.status
-    (True, 'done')
+    >>> done.slip([0.1, 0.2], 1.0).shape, done.status
+    ((2,), 'done')
     """
 
-    interface: Interface
+    scene: Interface
     nodes: int
-    x: Array
-    touching: NDArray[np.bool_]
-    t: Array
-    slip: Array
-    slip_rate: Array
-    shear_traction: Array
-    state: Array
-    pressure: Array
-    felt_pressure: Array
-    gap: Array
+    interface: LineFields
     onset: Array
     step_times: Array
     peak_rates: Array
@@ -106,7 +119,7 @@ class Run(LineAnswer):
         error = "no error estimate" if slip is None else f"error of slip {slip:.1e}"
         return (
             f"<Run: to t = {self.end_time:.4g} in {self.steps} steps, {self.nodes} nodes, "
-            f"{len(self.t)} frames; {self.status.partition(':')[0]}, {error}>"
+            f"{len(self.interface.t)} frames; {self.status.partition(':')[0]}, {error}>"
         )
 
     @property
@@ -122,12 +135,12 @@ class Run(LineAnswer):
     @property
     def contact_misfit(self) -> float:
         """How far the grid has an end of a contact from its place, over the node distance."""
-        return self.interface.contact.misfit(self.interface.length, self.nodes, self.shift)
+        return self.scene.contact.misfit(self.scene.length, self.nodes, self.shift)
 
     @property
     def shift(self) -> float:
         """Distance by which the grid is moved for the ends of contacts [length]."""
-        return grid_of(self.interface, self.nodes).shift
+        return grid_of(self.scene, self.nodes).shift
 
     @property
     def caution(self) -> str:
@@ -137,8 +150,8 @@ class Run(LineAnswer):
         (`shift`), and displaces those that lie elsewhere still: the error of slip is then that of a
         contact which is longer or shorter.
         """
-        contact, length = self.interface.contact, self.interface.length
-        run_through = self.interface.fastest * self.end_time
+        contact, length = self.scene.contact, self.scene.length
+        run_through = self.scene.fastest * self.end_time
         if contact.ends_with_period and run_through > length / 4:
             free = max(length / 2 - run_through, 0.0)
             return (
@@ -150,9 +163,9 @@ class Run(LineAnswer):
         # with 0.1, 0.2 and 0.5 of a node distance.
         if misfit < 0.05:
             return ""
-        fitting = fitting_nodes(self.interface, self.nodes, 1)
+        fitting = fitting_nodes(self.scene, self.nodes, 1)
         remedy = f"choose {fitting} nodes"
-        if contact.misfit(length, fitting, grid_of(self.interface, fitting).shift) > misfit / 2:
+        if contact.misfit(length, fitting, grid_of(self.scene, fitting).shift) > misfit / 2:
             remedy = "choose a period of which the ends are simple fractions"
         return (
             f"an end of a contact lies {misfit:.2g} node distances from where the grid has it; "
@@ -175,11 +188,11 @@ class Run(LineAnswer):
     @property
     def _weights(self) -> Array:
         """Length of the line for which each node stands, (n,) [length]."""
-        weights = np.full(len(self.x), self.interface.length / self.nodes)
-        if self.interface.even:
+        weights = np.full(len(self.interface.x), self.scene.length / self.nodes)
+        if self.scene.even:
             # Nodes at x = 0 and length / 2 are their own mirror images.
-            weights[self.x > 0] *= 2
-            weights[self.x >= self.interface.length / 2] /= 2
+            weights[self.interface.x > 0] *= 2
+            weights[self.interface.x >= self.scene.length / 2] /= 2
         return weights
 
     @property
@@ -197,27 +210,19 @@ class Run(LineAnswer):
         begun = np.isfinite(self.onset)
         if not begun.any():
             return np.nan
-        x, onset, length = self.x[begun], self.onset[begun], self.interface.length
+        x, onset, length = self.interface.x[begun], self.onset[begun], self.scene.length
         time = float(np.ptp(onset))
         if time == 0:
             return np.nan
         # Mirror images and nodes of a patch begin together, but for rounding.
         first = x[onset <= onset.min() + SAME_TIME * time]
         last = x[onset >= onset.max() - SAME_TIME * time]
-        if self.interface.even:
+        if self.scene.even:
             first = np.concatenate([first, -first])
         # The line is periodic: a rupture may have come from the next period.
         first = np.sort(np.concatenate([first - length, first, first + length]))
         after = np.searchsorted(first, last)
         return float(np.minimum(last - first[after - 1], first[after] - last).max()) / time
-
-    def front_speed(self) -> Array:
-        """Return the speed of the rupture front at the nodes, (n,) [length / time].
-
-        It is the inverse slope of `onset` over x, by least squares over 17 nodes; nan where slip
-        has not begun at all of them, and inf where it begins at once.
-        """
-        return front_speeds(self.onset, self.interface.length / self.nodes)
 
     def at(self, values: Array, x: Any) -> Array:
         """Return a field of the nodes (..., n) at positions x (k,) of the contact, (..., k).
@@ -226,18 +231,19 @@ class Run(LineAnswer):
         period.
         """
         given = np.asarray(x, dtype=float)
-        place = np.abs(given) if self.interface.even else given
-        right = np.clip(np.searchsorted(self.x, place), 1, len(self.x) - 1)
+        place = np.abs(given) if self.scene.even else given
+        nodes, touching = self.interface.x, self.interface.touching
+        right = np.clip(np.searchsorted(nodes, place), 1, len(nodes) - 1)
         left = right - 1
-        share = np.clip((place - self.x[left]) / (self.x[right] - self.x[left]), 0.0, 1.0)
+        share = np.clip((place - nodes[left]) / (nodes[right] - nodes[left]), 0.0, 1.0)
         # beside the end of a contact one of the two nodes is of the slot
-        share = np.where(self.touching[left], share, 1.0)
-        share = np.where(self.touching[right], share, 0.0)
+        share = np.where(touching[left], share, 1.0)
+        share = np.where(touching[right], share, 0.0)
         found = values[..., left] * (1 - share) + values[..., right] * share
         alone = np.where(share == 0, values[..., left], values[..., right])
         found = np.where((share == 0) | (share == 1), alone, found)
-        within = np.abs(given) <= self.interface.length / 2
-        return np.where(within & self.interface.contact.touches(place), found, np.nan)
+        within = np.abs(given) <= self.scene.length / 2
+        return np.where(within & self.scene.contact.touches(place), found, np.nan)
 
     @property
     def steps(self) -> int:
@@ -292,15 +298,22 @@ class Run(LineAnswer):
         """
         return _beside_edge(self, edge, frame)
 
-    def to_xarray(self) -> Any:
-        """Return all fields as an `xarray.Dataset` of dimensions t and x, ready for NetCDF.
+    def to_xarray(self, x: Any = None, t: Any = None) -> Any:
+        """Return fields as an `xarray.Dataset` of dimensions t and x, ready for NetCDF.
+
+        Without positions x (n,) and times t (m,) it holds all fields of the nodes and frames.
 
         Raises
         ------
         MissingLibraryError
             If xarray is not installed.
+        SceneError
+            If a position or time is one that `slip` refuses.
         """
-        data = dataset(self.x, self.t, {name: getattr(self, name) for name in FIELDS})
+        if x is not None and t is not None:
+            return answer_dataset(cast(Any, self), x, t)
+        known = self.interface
+        data = dataset(known.x, known.t, {name: getattr(known, name) for name in FIELDS})
         data["onset"] = ("x", self.onset, attributes("time", "time of first slip", ""))
         data.attrs.update(status=self.status, nodes=self.nodes, steps=self.steps)
         data.attrs.update({f"error_{name}": value for name, value in self.error_estimates.items()})
@@ -318,7 +331,7 @@ class Run(LineAnswer):
         DataFileError
             If the file cannot be written.
         """
-        write_answer(Path(path), FORMAT, self, compression=4, without=("interface",))
+        write_answer(Path(path), FORMAT, self, compression=4, without=("scene",))
 
     @classmethod
     def load(cls, path: str | PathLike[str], interface: Interface) -> Run:
@@ -332,15 +345,16 @@ class Run(LineAnswer):
             If the file is missing, damaged or not a run, or a run on another contact or period.
         """
         kept = Path(path), FORMAT, cls, "a file that this version saved", "compute it again"
-        run = read_answer(*kept, interface=interface)
-        laid, touching = grid_of(interface, run.nodes).x, interface.contact.touches(run.x)
-        if not (np.array_equal(run.x, laid) and np.array_equal(touching, run.touching)):
+        run = read_answer(*kept, scene=interface)
+        laid, touching = grid_of(interface, run.nodes).x, interface.contact.touches(run.interface.x)
+        known = run.interface
+        if not (np.array_equal(known.x, laid) and np.array_equal(touching, known.touching)):
             raise DataFileError(f"{path} is a run of another interface; load it with its own.")
         return run
 
 
 def _beside_edge(run: Run, edge: float, frame: int) -> EdgeReading:
-    interface, spacing = run.interface, run.interface.length / run.nodes
+    known, interface, spacing = run.interface, run.scene, run.scene.length / run.nodes
     ends = [float(end) for part in interface.contact.intervals for end in part]
     near = min(ends, key=lambda end: abs(end - edge))
     if not abs(near - edge) < spacing / 2:
@@ -349,8 +363,8 @@ def _beside_edge(run: Run, edge: float, frame: int) -> EdgeReading:
             f"{', '.join(f'{end:g}' for end in ends if abs(end) < math.inf) or 'nowhere'}."
         )
     side = 1 if ends.index(near) % 2 == 0 else -1
-    inside = np.flatnonzero(run.touching & (side * (run.x - near) > 0))[::side]
-    outside = np.flatnonzero(~run.touching & (side * (run.x - near) < 0))[::-side]
+    inside = np.flatnonzero(known.touching & (side * (known.x - near) > 0))[::side]
+    outside = np.flatnonzero(~known.touching & (side * (known.x - near) < 0))[::-side]
     inside, outside = (
         nodes[: min(_unbroken(nodes) // 2, MOST_NODES)] for nodes in (inside, outside)
     )
@@ -359,20 +373,23 @@ def _beside_edge(run: Run, edge: float, frame: int) -> EdgeReading:
             f"edge: fewer than {2 * _LEAST_READ} nodes lie between x = {near:g} and the next end "
             "of the contact; take more nodes."
         )
-    slip = np.abs(run.slip[frame])
+    slip = np.abs(known.slip[frame])
     if slip[inside[:_LEAST_READ]].max() > LEAST_GAP * slip[outside[0]]:
         raise SceneError(
-            f"edge: the contact slips beside x = {near:g} at t = {run.t[frame]:g}, so that "
+            f"edge: the contact slips beside x = {near:g} at t = {known.t[frame]:g}, so that "
             "tractions are not those beside a stuck edge; read nodal values."
         )
-    base = sampled("interface: shear", interface.shear, run.x, spacing)[inside]
-    pressed = sampled("interface: pressure", interface.pressure, run.x, spacing)[inside]
-    shear, gone = run.shear_traction[frame, inside] - base, pressed - run.pressure[frame, inside]
+    base = sampled("interface: shear", interface.shear, known.x, spacing)[inside]
+    pressed = sampled("interface: pressure", interface.pressure, known.x, spacing)[inside]
+    shear, gone = (
+        known.shear_traction[frame, inside] - base,
+        pressed - known.pressure[frame, inside],
+    )
     beta = 0.0
     if interface.pair is not None:
         beta = interface.pair.sense * interface.pair.kernels.compliance.dundurs
     # x and shear change sign together where the contact lies on the other side
-    slot = side * run.slip[frame, outside] + 1j * run.gap[frame, outside]
+    slot = side * known.slip[frame, outside] + 1j * known.gap[frame, outside]
     distance, traction, depth, motion = read_beside_edge(
         side * shear + 1j * gone, slot, spacing, beta
     )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from semianalytic.engine.convergence import more_nodes, order_seen
 from semianalytic.engine.estimate import deciding, estimated, too_short, unresolved
 from semianalytic.engine.record import RunRecord, checkpoint, resumed
-from semianalytic.engine.result import Run
+from semianalytic.engine.result import LineFields, Run
 from semianalytic.engine.stepping.advance import advanced
 from semianalytic.engine.stepping.line import fitting_nodes
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
@@ -177,7 +177,7 @@ def _half(
     done: Run, end_time: float, options: dict[str, Any], settings: dict[str, Any]
 ) -> Callable[[Interface], Run]:
     """Return what runs an interface on half the nodes of a run, at its frames."""
-    options = {**options, "times": list(done.t), "shift": done.shift}
+    options = {**options, "times": list(done.interface.t), "shift": done.shift}
     return lambda one: _one(one, end_time, done.nodes // 2, options, settings, None, None)
 
 
@@ -279,18 +279,14 @@ def _one(
     if stopped:
         status = f"interrupted at t = {now.time:.6g}"
     return Run(
-        interface=interface,
+        scene=interface,
         nodes=nodes,
-        x=stepper.grid.x,
-        touching=stepper.touching,
-        t=np.array(record.t),
-        slip=np.array(record.fields["slip"]),
-        slip_rate=np.array(record.fields["slip_rate"]),
-        shear_traction=np.array(record.fields["shear_traction"]),
-        state=np.array(record.fields["state"]),
-        pressure=np.array(record.fields["pressure"]),
-        felt_pressure=np.array(record.fields["felt_pressure"]),
-        gap=np.array(record.fields["gap"]),
+        interface=LineFields(
+            stepper.grid.x,
+            stepper.touching,
+            np.array(record.t),
+            **{name: np.array(values) for name, values in record.fields.items()},
+        ),
         onset=record.onset,
         step_times=np.array(record.step_times),
         peak_rates=np.array(record.peak_rates),

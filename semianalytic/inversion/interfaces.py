@@ -121,7 +121,7 @@ class RecordedRun:
         """Return a field in the frames around each time, the share of the way, and the way."""
         # Gauges have few places and many times: each place is interpolated once over all frames.
         places, which = np.unique(x, return_inverse=True)
-        values, known = self.run.at(getattr(self.run, name), places), self.run.t
+        values, known = self.run.at(getattr(self.run.interface, name), places), self.run.interface.t
         left, right, share = between(known, t)
         column = np.ravel(which)
         return values[left, column], values[right, column], share, known[right] - known[left]

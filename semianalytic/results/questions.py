@@ -13,6 +13,7 @@ from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arri
 from semianalytic.results.intervals import (
     EDGE_STEPS,
     beside_openings,
+    front_speeds,
     open_intervals,
     slip_intervals,
 )
@@ -39,10 +40,40 @@ class Questions:
     """Questions to recorded fields, about any place of the contact and any time until the end.
 
     A class that inherits from this one says in `_seen` which fields (m, n) it has at nodes x (n,)
-    and times t (m,); `_onset` gives the times at which something begins at the nodes, `_places`
+    and times t (m,), and in `totals` what the whole contact did; `_field` gives a field at places
+    and times, `_onset` the times at which something begins at the nodes, `_places`
     checks positions and says where along the nodes they are, `_between` interpolates a field,
     `_frame` gives it at the nodes at one time, and `_on_parts` finds intervals along the contact.
     """
+
+    def slip_rate(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return the relative slip rate, upper minus lower side [length / time].
+
+        Raises
+        ------
+        SceneError
+            If x or t is not finite, not on the contact, or beyond what was recorded.
+        """
+        return np.asarray(self._field("slip_rate", x, t))
+
+    def slip(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return the relative slip since t = 0 [length]; errors are those of `slip_rate`."""
+        return np.asarray(self._field("slip", x, t))
+
+    def shear_traction(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return the shear traction [stress], base included; errors are those of `slip_rate`."""
+        return np.asarray(self._field("shear_traction", x, t))
+
+    def pressure(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return the contact pressure [stress], base included, positive in compression.
+
+        Errors are those of `slip_rate`.
+        """
+        return np.asarray(self._field("pressure", x, t))
+
+    def gap(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return the gap [length], 0 where closed; errors are those of `slip_rate`."""
+        return np.asarray(self._field("gap", x, t))
 
     def path(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the accumulated |slip| [length], from the stored levels.
@@ -109,6 +140,41 @@ class Questions:
         """
         onset = self._onset(checked_arrival(of), NO_SLIP)
         return onset_between(self._seen.x, self._places(x), onset)
+
+    def front_speed(self: Any, x: ArrayLike) -> Array:
+        """Return the speed of the slip front as it comes to x [length / time].
+
+        It is the inverse slope of the onsets of slip at 17 nodes (`front_speeds`): nan where slip
+        does not come to all of them, or comes at once; errors are those of `arrival`.
+        """
+        nodes, onset = self._seen.x, self._onset("slip")
+        speeds = front_speeds(np.where(np.isfinite(onset), onset, np.nan), nodes[1] - nodes[0])
+        found = onset_between(nodes, self._places(x), np.where(np.isnan(speeds), np.inf, speeds))
+        return np.where(np.isfinite(found), found, np.nan)
+
+    def max_slip(self: Any, t: ArrayLike) -> Array:
+        """Return the largest |slip| on the recorded contact at times t [length].
+
+        Raises
+        ------
+        SceneError
+            If a time is not finite or beyond the last step.
+        """
+        return np.asarray(self.totals.at("max_slip", t))
+
+    def accumulated_slip(self: Any, t: ArrayLike) -> Array:
+        """Return the integral over the contact of the |slip| accumulated until t [length^2].
+
+        Errors are those of `max_slip`.
+        """
+        return np.asarray(self.totals.at("accumulated_slip", t))
+
+    def frictional_work(self: Any, t: ArrayLike) -> Array:
+        """Return the energy turned to heat on the contact until t per unit depth [stress length^2].
+
+        Errors are those of `max_slip`.
+        """
+        return np.asarray(self.totals.at("frictional_work", t))
 
     def zones_at(self: Any, t: float) -> tuple[SlipInterval, ...]:
         """Return the parts of the contact that slip at a time, in the order of x.

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.intervals import front_speeds
 from semianalytic.results.places import contact_positions
 from semianalytic.results.questions import (
     ONSET_SHARE,
@@ -23,7 +22,6 @@ from semianalytic.results.questions import (
     Questions,
     between,
     check_times,
-    onset_between,
     onsets,
 )
 from semianalytic.results.reading import Reading, sampled_reading
@@ -89,72 +87,6 @@ class SampledAnswer(Questions, Gridded):
     interface: InterfaceHistory
     totals: Totals
 
-    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the relative slip rate, upper minus lower side [length / time].
-
-        Raises
-        ------
-        SceneError
-            If x or t is not finite, not on the contact, or beyond what was recorded.
-        """
-        return self._field("slip_rate", x, t)
-
-    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the relative slip since t = 0 [length]; errors are those of `slip_rate`."""
-        return self._field("slip", x, t)
-
-    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the shear traction [stress], base included; errors are those of `slip_rate`."""
-        return self._field("shear_traction", x, t, self.scene.base.shear)
-
-    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the contact pressure [stress], base included, positive in compression.
-
-        Errors are those of `slip_rate`.
-        """
-        return self._field("pressure", x, t, self.scene.base.pressure)
-
-    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the gap [length], 0 where closed; errors are those of `slip_rate`."""
-        return self._field("gap", x, t)
-
-    def front_speed(self, x: ArrayLike) -> Array:
-        """Return the speed of the slip front as it comes to x [length / time].
-
-        It is the inverse slope of the onsets of slip at 17 nodes (`front_speeds`): nan where slip
-        does not come to all of them, or comes at once; errors are those of `arrival`.
-        """
-        x = np.asarray(x, dtype=float)
-        _check_positions(x, self.interface.x)
-        nodes, onset = self.interface.x, self._onset("slip")
-        speeds = front_speeds(np.where(np.isfinite(onset), onset, np.nan), nodes[1] - nodes[0])
-        found = onset_between(self.interface.x, x, np.where(np.isnan(speeds), np.inf, speeds))
-        return np.where(np.isfinite(found), found, np.nan)
-
-    def max_slip(self, t: ArrayLike) -> Array:
-        """Return the largest |slip| on the recorded contact at times t [length].
-
-        Raises
-        ------
-        SceneError
-            If a time is not finite or beyond the last step.
-        """
-        return self.totals.at("max_slip", t)
-
-    def accumulated_slip(self, t: ArrayLike) -> Array:
-        """Return the integral over the contact of the |slip| accumulated until t [length^2].
-
-        Errors are those of `max_slip`.
-        """
-        return self.totals.at("accumulated_slip", t)
-
-    def frictional_work(self, t: ArrayLike) -> Array:
-        """Return the energy turned to heat on the contact until t per unit depth [stress length^2].
-
-        Errors are those of `max_slip`.
-        """
-        return self.totals.at("frictional_work", t)
-
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
         """Return what happens at x until t, arrivals and fields, each with a bar of its error.
 
@@ -201,11 +133,12 @@ class SampledAnswer(Questions, Gridded):
     def _on_parts(self, values: Array, found: Finder[Interval]) -> tuple[Interval, ...]:
         return found(self.interface.x, values)
 
-    def _field(self, name: str, x: ArrayLike, t: ArrayLike, at_rest: float = 0.0) -> Array:
+    def _field(self, name: str, x: ArrayLike, t: ArrayLike) -> Array:
+        base = {"shear_traction": self.scene.base.shear, "pressure": self.scene.base.pressure}
         # a record begins before t = 0 where a load comes along the slot no faster than its waves
         before = np.asarray(t) < min(self.interface.t[0], 0.0)
         values = self._between(getattr(self.interface, name), x, t)
-        return np.asarray(np.where(before, at_rest, values))
+        return np.asarray(np.where(before, base.get(name, 0.0), values))
 
 
 def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Array:

@@ -152,7 +152,7 @@ def _end(done: Run, source: str) -> None:
 
 def _document(done: Run, name: str) -> dict[str, Any]:
     """Return what --json prints of a run."""
-    on = np.abs(done.slip[-1][done.touching])
+    on = np.abs(done.interface.slip[-1][done.interface.touching])
     steps = np.diff(done.step_times)
     return {
         "interface": name,
@@ -161,11 +161,13 @@ def _document(done: Run, name: str) -> dict[str, Any]:
         "steps": done.steps,
         "shortest_step": float(steps.min()),
         "longest_step": float(steps.max()),
-        "frames": len(done.t),
+        "frames": len(done.interface.t),
         "largest_slip": float(on.max()),
         "largest_slip_rate": float(done.peak_rates.max()),
-        "slipping": float(np.mean(np.abs(done.slip_rate[-1][done.touching]) > 0)),
-        "largest_gap": float(done.gap[:, done.touching].max()),
+        "slipping": float(
+            np.mean(np.abs(done.interface.slip_rate[-1][done.interface.touching]) > 0)
+        ),
+        "largest_gap": float(done.interface.gap[:, done.interface.touching].max()),
         "error_estimates": dict(done.error_estimates),
         "caution": done.caution,
         "units": {
@@ -182,7 +184,7 @@ def _table(done: Run, name: str) -> PrintedTable:
     shown = _document(done, name)
     table = PrintedTable("quantity", "value", "unit", title=name)
     table.add_row("until", f"t = {done.end_time:.6g}", "time")
-    table.add_row("nodes, frames", f"{done.nodes}, {len(done.t)}")
+    table.add_row("nodes, frames", f"{done.nodes}, {len(done.interface.t)}")
     table.add_row(
         "steps",
         f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}",
@@ -191,7 +193,7 @@ def _table(done: Run, name: str) -> PrintedTable:
     table.add_row("largest slip", f"{shown['largest_slip']:.6g}", "length")
     table.add_row("largest slip rate", f"{shown['largest_slip_rate']:.6g}", "length/time")
     table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} %", "of the contact")
-    if done.interface.may_open:
+    if done.scene.may_open:
         table.add_row("largest gap", f"{shown['largest_gap']:.6g}", "length")
     for quantity, error in done.error_estimates.items():
         table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}", "relative")

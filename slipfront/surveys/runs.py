@@ -10,6 +10,7 @@ import numpy as np
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
 from semianalytic.interface.files import InterfaceFile
+from semianalytic.results.intervals import front_speeds
 from semianalytic.scene.errors import SceneError
 from slipfront.surveys.plan import Question
 
@@ -38,14 +39,14 @@ def interface_row(described: InterfaceFile, question: Question) -> dict[str, Any
         options["times"] = question.t
     done = run(described.interface, end, **options)
     begun = np.isfinite(done.onset)
-    touching = done.touching
+    touching = done.interface.touching
     row: dict[str, Any] = {
         "end_time": done.end_time,
         "largest_slip": float(np.abs(done.checkpoint.state.slip[touching]).max(initial=0.0)),
         "largest_slip_rate": float(done.peak_rates.max()),
         "time_of_largest_slip_rate": float(done.step_times[done.peak_rates.argmax()]),
         "onset": float(done.onset[begun].min()) if begun.any() else np.nan,
-        "reach_of_slip": float(np.abs(done.x[begun]).max(initial=0.0)),
+        "reach_of_slip": float(np.abs(done.interface.x[begun]).max(initial=0.0)),
         "rupture_speed": done.rupture_speed,
         "slipped_length": done.slipped_length,
         "frictional_work": done.work["friction"],
@@ -56,7 +57,7 @@ def interface_row(described: InterfaceFile, question: Question) -> dict[str, Any
         "method": RUN,
     }
     if described.interface.may_open:
-        row["largest_gap"] = float(done.gap[:, touching].max(initial=0.0))
+        row["largest_gap"] = float(done.interface.gap[:, touching].max(initial=0.0))
     return row | _along(done, question)
 
 
@@ -67,9 +68,9 @@ def _along(done: Run, question: Question) -> dict[str, Any]:
     x = np.array(question.x)
     row = {
         "arrival": done.at(done.onset, x),
-        "front_speed": done.at(done.front_speed(), x),
+        "front_speed": done.at(front_speeds(done.onset, done.scene.length / done.nodes), x),
     }
     if question.t:
         for name in question.fields:
-            row[name] = done.at(getattr(done, name), x)
+            row[name] = done.at(getattr(done.interface, name), x)
     return row

@@ -23,6 +23,7 @@ from compare.comparison.quantities.own_rows import (
 from compare.comparison.rows import Row
 from fem.lines import LineSimulation
 from semianalytic import Run
+from semianalytic.engine.result import LineFields
 from semianalytic.engine.stepping.pace import in_fours
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.interface.fields import at_nodes
@@ -97,9 +98,9 @@ class LineCase(Case):
     def _beside_slots(self, x: Array, width: float) -> Mask:
         """Return which positions, (n,), are within a width of a slot of the periodic line, in the
         run or on a mesh."""
-        answers: tuple[Run | LineSimulation, ...] = (self.run, *self.simulations)
-        slots, period = [one.x[~one.touching] for one in answers], self.run.interface.length
-        if self.run.interface.even:
+        answers: tuple[LineFields | LineSimulation, ...] = (self.run.interface, *self.simulations)
+        slots, period = [one.x[~one.touching] for one in answers], self.run.scene.length
+        if self.run.scene.even:
             slots.append(-slots[0])
         apart = x[:, None] - np.concatenate(slots) + period / 2
         apart = np.abs(apart % period - period / 2)
@@ -132,15 +133,18 @@ class LineCase(Case):
         and a small gap decides nothing.
         """
         run, name = self.run, kind.replace(" ", "_")
-        mean = {one: float(np.abs(getattr(run, one)[:, run.touching]).mean()) for one in UNITS}
+        mean = {
+            one: float(np.abs(values[:, run.interface.touching]).mean())
+            for one, values in fields_of(run.interface, UNITS).items()
+        }
         stress = max(mean["shear_traction"], mean["pressure"])
         motion = max(mean["slip"], mean["gap"])
         if UNITS[name] == "stress":
             return NOTHING * stress
         if name == "gap":  # slots are wider than contacts open
             return LEAST_GAP * motion
-        if run.interface.law.has_threshold:
-            motion = max(motion, stress * run.end_time / run.interface.material.shear_impedance)
+        if run.scene.law.has_threshold:
+            motion = max(motion, stress * run.end_time / run.scene.material.shear_impedance)
         return NOTHING * motion / (run.end_time if name == "slip_rate" else 1.0)
 
     @property
@@ -151,7 +155,7 @@ class LineCase(Case):
     @property
     def shear_speed(self) -> float:
         """Shear wave speed of the upper body [length / time]."""
-        return self.run.interface.material.shear_speed
+        return self.run.scene.material.shear_speed
 
     def place(self, level: int, node: int) -> str:
         """Return the words for a place and a time of the simulation."""
@@ -187,7 +191,9 @@ class LineCase(Case):
         done, size = self.run, self._mean(name, self.at_nodes)
         share = done.error_estimates.get(name, 0.0)
         if name == "pressure" and size:
-            share *= float(np.abs(done.pressure[:, done.touching]).mean()) / size
+            share *= (
+                float(np.abs(done.interface.pressure[:, done.interface.touching]).mean()) / size
+            )
         return share
 
     def rows(self) -> Iterator[Row]:
@@ -218,7 +224,8 @@ class LineCase(Case):
 def line_case(done: Run, simulations: Sequence[LineSimulation]) -> LineCase:
     """Return the case of a run and of simulations on meshes of h, 2h and 4h; see
     `judge_interface`."""
-    refuse_unfinite("the run", done.x, done.t, fields_of(done, UNITS))
+    known = done.interface
+    refuse_unfinite("the run", known.x, known.t, fields_of(known, UNITS))
     base, mesh = _in_place(done), None
     for one in reversed(simulations):
         whose = f"the simulation of {one.nodes} nodes"
@@ -227,7 +234,7 @@ def line_case(done: Run, simulations: Sequence[LineSimulation]) -> LineCase:
         still = {name: np.nan_to_num(done.at(values, one.x)) for name, values in base.items()}
         fields = {name: values - still[name] for name, values in fields_of(one, UNITS).items()}
         changes = InterfaceHistory(x=one.x, t=one.t, **fields)
-        mesh = LineMesh(one, changes, one.nodes, done.interface.length / one.nodes, mesh)
+        mesh = LineMesh(one, changes, one.nodes, done.scene.length / one.nodes, mesh)
     both: tuple[Any, Any] = done, mesh
     return LineCase(*both, predicted_changes(done, simulations[0].x), None)
 
@@ -237,16 +244,16 @@ def predicted_changes(done: Run, x: Array) -> InterfaceHistory:
 
     They are 0 on slots.
     """
-    base, fields = _in_place(done), fields_of(done, UNITS)
+    base, fields = _in_place(done), fields_of(done.interface, UNITS)
     moved = {name: np.nan_to_num(done.at(fields[name] - base[name], x)) for name in UNITS}
-    return InterfaceHistory(x=x, t=done.t, **moved)
+    return InterfaceHistory(x=x, t=done.interface.t, **moved)
 
 
 def _in_place(done: Run) -> dict[str, Array]:
     """Return what fields are at the nodes of a run before anything moves, by name."""
-    face, spacing = done.interface, done.interface.length / done.nodes
-    base = dict.fromkeys(UNITS, np.zeros_like(done.x))
-    on = "interface: pressure", face.pressure, done.x, done.touching
+    face, spacing = done.scene, done.scene.length / done.nodes
+    base = dict.fromkeys(UNITS, np.zeros_like(done.interface.x))
+    on = "interface: pressure", face.pressure, done.interface.x, done.interface.touching
     base["pressure"] = at_nodes(*on, spacing)
-    base["shear_traction"] = sampled("interface: shear", face.shear, done.x, spacing)
+    base["shear_traction"] = sampled("interface: shear", face.shear, done.interface.x, spacing)
     return base

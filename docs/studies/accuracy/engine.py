@@ -58,10 +58,10 @@ def profiles(
     case: str, answer: sf.Solution, done: sf.Run, *fields: str, least: float, most: float
 ) -> Iterator[Row]:
     """Yield rows of fields of a run at its end, against a solution at unit time between places."""
-    near = (done.x > least) & (done.x < most)
+    near = (done.interface.x > least) & (done.interface.x < most)
     for field in fields:
-        known = getattr(answer, field)(done.x[near], 1.0)
-        yield profile(case, field.replace("_", " "), known, getattr(done, field)[0][near])
+        known = getattr(answer, field)(done.interface.x[near], 1.0)
+        yield profile(case, field.replace("_", " "), known, getattr(done.interface, field)[0][near])
 
 
 def ended(fault: sf.Interface, nodes: int, end: float = 1.0) -> sf.Run:
@@ -169,14 +169,14 @@ def patches() -> Iterator[Row]:
             load = sf.InterfaceLoad(shear, history=None)
             fault = sf.Interface(SOLID, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
             done = ended(fault, nodes)
-            v = 1 / done.x[1:]
+            v = 1 / done.interface.x[1:]
             y = v * root / (p * np.sqrt(np.maximum(v * v - s * s, 1e-12)))
             inner = np.arctanh(np.minimum(np.minimum(y, 1 / y), 1 - 1e-15))
             known = np.where(v > s, 2 * strength / (math.pi * p * root) * inner, 0.0)
             case = f"over-stressed patch, {mode}, {nodes} nodes"
-            yield profile(case, "slip rate", known, done.slip_rate[0][1:])
+            yield profile(case, "slip rate", known, done.interface.slip_rate[0][1:])
             if nodes == 4096:
-                found = float(done.x[done.slip_rate[0] > 1e-9].max())
+                found = float(done.interface.x[done.interface.slip_rate[0] > 1e-9].max())
                 yield compared(case, "edge", edge, found, 6)
 
 
@@ -252,14 +252,14 @@ def cracks() -> Iterator[Row]:
             half = sf.Interface(SOLID, law, 10.0, shear=1.0, loads=[off], contact=beside, mode=side)
             for name, fault in (("Kostrov", whole), ("Freund", half)):
                 done = ended(fault, nodes)
-                near = (done.x > 0) & (done.x < speed)
-                x = done.x[near]
+                near = (done.interface.x > 0) & (done.interface.x < speed)
+                x = done.interface.x[near]
                 if name == "Kostrov":
                     known = kostrov_slip(x, speed, impedance)
                 else:
                     known = freund_slip(x, speed, rayleigh_factors(SOLID.poisson_ratio, mode), mode)
                 case = f"{name}'s crack, {side}, {nodes} nodes"
-                yield profile(case, "slip", known, done.slip[0][near])
+                yield profile(case, "slip", known, done.interface.slip[0][near])
 
 
 def statics() -> Iterator[Row]:
@@ -269,11 +269,11 @@ def statics() -> Iterator[Row]:
     for nodes in (256, 512, 1024):
         options: Row = {"step_ratio": 0.5, "times": [62.0], "estimate": False}
         done = sf.solve(named.interface, end_time=named.end_time, nodes=nodes, **options)
-        x = done.x[done.x < edge]
+        x = done.interface.x[done.interface.x < edge]
         square = np.tan(math.pi * edge / 8) ** 2 - np.tan(math.pi * x / 8) ** 2
         top = math.tan(math.pi / 8) ** 2 - math.tan(math.pi * edge / 8) ** 2
         known = 2 / math.pi * np.arctan(np.sqrt(top / square))
-        found = done.shear_traction[0][: len(x)]
+        found = done.interface.shear_traction[0][: len(x)]
         yield profile(f"cattaneo, {nodes} nodes", "traction where it sticks", known, found)
 
 

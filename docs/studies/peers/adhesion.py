@@ -44,7 +44,10 @@ def ours(nodes: int) -> GridRun:
     times = np.linspace(0, END, FRAMES)[1:].tolist()
     done, seconds = timed_run(face, END, nodes, times)
     every = nodes // GRIDS[0]
-    fields = {"gap": done.gap[:, ::every], "pressure": done.pressure[:, ::every]}
+    fields = {
+        "gap": done.interface.gap[:, ::every],
+        "pressure": done.interface.pressure[:, ::every],
+    }
     return GridRun(f"{nodes} nodes", fields, seconds)
 
 

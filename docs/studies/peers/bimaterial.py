@@ -58,7 +58,11 @@ def our_run(nodes: int) -> tuple[Fields, float]:
 
     fault = sf.Interface(upper, law, LENGTH, pressure=130e6, shear=shear, lower_material=lower)
     done, seconds = timed_run(fault, END, nodes, TIMES)
-    return Fields(done.t, done.x, {"slip": done.slip, "slip rate": done.slip_rate}), seconds
+    return Fields(
+        done.interface.t,
+        done.interface.x,
+        {"slip": done.interface.slip, "slip rate": done.interface.slip_rate},
+    ), seconds
 
 
 def at_points(fields: Fields, seconds: float, count: int) -> GridRun:

@@ -124,7 +124,7 @@ def our_run(problem: Problem, times: Array, nodes: int, near: float) -> tuple[Ar
     )
     done, seconds = timed_run(fault, float(times[-1]), nodes, times)
     print(f"{nodes} nodes: slip rate at the start {rate:.7g}, theirs {near:.7g} m/s", flush=True)
-    return done.slip_rate.max(axis=1) - done.slip_rate[:, 0], seconds
+    return done.interface.slip_rate.max(axis=1) - done.interface.slip_rate[:, 0], seconds
 
 
 def main() -> None:

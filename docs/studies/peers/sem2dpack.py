@@ -138,11 +138,11 @@ def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     fault = replace(given, shear=shear, even=True, mode=mode)
     done, seconds = timed_run(fault, float(times[-1]), nodes, times)
     fields = {
-        "slip": done.slip,
-        "slip rate": done.slip_rate,
-        "shear traction": done.shear_traction - done.shear_traction[0],
+        "slip": done.interface.slip,
+        "slip rate": done.interface.slip_rate,
+        "shear traction": done.interface.shear_traction - done.interface.shear_traction[0],
     }
-    return Fields(done.t, done.x, fields), seconds
+    return Fields(done.interface.t, done.interface.x, fields), seconds
 
 
 def at_points(problem: Problem, fields: Fields, grid: str, seconds: float) -> GridRun:

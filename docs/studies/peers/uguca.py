@@ -54,7 +54,7 @@ def tpv101(fields: Path, build: Path) -> None:
         done, seconds = timed_run(
             found.interface, times[-1], our_nodes, times, step_ratio=STEP_RATIO
         )
-        ours = {"slip": done.slip, "slip rate": done.slip_rate}
+        ours = {"slip": done.interface.slip, "slip rate": done.interface.slip_rate}
         pairs.append((theirs, GridRun(f"{PERIOD / our_nodes:g} m", ours, seconds)))
     coarse, fine = (theirs.fields for theirs, _ in pairs)
     limit = {name: 2 * fine[name] - coarse[name] for name in FILES}
@@ -92,7 +92,12 @@ def our_bimat(nodes: int) -> GridRun:
     assert found.end_time is not None
     times = [found.end_time * k / 20 for k in range(21)]
     done, seconds = timed_run(found.interface, found.end_time, nodes, times)
-    fields = (done.slip, done.slip_rate, done.shear_traction, done.pressure)
+    fields = (
+        done.interface.slip,
+        done.interface.slip_rate,
+        done.interface.shear_traction,
+        done.interface.pressure,
+    )
     changes = {
         name: (field - BIMAT[name])[1:, :: nodes // 256]
         for name, field in zip(BIMAT, fields, strict=True)

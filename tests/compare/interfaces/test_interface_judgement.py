@@ -57,7 +57,7 @@ def test_different_bodies_agree(judged):
 )
 def test_a_run_of_another_interface_differs(judged, change, kind):
     wrong = sf.solve(
-        replace(FAULT, **change), end_time=2.0, nodes=256, times=list(judged.prediction.t)
+        replace(FAULT, **change), end_time=2.0, nodes=256, times=list(judged.prediction.interface.t)
     )
     other = judge_interface(wrong, list(judged.case.simulations))
     assert other.verdict == "differs"
@@ -132,6 +132,11 @@ SPOILT = {
 }
 
 
+def changed(run, **fields):
+    """A run with other fields."""
+    return replace(run, interface=replace(run.interface, **fields))
+
+
 @pytest.mark.parametrize("spoil", [spoilt_at, spoilt_nodes])
 @pytest.mark.parametrize("what", SPOILT)
 def test_no_node_of_the_finest_mesh_is_left_out(judged, spoil, what):
@@ -143,7 +148,7 @@ def test_no_node_of_the_finest_mesh_is_left_out(judged, spoil, what):
 def test_stored_slip_rates_are_those_of_the_stored_slip(judged):
     """Wrong on all meshes alike, and in the run: no comparison shows it, but slip does."""
     scaled = [replace(one, slip_rate=1.01 * one.slip_rate) for one in judged.case.simulations]
-    run = replace(judged.prediction, slip_rate=1.01 * judged.prediction.slip_rate)
+    run = changed(judged.prediction, slip_rate=1.01 * judged.prediction.interface.slip_rate)
     wrong = judge_interface(run, scaled)
     assert [row.name for row in wrong.having("differs")] == ["slip rate against slip"]
 
@@ -164,7 +169,7 @@ def test_values_that_are_not_finite_are_refused(judged, field, value):
     with pytest.raises(DataFileError, match="not a finite number"):
         judge_interface(judged.prediction, everywhere)
     with pytest.raises(DataFileError, match="the run holds"):
-        judge_interface(replace(judged.prediction, **{field: every}), list(judged.case.simulations))
+        judge_interface(changed(judged.prediction, **{field: every}), list(judged.case.simulations))
 
 
 @pytest.mark.parametrize("contact", [None, sf.Contact([(-2.0, 1.5)])])
@@ -176,10 +181,14 @@ def test_contacts_that_stick_are_decided_by_their_tractions(contact):
     assert judged.prediction.status == "done"
     assert judged.verdict == "agrees"
     assert {row.kind for row in judged.rows} == {"shear traction", "local", "law"}
-    given = {"end_time": 1.0, "nodes": judged.prediction.nodes, "times": list(judged.prediction.t)}
+    given = {
+        "end_time": 1.0,
+        "nodes": judged.prediction.nodes,
+        "times": list(judged.prediction.interface.t),
+    }
     wrong = sf.solve(replace(face, shear=0.06), **given)
     shown = judge_interface(
-        replace(judged.prediction, shear_traction=wrong.shear_traction),
+        changed(judged.prediction, shear_traction=wrong.interface.shear_traction),
         list(judged.case.simulations),
     )
     assert shown.verdict == "differs"
@@ -196,7 +205,7 @@ def test_rate_and_state_friction_agrees():
         replace(fault, law=replace(law, evolution="slip")),
         end_time=2.0,
         nodes=128,
-        times=list(judged.prediction.t),
+        times=list(judged.prediction.interface.t),
     )
     assert judge_interface(wrong, list(judged.case.simulations)).verdict == "differs"
 

@@ -236,10 +236,12 @@ def test_answers_that_this_package_saves_are_read_whatever_they_are_called(tmp_p
         save(tmp_path / name)
         (records,) = read_records([tmp_path / name])
         saved = march.interface if name < "c" else run if name < "f" else exact
-        last, *_ = np.nonzero(np.asarray(saved.x) == records.stations[-1].x)[0]
+        last, *_ = np.nonzero(np.asarray(saved.interface.x) == records.stations[-1].x)[0]
         for quantity, values in records.stations[-1].values.items():
             np.testing.assert_array_equal(values, np.asarray(getattr(saved, quantity))[:, last])
-        assert len(records.stations) == np.sum(np.asarray(saved.x) > (0 if name < "c" else -9))
+        assert len(records.stations) == np.sum(
+            np.asarray(saved.interface.x) > (0 if name < "c" else -9)
+        )
         assert "touching" not in records.unread
 
 

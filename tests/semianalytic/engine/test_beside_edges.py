@@ -44,10 +44,12 @@ def errors(pair, load, nodes, side=1, friction=0.005):
     done = held(pair, load, nodes, side, friction)
     reading = done.beside_edge(0.0)
     mirrored = load[0], side * load[1]  # x and shear change sign together
-    place, step = reading.distance[:8], done.interface.length / nodes
+    place, step = reading.distance[:8], done.scene.length / nodes
     found = side * reading.shear_traction[:8] + 1j * (PRESSURE - reading.pressure[:8])
-    on = np.flatnonzero(done.touching & (side * done.x > 0))[::side][:8]
-    raw = side * done.shear_traction[-1, on] + 1j * (PRESSURE - done.pressure[-1, on])
+    on = np.flatnonzero(done.interface.touching & (side * done.interface.x > 0))[::side][:8]
+    raw = side * done.interface.shear_traction[-1, on] + 1j * (
+        PRESSURE - done.interface.pressure[-1, on]
+    )
     known = exact(pair, mirrored, place, friction)
     nodal = exact(pair, mirrored, (np.arange(8) + 0.5) * step, friction)
     return np.abs(found / known - 1), np.abs(raw / nodal - 1)
@@ -109,14 +111,20 @@ def test_tractions_beside_pressed_slots_are_within_their_errors(pressure):
     done = sf.solve(
         sf.Interface(solid, sf.Coulomb(0.4), 16.0, **half), end_time=0.9, nodes=512, times=times
     )
-    on = done.touching & (done.x < 4)
-    known = exact.history(done.x[on], times)
+    on = done.interface.touching & (done.interface.x < 4)
+    known = exact.history(done.interface.x[on], times)
     for name in ("shear_traction", "pressure"):
-        own, right = getattr(done, name)[:, on], getattr(known, name)
+        own, right = getattr(done.interface, name)[:, on], getattr(known, name)
         # The period has another edge, which is its mirror image.
-        error = 2 * np.abs(own - right).sum() / np.abs(getattr(done, name)[:, done.touching]).sum()
+        error = (
+            2
+            * np.abs(own - right).sum()
+            / np.abs(getattr(done.interface, name)[:, done.interface.touching]).sum()
+        )
         assert error < done.error_estimates[name] < 0.1, name
     slip = (
-        2 * np.abs(done.slip[:, on] - known.slip).sum() / np.abs(done.slip[:, done.touching]).sum()
+        2
+        * np.abs(done.interface.slip[:, on] - known.slip).sum()
+        / np.abs(done.interface.slip[:, done.interface.touching]).sum()
     )
     assert slip < done.error_estimates["slip"] < 0.01

@@ -33,9 +33,9 @@ def punch():
 
 def off(one, truth):
     """Relative L1 error of slip on the contact at the end."""
-    inside = np.abs(one.x) < 2
-    exact = np.interp(one.x[inside], truth.x, truth.slip[-1])
-    return np.abs(one.slip[-1][inside] - exact).sum() / np.abs(exact).sum()
+    inside = np.abs(one.interface.x) < 2
+    exact = np.interp(one.interface.x[inside], truth.interface.x, truth.interface.slip[-1])
+    return np.abs(one.interface.slip[-1][inside] - exact).sum() / np.abs(exact).sum()
 
 
 @pytest.fixture(scope="module")
@@ -108,10 +108,15 @@ def test_a_grid_is_moved_with_the_interface(nodes):
     assert other.shift != one.shift != 0
     assert one.contact_misfit == pytest.approx(other.contact_misfit, abs=1e-9)
     assert one.contact_misfit < (0.05 if nodes is None else 0.3)
-    on = one.touching
-    steps = round((other.x[other.touching][0] - 0.0177 - one.x[on][0]) / (20 / one.nodes))
+    on = one.interface.touching
+    steps = round(
+        (other.interface.x[other.interface.touching][0] - 0.0177 - one.interface.x[on][0])
+        / (20 / one.nodes)
+    )
     assert steps == 0
-    np.testing.assert_allclose(other.slip[-1][other.touching], one.slip[-1][on], atol=1e-9)
+    np.testing.assert_allclose(
+        other.interface.slip[-1][other.interface.touching], one.interface.slip[-1][on], atol=1e-9
+    )
     for name, error in one.error_estimates.items():
         assert error == pytest.approx(other.error_estimates[name], rel=1e-3), name
 
@@ -138,7 +143,7 @@ def test_slip_between_ends_anywhere_is_within_its_error():
         )
         assert done.contact_misfit < 0.05
         x = np.linspace(ends[0] + 0.1, ends[1] - 0.1, 200)
-        slip, exact = (one.at(one.slip[-1], x) for one in (done, truth))
+        slip, exact = (one.at(one.interface.slip[-1], x) for one in (done, truth))
         error = np.abs(slip - exact).sum() / np.abs(exact).sum()
         assert error < done.error_estimates["slip"] < 0.05
 
@@ -189,7 +194,11 @@ def test_nothing_is_known_beyond_the_period():
     done = sf.solve(
         sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3), 16.0), end_time=0.1, nodes=16
     )
-    assert np.isnan(done.at(done.slip, [-8.1, 0.0, 100.0])).tolist()[-1] == [True, False, True]
+    assert np.isnan(done.at(done.interface.slip, [-8.1, 0.0, 100.0])).tolist()[-1] == [
+        True,
+        False,
+        True,
+    ]
 
 
 @pytest.mark.parametrize("even", [False, True])
@@ -225,12 +234,15 @@ def test_long_steps_beside_slots_give_the_answer_of_short_ones(contact, plate):
     fine = one_run(face, 0.05, 32, times=times, longest=6e-5)
     assert np.diff(fine.step_times).max() < 6.1e-5  # the shortest steps, which need no solution
     assert found.steps < fine.steps / 5
-    on = found.touching
+    on = found.interface.touching
     for name, limit in (("slip", 2e-3), ("shear_traction", 2e-3), ("slip_rate", 5e-3)):
-        one, other = getattr(found, name), getattr(fine, name)
+        one, other = getattr(found.interface, name), getattr(fine.interface, name)
         change = other - (3e6 if name == "shear_traction" else 0)
         assert np.abs(one - other)[:, on].sum() < limit * np.abs(change)[:, on].sum()
-    slots = np.abs(found.slip - fine.slip)[:, ~on].sum() / np.abs(fine.slip)[:, ~on].sum()
+    slots = (
+        np.abs(found.interface.slip - fine.interface.slip)[:, ~on].sum()
+        / np.abs(fine.interface.slip)[:, ~on].sum()
+    )
     assert slots < 1e-3
 
 
@@ -319,8 +331,13 @@ def test_slip_of_a_patch_does_not_depend_on_where_its_ends_meet_the_grid(contact
 
     def error(interface, nodes):
         done = one_run(interface, END, nodes, times=[END])
-        exact = np.interp(done.x, truth.x, truth.slip[-1])[done.touching]
-        return np.abs(done.slip[-1][done.touching] - exact).sum() / np.abs(exact).sum()
+        exact = np.interp(done.interface.x, truth.interface.x, truth.interface.slip[-1])[
+            done.interface.touching
+        ]
+        return (
+            np.abs(done.interface.slip[-1][done.interface.touching] - exact).sum()
+            / np.abs(exact).sum()
+        )
 
     # ends at 20, 20.48 and 20.8 node distances: values at nodes were off by 1 to 5 %
     for nodes in (400, 408, 416):
@@ -343,7 +360,7 @@ def test_a_half_line_is_one_until_waves_come_back_from_the_end_of_its_period(
     done = sf.solve(face, end_time=2.0, nodes=int(32 * length))
     assert done.status.startswith(status), done.status
     assert caution in done.caution
-    x = done.x[done.touching & (done.x < 1.0)]
+    x = done.interface.x[done.interface.touching & (done.interface.x < 1.0)]
     exact = sf.solve(scene).slip(x, 2.0)
-    off = np.abs(done.at(done.slip[-1], x) - exact).sum() / exact.sum()
+    off = np.abs(done.at(done.interface.slip[-1], x) - exact).sum() / exact.sum()
     assert off < 0.01 or status == "unresolved"

@@ -43,10 +43,13 @@ def beside_slot(load, mode="in-plane", nodes=512, at=0.0, length=12.0):
 def test_fronts_beside_a_slot_are_those_of_the_exact_solver(load, mode, at, off):
     length, nodes = (12.0, 512) if at == 0 else (20.0, 1024)
     done, known = beside_slot(load, mode, nodes, at, length)
-    near = (done.x > 0.02) & (done.x < 1.9)
-    x = done.x[near]
+    near = (done.interface.x > 0.02) & (done.interface.x < 1.9)
+    x = done.interface.x[near]
     for name, base in (("slip_rate", 0.0), ("shear_traction", 0.0), ("pressure", 1.0)):
-        exact, found = getattr(known, name)(x, 1.0) - base, getattr(done, name)[0][near] - base
+        exact, found = (
+            getattr(known, name)(x, 1.0) - base,
+            getattr(done.interface, name)[0][near] - base,
+        )
         size = np.abs(exact).sum()
         assert np.abs(found - exact).sum() < off * size + 1e-12
 
@@ -58,8 +61,8 @@ def test_a_wave_at_no_angle_is_a_load_of_the_line():
     for load in (wave, sf.InterfaceLoad(shear)):
         face = sf.Interface(THIRD, sf.Coulomb(0.3), 8.0, loads=[load], contact=HALF, even=False)
         runs.append(one_run(face, 1.0, 64))
-    assert runs[0].slip.max() > 0.01 or runs[0].slip.min() < -0.01
-    assert runs[0].slip == pytest.approx(runs[1].slip, abs=1e-12)
+    assert runs[0].interface.slip.max() > 0.01 or runs[0].interface.slip.min() < -0.01
+    assert runs[0].interface.slip == pytest.approx(runs[1].interface.slip, abs=1e-12)
 
 
 def test_a_front_is_the_mean_of_its_load_over_a_node_distance():
@@ -170,12 +173,12 @@ def test_a_wave_meets_faces_that_slide_freely(wave):
     load = sf.FrontLoad(wave, at=at)
     face = sf.Interface(HARD, sf.Coulomb(0.0), length, loads=[load], lower_material=SOFT)
     done = one_run(face, end, nodes, times=[end])
-    assert done.gap.max() == 0.0
+    assert done.interface.gap.max() == 0.0
     slow, width = wave.slowness(SOFT), length / nodes
-    near = np.abs(done.x - at - end / slow) < 1.0
-    share = np.clip(0.5 + (done.x[near] - at - end / slow) / width, 0, 1)
+    near = np.abs(done.interface.x - at - end / slow) < 1.0
+    share = np.clip(0.5 + (done.interface.x[near] - at - end / slow) / width, 0, 1)
     rate, pressure = slipping(wave, HARD, SOFT)
-    found = done.slip_rate[0][near], done.pressure[0][near] - 1.0
+    found = done.interface.slip_rate[0][near], done.interface.pressure[0][near] - 1.0
     for one, size in zip(found, (rate.real, pressure.real), strict=True):
         assert np.abs(one - size * share).sum() < 0.011 * np.abs(size * share).sum()
 
@@ -187,17 +190,17 @@ def test_a_wave_beyond_a_critical_angle_shows_before_its_front():
     stuck = sf.Coulomb(0.1, cohesion=9.0)
     face = sf.Interface(HARD, stuck, 16.0, loads=[load], lower_material=SOFT)
     done = one_run(face, end, 256, times=[end])
-    assert np.abs(done.slip).max() == 0.0
+    assert np.abs(done.interface.slip).max() == 0.0
     t = (np.arange(2**16) - 2**15) / 256
     lines = np.fft.fft(sf.Pulse(0.6, "triangle").value(t))
     shear = bonded_tractions(wave, HARD, SOFT)[1]
     # exp(-i w t) with w > 0 stands at the negative frequencies of the transform
     phases = np.where(np.fft.fftfreq(len(t)) < 0, shear, np.conj(shear))
     history = np.fft.ifft(phases * lines).real
-    since = end - wave.slowness(SOFT) * (done.x - at)
+    since = end - wave.slowness(SOFT) * (done.interface.x - at)
     wanted = np.interp(since, t, history)
     size = np.abs(wanted).sum()
-    assert np.abs(done.shear_traction[0] - wanted).sum() < 0.01 * size
+    assert np.abs(done.interface.shear_traction[0] - wanted).sum() < 0.01 * size
     plain = shear.real * sf.Pulse(0.6, "triangle").value(since)
     assert np.abs(plain - wanted).sum() > 0.5 * size
     ahead = np.abs(wanted[since < 0]).sum()

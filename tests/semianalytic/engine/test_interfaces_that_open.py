@@ -52,11 +52,11 @@ def test_a_whole_face_lifts_flies_and_lands():
     load = sf.InterfaceLoad(pressure=-3.0, history=sf.Pulse(1.0))
     face = sf.Interface(SOLID, sf.Coulomb(0.5), 8.0, loads=[load])
     done = run(face, 4.0, 32, times=[0.5, 1.0, 2.0, 2.9, 3.5], estimate=False)
-    assert done.gap[:4, 0] * STIFF == pytest.approx([1.0, 2.0, 1.0, 0.1], abs=1e-12)
-    assert np.ptp(done.gap, axis=1).max() < 1e-14
-    assert (done.pressure[:4] == 0).all()
-    assert done.gap[4].max() == 0
-    assert done.pressure[4] == pytest.approx(1.0, abs=1e-12)
+    assert done.interface.gap[:4, 0] * STIFF == pytest.approx([1.0, 2.0, 1.0, 0.1], abs=1e-12)
+    assert np.ptp(done.interface.gap, axis=1).max() < 1e-14
+    assert (done.interface.pressure[:4] == 0).all()
+    assert done.interface.gap[4].max() == 0
+    assert done.interface.pressure[4] == pytest.approx(1.0, abs=1e-12)
     # what the face loses in closing is at most its speed times pressure times a step
     assert 0 <= done.work["closing"] < 8.0 * 0.1 / STIFF
 
@@ -71,12 +71,12 @@ def test_a_slot_under_slow_pressure_has_the_static_width():
     face = sf.Interface(SOLID, sf.Coulomb(0.5), length, 9.0, loads=[load], contact=contact,
                         even=True)  # fmt: skip
     done = run(face, 50.0, 128, step_ratio=0.5, times=[50.0], estimate=False)
-    slot = ~done.touching
-    ratio = np.cos(np.pi * done.x[slot] / length) / np.cos(np.pi / length)
+    slot = ~done.interface.touching
+    ratio = np.cos(np.pi * done.interface.x[slot] / length) / np.cos(np.pi / length)
     known = -2 * (2 / 3) * pressure * length / np.pi * np.arccosh(ratio)
     # edges of slots on the grid are off by a share of a node: by 1.2 % of the width with 16 nodes
-    assert np.abs(done.gap[0][slot] / known - 1)[:4].max() < 0.03
-    assert done.gap[0][done.touching].max() == 0
+    assert np.abs(done.interface.gap[0][slot] / known - 1)[:4].max() < 0.03
+    assert done.interface.gap[0][done.interface.touching].max() == 0
 
 
 @pytest.mark.parametrize(
@@ -96,12 +96,16 @@ def test_opening_beside_a_slot_against_the_exact_solver(name, nodes, most):
         errors.append({})
         for field in most:
             # the pressure at the edge is singular, and converges with the root of the spacing
-            near = (done.x > (0.2 if field == "pressure" else 0)) & (done.x < 2.2)
-            known = getattr(exact, field)(done.x[near], 1.0)
-            off = np.abs(getattr(done, field)[0][near] - known)
+            near = (done.interface.x > (0.2 if field == "pressure" else 0)) & (
+                done.interface.x < 2.2
+            )
+            known = getattr(exact, field)(done.interface.x[near], 1.0)
+            off = np.abs(getattr(done.interface, field)[0][near] - known)
             errors[-1][field] = off.sum() / np.abs(known).sum()
         (zone,) = exact.openings
-        open_at = done.x[(done.x > 0) & (done.x < 2.2) & (done.gap[0] > 0)]
+        open_at = done.interface.x[
+            (done.interface.x > 0) & (done.interface.x < 2.2) & (done.interface.gap[0] > 0)
+        ]
         spacing = 10.0 / count
         assert open_at.max() == pytest.approx(zone.outer, abs=1.7 * spacing)
         assert open_at.min() == pytest.approx(zone.inner, abs=1.7 * spacing)
@@ -195,11 +199,11 @@ def test_long_steps_end_where_the_contact_opens():
     film = sf.Coulomb(0.9, viscosity=1e10)
     fault = sf.Interface(rock, film, 16.0, 5e6, 3e6, [fall], held=32.0, even=True)
     done = run(fault, 0.314, 64, estimate=False, frames=10**4)
-    shortest, steps = 0.4 * 0.25 / rock.shear_speed, np.diff(done.t)
-    opened = done.gap[1:].max(axis=1) > 0
+    shortest, steps = 0.4 * 0.25 / rock.shear_speed, np.diff(done.interface.t)
+    opened = done.interface.gap[1:].max(axis=1) > 0
     assert opened.any()
     assert steps[opened].max() < 1.001 * shortest < 30 * shortest < steps.max()
-    assert np.isfinite(done.slip).all()
+    assert np.isfinite(done.interface.slip).all()
 
 
 def test_rate_and_state_opens_after_long_steps():
@@ -215,18 +219,18 @@ def test_rate_and_state_opens_after_long_steps():
     )
     done = run(fault, 0.501, 64, estimate=False)
     assert np.diff(done.step_times).max() > 1e-2
-    assert np.isfinite(done.slip).all()
-    assert done.gap[done.t <= 0.5].max() == 0 < done.gap[-1].max()
-    assert (done.shear_traction[done.gap > 0] == 0).all()
+    assert np.isfinite(done.interface.slip).all()
+    assert done.interface.gap[done.interface.t <= 0.5].max() == 0 < done.interface.gap[-1].max()
+    assert (done.interface.shear_traction[done.interface.gap > 0] == 0).all()
 
 
 def test_estimates_cover_gap_and_pressure():
     _, face = beside_slot("tap")
     done = run(face, 1.0, 512, times=[1.0])
     exact = sf.solve(sf.find("tap"))
-    near = (done.x > 0) & (done.x < 2.2)
-    known = exact.gap(done.x[near], 1.0)
-    error = np.abs(done.gap[0][near] - known).sum() / known.sum()
+    near = (done.interface.x > 0) & (done.interface.x < 2.2)
+    known = exact.gap(done.interface.x[near], 1.0)
+    error = np.abs(done.interface.gap[0][near] - known).sum() / known.sum()
     assert error < done.error_estimates["gap"] < 3 * error
     assert 0.01 < done.error_estimates["pressure"] < 0.2
     assert done.status == "done"
@@ -238,9 +242,9 @@ def test_without_loads_of_pressure_nothing_opens():
     contact = sf.Contact([(-2.0, 2.0)])
     done = run(sf.Interface(SOLID, sf.Coulomb(0.5), 8.0, 0.7, loads=[load], contact=contact),
                0.5, 32)  # fmt: skip
-    assert not done.interface.may_open
-    assert (done.gap == 0).all()
-    assert (done.pressure == np.where(done.touching, 0.7, 0.0)).all()
+    assert not done.scene.may_open
+    assert (done.interface.gap == 0).all()
+    assert (done.interface.pressure == np.where(done.interface.touching, 0.7, 0.0)).all()
     assert set(done.error_estimates) == {"slip", "slip_rate", "shear_traction"}
     data = done.to_xarray()
     assert data["gap"].attrs["dimension"] == "length"

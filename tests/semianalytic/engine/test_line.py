@@ -112,7 +112,7 @@ def test_odd_sweeps_are_unstable_on_a_free_face_and_even_ones_are_not():
             UNIT, sf.Coulomb(9.0), 8.0, loads=[slot], contact=sf.Contact([(1.0, 3.0)])
         )
         done = one_run(scene, 8.0, 64, step_ratio=0.6, sweeps=sweeps)
-        return np.abs(done.slip_rate).max()
+        return np.abs(done.interface.slip_rate).max()
 
     assert largest(2) < 10
     assert largest(3) > 1e6
@@ -130,8 +130,11 @@ def test_steps_beyond_the_stable_range_are_refused(poisson, stable):
         loads=[sf.InterfaceLoad(0.5, on="slot")],
     )
     fine, coarse = (one_run(scene, 4.0, 64, step_ratio=one) for one in (0.2, stable))
-    largest = np.abs(fine.slip_rate).max()
-    assert np.abs(coarse.slip_rate).max() < 1.1 * largest
-    assert np.abs(coarse.slip[-1] - fine.slip[-1]).max() < 0.01 * fine.slip.max()
+    largest = np.abs(fine.interface.slip_rate).max()
+    assert np.abs(coarse.interface.slip_rate).max() < 1.1 * largest
+    assert (
+        np.abs(coarse.interface.slip[-1] - fine.interface.slip[-1]).max()
+        < 0.01 * fine.interface.slip.max()
+    )
     with pytest.raises(sf.SceneError, match="run: `step_ratio` is beyond the stable range"):
         sf.solve(scene, end_time=4.0, nodes=64, step_ratio=10.0 if poisson < 0 else stable + 0.15)

@@ -81,8 +81,10 @@ def test_long_steps_do_not_pass_over_a_load(load):
     found, fine = with_short_steps(slow(load), 7.0, 32, 0.05)
     assert found.steps < fine.steps
     assert np.diff(found.step_times).max() > 0.9
-    assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-3, abs=1e-4 * fine.slip.max())
-    assert fine.slip[-1].max() > 1000 * 1e-9 * 7
+    assert found.interface.slip[-1] == pytest.approx(
+        fine.interface.slip[-1], rel=1e-3, abs=1e-4 * fine.interface.slip.max()
+    )
+    assert fine.interface.slip[-1].max() > 1000 * 1e-9 * 7
 
 
 def test_a_wave_that_arrives_in_a_quiet_phase_sets_off_its_rupture():
@@ -95,8 +97,8 @@ def test_a_wave_that_arrives_in_a_quiet_phase_sets_off_its_rupture():
     face = sf.Interface(ROCK, law, 16e3, loads=[wave], **held)
     found, fine = with_short_steps(face, 20.0, 64, 0.1)
     assert found.steps < fine.steps / 1.2
-    assert np.abs(fine.slip).max() > 0.1
-    assert found.slip[-1] == pytest.approx(fine.slip[-1], rel=1e-4)
+    assert np.abs(fine.interface.slip).max() > 0.1
+    assert found.interface.slip[-1] == pytest.approx(fine.interface.slip[-1], rel=1e-4)
 
 
 @pytest.mark.thinned(3)
@@ -117,7 +119,9 @@ def test_friction_that_damps_less_as_it_speeds_up_does_not_let_short_waves_grow(
     fine = one_run(face, end, 64, longest=period / 200, times=[end])
     assert done.status == "done"
     assert done.peak_rates.max() < 1e-3
-    assert done.slip[-1] == pytest.approx(fine.slip[-1], rel=0.02, abs=2e-3 * fine.slip.max())
+    assert done.interface.slip[-1] == pytest.approx(
+        fine.interface.slip[-1], rel=0.02, abs=2e-3 * fine.interface.slip.max()
+    )
 
 
 def test_a_step_that_ends_beyond_convergence_is_repeated(monkeypatch):
@@ -134,7 +138,9 @@ def test_a_step_that_ends_beyond_convergence_is_repeated(monkeypatch):
     monkeypatch.setattr(Stepper, "length", too_long)
     done = one_run(face, 500.0, 64)
     assert done.steps < right.steps / 3
-    assert done.slip[-1] == pytest.approx(right.slip[-1], abs=0.01 * right.slip[-1].max())
+    assert done.interface.slip[-1] == pytest.approx(
+        right.interface.slip[-1], abs=0.01 * right.interface.slip[-1].max()
+    )
 
 
 @pytest.mark.parametrize("held", [1.0, 0.3])
@@ -149,7 +155,7 @@ def test_a_stiffness_of_a_wave_shorter_than_the_grid_bounds_steps_too(held):
     few, many = (
         one_run(face, 10.0, count, times=[10.0]) for count in (16, round(64 / held / 4) * 4)
     )
-    assert few.slip[-1] == pytest.approx(many.slip[-1, 0], rel=1e-3)
+    assert few.interface.slip[-1] == pytest.approx(many.interface.slip[-1, 0], rel=1e-3)
     assert few.peak_rates.max() == pytest.approx(many.peak_rates.max(), rel=0.02)
 
 
@@ -162,7 +168,7 @@ def test_slots_take_no_work_of_adhesion():
             *(UNIT, glued, 16.0), loads=[pull], adhesion=sf.Adhesion(1.0, 0.5), contact=contact
         )
         done = one_run(face, 1.0, 256)
-        assert np.isfinite(done.pressure).all()
+        assert np.isfinite(done.interface.pressure).all()
         works.append(done.work["closing"])
     assert works[0] == pytest.approx(works[1], rel=0.01)
     assert works[0] > 0.1

@@ -25,7 +25,7 @@ def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
     solution = sf.solve(scene)
     (zone,) = solution.zones
     done = sf.solve(pushed(friction), end_time=1.0, nodes=512, times=[1.0])
-    assert not done.slip[:, done.touching].any()
+    assert not done.interface.slip[:, done.interface.touching].any()
     assert done.error_estimates["slip"] == done.error_estimates["slip_rate"] == 1.0
     length, area = missed_slip(done)
     assert length == pytest.approx(zone.outer, rel=0.1)
@@ -82,4 +82,4 @@ def test_a_run_that_cannot_be_saved_leaves_the_earlier_file(tmp_path, monkeypatc
         done.save(path)
     monkeypatch.undo()
     assert [one.name for one in tmp_path.iterdir()] == ["run.h5"]
-    assert sf.Run.load(path, done.interface).slip == pytest.approx(done.slip)
+    assert sf.Run.load(path, done.scene).interface.slip == pytest.approx(done.interface.slip)

@@ -101,7 +101,7 @@ def slipping_half_line(ratio, nodes):
 def test_an_over_stressed_half_line_slips_as_far_as_the_exact_answer(ratio, known):
     """Contrast 1.5, friction 0.2: speeds of the edges over c_t."""
     done, spacing = slipping_half_line(ratio, 512), 10.0 / 512
-    slips = done.x[done.slip_rate[-1] > 1e-9]
+    slips = done.interface.x[done.interface.slip_rate[-1] > 1e-9]
     ends = slips.max() + spacing / 2 - 2.5, -slips.min() + spacing / 2 - 2.5
     np.testing.assert_allclose(ends, known, atol=spacing)
 
@@ -110,10 +110,10 @@ def test_slip_rate_of_a_half_line_converges_to_the_exact_profile():
     pair, errors = compliance_of(ROCK, FASTER), []
     for nodes in (128, 256, 512):
         done = slipping_half_line(1.0, nodes)
-        v = done.x - 2.5
+        v = done.interface.x - 2.5
         seen = (v > 0.02) & (v < 0.6)
         exact = 0.08 * half_line_slip_rate(pair, 0.2, 1.0, v[seen])
-        errors.append(np.abs(done.slip_rate[-1, seen] - exact).sum() / exact.sum())
+        errors.append(np.abs(done.interface.slip_rate[-1, seen] - exact).sum() / exact.sum())
     assert errors[2] < 0.06
     assert errors[0] > 1.6 * errors[1] > 1.6**2 * errors[2]
 
@@ -121,11 +121,13 @@ def test_slip_rate_of_a_half_line_converges_to_the_exact_profile():
 def test_bodies_that_change_places_give_the_mirrored_answer():
     one, other = (one_run(patch(*pair), 1.0, 256) for pair in ((ROCK, FASTER), (FASTER, ROCK)))
     for name in FIELDS:
-        mirrored = np.roll(getattr(other, name)[:, ::-1], 1, axis=1)
-        size = np.abs(getattr(one, name)).max()
-        np.testing.assert_allclose(mirrored, getattr(one, name), rtol=0, atol=1e-12 * size)
+        mirrored = np.roll(getattr(other.interface, name)[:, ::-1], 1, axis=1)
+        size = np.abs(getattr(one.interface, name)).max()
+        np.testing.assert_allclose(
+            mirrored, getattr(one.interface, name), rtol=0, atol=1e-12 * size
+        )
     # A positive control: without the mirror they differ.
-    assert np.abs(other.slip - one.slip).max() > 1e-3 * one.slip.max()
+    assert np.abs(other.interface.slip - one.interface.slip).max() > 1e-3 * one.interface.slip.max()
 
 
 def test_nearly_identical_bodies_give_the_answer_of_identical_ones():
@@ -167,19 +169,21 @@ def test_a_slot_is_met_by_the_exact_answer(load, pressure, friction):
         lower_material=lower,
     )
     done = one_run(given, 1.0, 768, times=[1.0])
-    seen = (done.x > 0.1) & (done.x < 3.0)
+    seen = (done.interface.x > 0.1) & (done.interface.x < 3.0)
     for name, limit in (("slip_rate", 0.03), ("pressure", 0.03), ("shear_traction", 0.03)):
-        field = getattr(done, name)[-1]
+        field = getattr(done.interface, name)[-1]
         # Beside a stuck edge nodal tractions alternate about the answer on any grid.
         field = (np.roll(field, 1) + 2 * field + np.roll(field, -1)) / 4
-        expected = getattr(exact, name)(done.x[seen], 1.0)
+        expected = getattr(exact, name)(done.interface.x[seen], 1.0)
         size = np.abs(expected - (pressure if name == "pressure" else 0.0)).sum()
         assert np.abs(field[seen] - expected).sum() < limit * size, name
-    opened = done.x[(done.gap[-1] > 0) & (done.x > 0) & (done.x < 3.0)]
+    opened = done.interface.x[
+        (done.interface.gap[-1] > 0) & (done.interface.x > 0) & (done.interface.x < 3.0)
+    ]
     assert bool(len(opened)) == bool(exact.openings)
     if len(opened):
         assert opened.max() == pytest.approx(exact.openings[0].outer, abs=2 * 12 / 768)
-    assert not (done.pressure * done.gap)[:, done.touching].any()
+    assert not (done.interface.pressure * done.interface.gap)[:, done.interface.touching].any()
     assert done.work["closing"] >= 0
 
 
@@ -251,11 +255,20 @@ def test_a_short_delay_is_none_and_a_long_one_lets_friction_feel_less_of_a_chang
         one_run(patch(ROCK, FASTER, **given), 1.0, 256)
         for given in ({}, {"law": sf.Coulomb(0.2, delay=1e-9)}, {"law": sf.Coulomb(0.2, delay=3.0)})
     )
-    np.testing.assert_allclose(short.slip, plain.slip, rtol=0, atol=1e-9 * plain.slip.max())
-    np.testing.assert_allclose(short.felt_pressure[1:], short.pressure[1:], atol=1e-6)
-    assert np.array_equal(plain.felt_pressure, plain.pressure)
-    assert np.abs(long.slip - plain.slip).max() > 1e-3 * plain.slip.max()
-    assert np.abs(long.felt_pressure - 1.0).max() < np.abs(long.pressure - 1.0).max() / 2
+    np.testing.assert_allclose(
+        short.interface.slip, plain.interface.slip, rtol=0, atol=1e-9 * plain.interface.slip.max()
+    )
+    np.testing.assert_allclose(
+        short.interface.felt_pressure[1:], short.interface.pressure[1:], atol=1e-6
+    )
+    assert np.array_equal(plain.interface.felt_pressure, plain.interface.pressure)
+    assert (
+        np.abs(long.interface.slip - plain.interface.slip).max() > 1e-3 * plain.interface.slip.max()
+    )
+    assert (
+        np.abs(long.interface.felt_pressure - 1.0).max()
+        < np.abs(long.interface.pressure - 1.0).max() / 2
+    )
 
 
 def patch_of(law):
@@ -290,7 +303,7 @@ def test_what_would_do_does():
     for law in (sf.Coulomb(0.6, delay=0.0654), sf.Coulomb(0.6, viscosity=3.0)):
         done = one_run(patch_of(law), 1.0, 64)
         assert done.status == "done"
-        assert done.slip.max() > 0
+        assert done.interface.slip.max() > 0
 
 
 def test_runs_in_which_the_grid_let_waves_grow_say_so():
@@ -309,9 +322,9 @@ def test_rate_and_state_between_two_bodies_needs_no_short_steps():
     done = one_run(given, 6.0, 32, times=[6.0])
     fine = one_run(given, 6.0, 32, times=[6.0], step_ratio=0.2, longest=0.0521)
     assert done.steps < fine.steps / 4
-    size = (fine.slip - 6e-3).max()
-    np.testing.assert_allclose(done.slip, fine.slip, rtol=0, atol=5e-3 * size)
-    assert np.abs(done.pressure - 1.0).max() > 1e-4
+    size = (fine.interface.slip - 6e-3).max()
+    np.testing.assert_allclose(done.interface.slip, fine.interface.slip, rtol=0, atol=5e-3 * size)
+    assert np.abs(done.interface.pressure - 1.0).max() > 1e-4
 
 
 @pytest.mark.slow
@@ -320,6 +333,6 @@ def test_steel_on_rubber_is_resolved_under_its_delay_and_refused_without():
     done = sf.solve(found.interface, end_time=found.end_time, nodes=256)
     assert done.status == "done"
     assert done.error_estimates["slip"] < 0.2
-    sudden = replace(found.interface, law=sf.Coulomb(0.5))
+    sudden = replace(found.scene, law=sf.Coulomb(0.5))
     with pytest.raises(sf.SceneError, match="no friction is too low"):
         sf.solve(sudden, end_time=found.end_time, nodes=256)

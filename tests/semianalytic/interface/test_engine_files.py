@@ -76,8 +76,8 @@ def test_a_file_and_the_same_in_python(folder):
         loads=[sf.InterfaceLoad(lambda x: np.exp(-(x**2)), sf.Ramp(0.5))],
     )
     other = sf.solve(same, end_time=1.0, nodes=64, estimate=False)
-    assert done.slip.max() > 0.1
-    assert done.slip == pytest.approx(other.slip, abs=1e-14)
+    assert done.interface.slip.max() > 0.1
+    assert done.interface.slip == pytest.approx(other.interface.slip, abs=1e-14)
 
 
 def test_a_load_of_shear_and_pressure_in_a_file(folder, capsys):
@@ -95,9 +95,9 @@ pressure = "-2 * exp(-x**2) * min(2 * t, 1)"
         (folder / "a.toml").write_text(f"{head}[[load]]\n{load}{tail}")
         found = sf.find("a.toml")
         runs.append(sf.solve(found.interface, end_time=1.0, nodes=64, estimate=False))
-    assert runs[0].gap.max() > 0.1
-    assert runs[0].gap == pytest.approx(runs[1].gap, abs=1e-14)
-    assert runs[0].slip == pytest.approx(runs[1].slip, abs=1e-14)
+    assert runs[0].interface.gap.max() > 0.1
+    assert runs[0].interface.gap == pytest.approx(runs[1].interface.gap, abs=1e-14)
+    assert runs[0].interface.slip == pytest.approx(runs[1].interface.slip, abs=1e-14)
     assert main(["solve", "a.toml"]) == 0
     assert "largest gap" in capsys.readouterr().out
     (folder / "a.toml").write_text(f'mode = "antiplane"\n{head}[[load]]\n{load}{tail}')
@@ -113,7 +113,7 @@ def test_files_and_surveys_know_adhesion(folder):
     assert named["adhesion_length"].value == 0.5
     assert named["adhesion_strength_factor"].value == 1.0
     done = sf.solve(face, end_time=0.2, nodes=64, estimate=False)
-    assert done.pressure.min() < -1.0
+    assert done.interface.pressure.min() < -1.0
 
 
 def test_files_describe_fronts_and_surveys_vary_them(folder):
@@ -135,7 +135,7 @@ def test_named_interfaces_begin(name):
     found = find_interface(name)
     assert found.summary
     done = sf.solve(found.interface, end_time=found.end_time / 1000, nodes=256, estimate=False)
-    assert np.isfinite(done.slip).all()
+    assert np.isfinite(done.interface.slip).all()
 
 
 @pytest.mark.parametrize(

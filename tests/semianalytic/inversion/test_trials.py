@@ -214,7 +214,9 @@ def gauges(run, noise, quantity="slip"):
         sf.Gauge(
             x=x,
             t=t,
-            values=np.interp(t, run.t, run.at(getattr(run, quantity), [x])[:, 0])
+            values=np.interp(
+                t, run.interface.t, run.at(getattr(run.interface, quantity), [x])[:, 0]
+            )
             + noise * random.standard_normal(len(t)),
             noise=noise,
             quantity=quantity,
@@ -255,13 +257,13 @@ def test_gauges_see_between_frames_and_nodes(truth):
     few = sf.solve(fault(), end_time=2.5, nodes=128, estimate=False, frames=12)
     seen = RecordedRun(described, few)
     t = np.linspace(0.1, 2.4, 40)
-    known = np.interp(t, truth.t, truth.at(truth.slip, [0.3])[:, 0])
-    assert len(few.t) < 20
+    known = np.interp(t, truth.interface.t, truth.at(truth.interface.slip, [0.3])[:, 0])
+    assert len(few.interface.t) < 20
     assert seen.slip(np.full(40, 0.3), t) == pytest.approx(known, abs=2e-3 * known.max())
     assert seen.slip(np.array([0.0]), np.array([-1.0])).tolist() == [0.0]
     assert seen.shear_traction(np.array([0.0]), np.array([-1.0])).tolist() == [0.3]
     other = recorded(described.changed({"law_dynamic": 0.5}), 32, estimate=False)
-    assert other.run.slip.max() < truth.slip.max()
+    assert other.run.interface.slip.max() < truth.interface.slip.max()
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def test_tpv101_on_a_coarse_grid():
     )
     known = {0: 16.717576, 6000: 13.566330, 12000: 11.314320, 15000: 9.790005}
     for at, slip in known.items():
-        here = float(np.interp(at, done.x, done.slip[0]))
+        here = float(np.interp(at, done.interface.x, done.interface.slip[0]))
         assert here == pytest.approx(slip, rel=2e-3)
 
 

@@ -174,16 +174,16 @@ every_run = pytest.mark.parametrize("name", RUNS)
 @every_run
 def test_a_run_answers_between_its_nodes_and_frames(name):
     run = run_of(name)
-    on = np.flatnonzero(run.touching & (run.x > 0))
-    frame, x = len(run.t) // 2, run.x[on]
-    sides = (1, -1) if run.interface.even else (1,)
+    on = np.flatnonzero(run.interface.touching & (run.interface.x > 0))
+    frame, x = len(run.interface.t) // 2, run.interface.x[on]
+    sides = (1, -1) if run.scene.even else (1,)
     for side in sides:
-        seen = run.history(side * x, run.t[[frame, -1]])
+        seen = run.history(side * x, run.interface.t[[frame, -1]])
         for field in ("slip", "slip_rate", "shear_traction", "pressure", "gap"):
-            known = getattr(run, field)[[frame, -1]][:, on]
+            known = getattr(run.interface, field)[[frame, -1]][:, on]
             np.testing.assert_allclose(getattr(seen, field), known, rtol=1e-12, atol=1e-14)
     neighbours = x[:2] if np.diff(on)[0] == 1 else x[1:3]
-    times = run.t[[frame, frame + 1]]
+    times = run.interface.t[[frame, frame + 1]]
     corners = run.history(neighbours, times).slip
     middle = run.history(neighbours.mean(), times.mean()).slip
     np.testing.assert_allclose(middle, corners.mean(), rtol=1e-12, atol=1e-14)
@@ -192,32 +192,38 @@ def test_a_run_answers_between_its_nodes_and_frames(name):
 @every_run
 def test_arrivals_zones_and_openings_of_a_run_follow_its_nodes(name):
     run = run_of(name)
-    on = run.touching
-    when = run.arrival(run.x[on])
+    on = run.interface.touching
+    when = run.arrival(run.interface.x[on])
     np.testing.assert_array_equal(when, np.where(np.isnan(run.onset[on]), np.inf, run.onset[on]))
-    senses = [run.arrival(run.x[on], of) for of in ("forward", "reverse")]
+    senses = [run.arrival(run.interface.x[on], of) for of in ("forward", "reverse")]
     assert np.isfinite(senses).any()
-    assert np.isinf(run.arrival(run.x[on], "opening")).all()
+    assert np.isinf(run.arrival(run.interface.x[on], "opening")).all()
     assert run.openings_at(1.2) == ()
-    rate, zones = run.slip_rate[-1], run.zones_at(1.2)
+    rate, zones = run.interface.slip_rate[-1], run.zones_at(1.2)
     assert len(zones) > 0
     assert all(one.end <= two.start for one, two in pairwise(zones))
-    sense = np.where(on & (np.abs(rate) > 1e-6 * np.abs(run.slip_rate[:, on]).max()), rate, 0.0)
+    sense = np.where(
+        on & (np.abs(rate) > 1e-6 * np.abs(run.interface.slip_rate[:, on]).max()), rate, 0.0
+    )
     sense = np.sign(sense)
     pairs = np.flatnonzero((sense[1:] == sense[:-1]) & (sense[1:] != 0))  # one node is no zone
     for node in (*pairs, *(pairs + 1)):
-        (around,) = [one for one in zones if one.start < run.x[node] < one.end]
+        (around,) = [one for one in zones if one.start < run.interface.x[node] < one.end]
         assert around.sense == sense[node]
-    for one in zones if not run.interface.even else zones[-1:]:
-        assert (sense[(run.x > one.start) & (run.x < one.end)] == one.sense).sum() >= 2
+    for one in zones if not run.scene.even else zones[-1:]:
+        assert (
+            sense[(run.interface.x > one.start) & (run.interface.x < one.end)] == one.sense
+        ).sum() >= 2
 
 
 @every_run
 def test_a_run_adds_up_path_and_work_as_its_steps_do(name):
     run = run_of(name)
-    x, end = run.x[run.touching], run.end_time
-    assert (run.path(x, end) >= np.abs(run.slip[-1][run.touching]) * (1 - 1e-9)).all()
-    total = run._weights[run.touching] @ run.work_density(x, end)
+    x, end = run.interface.x[run.interface.touching], run.end_time
+    assert (
+        run.path(x, end) >= np.abs(run.interface.slip[-1][run.interface.touching]) * (1 - 1e-9)
+    ).all()
+    total = run._weights[run.interface.touching] @ run.work_density(x, end)
     assert total == pytest.approx(run.work["friction"], rel=0.03)
 
 
@@ -239,8 +245,8 @@ def test_openings_of_a_run_lie_where_its_gap_is_open():
     face = sf.Interface(UNIT, sf.Coulomb(0.5), 16.0, pressure=1.0, loads=[lift])
     run = sf.solve(face, end_time=0.5, nodes=128, estimate=False)
     (opening,) = run.openings_at(0.5)
-    open_at = run.x[run.gap[-1] > 0]
-    spacing = run.x[1] - run.x[0]
+    open_at = run.interface.x[run.interface.gap[-1] > 0]
+    spacing = run.interface.x[1] - run.interface.x[0]
     assert open_at[0] - 2 * spacing <= opening.start < open_at[0]
     assert open_at[-1] < opening.end <= open_at[-1] + 2 * spacing
-    assert run.arrival(0.0, "opening") <= run.t[1]
+    assert run.arrival(0.0, "opening") <= run.interface.t[1]

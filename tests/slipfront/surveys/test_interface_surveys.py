@@ -72,10 +72,10 @@ def test_points_are_those_of_single_runs(fault):
         assert point.frictional_work == done.work["friction"]
         assert point.largest_slip_rate == done.peak_rates.max() > 0
         assert point.slipped_length == done.slipped_length > 0
-        near = np.interp(1.0, done.x, done.slip_rate[0])
+        near = np.interp(1.0, done.interface.x, done.interface.slip_rate[0])
         assert point.slip_rate.sel(x=-1.0, t=1.0) == pytest.approx(near, rel=1e-12)
         assert np.isnan(point.slip_rate.sel(x=4.0, t=1.0))  # a slot
-        begun = pytest.approx(np.interp(1, done.x, done.onset), nan_ok=True)
+        begun = pytest.approx(np.interp(1, done.interface.x, done.onset), nan_ok=True)
         assert float(point.arrival.sel(x=-1.0)) == begun
     # the narrow patch does not break x = 1
     arrivals = found.arrival.sel(x=-1.0, law_distance=1.2).values
