@@ -44,6 +44,11 @@ class LineAnswer(Questions, Gridded):
         largest = np.abs(known.slip[:, self._on]).max(axis=1, initial=0.0)
         return Totals(known.t, largest, path, work)
 
+    @property
+    def error_estimate(self: Any) -> float:
+        """Estimated relative error of the slip rate; nan without a run on half the nodes."""
+        return float(self.error_estimates.get("slip_rate", np.nan))
+
     def reading(self: Any, x: ArrayLike, t: ArrayLike) -> Reading:
         """Return what happens at x until t, arrivals and fields, each with a bar of its error.
 

@@ -203,6 +203,11 @@ class Interface(Alike):
         return BodyPair(self.material, self.lower_material)
 
     @property
+    def units(self) -> str:
+        """System of units of the numbers, which interfaces do not name."""
+        return ""
+
+    @property
     def impedance(self) -> float:
         """Traction per relative slip rate of plane waves [stress time / length].
 

@@ -108,7 +108,8 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     Returns the limits of x and of the axes, which an earlier picture gives a later one.
     """
     length, time, stress = _units(answer)
-    nodes = getattr(getattr(answer, "interface", None), "x", None)
+    known = getattr(answer, "interface", None)
+    nodes, touching = getattr(known, "x", None), getattr(known, "touching", None)
     waves = _waves(answer)
     reach = 1.05 * max(waves.values()) * end if nodes is None else nodes[-1]
     moving = (*answer.zones_at(end), *answer.openings_at(end))
@@ -116,7 +117,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     start = -reach if any(part.start < 0 for part in moving) else 0.0
     if limits is not None:
         start, reach = limits[0]
-    x = np.linspace(start, reach, _POINTS + 1)[1:]
+    x = np.linspace(start, reach, _POINTS + 1)[1:] if touching is None else known.x[touching]
     panels = np.atleast_1d(axes)
     upper = panels[0]
     rate = answer.slip_rate(x, end)
@@ -131,7 +132,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
         for name in ("shear_traction", "pressure"):
             values = stress[0] * getattr(answer, name)(x, end)
             panels[1].plot(x * length[0], values, label=name.replace("_", " "))
-        if isinstance(answer.scene.friction, float):
+        if isinstance(getattr(answer.scene, "friction", None), float):
             strength = answer.scene.friction * values
             panels[1].plot(x * length[0], strength, ":", color="0.3", label="strength f p")
         panels[1].set_ylabel(_labelled("traction", stress[1]))

@@ -333,6 +333,6 @@ def test_steel_on_rubber_is_resolved_under_its_delay_and_refused_without():
     done = sf.solve(found.interface, end_time=found.end_time, nodes=256)
     assert done.status == "done"
     assert done.error_estimates["slip"] < 0.2
-    sudden = replace(found.scene, law=sf.Coulomb(0.5))
+    sudden = replace(found.interface, law=sf.Coulomb(0.5))
     with pytest.raises(sf.SceneError, match="no friction is too low"):
         sf.solve(sudden, end_time=found.end_time, nodes=256)

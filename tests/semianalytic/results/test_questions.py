@@ -29,8 +29,20 @@ ANSWERS = {
     "patch": lambda: sf.solve("whole-line-patch"),
     "growing load": lambda: sf.solve("growing-load"),
     "march": lambda: sf.solve("ramp", nodes=100),
+    "contacts": lambda: sf.solve(
+        sf.Interface(UNIT, sf.Coulomb(0.3), 8.0, contact=sf.Contact.half_line(), loads=[PUSH]),
+        end_time=1.2,
+        nodes=128,
+    ),
+    "rate-and-state": lambda: sf.solve(
+        sf.Interface(UNIT, SLOWING, 8.0, shear=0.6, loads=[BUMP], rate=1e-6),
+        end_time=1.2,
+        nodes=128,
+    ),
     "simulation": lambda: sf.with_companions(sf.simulate("preloaded", resolution=16)),
 }
+BUMP = sf.InterfaceLoad(sf.Table([-8.0, -0.7, -0.5, 0.5, 0.7, 8.0], [0.0, 0.0, 1.0, 1.0, 0.0, 0.0]))
+SLOWING = sf.RateAndState(0.01, 0.006, 0.6, 1e-6, 1e-3)
 UNIT, BASE, SHEAR = sf.Material(1.0, 1.0, 1 / 3), sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0)
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap", "path", "work_density")
 TOTALS = ("max_slip", "accumulated_slip", "frictional_work")
@@ -104,9 +116,10 @@ def test_what_is_not_known_is_refused_in_one_sentence(name, tmp_path):
                 getattr(one, field)(0.3, 0.2, 0.5)
     travelled = pickle.loads(pickle.dumps(one))
     assert travelled.slip(X, T).tolist() == one.slip(X, T).tolist()
-    if name in ("march", "simulation"):
+    runs = ("contacts", "rate-and-state")
+    if name in ("march", "simulation", *runs):
         one.save(tmp_path / "saved")
-        loaded = sf.load(tmp_path / "saved")
+        loaded = sf.load(tmp_path / "saved", one.scene if name in runs else None)
         assert loaded.slip(X, T).tolist() == one.slip(X, T).tolist()
     else:
         with pytest.raises(sf.SceneError, match=r"save: a \w+ does not know it; solve it again"):
