@@ -74,9 +74,18 @@ def _labelled(what: str, unit: str) -> str:
 
 
 def _map(answer: Any, history: Any, ax: Any) -> Any:
-    """Draw the slip rate over x and t, and the wave fronts that leave the edge at t = 0."""
+    """Draw the slip rate over x and t, and wave fronts: from the edge at t = 0, or from where slip
+    begins on a line."""
     length, time, _ = _units(answer)
     x, t, rate = history.x, history.t, history.slip_rate
+    origin, begin, sign = 0.0, 0.0, 1
+    if (touching := getattr(history, "touching", None)) is not None:
+        x, rate = x[touching], rate[:, touching]
+        onset = np.where(np.isfinite(answer.onset[touching]), answer.onset[touching], np.inf)
+        first = int(onset.argmin())
+        if np.isfinite(onset[first]):
+            origin, begin = x[first], onset[first]
+            sign = 1 if x[-1] - origin >= origin - x[0] else -1
     slips = np.abs(rate[rate != 0])
     most = np.quantile(slips, 0.99) if slips.size else 1.0  # it may be infinite at the edge
     # as many cells as a picture has pixels: levels and nodes may be tens of thousands
@@ -93,9 +102,9 @@ def _map(answer: Any, history: Any, ax: Any) -> Any:
     )
     ax.figure.colorbar(mesh, ax=ax, label="slip rate" + " [m/s]" * (answer.scene.units == SI))
     for name, speed in _waves(answer).items():
-        until = min(t[-1], x[-1] / speed)
-        ax.plot([0.0, speed * until * length[0]], [0.0, until * time[0]], color="0.4", lw=0.8)
-        at = speed * until * length[0], until * time[0]
+        run = min(t[-1] - begin, abs(x[-1 if sign > 0 else 0] - origin) / speed)
+        at = (origin + sign * speed * run) * length[0], (begin + run) * time[0]
+        ax.plot([origin * length[0], at[0]], [begin * time[0], at[1]], color="0.4", lw=0.8)
         side = "right" if "R" in name else "left"  # c_R is close to c_t
         ax.annotate(name, at, xytext=(0, 3), textcoords="offset points", ha=side)
     ax.set(xlabel=_labelled("x", length[1]), ylabel=_labelled("t", time[1]))
