@@ -123,7 +123,8 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
     check_file_size(path)
     with h5py.File(path) as file:
         kind = str(file.attrs.get("format", ""))
-        sets = {name: one for name, one in file.items() if isinstance(one, h5py.Dataset)}
+        fields = file["interface"] if kind.startswith("run of an interface") else file
+        sets = {name: one for name, one in fields.items() if isinstance(one, h5py.Dataset)}
         wanted = _wanted(path, list(sets), options) if not kind.startswith("slipfront") else set()
         check_numbers(path, sum(map(_size, (sets[name] for name in wanted))) or _all_sizes(file))
         arrays = {

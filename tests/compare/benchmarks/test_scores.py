@@ -134,9 +134,9 @@ def run_on(name, words="", instead=""):
     given = replace(sheet, interface=sheet.interface.replace(words, instead))
     nodes = round(sheet.problem.interface.length * 60 / sheet.extent)
     done = run_of(given, nodes, samples=5)
-    rows = {one: done.at(getattr(done, one), sheet.stations) for one in sheet.report}
+    rows = {one: done.at(getattr(done.interface, one), sheet.stations) for one in sheet.report}
     records = [
-        Record(x, done.t, {one: row[:, i] for one, row in rows.items()})
+        Record(x, done.interface.t, {one: row[:, i] for one, row in rows.items()})
         for i, x in enumerate(sheet.stations)
     ]
     return scored(sheet, Records(tuple(records), source="mine"))

@@ -137,9 +137,9 @@ def test_a_file_of_an_interface_takes_a_law_of_a_package_along_x(granite, tmp_pa
     rows = [f"{name} = {value}" for name, value in (law | {"distance": 0.1}).items()]
     (tmp_path / "face.toml").write_text(text + "\n".join(rows))
     done = sf.solve(tmp_path / "face.toml")
-    slip = done.slip[-1]
-    strength = (0.3 + 0.1 * done.x**2) * (1 - 0.5 * slip / (slip + 0.1))
-    np.testing.assert_allclose(done.shear_traction[-1][slip > 0.01], strength[slip > 0.01], 1e-3)
+    slip, shear = done.interface.slip[-1], done.interface.shear_traction[-1]
+    strength = (0.3 + 0.1 * done.interface.x**2) * (1 - 0.5 * slip / (slip + 0.1))
+    np.testing.assert_allclose(shear[slip > 0.01], strength[slip > 0.01], 1e-3)
     assert 0 < np.count_nonzero(slip > 0.01) < 16
 
 
