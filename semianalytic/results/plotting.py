@@ -117,7 +117,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     Returns the limits of x and of the axes, which an earlier picture gives a later one.
     """
     length, time, stress = _units(answer)
-    known = getattr(answer, "interface", None)
+    known: Any = getattr(answer, "interface", None)
     nodes, touching = getattr(known, "x", None), getattr(known, "touching", None)
     waves = _waves(answer)
     reach = 1.05 * max(waves.values()) * end if nodes is None else nodes[-1]

@@ -230,8 +230,9 @@ def test_answers_that_this_package_saves_are_read_whatever_they_are_called(tmp_p
     march = solve("ramp", nodes=32, end_time=0.5, companion=False)
     run = solve("two-slots", nodes=64, end_time=0.5, estimate=False)
     exact = solve("preloaded").to_xarray(X, T)
-    for name, save in {"a.h5": march.save, "b.nc": march.save, "c.npz": run.save, "e.nc": run.to_xarray().to_netcdf,
-                       "f.nc": exact.to_netcdf}.items():  # fmt: skip
+    saves = {"a.h5": march.save, "b.nc": march.save, "c.npz": run.save}
+    saves |= {"e.nc": run.to_xarray().to_netcdf, "f.nc": exact.to_netcdf}
+    for name, save in saves.items():
         save(tmp_path / name)
         (records,) = read_records([tmp_path / name])
         saved = march.interface if name < "c" else run.interface if name < "f" else exact
