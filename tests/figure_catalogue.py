@@ -34,15 +34,7 @@ from compare.output.field_files import record_fields
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from docs.examples.__main__ import EXAMPLES
-from docs.studies.article import __main__ as article
-from docs.studies.article.cases import run_cases
-from docs.studies.dissimilar import __main__ as dissimilar
-from docs.studies.dissimilar.pairs import SCENES as PAIRS
-from docs.studies.pages import DATA, read_data
-from docs.studies.regimes import figures as regimes
-from docs.studies.regimes.__main__ import map_rows, trace
-from docs.studies.stability import __main__ as stability
-from docs.studies.supershear import rupture_figure
+from docs.studies.pages import DATA
 from fem import simulate
 from semianalytic import Gauge, find, fit, solve
 from slipfront.fits.figures import fit_figure
@@ -88,7 +80,7 @@ def _field(name, of):
 
 
 def _field_of_pair():
-    answer = solve(PAIRS["slip and opening"])
+    answer = solve(find("pair-opening"))
     quantity = find_quantity("max-shear", answer.scene)
     return FieldPicture(answer, quantity, reach(answer, 1.0), 40, 1.0).figure
 
@@ -108,87 +100,8 @@ def _validation():
     return validation_figure(validate(data, solution.scene, spacing=0.02))
 
 
-@cache
-def _cases():
-    return run_cases(12)
-
-
-def _slot():
-    return article.slot_figure(
-        [
-            {"mode": mode, "x": x, "simulated": y, "free": 0.9 * y, "held": 0.5 * y}
-            for mode in ("II", "I")
-            for x in np.linspace(-1, 1, 40).tolist()
-            for y in (np.exp(-9 * x**2),)
-        ]
-    )
-
-
 def _chart(name):
     return chart_figure(read_points(DATA / "chart.csv"), name)
-
-
-@cache
-def _regimes():
-    ratios = np.linspace(-0.7, 0.4, len(regimes.REGIMES)).tolist()
-    rows = [
-        {"part": "map", "loading": one, "poisson_ratio": nu, "chi": 1.1 + n / 9, "regime": name}
-        for one in ("preload", "remote")
-        for nu in ratios
-        for n, name in enumerate(regimes.REGIMES)
-    ]
-    rows += [trace(one, nu) for one in ("preload", "remote") for nu in (-0.5, 0.4)]
-    shown = {"preload": [0.05, 0.1, 0.2, 0.4, 0.8], "remote": [1.02, 1.1, 1.2, 1.3]}
-    for one, chi in shown.items():
-        rows += map_rows("fronts", one, 1 / 3, chi)
-    return rows
-
-
-def _growth():
-    """Every sixth point of the quick study."""
-    points = dissimilar.map_points(True)[::6]
-    return dissimilar.growth_figure(
-        [row for part, of, _ in points for row in dissimilar.map_rows(part, of, 3)]
-    )
-
-
-def _ruptures():
-    names = ("strength", "transition", "distance", "speed")
-    rows = [(s, 5 * s if s < 1.4 else np.nan, d) for s in (0.5, 1, 1.5) for d in (2.0, 6.0, 10.0)]
-    return rupture_figure([dict(zip(names, (*row, row[2] / 9), strict=True)) for row in rows])
-
-
-def _viscosity():
-    rows = [
-        {"part": "curves", "poisson_ratio": nu, "viscosity": 10.0**n}
-        | {"nucleation": 0.1 - nu / 10, "closing": 0.3 - nu / 10}
-        for nu in (-0.2, 1 / 3)
-        for n in range(-6, 3)
-    ]
-    rows += [
-        {"part": "map", "viscosity": 10.0**n, "chi": at / 20, "regime": name}
-        for n in (-4, 0)
-        for at, name in enumerate(regimes.REGIMES)
-    ]
-    return regimes.viscosity_figure(rows)
-
-
-def _openings():
-    names = ("part", "poisson_ratio", "sign", "ratio", "inner", "outer")
-    rows = [("map", nu, 1, 10.0**n, 0.0, 1 + nu) for nu in (-0.55, 0.14) for n in (-2, 0)]
-    rows += [
-        ("speeds", 1 / 3, sign, 10.0**n, max(0.0, 0.9 * sign), 0.95)
-        for sign in (1, -1)
-        for n in (-3, -2, -1)
-    ]
-    return regimes.openings_figure([dict(zip(names, row, strict=True)) for row in rows])
-
-
-@cache
-def _rows_of_docs(name):
-    _, rows = read_data(name)
-    numbers = {"parameter", "value", "error"} & rows[0].keys()
-    return [row | {one: float(row[one]) for one in numbers} for row in rows]
 
 
 @cache
@@ -248,32 +161,8 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "compare.validation.figure.validation_figure": _validation,
     "slipfront.fits.figures.fit_figure": _fit,
     **{
-        f"docs.studies.article.figure_{number}": lambda draw=number: getattr(
-            article, f"figure_{draw}"
-        )(_cases())
-        for number in (2, 5, 6)
-    },
-    "docs.studies.article.slot_figure": _slot,
-    **{
         f"compare.chart.figure.chart_figure/{name}": partial(_chart, name)
         for name in ("preloaded", "remote-shock", "auxetic", "ramp")
     },
-    **{
-        f"docs.studies.regimes.figures.{name}": lambda draw=draw: draw(_regimes())
-        for name, draw in regimes.MAPS.items()
-    },
-    "docs.studies.dissimilar.growth_figure": _growth,
-    "docs.studies.supershear.rupture_figure": _ruptures,
-    "docs.studies.regimes.figures.viscosity_figure": _viscosity,
-    "docs.studies.regimes.figures.openings_figure": _openings,
-    **{
-        f"docs.studies.stability.{name}_figure": lambda draw=name: getattr(
-            stability, f"{draw}_figure"
-        )(_rows_of_docs("stability-solver"))
-        for name in ("limits", "thresholds", "grids", "rules")
-    },
-    "docs.studies.stability.march_figure": lambda: stability.march_figure(
-        _rows_of_docs("stability-space-time")
-    ),
     **{f"docs.examples.{name}.main": partial(_example, name) for name in EXAMPLES},
 }

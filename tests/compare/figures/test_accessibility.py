@@ -22,7 +22,6 @@ import compare
 from compare.figures import style
 
 SLOW = {
-    "docs.studies.regimes.figures.regimes_remote",
     "slipfront.fits.figures.fit_figure",
     *(name for name in CATALOGUE if name.startswith("docs.examples.")),
 }
