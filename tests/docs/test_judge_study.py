@@ -1,16 +1,13 @@
 """How far the judge can be trusted: what is made wrong, and what the trial comes to."""
 
-import math
-
 import numpy as np
 import pytest
 from catalogue import solved
 
 from compare.comparison.rows import DIFFERS
 from docs.studies.trials import judge as trial
-from docs.studies.trials.draws import KINDS, STEPS, judged_scene
+from docs.studies.trials.draws import KINDS
 from docs.studies.trials.wrong_answers import profiled
-from semianalytic.cut.load import contact_opens
 from tests.catalogue import over
 
 X = np.linspace(0.01, 2.0, 200)
@@ -21,28 +18,6 @@ def effect(field, wrong, right, x, t):
     expected, given = (np.asarray(getattr(one, field)(x, t[:, None])) for one in (right, wrong))
     size = float(np.abs(expected).sum())
     return float(np.abs(given - expected).sum()) / size if size else 0.0
-
-
-# --- scenes -------------------------------------------------------------------------------------
-
-
-def scenes_of(kind, count):
-    return [judged_scene(kind, np.random.default_rng([1, index])) for index in range(count)]
-
-
-def test_draws_reach_all_kinds_of_step():
-    scenes = scenes_of(STEPS, 60)
-    assert {scene.friction == 0 for scene in scenes} == {True, False}
-    assert {scene.load_on for scene in scenes} == {"slot", "remote"}
-    assert {math.copysign(1, scene.load.shear) for scene in scenes if scene.load.shear} == {1, -1}
-    assert {scene.load.pressure > 0 for scene in scenes} == {True, False}
-    assert not any(contact_opens(scene) for scene in scenes)
-    ratios = [scene.material.poisson_ratio for scene in scenes]
-    assert min(ratios) < -0.5
-    assert max(ratios) > 0.4
-
-
-# --- wrong answers ------------------------------------------------------------------------------
 
 
 @pytest.mark.thinned(12)
@@ -56,9 +31,6 @@ def test_a_profile_is_told_from_its_solution_by_digits_only(problem):
         expected = getattr(right, total)(0.7)
         np.testing.assert_allclose(getattr(table, total)(0.7), expected, rtol=2e-3)
     assert table.zones_at(0.7) == right.zones_at(0.7)
-
-
-# --- what it comes to ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("count", "trials", "limit"), [(0, 59, 0.0495), (1, 93, 0.05), (5, 5, 1)])

@@ -168,14 +168,7 @@ RUNS = {
     "two bodies": lambda: sf.Interface(
         UNIT, sf.Coulomb(0.5), 8.0, loads=[PATCH], lower_material=sf.Material(0.3, 1.0, 0.25)
     ),
-    "rate-and-state": lambda: sf.Interface(
-        UNIT,
-        sf.RateAndState(0.01, 0.006, 0.6, 1e-6, 1e-3),
-        8.0,
-        shear=0.6,
-        loads=[PATCH],
-        rate=1e-6,
-    ),
+    "rate-and-state": lambda: sf.Interface(UNIT, SLOWING, 8.0, shear=0.6, loads=[BUMP], rate=1e-6),
 }
 PATCH = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.6))
 PUSH = sf.InterfaceLoad(0.5, on="slot")
