@@ -1,6 +1,6 @@
 # The public names of slipfront and where they are defined; `semianalytic.names` reads this list.
 
-from compare.comparison.interfaces import *
+from compare.comparison.comparing import compare as compare
 from compare.validation import *
 from fem import *
 from semianalytic import *

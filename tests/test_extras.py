@@ -16,7 +16,7 @@ import fem
 import semianalytic
 import slipfront
 from compare import validation
-from compare.comparison import interfaces
+from compare.comparison import comparing
 from semianalytic import MissingLibraryError
 from semianalytic.scene.extras import (
     CLUSTER,
@@ -59,7 +59,7 @@ for Slim.blocked, line in {lines}:
         code = main(line.split())
     print(json.dumps([code, out.getvalue(), err.getvalue()]))
 """
-SOURCES = (fem, interfaces, validation, fits, loading, surveys, semianalytic)
+SOURCES = (fem, comparing, validation, fits, loading, surveys, semianalytic)
 """Packages from which slipfront takes its public names."""
 MOST = (*FEM, *EXPLORE, *CLUSTER)
 """Left out together: no command needs both finite elements and any of the others."""
