@@ -32,6 +32,10 @@ def slot_rows(case: Case) -> Iterator[Row]:
 
     shown = [within(-run.slot.x, start, reach) for run in case.runs]
     x = [-run.slot.x[here][::-1] for run, here in zip(case.runs, shown, strict=True)]
+    # coarse meshes may have no nodes between edge and reach
+    most = next((n for n, places in enumerate(x) if not len(places)), len(x)) - 1
+    if most < 0:
+        return
     every = [np.ones(len(places), dtype=bool) for places in x]
     moved = [_beside_front(case, places) for places in x[:2]]
     expected = [predict(-places, case.end_time) for places in moved]
@@ -41,7 +45,7 @@ def slot_rows(case: Case) -> Iterator[Row]:
         known = [np.asarray(one[part]) for one in expected]
         both = Compared(x, every, _of_run(faces), known.__getitem__)
         scale = case.rate, "V₀", "V₀ c_t T"
-        row = field_row(case, f"{name} of the slot face", "slot", both, scale)
+        row = field_row(case, f"{name} of the slot face", "slot", both, scale, most=most)
         if row.relative:
             yield replace(row, exact=row.at_nodes)
 

@@ -29,6 +29,8 @@ TOLERANCES = (1e-11, 1e-2)
 """Range of the memory's tolerance: 1e-11 takes 45 poles; 1e-2 is coarser than the grid."""
 SINGLE_SIZE = 4096
 """Nodes up to which the memory has single precision: slip rates change by 5e-6 of themselves."""
+SINGLE_RATES = 1e-20, 1e20
+"""Slip rates [length / time] that single precision, 1e-38 to 3e38, holds with all their sums."""
 
 Progress = Callable[[int, int], object]
 Array = NDArray[np.float64]
@@ -85,7 +87,11 @@ class Walk:
         grid, scene, line = marched.grid, marched.scene, marched.grid.line
         law = scene.law
         impedance = scene.material.shear_impedance / 2
-        self._memory = LineMemory(marched.memory, line.wavenumbers, single=grid.size <= SINGLE_SIZE)
+        # rates of units that are far from 1 would leave the range of single precision
+        sizes = [max(abs(one.pressure), abs(one.shear)) for one in scene.superposition]
+        usual = SINGLE_RATES[0] < max(sizes) / impedance < SINGLE_RATES[1]
+        single = usual and grid.size <= SINGLE_SIZE
+        self._memory = LineMemory(marched.memory, line.wavenumbers, single=single)
         self._memory.put_back(marched.past)
         touching = np.arange(grid.size) >= grid.slot
         self.blocks = EqualSteps(

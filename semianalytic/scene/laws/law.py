@@ -355,7 +355,7 @@ def not_negative(owner: str, **values: Any) -> None:
 def _check(what: str, value: Any, admitted: Any, words: str) -> None:
     if callable(value):
         return
-    if not isinstance(value, np.ndarray):
+    if not isinstance(value, np.ndarray) or value.ndim > 1:  # values at nodes are a row
         checked_number(what, value, words, admitted)
         return
     wrong = ~(np.isfinite(value) & admitted(value))

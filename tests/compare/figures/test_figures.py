@@ -134,7 +134,7 @@ def test_what_is_open_is_shaded_named_and_drawn():
     figures = comparison_figures(case)
     gap, pressure = figures["gap"](case).axes
     assert (gap.get_ylabel()[:3], pressure.get_ylabel()[:8]) == ("gap", "pressure")
-    predicted, seen = gap.get_lines()[-2:]  # at the end
+    seen, predicted = gap.get_lines()[-2:]  # at the end
     assert predicted.get_ydata().max() > 0.1
     np.testing.assert_allclose(
         np.interp(seen.get_xdata(), *predicted.get_data()), seen.get_ydata(), atol=1e-3
