@@ -3,11 +3,15 @@
 import ast
 import json
 import sys
+from collections import Counter
 from functools import cache
 from pathlib import Path
 
 import packages
 import pytest
+
+import slipfront
+from slipfront.cli.commands import COMMANDS
 
 ROOT = Path(__file__).parent.parent
 DESCRIPTION = ("semianalytic.scene", "semianalytic.results", "semianalytic.names")
@@ -295,11 +299,18 @@ def loaded_with(use):
     return json.loads(run.stdout)
 
 
-def test_files_hold_no_numerics():
-    path = ROOT / "semianalytic" / "results" / "files.py"
-    allowed = {"h5py", "semianalytic.scene.errors", "semianalytic.scene.extras"}
-    for name in imported_modules(path):
-        assert name in allowed or name.split(".")[0] in sys.stdlib_module_names, name
+def test_each_name_stands_for_one_thing():
+    """No class name stands twice, and a user meets at most 70 names and 15 commands."""
+    classes = Counter(
+        node.name
+        for package in PACKAGES
+        for path in sources(package)
+        for node in ast.walk(parsed(path.read_text()))
+        if isinstance(node, ast.ClassDef)
+    )
+    assert [name for name, count in classes.items() if count > 1] == []
+    assert len({*slipfront.__all__} - {"__version__"}) <= 70
+    assert len(COMMANDS) <= 15
 
 
 def test_product_needs_numpy_and_scipy_only():

@@ -58,7 +58,6 @@ REFUSED = {
         ("solve preloadd", "preloaded"),
         ("solve", "SCENE is missing; 'slipfront solve --help' describes it."),
         ("solve preloaded --load-shear 1e999", "--load-shear must be a finite number, got '1e"),
-        ("simulate ramp --memory much", "--memory must be a number."),
         ("solve preloaded --friction", "requires an argument; see 'slipfront "),
         ("--lgo info scenes", "slipfront has no option --lgo; did you mean --log?"),
         (
@@ -66,7 +65,6 @@ REFUSED = {
             "riction must be positive",
         ),
         ("docs docs/limit.md", "did you mean limits?"),
-        ("init --units cgs", "--units must be SI"),
         ("solve stuck --figure interface", "give both"),
         # waves at an angle and moving loads
         ("solve moving-load --load-speed 1e-9", "slower than 0.0001 of the shear wave"),
@@ -76,7 +74,6 @@ REFUSED = {
         ("solve whole-line-patch --load-on remote", "says itself where it acts"),
         ("solve whole-line-patch --method magic", "--method must be one of auto"),
         ("solve whole-line-patch --nodes 100", "is for the space-time solver; leave it out"),
-        ("solve whole-line-patch --end-time -1", "end-time must be positive"),
         ("simulate whole-line-patch", "slipfront solve"),
         # two different bodies: what knows identical bodies only says what can
         ("compare two.toml --method space-time", "march them as an interface"),
@@ -97,7 +94,6 @@ REFUSED = {
             "two different bodies are solved exactly",
         ),
         ("survey two.toml --vary lower_material.dense=1,2", "did you mean lower_density?"),
-        ("solve preloaded --lower-poisson-ratio 0.5", "--lower-poisson-ratio must lie strictly"),
         ("sliding --upper 1,1,0.25 --lower 1,1,0.5 --friction 0.3", "poisson_ratio must lie"),
     ],
     "solve preloaded": [
@@ -111,17 +107,13 @@ REFUSED = {
     ],
     "field preloaded": [
         ("--of szz", "--of must be one of speed, pressure"),
-        ("--time 0", "--time must be positive"),
         ("--window 1,1,0,1", "--window must be four numbers"),
-        ("--points 1", "--points must be a whole number from 2"),
-        ("--animate=-1", "--animate must be a whole number"),
         ("--format avi", "--format must be one of gif, mp4"),
         ("--grid 3,3", "--grid needs --vtu"),
         ("--format mp4", "--format is that of --animate; give both"),
         ("--samples 5", "--samples are those of --gauge; give both"),
         ("--vtu --grid 3,x", "--grid must be two whole numbers"),
         ("--gauge 1", "--gauge must be two numbers"),
-        ("--samples 1", "--samples must be a whole number"),
         ("--thickness 1", "--of fringes"),
         ("--of fringes --thickness 1", "give both."),
         ("--of fringes --thickness 1 --stress-optical 0", "--stress-optical must be positive"),
