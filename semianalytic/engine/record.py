@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from semianalytic.engine.result import FIELDS, Run
 from semianalytic.engine.stepping.acting import times_of_loads
 from semianalytic.engine.stepping.state import RunCheckpoint, State
 from semianalytic.engine.stepping.steps import Stepper
+from semianalytic.memory.line_memory import Past
 from semianalytic.results.questions import onsets_until
 from semianalytic.scene.errors import DataFileError, SceneError
 
@@ -129,17 +130,34 @@ class RunRecord:
         return tuple(shown)
 
 
-def checkpoint(stepper: Stepper, record: RunRecord, now: State, latest: float) -> RunCheckpoint:
+class Kept(NamedTuple):
+    """A state of a run, the memories of slip and opening then, and the steps so far."""
+
+    state: State
+    past: Past
+    opening: Past | None
+    steps: int
+
+
+def kept_at(stepper: Stepper, record: RunRecord, now: State) -> Kept:
+    """Return what a run goes on from at a state."""
+    opening = None if stepper.unilateral is None else stepper.unilateral.memory.past()
+    return Kept(now, stepper.memory.past(), opening, record.count)
+
+
+def checkpoint(
+    stepper: Stepper, record: RunRecord, kept: Kept, end: State, latest: float
+) -> RunCheckpoint:
     """Return everything that `resumed` needs to continue a run until a latest time."""
-    opening = stepper.unilateral
     return RunCheckpoint(
-        now,
-        stepper.memory.past(),
-        None if opening is None else opening.memory.past(),
+        kept.state,
+        end,
+        kept.past,
+        kept.opening,
         stepper.memory.horizon,
         fingerprint(stepper, latest),
         record.every,
-        record.count,
+        kept.steps,
         record.slipping,
         latest,
     )
@@ -188,14 +206,15 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) 
             "run: `go_on` is a run of another interface, grid or step; continue it with its own "
             "interface, `nodes` and `step_ratio`."
         )
-    if kept.state.time >= end_time:
-        raise SceneError(f"run: `end_time` must be beyond that of `go_on`, {kept.state.time:.6g}.")
+    if kept.end.time >= end_time:
+        raise SceneError(f"run: `end_time` must be beyond that of `go_on`, {kept.end.time:.6g}.")
     if record.slipping != kept.slipping:
         raise SceneError(
             f"run: slip began beyond {kept.slipping:.6g} in the run that `go_on` "
             "continues; leave out `slipping`, or give the same."
         )
-    gone = [one for one in record.times or () if one <= earlier.end_time]
+    since = kept.state.time
+    gone = [one for one in record.times or () if one <= since]
     times = earlier.interface.t
     lost = [one for one in gone if not np.isclose(one, times, rtol=1e-12, atol=0.0).any()]
     if lost:
@@ -215,13 +234,18 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) 
     record.t = list(earlier.interface.t)
     for name in FIELDS:
         record.fields[name] = list(getattr(earlier.interface, name))
-    if record.times is None and record.count % record.every and record.t[-1] == kept.state.time:
-        # This frame was recorded only because the earlier run ended there.
-        record.t.pop()
+    cut = record.times is None and record.count % record.every and record.t[-1] == since
+    again = list[float]()
+    while cut or record.t[-1] > since:
+        # Frames of a step that is taken anew, or recorded only because the earlier run ended there.
+        cut = False
+        again.append(record.t.pop())
         for name in FIELDS:
             record.fields[name].pop()
-    elif record.times is not None:
-        record.times = [one for one in record.times if one > earlier.end_time]
-    record.onset = earlier.onset.copy()
-    record.step_times, record.peak_rates = list(earlier.step_times), list(earlier.peak_rates)
+    if record.times is not None:
+        record.times = sorted({*again, *(one for one in record.times if one > since)})
+    record.onset = np.where(earlier.onset > since, np.nan, earlier.onset)
+    steps = int((earlier.step_times <= since).sum())
+    record.step_times = earlier.step_times[:steps].tolist()
+    record.peak_rates = earlier.peak_rates[:steps].tolist()
     return kept.state

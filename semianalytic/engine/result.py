@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
-FORMAT = "run of an interface 10"
+FORMAT = "run of an interface 11"
 FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
@@ -181,7 +181,7 @@ class Run(LineAnswer):
         strength x length / 2 per area that has parted.
         """
         weights = self._weights
-        state = self.checkpoint.state
+        state = self.checkpoint.end
         kept = {"friction": state.work, "closing": state.closing}
         return {name: float(weights @ value) for name, value in kept.items()}
 

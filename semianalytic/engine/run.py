@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.convergence import more_nodes, order_seen
 from semianalytic.engine.estimate import deciding, estimated, too_short, unresolved
-from semianalytic.engine.record import RunRecord, checkpoint, resumed
+from semianalytic.engine.record import Kept, RunRecord, checkpoint, kept_at, resumed
 from semianalytic.engine.result import LineFields, Run
 from semianalytic.engine.stepping.advance import advanced
 from semianalytic.engine.stepping.line import fitting_nodes
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
+from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import MOST_NODES, NODES, STEP_RATIO
 from semianalytic.interface.files import InterfaceFile
@@ -87,9 +88,9 @@ def run(
     estimate : bool
         Whether to compute the second run, on which the error estimates rest.
     go_on : Run, optional
-        A run of the same interface to continue.  After an interruption the result is the same to
-        the last bit as that of a run which was not interrupted; after an end time, whose last step
-        was cut to end there, to rounding.
+        A run of the same interface to continue.  The result is the same to the last bit as that of
+        a run which was not interrupted; after an end time, the last step, which was cut to end
+        there, is taken anew.
     latest : float, optional
         Time up to which `go_on` may continue this run [time]; the end time by default.  The memory
         is made for it.
@@ -253,7 +254,7 @@ def _one(
         record.begin(now)
     else:
         now = resumed(stepper, record, go_on, end_time)
-        if now.time in interface.jumps:
+        if now.time in interface.jumps and now.time == go_on.end_time:
             # the earlier run ended with the values before the jump
             now = stepper.jump(now)
     stops = [at for at in interface.jumps if now.time < at < end_time] + [end_time]
@@ -262,14 +263,23 @@ def _one(
         told = progress is not None and progress(time, end_time)
         return bool(options["interruption"].pressed or told)
 
+    kept: Kept | None = None
+
+    def keep(state: State) -> None:
+        nonlocal kept
+        kept = kept_at(stepper, record, state)
+
     stopped = False
     while stops and not stopped:
-        now, stopped = advanced(stepper, now, stops[0], record.add, asked)
+        last = keep if len(stops) == 1 else None
+        now, stopped = advanced(stepper, now, stops[0], record.add, asked, last)
         if now.time >= stops[0]:
             stopped = stopped and len(stops) > 1
             stops.pop(0)
             if stops:
                 now = stepper.jump(now)
+    if stopped or kept is None:
+        kept = kept_at(stepper, record, now)
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
     most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])
@@ -291,5 +301,5 @@ def _one(
         step_times=np.array(record.step_times),
         peak_rates=np.array(record.peak_rates),
         status=status,
-        checkpoint=checkpoint(stepper, record, now, latest),
+        checkpoint=checkpoint(stepper, record, kept, now, latest),
     )

@@ -42,7 +42,7 @@ def interface_row(described: InterfaceFile, question: Question) -> dict[str, Any
     touching = done.interface.touching
     row: dict[str, Any] = {
         "end_time": done.end_time,
-        "largest_slip": float(np.abs(done.checkpoint.state.slip[touching]).max(initial=0.0)),
+        "largest_slip": float(np.abs(done.checkpoint.end.slip[touching]).max(initial=0.0)),
         "largest_slip_rate": float(done.peak_rates.max()),
         "time_of_largest_slip_rate": float(done.step_times[done.peak_rates.argmax()]),
         "onset": float(done.onset[begun].min()) if begun.any() else np.nan,

@@ -53,15 +53,17 @@ class RunCheckpoint:
     Attributes
     ----------
     state : State
+        Where it goes on from: its end, or the state before a last step that was cut to end there.
+    end : State
         The state at its end.
     past, opening : Past
-        Memories of slip, and of opening where the interface may open.
+        Memories of slip, and of opening where the interface may open, at the time of `state`.
     horizon : float
         Largest q c_t t of these memories.
     fingerprint : str
         Digest of what the run depends on until `latest`.
     every, count : int
-        Steps per stored level, and steps so far.
+        Steps per stored level, and steps until the time of `state`.
     slipping : float
         |slip rate| beyond which slip has begun [length / time].
     latest : float
@@ -69,6 +71,7 @@ class RunCheckpoint:
     """
 
     state: State
+    end: State
     past: Past
     opening: Past | None
     horizon: float

@@ -22,6 +22,11 @@ def weakening_fault():
     return sf.Interface(rock, law, 16.0, 5e6, 3e6, rate=1e-6, plate_rate=1e-6, held=32.0, even=True)
 
 
+def jumping():
+    patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1), history=sf.Pulse(2.0, "rectangle"))
+    return sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=[patch])
+
+
 def opening_fault(size=-3.0):
     """A burst of tension opens it, and it closes again within 3."""
     load = sf.InterfaceLoad(
@@ -71,6 +76,7 @@ def assert_same(one, other):
     for name in FIELDS:
         first, second = getattr(one.interface, name), getattr(other.interface, name)
         assert np.array_equal(first, second, equal_nan=True), name
+    assert np.array_equal(one.onset, other.onset, equal_nan=True)
     assert np.array_equal(one.step_times, other.step_times)
     assert one.work == other.work
 
@@ -125,17 +131,16 @@ def test_what_a_fault_has_gone_through_is_gone_on_with(fault, end, stop, under_w
     assert_same(run(fault, end, go_on=sf.Run.load(tmp_path / "a.h5", fault), **options), whole)
 
 
-def test_a_run_continues_at_a_jump_and_says_how_far_its_memory_reaches():
-    patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1), history=sf.Pulse(2.0, "rectangle"))
-    face = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=[patch])
-    begun = run(face, 2.0, 128, latest=4.0, estimate=False)
-    whole, resumed = (
-        run(face, 4.0, 128, estimate=False, **given) for given in ({}, {"go_on": begun})
-    )
-    assert np.array_equal(whole.interface.slip, resumed.interface.slip)
-    assert np.array_equal(whole.interface.slip_rate, resumed.interface.slip_rate)
-    with pytest.raises(sf.SceneError, match=r"reaches t = 4; compute it again with `latest` = 200"):
-        run(face, 200.0, 128, go_on=begun)
+@pytest.mark.parametrize("until", [2.0, 0.7357, 2.01])
+@pytest.mark.parametrize("fault", [jumping(), opening_fault(), weakening_fault(), glued_fault()])
+def test_a_run_goes_on_after_an_end_time_to_the_last_bit(fault, until, tmp_path):
+    """At a jump, between two steps, and between a jump and the first step after it."""
+    options = {"nodes": 128, "estimate": False, "every": 3}
+    whole, begun = run(fault, 4.0, **options), run(fault, until, latest=4.0, **options)
+    begun.save(tmp_path / "a.h5")
+    begun = sf.Run.load(tmp_path / "a.h5", fault)
+    assert begun.end_time == until
+    assert_same(run(fault, 4.0, go_on=begun, **options), whole)
 
 
 @pytest.mark.parametrize(
@@ -169,6 +174,9 @@ def test_what_an_earlier_run_has_not_kept_is_not_asked_of_it():
         run(fault, 0.02, 32, go_on=part, times=[0.002, 0.02])
     with pytest.raises(sf.SceneError, match=r"slip began beyond 0\.001 in the run"):
         run(fault, 0.02, 32, go_on=part, slipping=1e-2)
+    part = run(jumping(), 2.0, 128, latest=4.0, estimate=False)
+    with pytest.raises(sf.SceneError, match=r"reaches t = 4; compute it again with `latest` = 200"):
+        run(jumping(), 200.0, 128, go_on=part)
 
 
 def test_what_is_done_is_kept_after_ctrl_c():

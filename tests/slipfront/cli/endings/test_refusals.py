@@ -48,9 +48,7 @@ REFUSED = {
         ("solve harmonic --nodes 20", "raise --nodes to "),
         ("solve harmonic --step-ratio 0.9", "--step-ratio is beyond the stable range"),
         ("solve ramp --nodes 100 --memory 1e-6", "lower --nodes, --end-time or --latest"),
-        ("solve ramp --method sideways", "--method must be one of"),
         ("simulate harmonic --resolution 20", "raise --resolution from 20 to at least 36"),
-        ("simulate ramp --step-ratio 9", "--step-ratio must be above 0"),
         ("compare ramp --memory 0.1 --resolution 100", "lower --resolution to"),
         # what cannot be read, and what was meant
         ("solve preloaded --frction 1", "--friction"),
@@ -111,7 +109,6 @@ REFUSED = {
         ("--format mp4", "--format is that of --animate; give both"),
         ("--samples 5", "--samples are those of --gauge; give both"),
         ("--vtu --grid 3,x", "--grid must be two whole numbers"),
-        ("--gauge 1", "--gauge must be two numbers"),
         ("--thickness 1", "--of fringes"),
         ("--of fringes --thickness 1", "give both."),
         ("--of fringes --thickness 1 --stress-optical 0", "--stress-optical must be positive"),
@@ -139,10 +136,8 @@ REFUSED = {
     ],
     "validate slip.csv --scene preloaded": [
         ("--scale mass=2", "nothing called 'mass' to scale"),
-        ("--scale length", "--scale must be a name and a unit or number"),
         ("--scale length=2 --length-unit mm", "given twice"),
         ("--length-unit psi", "--length-unit must be a unit of length such as mm, got 'psi'"),
-        ("--noise slip", "--noise must be a name and a number"),
         ("--slip double", "--slip must be one of relative, half, face"),
         ("--spacing 1mm", "--spacing has a unit, but the scene"),
     ],
