@@ -12,13 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.elements.assembly import (
-    IN_PLANE,
-    OUT_OF_PLANE,
-    X,
-    Y,
-    Z,
-)
+from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, X, Y, Z
 from fem.elements.edge import edge_offset
 from fem.elements.families import Family, find_family
 from fem.patch import PATCH, highest_of_patch
@@ -27,10 +21,7 @@ from fem.settings import Settings
 from fem.stepping import critical_step
 from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
-from semianalytic.scene.checks import (
-    checked_size,
-    shown,
-)
+from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from semianalytic.scene.checks import (
-    check_fields,
-    checked_count,
-    checked_size,
-)
+from semianalytic.scene.checks import check_fields, checked_count, checked_size
 from semianalytic.scene.errors import SceneError
 
 LEAST_RESOLUTION = 8

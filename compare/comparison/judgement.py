@@ -12,12 +12,7 @@ from compare.comparison.fields.errors import FieldErrors, field_errors
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.edge_rows import opening_rows, zone_rows
 from compare.comparison.quantities.field_rows import field_rows
-from compare.comparison.quantities.history_rows import (
-    cycle_rows,
-    event_rows,
-    map_rows,
-    sense_rows,
-)
+from compare.comparison.quantities.history_rows import cycle_rows, event_rows, map_rows, sense_rows
 from compare.comparison.quantities.local_rows import local_rows
 from compare.comparison.quantities.own_rows import check_finite, own_rows
 from compare.comparison.quantities.profile_rows import (

@@ -12,25 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.bars import (
-    LEAST_ORDER,
-    SAFETY,
-    ErrorBar,
-    error_bar,
-    slowest_bar,
-)
+from compare.comparison.bars import LEAST_ORDER, SAFETY, ErrorBar, error_bar, slowest_bar
 from compare.comparison.case import Case
 from compare.comparison.measures import NOTHING, within
-from compare.comparison.rows import (
-    AGREES,
-    AWAY,
-    BASIC,
-    BEYOND,
-    DIFFERS,
-    TELLING,
-    UNRESOLVED,
-    Row,
-)
+from compare.comparison.rows import AGREES, AWAY, BASIC, BEYOND, DIFFERS, TELLING, UNRESOLVED, Row
 from semianalytic.results.answer import Answer
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated

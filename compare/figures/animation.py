@@ -10,6 +10,7 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from compare.figures.fields import FieldPicture
 from semianalytic.results.files import new_file
+from semianalytic.results.plotting import write_frames
 from semianalytic.scene.errors import ComputationError, MissingLibraryError
 
 PER_SECOND = 15
@@ -59,13 +60,7 @@ def write_animation(
     with new_file(path, suffix=path.suffix) as part:
         writer = WRITERS[path.suffix[1:]](fps=PER_SECOND)
         try:
-            writer.setup(picture.figure, part, dpi=100)
-            for number, time in enumerate(times, start=1):
-                picture.show(time)
-                writer.grab_frame()
-                if progress is not None:
-                    progress(number, len(times))
-            writer.finish()
+            write_frames(part, picture.figure, picture.show, times, writer, progress)
         except (CalledProcessError, BrokenPipeError) as error:
             raise ComputationError(
                 f"ffmpeg could not write {path}; look whether it works, or take the format gif."

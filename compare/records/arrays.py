@@ -16,11 +16,7 @@ import numpy as np
 from compare.records.names import known_columns, no_columns
 from compare.records.options import ReadingOptions
 from compare.records.record import QUANTITIES, Array, Records
-from compare.records.stations import (
-    joined_faces,
-    stations_of_grid,
-    stations_of_rows,
-)
+from compare.records.stations import joined_faces, stations_of_grid, stations_of_rows
 from semianalytic.results.interface_history import FORMAT as HISTORY
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError

@@ -11,12 +11,7 @@ from compare.records.record import QUANTITIES, Unit
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.columns import split_heading
-from semianalytic.scene.tables.units import (
-    DIMENSIONS,
-    EXAMPLES,
-    known_size,
-    names_no_unit,
-)
+from semianalytic.scene.tables.units import DIMENSIONS, EXAMPLES, known_size, names_no_unit
 
 FACES = {
     "slip_rate": ("velocity_upper", "velocity_lower"),

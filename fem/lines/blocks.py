@@ -13,14 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.elements.assembly import (
-    IN_PLANE,
-    OUT_OF_PLANE,
-    STIFFNESS,
-    Y,
-    lumped_mass,
-    make_space,
-)
+from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Y, lumped_mass, make_space
 from fem.elements.families import FAMILIES
 from fem.lines.line import Line
 from fem.patch import PATCH, highest_of_patch

@@ -21,11 +21,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.halfplane.edge_factors import (
-    edge_offset_and_factors,
-    exponential,
-    log_factor,
-)
+from semianalytic.halfplane.edge_factors import edge_offset_and_factors, exponential, log_factor
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -1,4 +1,4 @@
-"""What the exact solver takes of scenes of two different solids, and how these may differ."""
+"""Scenes of two different solids that the exact solver takes, and how the solids may differ."""
 
 from __future__ import annotations
 

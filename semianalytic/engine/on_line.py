@@ -1,4 +1,4 @@
-"""What is asked of a run along a line: places of either sign, on the parts of its contact."""
+"""Questions to a run along a line: places of either sign, on the parts of its contact."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from semianalytic.results.questions import (
     Finder,
     Interval,
     Questions,
+    added_up,
     between,
     check_times,
     onsets,
@@ -30,6 +31,9 @@ from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
 
+MOST_OFF = 0.1
+"""Largest error of the work of stored levels, over that of all steps, with which they add up."""
+
 
 class LineAnswer(Questions, Gridded):
     """Questions to a `Run` about any place of the contact and any time until its end."""
@@ -38,11 +42,40 @@ class LineAnswer(Questions, Gridded):
 
     @cached_property
     def totals(self: Any) -> Totals:
-        """Totals of the contact at the stored times."""
-        known, weights = self.interface, self._weights[self._on]
+        """Totals of the contact at the stored times; raises as `path` does."""
+        weights = self._weights[self._on]
         path, work = (sums[:, self._on] @ weights for sums in self._sums)
-        largest = np.abs(known.slip[:, self._on]).max(axis=1, initial=0.0)
-        return Totals(known.t, largest, path, work)
+        return Totals(self.interface.t, self._largest, path, work)
+
+    @property
+    def _largest(self: Any) -> Array:
+        """Largest |slip| of the contact at the stored times, (m,)."""
+        return np.asarray(np.abs(self.interface.slip[:, self._on]).max(axis=1, initial=0.0))
+
+    def max_slip(self: Any, t: ArrayLike) -> Array:
+        """Return the largest |slip| on the contact at times t [length]; errors as for `slip`."""
+        t = np.asarray(t, dtype=float)
+        check_times(t, self.interface.t)
+        return np.asarray(np.interp(t, self.interface.t, self._largest))
+
+    @cached_property
+    def _sums(self: Any) -> tuple[Array, Array]:
+        """Sums from one stored level to the next; refused if their work is not that of all steps.
+
+        Frames at a few `times` may have passed over most of the slip and its return.
+        """
+        path, work = added_up(self.interface)
+        exact, t, weights = self.work["friction"], self.interface.t, self._weights[self._on]
+        off = abs(float(work[-1, self._on] @ weights) - exact)
+        # slip of rounding errors does the work of none
+        stress = np.abs(self.interface.shear_traction[:, self._on]).max(initial=0.0)
+        none = 1e-9 * stress**2 * self.end_time / self.scene.impedance * weights.sum()
+        if t[0] > 0 or t[-1] < self.end_time or off > MOST_OFF * exact + none:
+            raise SceneError(
+                "path, work_density: the stored times are too few to add up path and work; leave "
+                "out `times`, or lower `every`. The attribute `work` has the work of all steps."
+            )
+        return path, work
 
     @property
     def error_estimate(self: Any) -> float:

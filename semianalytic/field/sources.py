@@ -11,14 +11,7 @@ import numpy as np
 
 from semianalytic.field import tuning
 from semianalytic.field.transform import Centre, Transform
-from semianalytic.field.waves import (
-    SHEAR,
-    Complex,
-    Slowness,
-    densities,
-    plane_wave,
-    reflected_wave,
-)
+from semianalytic.field.waves import SHEAR, Complex, Slowness, densities, plane_wave, reflected_wave
 from semianalytic.halfplane.rayleigh import Array, Mode
 
 

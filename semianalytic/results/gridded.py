@@ -106,11 +106,17 @@ class Gridded:
         material, units = self.scene.material, self.scene.units
         end = getattr(self, "end_time", 1 / material.shear_speed)
         facts = (
-            ("largest slip", self.max_slip(end), "length"),
-            ("accumulated slip over the contact", self.accumulated_slip(end), "length^2"),
-            ("frictional work over the contact", self.frictional_work(end), "stress length^2"),
+            ("largest slip", self.max_slip, "length"),
+            ("accumulated slip over the contact", self.accumulated_slip, "length^2"),
+            ("frictional work over the contact", self.frictional_work, "stress length^2"),
         )
-        rows = [(name, f"{float(value):.6g}", unit(of, units)) for name, value, of in facts]
+        rows = []
+        for name, total, of in facts:
+            try:
+                value = f"{float(total(end)):.6g}"
+            except SceneError:  # what was stored does not tell it
+                value = "unknown"
+            rows.append((name, value, unit(of, units)))
         return html_table(repr(self).strip("<>"), (f"at t = {end:.4g}", "value", "unit"), rows)
 
     def history(self: ContactFields, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -44,18 +45,39 @@ def animated(answer: Any, path: str | PathLike[str], times: ArrayLike | None) ->
     shown = np.linspace(end / 40, end, 40) if times is None else np.atleast_1d(times)
     figure, axes = pyplot.subplots(2, sharex=True, layout="constrained")
     limits = _profile(answer, axes, float(np.max(shown)))
+
+    def show(t: float) -> None:
+        for one in axes:
+            one.clear()
+        _profile(answer, axes, t, limits)
+
     try:
         with new_file(path, suffix=path.suffix) as part:
-            writer = PillowWriter(fps=10)
-            writer.setup(figure, part, dpi=100)
-            for t in shown:
-                for one in axes:
-                    one.clear()
-                _profile(answer, axes, float(t), limits)
-                writer.grab_frame()
-            writer.finish()
+            write_frames(part, figure, show, shown.tolist(), PillowWriter(fps=10))
     finally:
         pyplot.close(figure)
+
+
+def write_frames(
+    path: Path,
+    figure: Any,
+    show: Callable[[float], object],
+    times: Sequence[float],
+    writer: Any,
+    progress: Callable[[int, int], object] | None = None,
+) -> None:
+    """Write a figure at several times as an animation.
+
+    `show` draws a time, `writer` is one of matplotlib, and `progress` is called with (frame,
+    frames) after each.
+    """
+    writer.setup(figure, path, dpi=100)
+    for number, time in enumerate(times, start=1):
+        show(time)
+        writer.grab_frame()
+        if progress is not None:
+            progress(number, len(times))
+    writer.finish()
 
 
 def _end(answer: Any) -> float:

@@ -1,4 +1,4 @@
-"""What is asked of answers that were recorded, about places and times between the samples."""
+"""Questions to answers that were recorded, about places and times between the samples."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from semianalytic.scene.given.arguments import asked_in_units
 Array = NDArray[np.float64]
 Interval = TypeVar("Interval", SlipInterval, OpenInterval)
 Finder = Callable[[Array, Array], tuple[Interval, ...]]
-"""What finds intervals of x (n,) from values (n,) at these places."""
+"""Function that finds intervals of x (n,) from values (n,) at these places."""
 
 ROUNDING = 1e-9
 """Relative amount by which a time or position may exceed the last one."""
@@ -96,12 +96,8 @@ class Questions:
 
     @cached_property
     def _sums(self: Any) -> tuple[Array, Array]:
-        """|slip| and work of friction that add up from one stored level to the next, (m, n)."""
-        slip, shear = self._seen.slip, np.abs(self._seen.shear_traction)
-        steps, none = np.abs(np.diff(slip, axis=0)), np.zeros((1, slip.shape[1]))
-        work = np.vstack([none, steps * (shear[1:] + shear[:-1]) / 2])
-        path = np.abs(slip[:1]) + np.cumsum(np.vstack([none, steps]), axis=0)
-        return path, np.cumsum(work, axis=0)
+        """Path and work of friction that the stored levels add up to, (m, n)."""
+        return added_up(self._seen)
 
     def arrival(self: Any, x: ArrayLike, of: str = "slip") -> Array:
         """Return the first time at which the sides slip, or come apart, at x [time].
@@ -216,6 +212,15 @@ class Sampled(Protocol):
     def slip_rate(self) -> Array: ...
     @property
     def gap(self) -> Array: ...
+
+
+def added_up(seen: Any) -> tuple[Array, Array]:
+    """Return |slip| and work of friction that add up from one level to the next, (m, n) each."""
+    slip, shear = seen.slip, np.abs(seen.shear_traction)
+    steps, none = np.abs(np.diff(slip, axis=0)), np.zeros((1, slip.shape[1]))
+    work = np.vstack([none, steps * (shear[1:] + shear[:-1]) / 2])
+    path = np.abs(slip[:1]) + np.cumsum(np.vstack([none, steps]), axis=0)
+    return path, np.cumsum(work, axis=0)
 
 
 def onsets(seen: Sampled, of: str, share: float = ONSET_SHARE) -> Array:

@@ -14,15 +14,9 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.slot_faces import SlotFaces
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
-from semianalytic.results.answer import (
-    checked_arrival,
-)
+from semianalytic.results.answer import checked_arrival
 from semianalytic.results.gridded import AnswerInBodies
-from semianalytic.results.reading import (
-    Reading,
-    first_times,
-    self_similar_reading,
-)
+from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.arguments import asked_in_units

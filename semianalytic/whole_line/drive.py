@@ -1,4 +1,4 @@
-"""What drives slip, or opening, of bodies that touch along a whole line."""
+"""The part of a load that drives slip, or opening, of bodies in contact along a whole line."""
 
 from __future__ import annotations
 

@@ -19,14 +19,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import in_units_of
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import PARAMETERS, SI, InSI, measure
-from slipfront.cli.scenes.completion import (
-    LOADED,
-    MESH_NAMES,
-    METHODS,
-    MODES,
-    one_of,
-    scene_names,
-)
+from slipfront.cli.scenes.completion import LOADED, MESH_NAMES, METHODS, MODES, one_of, scene_names
 
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
 """Units of time on the command line, in seconds."""

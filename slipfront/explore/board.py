@@ -10,10 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from bokeh.model import Model
-from bokeh.models import (
-    ColumnDataSource,
-    Range1d,
-)
+from bokeh.models import ColumnDataSource, Range1d
 
 FILLED, ROOM = 0.6, 0.04
 """Least share of an axis that values must fill, and the margin beside them at first."""

@@ -10,13 +10,7 @@ from semianalytic import Marched, Scene, Solution, Tractions, solve
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from slipfront.explore.views import (
-    DISPLACEMENT,
-    SPEED,
-    FieldView,
-    end_time,
-    field_view,
-)
+from slipfront.explore.views import DISPLACEMENT, SPEED, FieldView, end_time, field_view
 
 Progress = Callable[[int, int], object]
 

@@ -6,10 +6,7 @@ from compare.comparison.scales import reference_values
 from semianalytic import Marched, Scene
 from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
 from semianalytic.scene.units import unit
-from slipfront.explore.views import (
-    Shown,
-    end_time,
-)
+from slipfront.explore.views import Shown, end_time
 
 
 def readings(answer: Shown) -> list[list[str]]:

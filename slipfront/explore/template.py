@@ -10,10 +10,7 @@ from bokeh.server.views.static_handler import StaticHandler
 from jinja2 import Environment, Template
 
 from semianalytic.scene.given.named import NAMED_SCENES
-from slipfront.explore.controls import (
-    defaults,
-    query_of,
-)
+from slipfront.explore.controls import defaults, query_of
 
 
 @cache

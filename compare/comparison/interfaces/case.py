@@ -68,10 +68,10 @@ class LineCase(Case):
     under rate-and-state friction was 1.0 to 1.2 bars off; with half of this value bars are twice as
     long."""
     local = 4.0
-    """Of the places of 36 drawn interfaces none was beyond 3.4 times what coarser meshes let expect
-    without this; with half of this value one in three had a place that is not known to be right."""
+    """No place of 36 drawn interfaces was beyond 3.4 times what coarser meshes let expect without
+    this; with half of this value one in three had a place that is not known to be right."""
     beside_motion = 3.0
-    """Of 20 drawn pairs of bodies five had a place beside an end of slip that was 1.01 to 1.8 bars
+    """Five of 20 drawn pairs of bodies had a place near an end of slip that was 1.01 to 1.8 bars
     off without this."""
 
     @property

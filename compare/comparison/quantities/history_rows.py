@@ -12,13 +12,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
 from compare.comparison.case import Case, beyond_edge, too_narrow
-from compare.comparison.judging import (
-    Compared,
-    field_row,
-    judged,
-    rate_bar,
-    value_row,
-)
+from compare.comparison.judging import Compared, field_row, judged, rate_bar, value_row
 from compare.comparison.measures import (
     NARROW,
     NOTHING,

@@ -15,15 +15,7 @@ from typing import Any
 from compare.output.files import write_text
 from compare.output.tables import write_rows
 from docs.studies.schema.answers import DOCUMENTS
-from docs.studies.schema.vocabulary import (
-    DEFINITIONS,
-    TEXT,
-    UNITS,
-    Key,
-    Schema,
-    list_of,
-    object_of,
-)
+from docs.studies.schema.vocabulary import DEFINITIONS, TEXT, UNITS, Key, Schema, list_of, object_of
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 COMMAND = "python -m docs.studies.schema"

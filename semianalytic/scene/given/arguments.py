@@ -41,7 +41,7 @@ _TYPES: Mapping[str, _Check] = {
     **dict.fromkeys(("Path", "str | Path", "str | PathLike[str]"), _PATH),
     "Progress": (callable, "a function"),
 }
-"""What arguments of an annotation have to be, and its name."""
+"""Condition that arguments of an annotation fulfil, and its name in messages."""
 _CLASSES = (
     *("Material", "Scene", "Marched", "Simulation", "Interface", "Conventions", "Setup"),
     *("OneZone", "AlgorithmReading", "Solution"),

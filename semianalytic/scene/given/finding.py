@@ -11,12 +11,7 @@ from pathlib import Path
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.arguments import Function, taking_quantities
-from semianalytic.scene.given.files import (
-    INTERFACE_HINT,
-    INTERFACE_KEY,
-    read_document,
-    read_scene,
-)
+from semianalytic.scene.given.files import INTERFACE_HINT, INTERFACE_KEY, read_document, read_scene
 from semianalytic.scene.given.named import INTERFACES, NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Scene

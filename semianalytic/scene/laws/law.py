@@ -29,7 +29,7 @@ _FOLLOWING = (
     "fall_with_rate",
     "weakening",
 )
-"""What follows from the strength of a law."""
+"""Methods whose defaults follow from the strength of a law."""
 
 
 class Law(Alike, ABC):

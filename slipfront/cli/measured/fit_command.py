@@ -35,14 +35,7 @@ from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown
-from slipfront.cli.options import (
-    SCENE_OPTIONS,
-    AsJson,
-    Quiet,
-    asked,
-    option_name,
-    with_options,
-)
+from slipfront.cli.options import SCENE_OPTIONS, AsJson, Quiet, asked, option_name, with_options
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.fits.data import gauges_and_notes
 from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence

@@ -10,11 +10,7 @@ from typing import Any
 import numpy as np
 from rich.markup import escape
 
-from compare.comparison.documents import (
-    POINT_DIMENSIONS,
-    points_document,
-    units_document,
-)
+from compare.comparison.documents import POINT_DIMENSIONS, points_document, units_document
 from compare.output.printed import PrintedTable
 from semianalytic import SceneError
 from semianalytic.results.answer import FIELDS

@@ -29,6 +29,7 @@ ANSWERS = {
     "patch": lambda: sf.solve("whole-line-patch"),
     "growing load": lambda: sf.solve("growing-load"),
     "march": lambda: sf.solve("ramp", nodes=100),
+    "no load": lambda: sf.solve(sf.Interface(UNIT, sf.Coulomb(0.5), 8.0), end_time=1.2, nodes=128),
     "contacts": lambda: sf.solve(
         sf.Interface(UNIT, sf.Coulomb(0.3), 8.0, contact=sf.Contact.half_line(), loads=[PUSH]),
         end_time=1.2,
@@ -116,7 +117,7 @@ def test_what_is_not_known_is_refused_in_one_sentence(name, tmp_path):
                 getattr(one, field)(0.3, 0.2, 0.5)
     travelled = pickle.loads(pickle.dumps(one))
     assert travelled.slip(X, T).tolist() == one.slip(X, T).tolist()
-    runs = ("contacts", "rate-and-state")
+    runs = ("no load", "contacts", "rate-and-state")
     if name in ("march", "simulation", *runs):
         one.save(tmp_path / "saved")
         loaded = sf.load(tmp_path / "saved", one.scene if name in runs else None)
@@ -244,6 +245,12 @@ def test_what_a_run_does_not_know_it_refuses_in_one_sentence():
             ask()
     with pytest.raises(sf.SceneError, match="of must be one of"):
         run.arrival(2.0, "else")
+    few = sf.solve(RUNS["patch"](), end_time=1.2, nodes=128, estimate=False, times=[0.6, 1.2])
+    assert few.max_slip(1.2) == run_of("patch").max_slip(1.2)
+    assert few._repr_html_().count("unknown") == 2
+    for ask in (few.path, few.work_density, lambda _, t: few.frictional_work(t)):
+        with pytest.raises(sf.SceneError, match="stored times are too few"):
+            ask(0.1, 1.2)
 
 
 def test_openings_of_a_run_lie_where_its_gap_is_open():
