@@ -88,7 +88,7 @@ def compare_interfaces(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """March and simulate an interface with settings of `compare_interface`, and judge both.
+    """March and simulate an interface with settings of `compare`, and judge both.
 
     All rows are written to a folder if one is given.
 
@@ -99,13 +99,10 @@ def compare_interfaces(
     """
     found = _found(source, settings)
     require("slipfront compare", *FEM)
-    from compare.comparison.interfaces.comparing import compare_interface
+    from compare.comparison.comparing import compare
 
-    settings = {"end_time": found.end_time, **found.options, **settings}
     with progress_bar(Console(stderr=True), quiet or as_json, "simulating") as show:
-        judgement = compare_interface(
-            found.interface, **settings, mesh_nodes=mesh_nodes, progress=show
-        )
+        judgement = compare(found, **settings, mesh_nodes=mesh_nodes, progress=show)
     case: Any = judgement.case
     done = case.run
     meshes = [
