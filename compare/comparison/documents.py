@@ -126,7 +126,7 @@ def units_document(document: Any, dimensions: Any, scene: Any) -> Any:
     document : dict, list or number
     dimensions : Dimensions, str or callable
         A callable returns them for the scene.
-    scene : Scene or InterfaceFile
+    scene : Scene
         Problem whose units are used.
     """
     if callable(dimensions):

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.halfplane.families import rayleigh_family
-from semianalytic.interface.files import InterfaceFile
 from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
@@ -162,8 +161,7 @@ def attributes(plan: SurveyPlan, command: str) -> dict[str, Any]:
         "title": f"slipfront survey of {plan.count} points",
         "source": f"slipfront {version('slipfront')}",
         "scene": json.dumps(plan.document),
-        "rtol": plan.question.rtol
-        or (0.0 if isinstance(plan.scene, InterfaceFile) else DEFAULT_RTOL),
+        "rtol": plan.question.rtol or (0.0 if plan.scene.on_line else DEFAULT_RTOL),
         "command": command,
         "survey": plan.digest,
     }

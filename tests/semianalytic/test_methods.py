@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from catalogue import under
+from semianalytic.interface.named import NAMED_INTERFACES
 
 import slipfront as sf
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.methods import METHODS, chosen
 from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.given.finding import names

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from semianalytic.interface.named import find_interface
 
 import semianalytic as sf
 from compare.comparison.interfaces import comparing
 from compare.comparison.interfaces.comparing import compare_interface, judge_interface
-from semianalytic.interface.named import find_interface
+from docs.studies.lines import scene_along
 from semianalytic.scene.errors import DataFileError, SceneError
 from slipfront.cli.commands import main
 
@@ -19,7 +20,7 @@ def push(x, t):
     return 0.2 * np.clip((0.3 * t - abs(x)) / 0.4 + 0.5, 0, 1)
 
 
-FAULT = sf.Interface(
+FAULT = scene_along(
     ROCK,
     sf.Coulomb(0.4),
     12.0,
@@ -72,7 +73,7 @@ def test_slots_openings_and_halves_agree():
         pressure=lambda x, t: -2 * np.exp(-4 * x**2) * min(2 * t, 1), history=None
     )
     pair, slotted, lifted = (
-        sf.Interface(solid, sf.Coulomb(0.3), 12.0, **given)
+        scene_along(solid, sf.Coulomb(0.3), 12.0, **given)
         for given in (
             {
                 "loads": [sf.InterfaceLoad(1.0, on="slot")],
@@ -176,7 +177,7 @@ def test_values_that_are_not_finite_are_refused(judged, field, value):
 def test_contacts_that_stick_are_decided_by_their_tractions(contact):
     load = sf.InterfaceLoad(lambda x: 0.3 * np.exp(-(x**2) / 0.3))
     where = {} if contact is None else {"contact": contact}
-    face = sf.Interface(ROCK, sf.Coulomb(0.9), 10.0, shear=0.05, loads=[load], **where)
+    face = scene_along(ROCK, sf.Coulomb(0.9), 10.0, shear=0.05, loads=[load], **where)
     judged = compare_interface(face, 1.0, mesh_nodes=None if contact else 128)
     assert judged.prediction.status == "done"
     assert judged.verdict == "agrees"
@@ -197,7 +198,7 @@ def test_contacts_that_stick_are_decided_by_their_tractions(contact):
 def test_rate_and_state_friction_agrees():
     law = sf.RateAndState(a=0.02, b=0.03, f0=0.6, v0=1e-3, distance=0.2)
     load = sf.InterfaceLoad(lambda x: 0.5 * np.exp(-(x**2)), history=lambda t: min(t, 1.0))
-    fault = sf.Interface(ROCK, law, 12.0, shear=0.55, rate=1e-6, loads=[load])
+    fault = scene_along(ROCK, law, 12.0, shear=0.55, rate=1e-6, loads=[load])
     judged = compare_interface(fault, 2.0, 128)
     assert {row.verdict for row in judged.rows} == {"agrees"}
     assert judged.rows[0].difference < 0.02

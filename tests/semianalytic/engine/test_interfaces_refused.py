@@ -7,7 +7,8 @@ import pytest
 
 import semianalytic as sf
 from compare.comparison.interfaces.comparing import line_of
-from semianalytic.interface.fields import Expression
+from docs.studies.lines import scene_along
+from semianalytic.scene.line.fields import Expression
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
 CREEPING = {
@@ -22,7 +23,7 @@ LATE = sf.InterfaceLoad(lambda x, t: 0.1 * (x > 1) * (t > 0.3), history=None)
 
 def face(**changes):
     """A sound interface of unit material but for what is changed."""
-    return sf.Interface(**{"material": UNIT, "law": sf.Coulomb(0.3), "length": 16.0} | changes)
+    return scene_along(**{"material": UNIT, "law": sf.Coulomb(0.3), "length": 16.0} | changes)
 
 
 def under_history(text):

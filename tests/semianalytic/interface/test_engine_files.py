@@ -4,11 +4,12 @@ import os
 
 import numpy as np
 import pytest
+from semianalytic.interface.named import NAMED_INTERFACES, find_interface
 
 import semianalytic as sf
-from semianalytic.interface.fields import Expression
-from semianalytic.interface.named import NAMED_INTERFACES, find_interface
+from docs.studies.lines import scene_along
 from semianalytic.parameters.numbers import numbers_of, with_numbers
+from semianalytic.scene.line.fields import Expression
 from slipfront.cli.commands import main
 
 MATERIAL = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
@@ -68,7 +69,7 @@ def folder(tmp_path, monkeypatch):
 def test_a_file_and_the_same_in_python(folder):
     found = sf.find("a.toml")
     done = sf.solve(found.interface, end_time=found.end_time, estimate=False, **found.options)
-    same = sf.Interface(
+    same = scene_along(
         sf.Material(1.0, 1.0, 0.25),
         sf.SlipWeakening(lambda x: 0.5 + 0.1 * np.cos(np.pi * x / 4), 0.2, 4.0),
         8.0,

@@ -8,9 +8,10 @@ import pytest
 from catalogue import PRELOADED, unit_scene
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic import Gauge, LogNormal, Normal, SceneError, Setup, Uniform, fit, solve
 from semianalytic.inversion.gauges import FIELDS, INTERFACE
-from semianalytic.inversion.interfaces import RecordedRun, TrialInterface, recorded
+from semianalytic.inversion.on_line import RecordedRun, TrialInterface, recorded
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import MATERIAL, SETUP, UNKNOWNS, Unknowns
@@ -205,7 +206,7 @@ SOLID = sf.Material(1.0, 1.0, 0.25)
 def fault(dynamic=0.2):
     load = sf.InterfaceLoad(lambda x: 1.2 * np.exp(-(x**2)), sf.Ramp(1.0))
     law = sf.SlipWeakening(0.6, dynamic, 1.0)
-    return sf.Interface(SOLID, law, 12.0, shear=0.3, loads=[load], even=True)
+    return scene_along(SOLID, law, 12.0, shear=0.3, loads=[load], even=True)
 
 
 def gauges(run, noise, quantity="slip"):

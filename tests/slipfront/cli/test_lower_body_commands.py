@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import slipfront as sf
+from docs.studies.lines import scene_along
 from fem.results import load_simulation
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli import solve_command
@@ -31,7 +32,7 @@ shear = 1.0
 """
 UPPER, LOWER = sf.Material(1.0, 1.0, 0.25), sf.Material(4.0, 2.0, 0.4)
 PAIR = sf.Scene(UPPER, 0.3, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0), lower_material=LOWER)
-RUNNING = sf.Interface(
+RUNNING = scene_along(
     UPPER,
     sf.Coulomb(0.3),
     8.0,

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.parameters.numbers import numbers_of, with_numbers
 from slipfront.surveys.run import survey
 
@@ -89,7 +90,7 @@ def test_an_interrupted_survey_of_functions_goes_on(tmp_path):
 
     def fault(height):
         load = sf.InterfaceLoad(lambda x: height * np.exp(-(x**2)))
-        return sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.5), 8.0, loads=[load])
+        return scene_along(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.5), 8.0, loads=[load])
 
     calls = []
 
